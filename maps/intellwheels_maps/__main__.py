@@ -1,0 +1,101 @@
+"""The maps on the command line: what is shipped, is a file right, how does a floor look."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+from lxml import etree
+
+from intellwheels_maps import floor, names, robot, scene
+from intellwheels_maps.draw import draw
+from intellwheels_maps.hospital import hospital
+from intellwheels_schemas.codec import encode_xml
+from intellwheels_schemas.errors import WireError
+from intellwheels_schemas.messages import Record
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run one command and return the exit code: 0 done, 1 a file is wrong; wrong usage exits with 2."""
+    parsed = _parser().parse_args(arguments)
+    try:
+        return int(parsed.run(parsed))
+    except WireError as error:
+        print(error.text, file=sys.stderr)
+        return 1
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(prog="python -m intellwheels_maps", description=__doc__)
+    commands = parser.add_subparsers(required=True, metavar="COMMAND")
+
+    listing = commands.add_parser("list", help="print the shipped floors, robots and scenes")
+    listing.set_defaults(run=_list)
+
+    checking = commands.add_parser("check", help="say whether a floor, robot or scene file is right, and where not")
+    checking.add_argument("file", metavar="FILE", type=Path)
+    checking.set_defaults(run=_check)
+
+    drawing = commands.add_parser("draw", help="draw a floor's plan as SVG")
+    drawing.add_argument("floor", metavar="FLOOR", help="a shipped floor's name, a path, or hospital")
+    drawing.add_argument("file", metavar="FILE.svg", type=Path, help="where to write the plan")
+    drawing.set_defaults(run=_draw)
+
+    making = commands.add_parser("hospital", help="print a floor of 120 rooms, made from a seed, as XML")
+    making.add_argument("--seed", metavar="N", type=int, default=1, help="default: %(default)s")
+    making.set_defaults(run=_hospital)
+    return parser
+
+
+def _list(_: argparse.Namespace) -> int:
+    for shelf in ("floors", "robots", "scenes"):
+        print(f"{shelf}: {' '.join(names(shelf))}")  # type: ignore[arg-type]  # a loop widens the words
+    return 0
+
+
+def _check(parsed: argparse.Namespace) -> int:
+    root = _root(parsed.file)
+    if root == "Map":
+        floor(parsed.file)
+    elif root == "Robot":
+        robot(parsed.file)
+    elif root == "Scene":
+        scene(parsed.file)
+    else:
+        raise WireError("field", f"{parsed.file}: expected the root Map, Robot or Scene, got {root}", str(parsed.file))
+    print(f"{parsed.file}: a valid {root}")
+    return 0
+
+
+def _root(file: Path) -> str:
+    try:
+        for _, element in etree.iterparse(str(file), events=("start",), resolve_entities=False, no_network=True):
+            return str(element.tag)
+    except OSError as error:
+        raise WireError("value", f"{file}: expected a readable file, got {error.strerror}", str(file)) from error
+    except etree.XMLSyntaxError as error:
+        raise WireError("malformed", f"{file}:{error.lineno}: {error.msg}", str(file)) from error
+    raise WireError("malformed", f"{file}: expected an XML document, got none", str(file))
+
+
+def _draw(parsed: argparse.Namespace) -> int:
+    document = hospital() if parsed.floor == "hospital" else floor(parsed.floor)
+    parsed.file.write_text(draw(document), encoding="utf-8")
+    return 0
+
+
+def _hospital(parsed: argparse.Namespace) -> int:
+    print(_indented(hospital(parsed.seed)), end="")
+    return 0
+
+
+def _indented(document: Record) -> str:
+    root = etree.fromstring(encode_xml(document))
+    etree.indent(root)
+    return etree.tostring(root, encoding="unicode") + "\n"
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,125 @@
+"""A floor as a plan in SVG. Pure: a Map in, text out; metres are the drawing's own units.
+
+SVG's y grows downwards, the floor's upwards: every y is turned round on the way out, in one place.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+from typing import TypeAlias
+from xml.sax.saxutils import escape
+
+from intellwheels_maps.check import wall_pieces
+from intellwheels_schemas.messages import Corner, Doorway, Map, Place, Zone
+
+Point: TypeAlias = tuple[float, float]
+
+_MARGIN = 0.6  # m around the walls
+_PIXELS_A_METRE = 40
+# An SVG of a whole hospital stays under this many pixels across.
+_LARGEST = 4000
+_STYLE = """
+.zone{fill:#eef3f8;stroke:none}
+.zone-title{fill:#5a6b7b;font-size:0.32px;text-anchor:middle}
+.wall{fill:#30363d;stroke:#30363d;stroke-width:0.005}
+.obstacle{fill:#d9b98a;stroke:#8a6a3a;stroke-width:0.02}
+.overhead{fill:#d9b98a;fill-opacity:0.45;stroke:#8a6a3a;stroke-width:0.02;stroke-dasharray:0.06 0.04}
+.doorway{stroke:#2a8f5b;stroke-width:0.05;fill:none}
+.place{stroke:#c0392b;stroke-width:0.03;fill:#ffffff}
+.other{stroke:#3a5fc0;stroke-width:0.03;fill:#ffffff}
+.name{fill:#30363d;font-size:0.18px}
+.scale{stroke:#30363d;stroke-width:0.03}
+"""
+
+
+def draw(document: Map) -> str:
+    """Return the plan of a floor as an SVG document.
+
+    Zones with their titles lie below obstacles, doorways (a line and an arrow through) and walls; a place is a
+    ring with a stroke along its heading, red where a wheelchair may start, blue elsewhere. What hangs above the floor is dashed.
+    """
+    pieces = [piece for wall in document.wall for piece in wall_pieces(wall)]
+    obstacles = [(obstacle, _points(obstacle.corner)) for obstacle in document.obstacle]
+    zones = [(zone, _points(zone.corner)) for zone in document.zone]
+    places = document.grid.position if document.grid else ()
+    shapes = [*pieces, *(ring for _, ring in obstacles), *(ring for _, ring in zones)]
+    west, south, east, north = _bounds([*shapes, [(place.x, place.y) for place in places]])
+    # One line below for the scale.
+    south -= 0.5
+    across, up = east - west, north - south
+    scale = min(_PIXELS_A_METRE, _LARGEST / max(across, up))
+    lines = [
+        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="{_n(west)} {_n(-north)} {_n(across)} {_n(up)}"'
+        f' width="{round(across * scale)}" height="{round(up * scale)}" font-family="sans-serif">',
+        f"<title>{escape(document.title or document.name)}</title>",
+        f"<style>{_STYLE}</style>",
+        f'<rect x="{_n(west)}" y="{_n(-north)}" width="{_n(across)}" height="{_n(up)}" fill="#ffffff"/>',
+        *(_polygon("zone", ring) for _, ring in zones),
+        *(
+            _polygon("overhead" if obstacle.bottom > 0 else "obstacle", ring, obstacle.name)
+            for obstacle, ring in obstacles
+        ),
+        *(_polygon("wall", piece) for piece in pieces),
+        *(_zone_title(zone, ring) for zone, ring in zones),
+        *(_doorway(doorway) for doorway in document.doorway),
+        *(_place(place) for place in places),
+        _metre(west + _MARGIN, south + 0.3),
+        "</svg>",
+    ]
+    return "\n".join(lines) + "\n"
+
+
+def _n(value: float) -> str:
+    return f"{value:.4g}" if abs(value) < 10 else f"{value:.6g}"
+
+
+def _points(corners: Iterable[Corner]) -> list[Point]:
+    return [(corner.x, corner.y) for corner in corners]
+
+
+def _bounds(shapes: Iterable[Sequence[Point]]) -> tuple[float, float, float, float]:
+    points = [point for shape in shapes for point in shape] or [(0.0, 0.0)]
+    xs, ys = [x for x, _ in points], [y for _, y in points]
+    return min(xs) - _MARGIN, min(ys) - _MARGIN, max(xs) + _MARGIN, max(ys) + _MARGIN
+
+
+def _polygon(kind: str, ring: Sequence[Point], title: str | None = None) -> str:
+    points = " ".join(f"{_n(x)},{_n(-y)}" for x, y in ring)
+    inner = f"<title>{escape(title)}</title>" if title else ""
+    return f'<polygon class="{kind}" points="{points}">{inner}</polygon>'
+
+
+def _text(kind: str, x: float, y: float, text: str) -> str:
+    return f'<text class="{kind}" x="{_n(x)}" y="{_n(-y)}">{escape(text)}</text>'
+
+
+def _line(kind: str, x0: float, y0: float, x1: float, y1: float) -> str:
+    return f'<line class="{kind}" x1="{_n(x0)}" y1="{_n(-y0)}" x2="{_n(x1)}" y2="{_n(-y1)}"/>'
+
+
+def _zone_title(zone: Zone, ring: Sequence[Point]) -> str:
+    # Near the top edge, where beds and places rarely are.
+    middle = (min(x for x, _ in ring) + max(x for x, _ in ring)) / 2
+    return _text("zone-title", middle, max(y for _, y in ring) - 0.4, zone.title or zone.name)
+
+
+def _doorway(doorway: Doorway) -> str:
+    heading = math.radians(doorway.heading_deg)
+    cos, sin, half = math.cos(heading), math.sin(heading), doorway.width / 2
+    x, y = doorway.x, doorway.y
+    across = _line("doorway", x - half * sin, y + half * cos, x + half * sin, y - half * cos)
+    through = _line("doorway", x, y, x + 0.3 * cos, y + 0.3 * sin)
+    return f"<g><title>{escape(doorway.name)}</title>{across}{through}</g>"
+
+
+def _place(place: Place) -> str:
+    heading = math.radians(place.heading_deg)
+    kind = "place" if not place.kinds or "wheelchair" in place.kinds else "other"
+    ring = f'<circle class="{kind}" cx="{_n(place.x)}" cy="{_n(-place.y)}" r="0.12"/>'
+    stroke = _line(kind, place.x, place.y, place.x + 0.35 * math.cos(heading), place.y + 0.35 * math.sin(heading))
+    return ring + stroke + _text("name", place.x + 0.16, place.y + 0.14, place.name)
+
+
+def _metre(x: float, y: float) -> str:
+    return _line("scale", x, y, x + 1.0, y) + _text("name", x + 1.1, y - 0.06, "1 m")

@@ -1,0 +1,131 @@
+"""Files by name or by path. The only file of this package that reads any.
+
+A plain word is a shipped file's name; what holds a `/` or ends in `.xml` is a path. What is returned has passed
+its schema and its checks; what has not is a `WireError` that names file, line and what was expected.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Sequence
+from importlib.resources import files
+from importlib.resources.abc import Traversable
+from pathlib import Path
+from typing import Literal, TypeAlias, TypeVar, get_args
+
+from lxml import etree
+
+from intellwheels_maps.check import Finding, check_map, check_robot, check_scene
+from intellwheels_schemas.codec import read_file
+from intellwheels_schemas.errors import WireError
+from intellwheels_schemas.messages import Map, Record, Robot, Scene
+
+Shelf: TypeAlias = Literal["floors", "robots", "scenes"]
+
+_Document = TypeVar("_Document", bound=Record)
+_STEP = re.compile(r"(\w+)(?:\[(\d+)\])?")
+
+
+def names(shelf: Shelf) -> list[str]:
+    """Return the names of the shipped files of a shelf, sorted.
+
+    Raises:
+        ValueError: There is no such shelf.
+    """
+    if shelf not in get_args(Shelf):
+        raise ValueError(f"expected a shelf ({', '.join(get_args(Shelf))}), got {shelf!r}")
+    return sorted(entry.name[:-4] for entry in _shelf(shelf).iterdir() if entry.name.endswith(".xml"))
+
+
+def floor(name_or_path: str | Path, *, beside: Path | None = None) -> Map:
+    """Return a floor.
+
+    Args:
+        name_or_path: The name of a shipped floor, or a path.
+        beside: The folder relative paths start from; default: the working directory.
+
+    Raises:
+        WireError: There is no such floor, or its file is wrong.
+    """
+    return _load(Map, _find("floors", name_or_path, beside), check_map)
+
+
+def robot(name_or_path: str | Path, *, beside: Path | None = None) -> Robot:
+    """Return a robot document, without the name, role, instance and place that joining adds.
+
+    Args:
+        name_or_path: The name of a shipped robot, or a path.
+        beside: The folder relative paths start from; default: the working directory.
+
+    Raises:
+        WireError: There is no such robot, or its file is wrong.
+    """
+    return _load(Robot, _find("robots", name_or_path, beside), check_robot)
+
+
+def scene(name_or_path: str | Path, *, beside: Path | None = None) -> Scene:
+    """Return a scene whose floor, robots and places are all there. Minds are the agents' business.
+
+    Args:
+        name_or_path: The name of a shipped scene, or a path. Paths in a scene start from its own folder.
+        beside: The folder relative paths start from; default: the working directory.
+
+    Raises:
+        WireError: There is no such scene, or its file or one that it names is wrong.
+    """
+    file = _find("scenes", name_or_path, beside)
+    folder = file.parent if isinstance(file, Path) else None
+
+    def check(document: Scene) -> list[Finding]:
+        findings = check_scene(document, floor(document.map, beside=folder))
+        for index, cast in enumerate(document.cast):
+            try:
+                robot(cast.robot, beside=folder)
+            except WireError as error:
+                findings.append(Finding(f"Scene.Cast[{index}]", f"agent {cast.name!r}: {error.text}"))
+        return findings
+
+    return _load(Scene, file, check)
+
+
+def _shelf(shelf: Shelf) -> Traversable:
+    return files("intellwheels_maps").joinpath(shelf)
+
+
+def _find(shelf: Shelf, name_or_path: str | Path, beside: Path | None) -> Path | Traversable:
+    text = str(name_or_path)
+    if isinstance(name_or_path, Path) or "/" in text or text.endswith(".xml"):
+        path = (beside or Path()) / text
+        if not path.is_file():
+            raise WireError("value", f"{path}: expected a file, got none", str(path))
+        return path
+    known = names(shelf)
+    if text not in known:
+        expected = f"expected one of the {shelf} ({', '.join(known)}) or a path ending in .xml"
+        raise WireError("value", f"{expected}, got {text!r}", shelf)
+    return _shelf(shelf).joinpath(f"{text}.xml")
+
+
+def _load(
+    kind: type[_Document], file: Path | Traversable, check: Callable[[_Document], Sequence[Finding]]
+) -> _Document:
+    document = read_file(kind, file)
+    findings = check(document)
+    if findings:
+        data = file.read_bytes()
+        sentences = [f"{file}:{_line(data, finding.element)}: {finding.text}" for finding in findings]
+        raise WireError("value", "\n".join(sentences), sentences[0].split(": ")[0])
+    return document
+
+
+def _line(data: bytes, element: str) -> int:
+    """Return the line of an element given by its path, of the nearest that is there if it is not."""
+    node = etree.fromstring(data, etree.XMLParser(resolve_entities=False, no_network=True, load_dtd=False))
+    for step in element.split(".")[1:]:
+        match = _STEP.fullmatch(step)
+        children = node.findall(match[1]) if match else []
+        index = int(match[2] or 0) if match else 0
+        if index >= len(children):
+            break
+        node = children[index]
+    return int(node.sourceline or 1)

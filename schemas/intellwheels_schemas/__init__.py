@@ -1,0 +1,1 @@
+"""The contract: messages, names, keys, codecs and the link. Any room may import it; it imports none."""

@@ -1,0 +1,85 @@
+"""Where compiled kernels are kept. Chosen in code, before numba is imported.
+
+The folder's name carries a digest of every kernel's source: numba renews a cached function
+when its own file changes, not when a function it calls in another file does.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import sys
+import tempfile
+from importlib import resources
+from importlib.resources.abc import Traversable
+from pathlib import Path
+
+_VARIABLE = "NUMBA_CACHE_DIR"
+
+
+def choose() -> Path:
+    """Return the folder in which numba keeps compiled kernels, and make numba use it.
+
+    The first that can be written of: what `NUMBA_CACHE_DIR` names, the user's cache folder,
+    a folder of this user under the system's temporary folder, a new temporary folder.
+    """
+    wanted = os.environ.get(_VARIABLE)
+    folder = Path(wanted) if wanted else _first_writable()
+    os.environ[_VARIABLE] = str(folder)
+    loaded = sys.modules.get("numba")
+    if loaded is not None:  # imported by the user's program before us
+        loaded.config.CACHE_DIR = str(folder)
+    return folder
+
+
+def is_cold(folder: Path) -> bool:
+    """Return whether no kernel has been compiled into `folder` yet."""
+    return next(folder.rglob("*.nbc"), None) is None
+
+
+def source_digest() -> str:
+    """Return 12 hex digits that change with any kernel's source."""
+    digest = hashlib.blake2b(digest_size=6)
+    for file in sorted(_kernel_files(), key=lambda file: file.name):
+        digest.update(file.name.encode())
+        digest.update(file.read_bytes())
+    return digest.hexdigest()
+
+
+def _kernel_files() -> list[Traversable]:
+    package = resources.files("intellwheels_server").joinpath("kernels")
+    return [file for file in package.iterdir() if file.name.endswith(".py")]
+
+
+def _first_writable() -> Path:
+    name = f"kernels-{source_digest()}"
+    for parent in _candidates():
+        folder = parent / name
+        if _usable(folder):
+            return folder
+    return Path(tempfile.mkdtemp(prefix="intellwheels-"))
+
+
+def _candidates() -> list[Path]:
+    base = os.environ.get("XDG_CACHE_HOME")
+    places = [Path(base) / "intellwheels"] if base else []
+    home = os.environ.get("HOME")
+    if home:
+        places.append(Path(home) / ".cache" / "intellwheels")
+    places.append(Path(tempfile.gettempdir()) / f"intellwheels-{os.getuid()}")
+    return places
+
+
+def _usable(folder: Path) -> bool:
+    """Return whether `folder` is there, ours alone to write, and takes a file.
+
+    Cached kernels are machine code: a folder that another user could have made is not used.
+    """
+    try:
+        folder.mkdir(mode=0o700, parents=True, exist_ok=True)
+        if folder.stat().st_uid != os.getuid():
+            return False
+        with tempfile.TemporaryFile(dir=folder):
+            return True
+    except OSError:
+        return False
