@@ -59,6 +59,7 @@ Heading = Annotated[
 ]
 Degrees = Annotated[float, Meta(ge=-360.0, le=360.0, description="anticlockwise from x", extra=_unit("deg"))]
 Cone = Annotated[float, Meta(gt=0.0, le=360.0, description="the full angle", extra=_unit("deg"))]
+StepDegrees = Annotated[float, Meta(ge=0.0, le=90.0, description="quantisation step; 0: none", extra=_unit("deg"))]
 NoiseDegrees = Annotated[float, Meta(ge=0.0, le=180.0, description="standard deviation", extra=_unit("deg"))]
 Share = Annotated[float, Meta(ge=0.0, le=1.0, description="a share", extra=_unit("1"))]
 Inertia = Annotated[

@@ -11,13 +11,16 @@ sample is stored, so that rate and latency need no state but the stored samples.
 from __future__ import annotations
 
 import math
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numba import njit
 
 from intellwheels_server.kernels.elementary import sincos
 from intellwheels_server.kernels.wedge import box_in_wedge, polygon_in_wedge
-from intellwheels_server.walls import Walls
+
+if TYPE_CHECKING:
+    from intellwheels_server.walls import Walls
 
 # Columns of a timetable, int64[M, TIMETABLE_COLUMNS], one row a sensor.
 BODY = 0
@@ -183,6 +186,8 @@ def sense_proximity(
         timetable: int64[M, TIMETABLE_COLUMNS].
         samples: float64[...], written: a sensor's status and distance in metres (0 without OK).
     """
+    if station_rows.shape[0] == 0:
+        return
     boxes, extents = _place_boxes(bodies, parts, part_start)
     count = bodies.shape[1]
 
