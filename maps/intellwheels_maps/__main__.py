@@ -7,14 +7,12 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-from lxml import etree
-
 from intellwheels_maps import floor, names, robot, scene
 from intellwheels_maps.draw import draw
 from intellwheels_maps.hospital import hospital
-from intellwheels_schemas.codec import encode_xml
+from intellwheels_schemas.elements import parse
 from intellwheels_schemas.errors import WireError
-from intellwheels_schemas.messages import Record
+from intellwheels_schemas.files import write_file
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -51,7 +49,7 @@ def _parser() -> argparse.ArgumentParser:
 
 def _list(_: argparse.Namespace) -> int:
     for shelf in ("floors", "robots", "scenes"):
-        print(f"{shelf}: {' '.join(names(shelf))}")  # type: ignore[arg-type]  # a loop widens the words
+        print(f"{shelf}: {' '.join(names(shelf))}")
     return 0
 
 
@@ -71,13 +69,10 @@ def _check(parsed: argparse.Namespace) -> int:
 
 def _root(file: Path) -> str:
     try:
-        for _, element in etree.iterparse(str(file), events=("start",), resolve_entities=False, no_network=True):
-            return str(element.tag)
+        data = file.read_bytes()
     except OSError as error:
         raise WireError("value", f"{file}: expected a readable file, got {error.strerror}", str(file)) from error
-    except etree.XMLSyntaxError as error:
-        raise WireError("malformed", f"{file}:{error.lineno}: {error.msg}", str(file)) from error
-    raise WireError("malformed", f"{file}: expected an XML document, got none", str(file))
+    return str(parse(data, str(file)).tag)
 
 
 def _draw(parsed: argparse.Namespace) -> int:
@@ -87,14 +82,8 @@ def _draw(parsed: argparse.Namespace) -> int:
 
 
 def _hospital(parsed: argparse.Namespace) -> int:
-    print(_indented(hospital(parsed.seed)), end="")
+    print(write_file(hospital(parsed.seed)), end="")
     return 0
-
-
-def _indented(document: Record) -> str:
-    root = etree.fromstring(encode_xml(document))
-    etree.indent(root)
-    return etree.tostring(root, encoding="unicode") + "\n"
 
 
 if __name__ == "__main__":

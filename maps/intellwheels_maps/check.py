@@ -1,4 +1,6 @@
-"""What a schema cannot say of a floor, a robot or a scene. Pure: messages in, findings out.
+"""What only geometry, or another file, says of a floor, a robot or a scene. Pure: messages in, findings out.
+
+What fields may be, alone and together, is the contract's business (`intellwheels_schemas.rules`) and has passed.
 
 A finding names its element by the path of the wire's names (`Map.Wall[3]`); who has the file adds
 its name and line. A check reports what makes the document useless or surely mistaken, never taste.
@@ -8,6 +10,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator, Sequence
+from itertools import pairwise
 from typing import NamedTuple, TypeAlias
 
 from intellwheels_schemas.messages import Corner, Doorway, Map, Robot, Scene, Wall
@@ -52,33 +55,8 @@ def check_robot(document: Robot) -> list[Finding]:
     findings = []
     if document.format is None:
         findings.append(Finding("Robot", "robot file needs Format, expected 'iw.v1', got none"))
-    for field in ("name", "instance", "place", "position", "crew"):
-        if getattr(document, field) is not None:
-            findings.append(Finding("Robot", f"{field.title()} is given at joining, expected none in a file"))
-    one_part = {"Length": document.length, "Width": document.width}
-    if document.part and any(value is not None for value in (*one_part.values(), document.center, document.top)):
-        findings.append(Finding("Robot", "robot is either Parts or Length, Width, Center, Top, got both"))
-    if not document.part:
-        findings += [
-            Finding("Robot", f"robot without Parts needs {name}, got none")
-            for name, value in one_part.items()
-            if value is None
-        ]
-    findings += [
-        Finding(f"Robot.Part[{index}]", f"part needs Bottom below Top, got {part.bottom} and {part.top}")
-        for index, part in enumerate(document.part)
-        if part.bottom >= part.top
-    ]
-    findings += [
-        Finding(f"Robot.Proximity[{index}]", f"sensor needs MinRange below MaxRange, got {low} and {high}")
-        for index, (low, high) in enumerate((sensor.min_range, sensor.max_range) for sensor in document.proximity)
-        if low >= high
-    ]
-    seen: set[str] = set()
-    for element, sensor_id in _sensor_ids(document):
-        if sensor_id in seen:
-            findings.append(Finding(element, f"sensor {sensor_id!r} is there twice, expected ids that differ"))
-        seen.add(sensor_id)
+    if document.position is not None:
+        findings.append(Finding("Robot.Position", "expected no Position in a file, it is given at joining"))
     return findings
 
 
@@ -89,26 +67,24 @@ def check_scene(document: Scene, floor: Map) -> list[Finding]:
         document: The scene.
         floor: The floor that the scene's `Map` names.
     """
-    places = {place.name for place in floor.grid.position} if floor.grid else set()
-    agents = [cast.name for cast in document.cast]
-    findings = _duplicates("Scene.Cast", "agent", agents)
+    findings = []
+    known = sorted(place.name for place in floor.grid.position) if floor.grid else []
+    expected = f"expected one of the places of {floor.name!r} ({', '.join(known) or 'it has none'})"
     taken: dict[str, str] = {}
     for index, cast in enumerate(document.cast):
         element = f"Scene.Cast[{index}]"
         if cast.place is None:
             continue
-        if cast.place not in places:
-            findings.append(Finding(element, _expected(f"place of {floor.name!r}", places, cast.place)))
+        if cast.place not in known:
+            findings.append(Finding(element, f"{expected}, got {cast.place!r}"))
         elif cast.place in taken:
             findings.append(Finding(element, f"place {cast.place!r} is already that of agent {taken[cast.place]!r}"))
         taken.setdefault(cast.place, cast.name)
-    for index, reach in enumerate(document.end.reach if document.end else ()):
-        element = f"Scene.End.Reach[{index}]"
-        if reach.agent not in agents:
-            findings.append(Finding(element, _expected("agent", agents, reach.agent)))
-        if reach.place not in places:
-            findings.append(Finding(element, _expected(f"place of {floor.name!r}", places, reach.place)))
-    if document.hold and document.hold.reached and not (document.end and document.end.reach):
+    reaches = document.end.reach if document.end else ()
+    for index, reach in enumerate(reaches):
+        if reach.place not in known:
+            findings.append(Finding(f"Scene.End.Reach[{index}]", f"{expected}, got {reach.place!r}"))
+    if document.hold and document.hold.reached and not reaches:
         findings.append(Finding("Scene.Hold", "Reached needs a Reach in End, got none"))
     return findings
 
@@ -135,7 +111,7 @@ def wall_pieces(wall: Wall) -> list[list[Point]]:
         return [corners]
     half = wall.thickness / 2
     pieces = []
-    for (ax, ay), (bx, by) in zip(corners, corners[1:], strict=False):
+    for (ax, ay), (bx, by) in pairwise(corners):
         length = math.hypot(bx - ax, by - ay)
         nx, ny = -(by - ay) / length * half, (bx - ax) / length * half
         pieces.append([(ax - nx, ay - ny), (bx - nx, by - ny), (bx + nx, by + ny), (ax + nx, ay + ny)])
@@ -147,27 +123,16 @@ def wall_pieces(wall: Wall) -> list[list[Point]]:
 
 def _check_shapes(document: Map) -> Iterator[Finding]:
     for index, wall in enumerate(document.wall):
-        element = f"Map.Wall[{index}]"
-        least = 3 if wall.thickness is None else 2
-        yield from _check_corners(element, "wall", wall.corner, least, closed=wall.thickness is None)
+        yield from _check_corners(f"Map.Wall[{index}]", "wall", wall.corner, closed=wall.thickness is None)
     for index, obstacle in enumerate(document.obstacle):
-        element = f"Map.Obstacle[{index}]"
-        yield from _check_corners(element, f"obstacle {obstacle.name!r}", obstacle.corner, 3, closed=True)
-        if obstacle.bottom >= obstacle.top:
-            text = f"obstacle {obstacle.name!r} needs Bottom below Top, got {obstacle.bottom} and {obstacle.top}"
-            yield Finding(element, text)
+        yield from _check_corners(f"Map.Obstacle[{index}]", f"obstacle {obstacle.name!r}", obstacle.corner, closed=True)
     for index, zone in enumerate(document.zone):
-        yield from _check_corners(f"Map.Zone[{index}]", f"zone {zone.name!r}", zone.corner, 3, closed=True)
+        yield from _check_corners(f"Map.Zone[{index}]", f"zone {zone.name!r}", zone.corner, closed=True)
 
 
-def _check_corners(
-    element: str, what: str, corners: Sequence[Corner], least: int, *, closed: bool
-) -> Iterator[Finding]:
-    if len(corners) < least:
-        yield Finding(element, f"{what} needs at least {least} corners, got {len(corners)}")
-        return
+def _check_corners(element: str, what: str, corners: Sequence[Corner], *, closed: bool) -> Iterator[Finding]:
     points = _points(corners)
-    for index, (one, other) in enumerate(_edges(points) if closed else zip(points, points[1:], strict=False)):
+    for index, (one, other) in enumerate(_edges(points) if closed else pairwise(points)):
         if one == other:
             text = f"{what} has the same corner twice running, X {_plain(one[0])} Y {_plain(one[1])}"
             yield Finding(f"{element}.Corner[{(index + 1) % len(points)}]", text)
@@ -183,7 +148,9 @@ def _duplicates(element: str, what: str, names: Sequence[str]) -> list[Finding]:
     seen: set[str] = set()
     for index, name in enumerate(names):
         if name in seen:
-            findings.append(Finding(f"{element}[{index}]", f"{what} {name!r} is there twice, expected names that differ"))
+            findings.append(
+                Finding(f"{element}[{index}]", f"{what} {name!r} is there twice, expected names that differ")
+            )
         seen.add(name)
     return findings
 
@@ -206,28 +173,13 @@ def _check_doorways(document: Map) -> Iterator[Finding]:
 
 
 def _check_places(document: Map) -> Iterator[Finding]:
-    walls = [(f"wall {index}", piece) for index, wall in enumerate(document.wall) for piece in wall_pieces(wall)]
+    walls = [(f"Wall[{index}]", piece) for index, wall in enumerate(document.wall) for piece in wall_pieces(wall)]
     walls += [(f"obstacle {obstacle.name!r}", _points(obstacle.corner)) for obstacle in document.obstacle]
     for index, place in enumerate(document.grid.position if document.grid else ()):
         for what, piece in walls:
             if _inside((place.x, place.y), piece):
                 yield Finding(f"Map.Grid.Position[{index}]", f"place {place.name!r} is inside {what}")
                 break
-
-
-def _sensor_ids(document: Robot) -> Iterator[tuple[str, str]]:
-    kinds = {
-        "Proximity": document.proximity, "Lidar": document.lidar, "Encoders": document.encoders,
-        "Odometry": document.odometry, "Compass": document.compass, "GPS": document.gps, "IMU": document.imu,
-        "Beacon": document.beacon, "Ground": document.ground, "Bumper": document.bumper, "Truth": document.truth,
-    }  # fmt: skip
-    for kind, sensors in kinds.items():
-        for index, sensor in enumerate(sensors):
-            yield f"Robot.{kind}[{index}]", sensor.id
-
-
-def _expected(what: str, known: Iterable[str], got: str) -> str:
-    return f"expected a {what} ({', '.join(sorted(known)) or 'there are none'}), got {got!r}"
 
 
 def _plain(value: float) -> str:
@@ -278,7 +230,9 @@ def _crossing(points: Sequence[Point]) -> tuple[int, int] | None:
             if other == one + 1 or (one == 0 and other == count - 1):
                 # Neighbours share a corner; they cross only by running back over each other.
                 shared, before, after = (b, a, d) if other == one + 1 else (a, b, c)
-                back = (before[0] - shared[0]) * (after[0] - shared[0]) + (before[1] - shared[1]) * (after[1] - shared[1])
+                back = (before[0] - shared[0]) * (after[0] - shared[0]) + (before[1] - shared[1]) * (
+                    after[1] - shared[1]
+                )
                 if count > 3 and _side(before, shared, after) == 0 and back > 0:
                     return one, other
             elif _meet(a, b, c, d):

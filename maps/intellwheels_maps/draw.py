@@ -1,6 +1,7 @@
-"""A floor as a plan in SVG. Pure: a Map in, text out; metres are the drawing's own units.
+"""A floor as a plan in SVG. Pure: a Map in, text out.
 
-SVG's y grows downwards, the floor's upwards: every y is turned round on the way out, in one place.
+The drawing's units are centimetres, as renderers spoil letters smaller than a unit. SVG's y grows downwards,
+the floor's upwards: `_x`, `_y` and `_cm` alone turn metres into the drawing's numbers.
 """
 
 from __future__ import annotations
@@ -11,7 +12,7 @@ from typing import TypeAlias
 from xml.sax.saxutils import escape
 
 from intellwheels_maps.check import wall_pieces
-from intellwheels_schemas.messages import Corner, Doorway, Map, Place, Zone
+from intellwheels_schemas.messages import Corner, Doorway, Map, Place, Wall, Zone
 
 Point: TypeAlias = tuple[float, float]
 
@@ -21,46 +22,47 @@ _PIXELS_A_METRE = 40
 _LARGEST = 4000
 _STYLE = """
 .zone{fill:#eef3f8;stroke:none}
-.zone-title{fill:#5a6b7b;font-size:0.32px;text-anchor:middle}
-.wall{fill:#30363d;stroke:#30363d;stroke-width:0.005}
-.obstacle{fill:#d9b98a;stroke:#8a6a3a;stroke-width:0.02}
-.overhead{fill:#d9b98a;fill-opacity:0.45;stroke:#8a6a3a;stroke-width:0.02;stroke-dasharray:0.06 0.04}
-.doorway{stroke:#2a8f5b;stroke-width:0.05;fill:none}
-.place{stroke:#c0392b;stroke-width:0.03;fill:#ffffff}
-.other{stroke:#3a5fc0;stroke-width:0.03;fill:#ffffff}
-.name{fill:#30363d;font-size:0.18px}
-.scale{stroke:#30363d;stroke-width:0.03}
+.zone-title{fill:#5a6b7b;font-size:32px;text-anchor:middle}
+.wall{fill:#30363d;stroke:none}
+.line{fill:none;stroke:#30363d;stroke-linejoin:miter}
+.obstacle{fill:#d9b98a;stroke:#8a6a3a;stroke-width:2}
+.overhead{fill:#d9b98a;fill-opacity:0.45;stroke:#8a6a3a;stroke-width:2;stroke-dasharray:6 4}
+.doorway{stroke:#2a8f5b;stroke-width:5;fill:none}
+.place{stroke:#c0392b;stroke-width:3;fill:#ffffff}
+.other{stroke:#3a5fc0;stroke-width:3;fill:#ffffff}
+.name{fill:#30363d;font-size:18px}
+.scale{stroke:#30363d;stroke-width:3}
 """
 
 
 def draw(document: Map) -> str:
     """Return the plan of a floor as an SVG document.
 
-    Zones with their titles lie below obstacles, doorways (a line and an arrow through) and walls; a place is a
-    ring with a stroke along its heading, red where a wheelchair may start, blue elsewhere. What hangs above the floor is dashed.
+    Zones with their titles lie below obstacles, walls and doorways (a line across, a stroke on the way through).
+    A place is a ring with a stroke along its heading, red where a wheelchair may start, blue elsewhere. What hangs
+    above the floor is dashed.
     """
-    pieces = [piece for wall in document.wall for piece in wall_pieces(wall)]
     obstacles = [(obstacle, _points(obstacle.corner)) for obstacle in document.obstacle]
     zones = [(zone, _points(zone.corner)) for zone in document.zone]
     places = document.grid.position if document.grid else ()
+    pieces = [piece for wall in document.wall for piece in wall_pieces(wall)]
     shapes = [*pieces, *(ring for _, ring in obstacles), *(ring for _, ring in zones)]
     west, south, east, north = _bounds([*shapes, [(place.x, place.y) for place in places]])
-    # One line below for the scale.
-    south -= 0.5
+    south -= 0.5  # one line below for the scale
     across, up = east - west, north - south
-    scale = min(_PIXELS_A_METRE, _LARGEST / max(across, up))
+    pixels = min(_PIXELS_A_METRE, _LARGEST / max(across, up))
     lines = [
-        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="{_n(west)} {_n(-north)} {_n(across)} {_n(up)}"'
-        f' width="{round(across * scale)}" height="{round(up * scale)}" font-family="sans-serif">',
+        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="{_x(west)} {_y(north)} {_cm(across)} {_cm(up)}"'
+        f' width="{round(across * pixels)}" height="{round(up * pixels)}" font-family="sans-serif">',
         f"<title>{escape(document.title or document.name)}</title>",
         f"<style>{_STYLE}</style>",
-        f'<rect x="{_n(west)}" y="{_n(-north)}" width="{_n(across)}" height="{_n(up)}" fill="#ffffff"/>',
+        f'<rect x="{_x(west)}" y="{_y(north)}" width="{_cm(across)}" height="{_cm(up)}" fill="#ffffff"/>',
         *(_polygon("zone", ring) for _, ring in zones),
         *(
             _polygon("overhead" if obstacle.bottom > 0 else "obstacle", ring, obstacle.name)
             for obstacle, ring in obstacles
         ),
-        *(_polygon("wall", piece) for piece in pieces),
+        *(_wall(wall) for wall in document.wall),
         *(_zone_title(zone, ring) for zone, ring in zones),
         *(_doorway(doorway) for doorway in document.doorway),
         *(_place(place) for place in places),
@@ -70,8 +72,16 @@ def draw(document: Map) -> str:
     return "\n".join(lines) + "\n"
 
 
-def _n(value: float) -> str:
-    return f"{value:.4g}" if abs(value) < 10 else f"{value:.6g}"
+def _cm(value: float) -> str:
+    return f"{round(value * 100, 1) + 0.0:g}"
+
+
+def _x(value: float) -> str:
+    return _cm(value)
+
+
+def _y(value: float) -> str:
+    return _cm(-value)
 
 
 def _points(corners: Iterable[Corner]) -> list[Point]:
@@ -84,18 +94,30 @@ def _bounds(shapes: Iterable[Sequence[Point]]) -> tuple[float, float, float, flo
     return min(xs) - _MARGIN, min(ys) - _MARGIN, max(xs) + _MARGIN, max(ys) + _MARGIN
 
 
+def _list(points: Sequence[Point]) -> str:
+    return " ".join(f"{_x(x)},{_y(y)}" for x, y in points)
+
+
 def _polygon(kind: str, ring: Sequence[Point], title: str | None = None) -> str:
-    points = " ".join(f"{_n(x)},{_n(-y)}" for x, y in ring)
     inner = f"<title>{escape(title)}</title>" if title else ""
-    return f'<polygon class="{kind}" points="{points}">{inner}</polygon>'
+    return f'<polygon class="{kind}" points="{_list(ring)}">{inner}</polygon>'
+
+
+def _wall(wall: Wall) -> str:
+    points = _points(wall.corner)
+    if wall.thickness is None:
+        return _polygon("wall", points)
+    # A line that comes back to its first corner is a polygon's outline, mitred there too.
+    shape, points = ("polygon", points[:-1]) if points[0] == points[-1] else ("polyline", points)
+    return f'<{shape} class="line" stroke-width="{_cm(wall.thickness)}" points="{_list(points)}"/>'
 
 
 def _text(kind: str, x: float, y: float, text: str) -> str:
-    return f'<text class="{kind}" x="{_n(x)}" y="{_n(-y)}">{escape(text)}</text>'
+    return f'<text class="{kind}" x="{_x(x)}" y="{_y(y)}">{escape(text)}</text>'
 
 
 def _line(kind: str, x0: float, y0: float, x1: float, y1: float) -> str:
-    return f'<line class="{kind}" x1="{_n(x0)}" y1="{_n(-y0)}" x2="{_n(x1)}" y2="{_n(-y1)}"/>'
+    return f'<line class="{kind}" x1="{_x(x0)}" y1="{_y(y0)}" x2="{_x(x1)}" y2="{_y(y1)}"/>'
 
 
 def _zone_title(zone: Zone, ring: Sequence[Point]) -> str:
@@ -116,7 +138,7 @@ def _doorway(doorway: Doorway) -> str:
 def _place(place: Place) -> str:
     heading = math.radians(place.heading_deg)
     kind = "place" if not place.kinds or "wheelchair" in place.kinds else "other"
-    ring = f'<circle class="{kind}" cx="{_n(place.x)}" cy="{_n(-place.y)}" r="0.12"/>'
+    ring = f'<circle class="{kind}" cx="{_x(place.x)}" cy="{_y(place.y)}" r="12"/>'
     stroke = _line(kind, place.x, place.y, place.x + 0.35 * math.cos(heading), place.y + 0.35 * math.sin(heading))
     return ring + stroke + _text("name", place.x + 0.16, place.y + 0.14, place.name)
 

@@ -6,24 +6,20 @@ its schema and its checks; what has not is a `WireError` that names file, line a
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable, Sequence
 from importlib.resources import files
 from importlib.resources.abc import Traversable
 from pathlib import Path
 from typing import Literal, TypeAlias, TypeVar, get_args
 
-from lxml import etree
-
 from intellwheels_maps.check import Finding, check_map, check_robot, check_scene
-from intellwheels_schemas.codec import read_file
 from intellwheels_schemas.errors import WireError
+from intellwheels_schemas.files import read_with_lines
 from intellwheels_schemas.messages import Map, Record, Robot, Scene
 
 Shelf: TypeAlias = Literal["floors", "robots", "scenes"]
 
 _Document = TypeVar("_Document", bound=Record)
-_STEP = re.compile(r"(\w+)(?:\[(\d+)\])?")
 
 
 def names(shelf: Shelf) -> list[str]:
@@ -95,10 +91,7 @@ def _shelf(shelf: Shelf) -> Traversable:
 def _find(shelf: Shelf, name_or_path: str | Path, beside: Path | None) -> Path | Traversable:
     text = str(name_or_path)
     if isinstance(name_or_path, Path) or "/" in text or text.endswith(".xml"):
-        path = (beside or Path()) / text
-        if not path.is_file():
-            raise WireError("value", f"{path}: expected a file, got none", str(path))
-        return path
+        return (beside or Path()) / text
     known = names(shelf)
     if text not in known:
         expected = f"expected one of the {shelf} ({', '.join(known)}) or a path ending in .xml"
@@ -109,23 +102,9 @@ def _find(shelf: Shelf, name_or_path: str | Path, beside: Path | None) -> Path |
 def _load(
     kind: type[_Document], file: Path | Traversable, check: Callable[[_Document], Sequence[Finding]]
 ) -> _Document:
-    document = read_file(kind, file)
+    document, lines = read_with_lines(kind, file)
     findings = check(document)
     if findings:
-        data = file.read_bytes()
-        sentences = [f"{file}:{_line(data, finding.element)}: {finding.text}" for finding in findings]
-        raise WireError("value", "\n".join(sentences), sentences[0].split(": ")[0])
+        sentences = [f"{file}:{lines.at(finding.element)}: {finding.text}" for finding in findings]
+        raise WireError("value", "\n".join(sentences), f"{file}:{lines.at(findings[0].element)}")
     return document
-
-
-def _line(data: bytes, element: str) -> int:
-    """Return the line of an element given by its path, of the nearest that is there if it is not."""
-    node = etree.fromstring(data, etree.XMLParser(resolve_entities=False, no_network=True, load_dtd=False))
-    for step in element.split(".")[1:]:
-        match = _STEP.fullmatch(step)
-        children = node.findall(match[1]) if match else []
-        index = int(match[2] or 0) if match else 0
-        if index >= len(children):
-            break
-        node = children[index]
-    return int(node.sourceline or 1)

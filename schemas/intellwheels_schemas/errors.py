@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Final
+
 from intellwheels_schemas.messages import ErrorCode, RefusedCode
 
 
@@ -33,3 +35,15 @@ class RequestRefusedError(ValueError):
         super().__init__(text)
         self.code: RefusedCode = code
         self.text = text
+
+
+REFUSED_FOR: Final[dict[ErrorCode, RefusedCode]] = {
+    "malformed": "value",
+    "encoding": "version",
+    "version": "version",
+    "field": "field",
+    "value": "value",
+    "too-long": "limit",
+    "too-many": "limit",
+}
+"""The code of the refusal of a join whose bytes were in error."""

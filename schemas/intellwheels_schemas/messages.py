@@ -873,7 +873,7 @@ class Result(Record, frozen=True, kw_only=True):
 
 
 class Wall(Record, frozen=True, kw_only=True):
-    """A solid polygon, or with `Thickness` a line of 2 or more corners."""
+    """A solid polygon, or with `Thickness` a line of 2 or more corners; from `Bottom` to `Height` above the floor."""
 
     height: Size = 2.5
     bottom: Length = 0.0

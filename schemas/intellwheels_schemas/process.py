@@ -1,7 +1,8 @@
 """The life of a process: what makes it stop. Every command uses this, and nothing else handles signals.
 
 A process stops on SIGTERM, on SIGINT, and when the other end of an inherited pipe closes: that
-pipe is how children notice that whoever started them is gone, whatever killed it.
+pipe is how children notice that whoever started them is gone, whatever killed it. Nobody is
+left then to insist, so a child that does not stop, stuck in its own code, ends itself.
 """
 
 from __future__ import annotations
@@ -10,10 +11,15 @@ import argparse
 import os
 import signal
 import threading
+import time
 from types import FrameType
 
 SLICE = 0.2
 """Seconds: an untimed wait in the main thread can miss a signal, so waits are cut."""
+
+
+GRACE = 3.0
+"""Seconds a process has to end once its lifeline did."""
 
 
 def add_process_options(parser: argparse.ArgumentParser) -> None:
@@ -54,3 +60,5 @@ def _watch(lifeline: int, stop: threading.Event) -> None:
         except OSError:
             break
     stop.set()
+    time.sleep(GRACE)
+    os.kill(os.getpid(), signal.SIGKILL)

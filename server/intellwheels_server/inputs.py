@@ -53,10 +53,11 @@ class DeleteBody(
 class TeleportBody(
     msgspec.Struct, frozen=True, kw_only=True, rename="pascal", omit_defaults=True, tag="Teleport", tag_field="Do"
 ):
-    """An operator puts a body somewhere else."""
+    """An operator puts a body somewhere else; with `force` even where it overlaps something."""
 
     agent: str
     position: Position
+    force: bool = False
 
 
 class TakeBody(

@@ -1,144 +1,116 @@
 """What every proximity sensor of every body sees in one tick: the nearest distance in its wedge.
 
-One call does all of them. Sensors that look from the same frame make a station; what lies
-within a station's reach is gathered once, by uniform grids over bodies and walls, and each of its sensors then tests
-the gathered boxes and wall pieces whose z range holds its height. A sensor never sees its own body.
-
-This file also holds the timetable that every kind of sensor keeps: when it samples and where a
-sample is stored, so that rate and latency need no state but the stored samples.
+One call does all of them. Sensors that look from the same frame make a station; what lies within a station's
+reach is gathered once, by uniform grids over bodies and walls, and each of its sensors then tests the
+gathered boxes and wall pieces whose z range holds its height. A sensor never sees its own body.
 """
 
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numba import njit
 
+from intellwheels_server.kernels.arrays import (
+    BOTTOM,
+    CELL,
+    EDGE_X,
+    EDGE_Y,
+    END_EDGE,
+    FIRST_EDGE,
+    HALF_LENGTH,
+    HALF_WIDTH,
+    HEADING,
+    NORMAL_X,
+    NORMAL_Y,
+    ORIGIN_X,
+    ORIGIN_Y,
+    PART_X,
+    PART_Y,
+    PIECE_BOTTOM,
+    PIECE_TOP,
+    PIECE_X0,
+    PIECE_X1,
+    PIECE_Y0,
+    PIECE_Y1,
+    TOP,
+    Floats,
+    Ints,
+    X,
+    Y,
+)
 from intellwheels_server.kernels.elementary import sincos
+from intellwheels_server.kernels.grid import cell_of
+from intellwheels_server.kernels.timetable import due_slot
 from intellwheels_server.kernels.wedge import box_in_wedge, polygon_in_wedge
 
-if TYPE_CHECKING:
-    from intellwheels_server.walls import Walls
+# Columns of a station block, float64[stations, 4]: pose in the world of one that is fixed there, and how far
+# from it its sensors see.
+STATION_X, STATION_Y, STATION_HEADING, REACH = 0, 1, 2, 3
+STATION_COLUMNS = 4
 
-# Columns of a timetable, int64[M, TIMETABLE_COLUMNS], one row a sensor.
-BODY = 0
-"""Index of the body it belongs to."""
-EVERY = 1
-"""Ticks from one sample to the next, >= 1."""
-LATENCY = 2
-"""Ticks from a sample to its reading, >= 0."""
-JOINED = 3
-"""Tick of its first sample."""
-OFFSET = 4
-"""Where its samples begin."""
-DEPTH = 5
-"""How many samples are kept: enough for the latency."""
-KEY0 = 6
-"""First half of its noise key, the bits of an unsigned number."""
-KEY1 = 7
-"""Second half."""
-TIMETABLE_COLUMNS = 8
+# Columns of a crew block, int64[stations, 4]: body that owns the station, 1 for one fixed in the world, its
+# first sensor and one past its last.
+OWNER, FIXED, BEGIN, END = 0, 1, 2, 3
+CREW_COLUMNS = 4
 
-# Rows of what sensors may know of the bodies, float64[BODY_ROWS, N], one column a body.
-X = 0
-"""Centre of movement, m."""
-Y = 1
-"""Centre of movement, m."""
-HEADING = 2
-"""Heading, rad."""
-SPEED = 3
-"""Speed along the heading, m/s."""
-TURN_RATE = 4
-"""Turn rate, anticlockwise, rad/s."""
-LEFT_TRAVEL = 5
-"""Way the left wheel has rolled since joining, signed, m."""
-RIGHT_TRAVEL = 6
-"""Way the right wheel has rolled since joining, signed, m."""
-TOUCHING = 7
-"""1 where the body touches something, else 0."""
-BODY_ROWS = 8
-
-# Rows of parts, float64[6, P], in the body's frame.
-PART_X, PART_Y, PART_LENGTH, PART_WIDTH, PART_BOTTOM, PART_TOP = range(6)
-
-# Columns of stations, float64[S, 4]: where a station is, when fixed in the world, and how far from it its sensors see.
-STATION_X, STATION_Y, STATION_HEADING, STATION_REACH = range(4)
-# Columns of station rows, int64[S, 4].
-STATION_BODY, STATION_FIXED, STATION_BEGIN, STATION_END = range(4)
-
-# Columns of proximity sensors, float64[M, 9], in the station's frame.
-EYE_X, EYE_Y, EYE_Z, EYE_COS, EYE_SIN, EYE_HALF_COS, EYE_HALF_SIN, EYE_MIN, EYE_MAX = range(9)
+# Columns of an eye block, float64[sensors, 9], in the station's frame: place, unit vector of the direction,
+# cosine and sine of half the cone, range.
+EYE_X, EYE_Y, EYE_Z, EYE_COS, EYE_SIN, HALF_COS, HALF_SIN, NEAREST, FARTHEST = 0, 1, 2, 3, 4, 5, 6, 7, 8
 EYE_COLUMNS = 9
 
-# What a proximity sample says, in the order of the wire's Status.
+# A proximity sample: status and distance in metres, 0 without OK. Statuses in the order of the wire's.
 OK, NONE, NEAR, FAULT = 0.0, 1.0, 2.0, 3.0
-PROXIMITY_WIDTH = 2
-"""Numbers in a proximity sample: status, distance."""
+SAMPLE_WIDTH = 2
+
+# Columns of a block of boxes in the world, float64[boxes, 10]: centre, half extents along the axes, z range, unit
+# vector of its length, half length and width. A wall piece that is no box has NaN for its half length.
+CENTRE_X, CENTRE_Y, EXTENT_X, EXTENT_Y, LOW, HIGH, COS, SIN, LONG, WIDE = 0, 1, 2, 3, 4, 5, 6, 7, 8, 9
 
 # Slack of the culling tests, far above rounding and far below anything built, m.
 _SLACK = 1e-9
 
+# The gathered boxes are filled up to a multiple of this: the widest vectors there are.
+_LANES = 8
 
-@njit(cache=True, error_model="numpy")
-def due_slot(timetable: np.ndarray, sensor: int, tick: int, width: int) -> int:
-    """Return where in the samples the sensor's sample of this tick begins, or -1 when none is due.
-
-    Args:
-        timetable: int64[M, TIMETABLE_COLUMNS].
-        sensor: Row of the timetable.
-        tick: This tick.
-        width: Numbers in a sample.
-    """
-    age = tick - timetable[sensor, JOINED]
-    if age < 0:
-        return -1
-    every = timetable[sensor, EVERY]
-    if every != 1:
-        if age % every != 0:
-            return -1
-        age //= every
-    depth = timetable[sensor, DEPTH]
-    if depth == 1:
-        return timetable[sensor, OFFSET]
-    return timetable[sensor, OFFSET] + age % depth * width
+# Corners of a rectangle are rounded; an angle this far from right moves no wall by 1e-10 m.
+_SQUARE = 1e-14
 
 
 @njit(cache=True, error_model="numpy")
-def _place_boxes(bodies: np.ndarray, parts: np.ndarray, part_start: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return all parts in the world and the extent of each body.
+def _place_boxes(pose: Floats, parts: Floats, part_start: Ints) -> tuple[Floats, Floats]:
+    """Return all parts as boxes in the world and the extent of each body.
 
     Returns:
-        float64[P, 10]: centre x, y, cos and sin of the heading, half length, half width, half
-        extent in x and y, bottom, top; float64[N, 4]: centre x, y and half extent in x and y.
+        float64[parts, 10], columns `CENTRE_X` to `WIDE`; float64[n, 4]: centre and half extents in x and y.
     """
-    count = bodies.shape[1]
-    boxes = np.empty((parts.shape[1], 10))
+    count = pose.shape[1]
+    boxes = np.empty((parts.shape[0], 10))
     extents = np.empty((count, 4))
     for body in range(count):
-        x = bodies[X, body]
-        y = bodies[Y, body]
-        s, c = sincos(bodies[HEADING, body])
+        x = pose[X, body]
+        y = pose[Y, body]
+        s, c = sincos(pose[HEADING, body])
         low_x = low_y = np.inf
         high_x = high_y = -np.inf
         for part in range(part_start[body], part_start[body + 1]):
-            half_length = 0.5 * parts[PART_LENGTH, part]
-            half_width = 0.5 * parts[PART_WIDTH, part]
-            centre_x = x + (c * parts[PART_X, part] - s * parts[PART_Y, part])
-            centre_y = y + (s * parts[PART_X, part] + c * parts[PART_Y, part])
+            half_length = parts[part, HALF_LENGTH]
+            half_width = parts[part, HALF_WIDTH]
+            centre_x = x + (c * parts[part, PART_X] - s * parts[part, PART_Y])
+            centre_y = y + (s * parts[part, PART_X] + c * parts[part, PART_Y])
             extent_x = abs(c) * half_length + abs(s) * half_width
             extent_y = abs(s) * half_length + abs(c) * half_width
-            boxes[part, 0] = centre_x
-            boxes[part, 1] = centre_y
-            boxes[part, 2] = c
-            boxes[part, 3] = s
-            boxes[part, 4] = half_length
-            boxes[part, 5] = half_width
-            boxes[part, 6] = extent_x
-            boxes[part, 7] = extent_y
-            boxes[part, 8] = parts[PART_BOTTOM, part]
-            boxes[part, 9] = parts[PART_TOP, part]
+            boxes[part, CENTRE_X] = centre_x
+            boxes[part, CENTRE_Y] = centre_y
+            boxes[part, EXTENT_X] = extent_x
+            boxes[part, EXTENT_Y] = extent_y
+            boxes[part, LOW] = parts[part, BOTTOM]
+            boxes[part, HIGH] = parts[part, TOP]
+            boxes[part, COS] = c
+            boxes[part, SIN] = s
+            boxes[part, LONG] = half_length
+            boxes[part, WIDE] = half_width
             low_x = min(low_x, centre_x - extent_x)
             high_x = max(high_x, centre_x + extent_x)
             low_y = min(low_y, centre_y - extent_y)
@@ -154,67 +126,68 @@ def _place_boxes(bodies: np.ndarray, parts: np.ndarray, part_start: np.ndarray) 
 
 
 @njit(cache=True, error_model="numpy")
-def _cell(offset: float, size: float, count: int) -> int:
-    """Return the cell that holds a coordinate, the first or last one for what is outside."""
-    return int(min(max(offset / size, 0.0), count - 1.0))
+def solids_of(pieces: Floats, links: Ints, edges: Floats) -> Floats:
+    """Return wall pieces as boxes, float64[pieces, 10]: those that are rectangles as what they are.
+
+    Takes three of the walls' arrays. The others have their bounding box and NaN for their half length.
+    """
+    solids = np.empty((pieces.shape[0], 10))
+    for piece in range(pieces.shape[0]):
+        centre_x = 0.5 * (pieces[piece, PIECE_X0] + pieces[piece, PIECE_X1])
+        centre_y = 0.5 * (pieces[piece, PIECE_Y0] + pieces[piece, PIECE_Y1])
+        solids[piece, CENTRE_X] = centre_x
+        solids[piece, CENTRE_Y] = centre_y
+        solids[piece, EXTENT_X] = 0.5 * (pieces[piece, PIECE_X1] - pieces[piece, PIECE_X0])
+        solids[piece, EXTENT_Y] = 0.5 * (pieces[piece, PIECE_Y1] - pieces[piece, PIECE_Y0])
+        solids[piece, LOW] = pieces[piece, PIECE_BOTTOM]
+        solids[piece, HIGH] = pieces[piece, PIECE_TOP]
+        first = links[piece, FIRST_EDGE]
+        c = edges[first, NORMAL_X]
+        s = edges[first, NORMAL_Y]
+        rectangle = links[piece, END_EDGE] - first == 4
+        for edge in range(first + 1, links[piece, END_EDGE]):
+            c, s = -s, c
+            rectangle &= (abs(edges[edge, NORMAL_X] - c) < _SQUARE) & (abs(edges[edge, NORMAL_Y] - s) < _SQUARE)
+        # Its length is along the first normal, which c and s have come round to but for a quarter turn.
+        c, s = -s, c
+        solids[piece, COS] = c
+        solids[piece, SIN] = s
+        length = width = 0.0
+        for edge in range(first, links[piece, END_EDGE]):
+            dx = edges[edge, EDGE_X] - centre_x
+            dy = edges[edge, EDGE_Y] - centre_y
+            length = max(length, abs(c * dx + s * dy))
+            width = max(width, abs(c * dy - s * dx))
+        solids[piece, LONG] = length if rectangle else np.nan
+        solids[piece, WIDE] = width
+    return solids
 
 
 @njit(cache=True, error_model="numpy")
-def sense_proximity(
-    tick: int,
-    bodies: np.ndarray,
-    parts: np.ndarray,
-    part_start: np.ndarray,
-    walls: Walls,
-    stations: np.ndarray,
-    station_rows: np.ndarray,
-    eyes: np.ndarray,
-    timetable: np.ndarray,
-    samples: np.ndarray,
-) -> None:
-    """Store the samples of this tick of all proximity sensors.
+def _grid_of(extents: Floats) -> tuple[float, float, float, int, int, Ints, Ints]:
+    """Return a grid over the centres of at least one body: origin, cell size, columns, rows, starts and bodies.
 
-    Args:
-        tick: This tick.
-        bodies: float64[BODY_ROWS, N].
-        parts: float64[6, P], parts of all bodies in their body's frame.
-        part_start: int64[N + 1], where each body's parts begin.
-        walls: The floor's wall pieces.
-        stations: float64[S, 4].
-        station_rows: int64[S, 4]; a station's sensors are rows BEGIN to END of the next two.
-        eyes: float64[M, EYE_COLUMNS].
-        timetable: int64[M, TIMETABLE_COLUMNS].
-        samples: float64[...], written: a sensor's status and distance in metres (0 without OK).
+    The cells of a row follow one another, and so do their bodies.
     """
-    if station_rows.shape[0] == 0:
-        return
-    boxes, extents = _place_boxes(bodies, parts, part_start)
-    count = bodies.shape[1]
-
-    # A grid over the bodies' centres, about two bodies a cell: cell size c solves (w/c + 1)(h/c + 1) = cells + 1.
-    low_x = low_y = np.inf
-    high_x = high_y = -np.inf
-    widest_x = widest_y = 0.0
-    for body in range(count):
-        low_x = min(low_x, extents[body, 0])
-        high_x = max(high_x, extents[body, 0])
-        low_y = min(low_y, extents[body, 1])
-        high_y = max(high_y, extents[body, 1])
-        widest_x = max(widest_x, extents[body, 2])
-        widest_y = max(widest_y, extents[body, 3])
-    cells = max(1.0, 0.5 * count)
-    span = (high_x - low_x) + (high_y - low_y)
-    size = (span + math.sqrt(span * span + 4.0 * cells * (high_x - low_x) * (high_y - low_y))) / (2.0 * cells)
+    count = extents.shape[0]
+    low_x = extents[:, 0].min()
+    low_y = extents[:, 1].min()
+    width = extents[:, 0].max() - low_x
+    height = extents[:, 1].max() - low_y
+    # About two bodies a cell: (width / size + 1)(height / size + 1) = wanted + 1.
+    wanted = max(1.0, 0.5 * count)
+    span = width + height
+    size = (span + math.sqrt(span * span + 4.0 * wanted * width * height)) / (2.0 * wanted)
     if not size > 0.0:
         size = 1.0
-    columns = int((high_x - low_x) / size) + 1
-    rows = int((high_y - low_y) / size) + 1
+    columns = int(width / size) + 1
+    rows = int(height / size) + 1
     cell_start = np.zeros(columns * rows + 1, np.int64)
-    cell_of = np.empty(count, np.int64)
+    home = np.empty(count, np.int64)
     for body in range(count):
-        column = _cell(extents[body, 0] - low_x, size, columns)
-        cell = _cell(extents[body, 1] - low_y, size, rows) * columns + column
-        cell_of[body] = cell
+        column = cell_of(extents[body, 0], low_x, size, columns)
+        cell = cell_of(extents[body, 1], low_y, size, rows) * columns + column
+        home[body] = cell
         cell_start[cell] += 1
     total = 0
     for cell in range(columns * rows):
@@ -223,43 +196,143 @@ def sense_proximity(
     cell_start[columns * rows] = total
     cell_bodies = np.empty(count, np.int64)
     for body in range(count - 1, -1, -1):
-        cell_start[cell_of[body]] -= 1
-        cell_bodies[cell_start[cell_of[body]]] = body
+        cell_start[home[body]] -= 1
+        cell_bodies[cell_start[home[body]]] = body
+    return low_x, low_y, size, columns, rows, cell_start, cell_bodies
 
-    near_parts = np.empty(boxes.shape[0], np.int64)
-    piece_count = walls.bounds.shape[0]
-    near_pieces = np.empty(piece_count, np.int64)
-    gathered_for = np.full(piece_count, -1, np.int64)
 
-    for station in range(station_rows.shape[0]):
-        begin = station_rows[station, STATION_BEGIN]
-        end = station_rows[station, STATION_END]
-        owner = station_rows[station, STATION_BODY]
+@njit(cache=True, error_model="numpy")
+def _nearest_box(
+    around: Floats,
+    count: int,
+    x: float,
+    y: float,
+    z: float,
+    direction_x: float,
+    direction_y: float,
+    half_cos: float,
+    half_sin: float,
+    squares: Floats,
+) -> float:
+    """Return the square of the distance at which a wedge sees the nearest of some boxes, inf if it sees none.
+
+    Args:
+        around: float64[10, ...], the columns of a block of boxes as rows.
+        count: How many boxes, a multiple of `_LANES`.
+        x: Apex, m.
+        y: Apex, m.
+        z: Height, m.
+        direction_x: Direction of the wedge, a unit vector.
+        direction_y: The same.
+        half_cos: Cosine of half the cone.
+        half_sin: Sine of half the cone.
+        squares: float64[>= count], scratch.
+    """
+    # Every box is measured, since that takes less time on vectors than choosing does when the choice
+    # cannot be predicted.
+    for at in range(count):
+        c = around[COS, at]
+        s = around[SIN, at]
+        dx = x - around[CENTRE_X, at]
+        dy = y - around[CENTRE_Y, at]
+        square = box_in_wedge(
+            c * dx + s * dy,
+            c * dy - s * dx,
+            c * direction_x + s * direction_y,
+            c * direction_y - s * direction_x,
+            half_cos,
+            half_sin,
+            around[LONG, at],
+            around[WIDE, at],
+        )
+        squares[at] = square if (around[LOW, at] <= z) & (z < around[HIGH, at]) else np.inf
+    least0 = least1 = least2 = least3 = np.inf
+    for at in range(0, count, 4):
+        least0 = min(least0, squares[at])
+        least1 = min(least1, squares[at + 1])
+        least2 = min(least2, squares[at + 2])
+        least3 = min(least3, squares[at + 3])
+    return min(least0, least1, least2, least3)
+
+
+@njit(cache=True, error_model="numpy")
+def sense_proximity(
+    tick: int,
+    pose: Floats,
+    parts: Floats,
+    part_start: Ints,
+    solids: Floats,
+    links: Ints,
+    edges: Floats,
+    cells: Ints,
+    frame: Floats,
+    stations: Floats,
+    crews: Ints,
+    eyes: Floats,
+    timetable: Ints,
+    samples: Floats,
+) -> None:
+    """Store the samples that all proximity sensors take at a tick.
+
+    Args:
+        tick: The tick.
+        pose: Pose block of the bodies, float64[3, n].
+        parts: Part block of the bodies.
+        part_start: int64[n + 1], the first part of each body and the end.
+        solids: float64[pieces, 10], from `solids_of`.
+        links: Of the walls.
+        edges: Of the walls.
+        cells: Of the walls.
+        frame: Of the walls.
+        stations: float64[stations, 4].
+        crews: int64[stations, 4].
+        eyes: float64[sensors, 9].
+        timetable: int64[sensors, 8].
+        samples: float64[...], written: status and distance in metres.
+    """
+    if crews.shape[0] == 0:
+        return
+    boxes, extents = _place_boxes(pose, parts, part_start)
+    low_x, low_y, size, columns, rows, cell_start, cell_bodies = _grid_of(extents)
+    widest_x = extents[:, 2].max()
+    widest_y = extents[:, 3].max()
+
+    # What is near a station: boxes, and wall pieces that are none.
+    most = boxes.shape[0] + solids.shape[0] + _LANES
+    around = np.empty((10, most))
+    squares = np.empty(most)
+    polygons = np.empty(solids.shape[0], np.int64)
+    gathered_for = np.full(solids.shape[0], -1, np.int64)
+
+    for station in range(crews.shape[0]):
+        begin = crews[station, BEGIN]
+        end = crews[station, END]
+        owner = crews[station, OWNER]
         any_due = False
         for sensor in range(begin, end):
-            if due_slot(timetable, sensor, tick, PROXIMITY_WIDTH) >= 0:
+            if due_slot(timetable, sensor, tick, SAMPLE_WIDTH) >= 0:
                 any_due = True
                 break
         if not any_due:
             continue
-        if station_rows[station, STATION_FIXED] != 0:
+        if crews[station, FIXED] != 0:
             x = stations[station, STATION_X]
             y = stations[station, STATION_Y]
             s, c = sincos(stations[station, STATION_HEADING])
         else:
-            x = bodies[X, owner]
-            y = bodies[Y, owner]
-            s, c = sincos(bodies[HEADING, owner])
-        reach = stations[station, STATION_REACH] + _SLACK
+            x = pose[X, owner]
+            y = pose[Y, owner]
+            s, c = sincos(pose[HEADING, owner])
+        reach = stations[station, REACH] + _SLACK
         reach_square = reach * reach
 
-        part_count = 0
-        first_column = _cell(x - reach - widest_x - low_x, size, columns)
-        last_column = _cell(x + reach + widest_x - low_x, size, columns)
-        first_row = _cell(y - reach - widest_y - low_y, size, rows)
-        last_row = _cell(y + reach + widest_y - low_y, size, rows)
+        near = 0
+        polygon_count = 0
+        first_column = cell_of(x - reach - widest_x, low_x, size, columns)
+        last_column = cell_of(x + reach + widest_x, low_x, size, columns)
+        first_row = cell_of(y - reach - widest_y, low_y, size, rows)
+        last_row = cell_of(y + reach + widest_y, low_y, size, rows)
         for row in range(first_row, last_row + 1):
-            # The cells of a row follow one another, and so do their bodies.
             first = cell_start[row * columns + first_column]
             last = cell_start[row * columns + last_column + 1]
             for at in range(first, last):
@@ -268,30 +341,41 @@ def sense_proximity(
                 gap_y = max(abs(extents[body, 1] - y) - extents[body, 3], 0.0)
                 if body != owner and gap_x * gap_x + gap_y * gap_y <= reach_square:
                     for part in range(part_start[body], part_start[body + 1]):
-                        near_parts[part_count] = part
-                        part_count += 1
+                        for column in range(10):
+                            around[column, near] = boxes[part, column]
+                        near += 1
 
-        near_piece_count = 0
-        first_column = _cell(x - reach - walls.origin_x, walls.cell, walls.columns)
-        last_column = _cell(x + reach - walls.origin_x, walls.cell, walls.columns)
-        first_row = _cell(y - reach - walls.origin_y, walls.cell, walls.rows)
-        last_row = _cell(y + reach - walls.origin_y, walls.cell, walls.rows)
+        first_column = cell_of(x - reach, frame[ORIGIN_X], frame[CELL], cells[0])
+        last_column = cell_of(x + reach, frame[ORIGIN_X], frame[CELL], cells[0])
+        first_row = cell_of(y - reach, frame[ORIGIN_Y], frame[CELL], cells[1])
+        last_row = cell_of(y + reach, frame[ORIGIN_Y], frame[CELL], cells[1])
         for row in range(first_row, last_row + 1):
-            first = walls.cell_start[row * walls.columns + first_column]
-            last = walls.cell_start[row * walls.columns + last_column + 1]
+            first = cells[2 + row * cells[0] + first_column]
+            last = cells[2 + row * cells[0] + last_column + 1]
             for at in range(first, last):
-                piece = walls.cell_items[at]
+                piece = cells[at]
                 if gathered_for[piece] == station:
                     continue
                 gathered_for[piece] = station
-                gap_x = max(max(walls.bounds[piece, 0] - x, x - walls.bounds[piece, 2]), 0.0)
-                gap_y = max(max(walls.bounds[piece, 1] - y, y - walls.bounds[piece, 3]), 0.0)
-                if gap_x * gap_x + gap_y * gap_y <= reach_square:
-                    near_pieces[near_piece_count] = piece
-                    near_piece_count += 1
+                gap_x = max(abs(solids[piece, CENTRE_X] - x) - solids[piece, EXTENT_X], 0.0)
+                gap_y = max(abs(solids[piece, CENTRE_Y] - y) - solids[piece, EXTENT_Y], 0.0)
+                if gap_x * gap_x + gap_y * gap_y > reach_square:
+                    continue
+                if solids[piece, LONG] > 0.0:
+                    for column in range(10):
+                        around[column, near] = solids[piece, column]
+                    near += 1
+                else:
+                    polygons[polygon_count] = piece
+                    polygon_count += 1
+        # Fill the last vector with boxes of no height, which nothing sees.
+        while near % _LANES != 0:
+            for column in range(10):
+                around[column, near] = 0.0
+            near += 1
 
         for sensor in range(begin, end):
-            slot = due_slot(timetable, sensor, tick, PROXIMITY_WIDTH)
+            slot = due_slot(timetable, sensor, tick, SAMPLE_WIDTH)
             if slot < 0:
                 continue
             eye_x = x + (c * eyes[sensor, EYE_X] - s * eyes[sensor, EYE_Y])
@@ -299,95 +383,42 @@ def sense_proximity(
             eye_z = eyes[sensor, EYE_Z]
             direction_x = c * eyes[sensor, EYE_COS] - s * eyes[sensor, EYE_SIN]
             direction_y = s * eyes[sensor, EYE_COS] + c * eyes[sensor, EYE_SIN]
-            half_cos = eyes[sensor, EYE_HALF_COS]
-            half_sin = eyes[sensor, EYE_HALF_SIN]
-            # Inward normals of the wedge's left and right side. What lies wholly beyond one of them is
-            # not seen, if the wedge is convex.
-            left_x = half_sin * direction_x + half_cos * direction_y
-            left_y = half_sin * direction_y - half_cos * direction_x
-            right_x = half_sin * direction_x - half_cos * direction_y
-            right_y = half_sin * direction_y + half_cos * direction_x
-            convex = half_cos >= 0.0
-            longest = eyes[sensor, EYE_MAX]
-            nearest = np.inf
-            limit = longest
-            limit_square = limit * limit
-
-            for at in range(part_count):
-                part = near_parts[at]
-                dx = boxes[part, 0] - eye_x
-                dy = boxes[part, 1] - eye_y
-                extent_x = boxes[part, 6]
-                extent_y = boxes[part, 7]
-                gap_x = max(abs(dx) - extent_x, 0.0)
-                gap_y = max(abs(dy) - extent_y, 0.0)
-                if gap_x * gap_x + gap_y * gap_y > limit_square + _SLACK:
+            half_cos = eyes[sensor, HALF_COS]
+            half_sin = eyes[sensor, HALF_SIN]
+            square = _nearest_box(
+                around, near, eye_x, eye_y, eye_z, direction_x, direction_y, half_cos, half_sin, squares
+            )
+            longest = eyes[sensor, FARTHEST]
+            limit = min(square, longest * longest) + _SLACK
+            for at in range(polygon_count):
+                piece = polygons[at]
+                gap_x = max(abs(solids[piece, CENTRE_X] - eye_x) - solids[piece, EXTENT_X], 0.0)
+                gap_y = max(abs(solids[piece, CENTRE_Y] - eye_y) - solids[piece, EXTENT_Y], 0.0)
+                if gap_x * gap_x + gap_y * gap_y > limit:
                     continue
-                if convex and (
-                    left_x * dx + left_y * dy + (abs(left_x) * extent_x + abs(left_y) * extent_y) < -_SLACK
-                    or right_x * dx + right_y * dy + (abs(right_x) * extent_x + abs(right_y) * extent_y) < -_SLACK
-                ):
+                if not solids[piece, LOW] <= eye_z < solids[piece, HIGH]:
                     continue
-                if not boxes[part, 8] <= eye_z < boxes[part, 9]:
-                    continue
-                box_cos = boxes[part, 2]
-                box_sin = boxes[part, 3]
-                distance = box_in_wedge(
-                    -(box_cos * dx + box_sin * dy),
-                    box_sin * dx - box_cos * dy,
-                    box_cos * direction_x + box_sin * direction_y,
-                    box_cos * direction_y - box_sin * direction_x,
-                    half_cos,
-                    half_sin,
-                    boxes[part, 4],
-                    boxes[part, 5],
-                    limit,
+                square = min(
+                    square,
+                    polygon_in_wedge(
+                        edges,
+                        links[piece, FIRST_EDGE],
+                        links[piece, END_EDGE],
+                        eye_x,
+                        eye_y,
+                        direction_x,
+                        direction_y,
+                        half_cos,
+                        half_sin,
+                    ),
                 )
-                if distance < nearest:
-                    nearest = distance
-                    if distance < limit:
-                        limit = distance
-                        limit_square = limit * limit
+                limit = min(limit, square + _SLACK)
 
-            for at in range(near_piece_count):
-                piece = near_pieces[at]
-                extent_x = 0.5 * (walls.bounds[piece, 2] - walls.bounds[piece, 0])
-                extent_y = 0.5 * (walls.bounds[piece, 3] - walls.bounds[piece, 1])
-                dx = 0.5 * (walls.bounds[piece, 2] + walls.bounds[piece, 0]) - eye_x
-                dy = 0.5 * (walls.bounds[piece, 3] + walls.bounds[piece, 1]) - eye_y
-                gap_x = max(abs(dx) - extent_x, 0.0)
-                gap_y = max(abs(dy) - extent_y, 0.0)
-                if gap_x * gap_x + gap_y * gap_y > limit_square + _SLACK:
-                    continue
-                if convex and (
-                    left_x * dx + left_y * dy + (abs(left_x) * extent_x + abs(left_y) * extent_y) < -_SLACK
-                    or right_x * dx + right_y * dy + (abs(right_x) * extent_x + abs(right_y) * extent_y) < -_SLACK
-                ):
-                    continue
-                if not walls.bottom[piece] <= eye_z < walls.top[piece]:
-                    continue
-                distance = polygon_in_wedge(
-                    walls.corners,
-                    walls.start[piece],
-                    walls.start[piece + 1],
-                    eye_x,
-                    eye_y,
-                    direction_x,
-                    direction_y,
-                    half_cos,
-                    half_sin,
-                    limit,
-                )
-                if distance < nearest:
-                    nearest = distance
-                    if distance < limit:
-                        limit = distance
-                        limit_square = limit * limit
-
+            nearest = math.sqrt(square)
             if nearest > longest:
                 samples[slot] = NONE
                 samples[slot + 1] = 0.0
-            elif nearest < eyes[sensor, EYE_MIN] or nearest == 0.0:
+            elif nearest < eyes[sensor, NEAREST] or nearest == 0.0:
                 samples[slot] = NEAR
                 samples[slot + 1] = 0.0
             else:

@@ -12,37 +12,31 @@ sides of the wedge meets the solid.
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 from numba import njit
 
+from intellwheels_server.kernels.arrays import EDGE_X, EDGE_Y, NORMAL_X, NORMAL_Y, Floats
 
-@njit(cache=True, error_model="numpy")
+# Stands for 1/0 of a ray along an axis: large enough to be beyond all ranges, and 0 times it is still 0.
+_NEVER = 1e300
+_LEAST = 1e-300
+
+
+@njit(cache=True, error_model="numpy", inline="always")
 def _ray_to_box(x: float, y: float, dx: float, dy: float, half_length: float, half_width: float) -> float:
     """Return how far the ray from (x, y), outside, along the unit vector (dx, dy) travels to a box at the origin."""
-    enter = 0.0
-    leave = np.inf
-    if dx > 0.0:
-        enter = max(enter, (-half_length - x) / dx)
-        leave = (half_length - x) / dx
-    elif dx < 0.0:
-        enter = max(enter, (half_length - x) / dx)
-        leave = (-half_length - x) / dx
-    elif abs(x) > half_length:
-        return np.inf
-    if dy > 0.0:
-        enter = max(enter, (-half_width - y) / dy)
-        leave = min(leave, (half_width - y) / dy)
-    elif dy < 0.0:
-        enter = max(enter, (half_width - y) / dy)
-        leave = min(leave, (-half_width - y) / dy)
-    elif abs(y) > half_width:
-        return np.inf
-    return enter if enter <= leave else np.inf
+    per_x = 1.0 / dx if dx != 0.0 else _NEVER
+    per_y = 1.0 / dy if dy != 0.0 else _NEVER
+    x0 = (-half_length - x) * per_x
+    x1 = (half_length - x) * per_x
+    y0 = (-half_width - y) * per_y
+    y1 = (half_width - y) * per_y
+    enter = max(min(x0, x1), min(y0, y1))
+    leave = min(max(x0, x1), max(y0, y1))
+    return enter if (enter <= leave) & (leave >= 0.0) else np.inf
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", inline="always")
 def box_in_wedge(
     x: float,
     y: float,
@@ -52,9 +46,10 @@ def box_in_wedge(
     half_sin: float,
     half_length: float,
     half_width: float,
-    limit: float,
 ) -> float:
-    """Return the distance from the apex of a wedge to a box, in the box's own frame.
+    """Return the square of the distance from the apex of a wedge to a box, in the box's own frame.
+
+    There is no branch in it, so that loops over boxes run on vectors.
 
     Args:
         x: Apex, from the centre of the box along its length, m.
@@ -65,120 +60,111 @@ def box_in_wedge(
         half_sin: Sine of half the cone, >= 0; 0 sees all around.
         half_length: Half the length, > 0, m.
         half_width: Half the width, > 0, m.
-        limit: A distance beyond which the answer does not matter, m.
 
     Returns:
-        Metres; 0 when the apex is in the box or on its edge; inf when the wedge does not see the box, or (some of the
-        time) when it is at `limit` or beyond.
+        Square metres; 0 when the apex is in the box or on its edge; inf when the wedge does not see the box.
     """
     dx = min(max(x, -half_length), half_length) - x
     dy = min(max(y, -half_width), half_width) - y
-    square = dx * dx + dy * dy
-    if square == 0.0:
-        return 0.0
-    if square > limit * limit:
-        return np.inf
     ahead = direction_x * dx + direction_y * dy
     aside = direction_x * dy - direction_y * dx
-    if half_sin * ahead >= half_cos * abs(aside):
-        return math.sqrt(square)
+    seen = half_sin * ahead >= half_cos * abs(aside)
     cx = direction_x * half_cos
     cy = direction_y * half_cos
     sx = direction_x * half_sin
     sy = direction_y * half_sin
-    return min(
+    side = min(
         _ray_to_box(x, y, cx - sy, cy + sx, half_length, half_width),
         _ray_to_box(x, y, cx + sy, cy - sx, half_length, half_width),
     )
+    return dx * dx + dy * dy if seen else side * side
 
 
 @njit(cache=True, error_model="numpy")
 def polygon_in_wedge(
-    corners: np.ndarray,
-    begin: int,
-    end: int,
+    edges: Floats,
+    first_edge: int,
+    end_edge: int,
     x: float,
     y: float,
     direction_x: float,
     direction_y: float,
     half_cos: float,
     half_sin: float,
-    limit: float,
 ) -> float:
-    """Return the distance from the apex of a wedge to a convex polygon.
+    """Return the square of the distance from the apex of a wedge to a convex polygon.
 
     Args:
-        corners: float64[C, 2], corners of many polygons, each anticlockwise, m.
-        begin: First corner of this polygon.
-        end: One past its last.
+        edges: Edge block of many polygons, each anticlockwise.
+        first_edge: First edge of this polygon.
+        end_edge: One past its last.
         x: Apex, m.
         y: Apex, m.
         direction_x: Direction of the wedge, a unit vector.
         direction_y: The same.
         half_cos: Cosine of half the cone.
         half_sin: Sine of half the cone, >= 0; 0 sees all around.
-        limit: A distance beyond which the answer does not matter, m.
 
     Returns:
         As `box_in_wedge`.
     """
-    # From the apex: p the edge's first corner, q its second. The polygon turns left, so an edge that
-    # runs clockwise around the apex shows it its outer face.
-    outside = False
-    best = np.inf
-    best_x = best_y = 0.0
-    px = corners[end - 1, 0] - x
-    py = corners[end - 1, 1] - y
-    for k in range(begin, end):
-        qx = corners[k, 0] - x
-        qy = corners[k, 1] - y
-        if px * qy < py * qx:
-            outside = True
-            ex = qx - px
-            ey = qy - py
-            share = min(max(-(px * ex + py * ey) / (ex * ex + ey * ey), 0.0), 1.0)
-            # From the nearer end, so that a corner comes out to the bit.
-            if share <= 0.5:
-                nx = px + share * ex
-                ny = py + share * ey
-            else:
-                nx = qx - (1.0 - share) * ex
-                ny = qy - (1.0 - share) * ey
-            square = nx * nx + ny * ny
-            if square < best:
-                best = square
-                best_x = nx
-                best_y = ny
-        px = qx
-        py = qy
-    if not outside:
-        return 0.0
-    if best > limit * limit:
-        return np.inf
-    ahead = direction_x * best_x + direction_y * best_y
-    aside = direction_x * best_y - direction_y * best_x
-    if half_sin * ahead >= half_cos * abs(aside):
-        return math.sqrt(best)
     cx = direction_x * half_cos
     cy = direction_y * half_cos
     sx = direction_x * half_sin
     sy = direction_y * half_sin
-    best = np.inf
-    for side in range(2):
-        rx = cx - sy if side == 0 else cx + sy
-        ry = cy + sx if side == 0 else cy - sx
-        px = corners[end - 1, 0] - x
-        py = corners[end - 1, 1] - y
-        left_p = rx * py - ry * px
-        for k in range(begin, end):
-            qx = corners[k, 0] - x
-            qy = corners[k, 1] - y
-            # A corner has one sign for both its edges: no ray passes between them.
-            left_q = rx * qy - ry * qx
-            if left_p >= 0.0 >= left_q and left_p > left_q and px * qy < py * qx:
-                along = (left_p * (rx * qx + ry * qy) - left_q * (rx * px + ry * py)) / (left_p - left_q)
-                best = min(best, along)
-            px = qx
-            py = qy
-            left_p = left_q
-    return best
+    left_x = cx - sy
+    left_y = cy + sx
+    right_x = cx + sy
+    right_y = cy - sx
+    outside = False
+    nearest = np.inf
+    nearest_x = nearest_y = 0.0
+    # Where the rays along the two sides have entered all half planes and leave the first. One pass
+    # without branches: which edges face the apex cannot be predicted.
+    left_enter = right_enter = 0.0
+    left_leave = right_leave = np.inf
+    last = end_edge - 1
+    px = edges[last, EDGE_X] - x
+    py = edges[last, EDGE_Y] - y
+    normal_x = edges[last, NORMAL_X]
+    normal_y = edges[last, NORMAL_Y]
+    for k in range(first_edge, end_edge):
+        # From the apex: p is the edge's first corner, q its second; the edge runs along (-normal_y, normal_x).
+        qx = edges[k, EDGE_X] - x
+        qy = edges[k, EDGE_Y] - y
+        beyond = -(normal_x * px + normal_y * py)
+        facing = beyond > 0.0
+        outside |= facing
+        length = normal_x * (qy - py) - normal_y * (qx - px)
+        along = min(max(normal_y * px - normal_x * py, 0.0), length)
+        near_x = px - normal_y * along
+        near_y = py + normal_x * along
+        square = near_x * near_x + near_y * near_y
+        better = facing & (square < nearest)
+        nearest = square if better else nearest
+        nearest_x = near_x if better else nearest_x
+        nearest_y = near_y if better else nearest_y
+        # A ray that runs along the edge never enters it from outside, never leaves it from inside.
+        rate = normal_x * left_x + normal_y * left_y
+        way = -beyond / (rate if rate != 0.0 else _LEAST)
+        left_enter = way if (rate < 0.0) & (way > left_enter) else left_enter
+        left_leave = way if (rate >= 0.0) & (way < left_leave) else left_leave
+        rate = normal_x * right_x + normal_y * right_y
+        way = -beyond / (rate if rate != 0.0 else _LEAST)
+        right_enter = way if (rate < 0.0) & (way > right_enter) else right_enter
+        right_leave = way if (rate >= 0.0) & (way < right_leave) else right_leave
+        px = qx
+        py = qy
+        normal_x = edges[k, NORMAL_X]
+        normal_y = edges[k, NORMAL_Y]
+    if not outside:
+        return 0.0
+    ahead = direction_x * nearest_x + direction_y * nearest_y
+    aside = direction_x * nearest_y - direction_y * nearest_x
+    if half_sin * ahead >= half_cos * abs(aside):
+        return nearest
+    side = min(
+        left_enter if left_enter <= left_leave else np.inf,
+        right_enter if right_enter <= right_leave else np.inf,
+    )
+    return side * side

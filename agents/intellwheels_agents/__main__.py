@@ -1,0 +1,153 @@
+"""`iw-agent`: one agent, in a process of its own."""
+
+from __future__ import annotations
+
+import argparse
+import math
+import sys
+from collections.abc import Sequence
+
+from intellwheels_agents import minds
+from intellwheels_agents.equipment import equipped, joining, split_options
+from intellwheels_agents.network import run_agent
+from intellwheels_agents.options import OptionError, Options
+from intellwheels_maps import robot as robot_file
+from intellwheels_schemas.codec import Encoding
+from intellwheels_schemas.errors import WireError
+from intellwheels_schemas.link import add_link_options, link_of
+from intellwheels_schemas.messages import Robot
+from intellwheels_schemas.names import check_agent, new_hex
+from intellwheels_schemas.process import add_process_options, stop_on_signals
+
+EXAMPLES = """\
+examples:
+  a chair that drives to a place of the map, beside an iw-server that runs on this machine
+      iw-agent waypoints --name chair1 --robot rear-wheel --option to=goal1
+  a chair that is told its powers: straight on, then a turn to the left, then a stop
+      iw-agent drive --name chair1 --option script="0:0.5,0.5; 2:0.1,0.4; 4:0,0"
+  an automatic door with a noisy compass (capital letters: a field of the robot document)
+      iw-agent door --name door --robot door --place hinge --option swing=right --option Compass.NoiseDeg=1
+  your own mind, a Python file with a class Mind, for a body that another process joined
+      iw-agent ./my_mind.py --name chair1 --role mind
+
+On standard output: `joined agent=chair1 run=... tick=...`, `run agent=chair1 run=...` when a new run begins,
+`left agent=chair1`. Exit code 0: done; 1: refused or failed; 2: wrong usage.
+"""
+DEFAULT_ROBOTS = {"door": "door", "table": "table"}
+DEFAULT_ROBOT = "intellwheels"
+
+
+def parser() -> argparse.ArgumentParser:
+    """Return the command line."""
+    result = argparse.ArgumentParser(
+        prog="iw-agent",
+        description="Join a simulation with a body and let a mind drive it.",
+        epilog=EXAMPLES,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    result.add_argument(
+        "mind", metavar="MIND", help=f"{', '.join(minds.names())}; or a Python file that defines make(context) or Mind"
+    )
+    result.add_argument("--name", metavar="NAME", help="the agent's name (default: the mind's)")
+    result.add_argument(
+        "--robot",
+        metavar="NAME|FILE",
+        help=f"the body: a shipped robot or a robot file (default: {DEFAULT_ROBOT}; for a door or table its own)",
+    )
+    result.add_argument("--place", metavar="PLACE", help="a place of the map to start at (default: the first free)")
+    result.add_argument(
+        "--role", choices=("both", "body", "mind"), default="both", help="what this process is (default: both)"
+    )
+    result.add_argument(
+        "--option",
+        action="append",
+        default=[],
+        metavar="NAME=VALUE",
+        help="an option of the mind, or with a capital letter a field of the robot document; may be repeated",
+    )
+    result.add_argument(
+        "--encoding", choices=("json", "xml"), default="json", help="how messages are written (default: json)"
+    )
+    result.add_argument("--no-barrier", action="store_true", help="lockstep does not wait for this agent")
+    result.add_argument(
+        "--retry-for",
+        type=_seconds,
+        default=math.inf,
+        metavar="S",
+        help="give up when no simulator is there for so many seconds (default: never)",
+    )
+    add_link_options(result)
+    add_process_options(result)
+    return result
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run an agent and return the exit code: 0 done, 1 refused or failed, 2 wrong usage."""
+    options = parser().parse_args(arguments)
+    # First of all: a signal may come while the rest is still read.
+    stop = stop_on_signals(options.lifeline)
+    try:
+        source = minds.find(options.mind)
+        of_robot, of_mind = split_options(_pairs(options.option))
+        where = link_of(options)
+        robot = joining(
+            _body(options, source, of_robot, of_mind),
+            agent=check_agent(options.name or _name_of(options.mind), "--name"),
+            role=options.role,
+            instance=new_hex(),
+            place=options.place,
+            barrier=False if options.no_barrier else None,
+        )
+        return run_agent(
+            robot,
+            source.make,
+            of_mind,
+            where=where,
+            encoding=Encoding.XML if options.encoding == "xml" else Encoding.JSON,
+            retry_for=options.retry_for,
+            stop=stop,
+        )
+    except (OptionError, WireError) as error:
+        print(f"iw-agent: {error}", file=sys.stderr)
+        return 2
+    except ConnectionError as error:
+        print(f"iw-agent: {error}", file=sys.stderr)
+        return 1
+
+
+def _body(
+    options: argparse.Namespace, source: minds.Source, of_robot: dict[str, str], of_mind: dict[str, str]
+) -> Robot:
+    if options.role == "mind":
+        if of_robot:
+            raise OptionError(f"option {next(iter(of_robot))}: expected none of a body for --role mind")
+        return Robot()
+    name = options.robot or DEFAULT_ROBOTS.get(options.mind, DEFAULT_ROBOT)
+    return source.equip(equipped(robot_file(name), of_robot), Options(of_mind))
+
+
+def _pairs(given: Sequence[str]) -> dict[str, str]:
+    pairs: dict[str, str] = {}
+    for text in given:
+        name, equals, value = text.partition("=")
+        if not equals or not name:
+            raise OptionError(f"--option: expected NAME=VALUE, got {text!r}")
+        if name in pairs:
+            raise OptionError(f"--option: expected each name once, got {name!r} twice")
+        pairs[name] = value
+    return pairs
+
+
+def _name_of(mind: str) -> str:
+    return mind.rpartition("/")[2].removesuffix(".py").replace(".", "-")
+
+
+def _seconds(text: str) -> float:
+    value = float(text)
+    if not value > 0.0:
+        raise argparse.ArgumentTypeError(f"expected seconds above 0, got {text!r}")
+    return value
+
+
+if __name__ == "__main__":
+    sys.exit(main())

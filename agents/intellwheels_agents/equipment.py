@@ -1,0 +1,89 @@
+"""The robot document of an agent: a file's, changed by options that name its fields.
+
+`MotorNoise=0.015` sets a field of the robot, `Compass.NoiseDeg=0.5` one of every sensor of a kind.
+The names are the wire's, so they begin with a capital letter; a mind's own options do not.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from typing import Any
+
+import msgspec
+
+from intellwheels_agents.options import OptionError
+from intellwheels_schemas.messages import Robot, Role
+from intellwheels_schemas.rules import check_robot
+
+_NUMBER = re.compile(r"-?\d+(\.\d+)?([eE][-+]?\d+)?")
+
+
+def split_options(given: Mapping[str, str]) -> tuple[dict[str, str], dict[str, str]]:
+    """Return the options of the robot document and those of the mind."""
+    of_robot = {name: value for name, value in given.items() if name[:1].isupper()}
+    return of_robot, {name: value for name, value in given.items() if name not in of_robot}
+
+
+def equipped(robot: Robot, changes: Mapping[str, str]) -> Robot:
+    """Return `robot` with fields changed.
+
+    Args:
+        robot: A robot document.
+        changes: Values by wire name, `Field` or `Kind.Field`.
+
+    Raises:
+        OptionError: There is no such field or sensor, or it cannot have that value.
+        WireError: The fields do not go together.
+    """
+    if not changes:
+        return robot
+    plain: dict[str, Any] = msgspec.json.decode(msgspec.json.encode(robot))
+    for name, text in changes.items():
+        kind, _, field = name.rpartition(".")
+        records = plain.get(kind) if kind else [plain]
+        if not isinstance(records, list) or not records:
+            raise OptionError(f"option {name}: expected a kind of sensor this robot has, got {kind!r}")
+        for record in records:
+            record[field] = _plain(text)
+        try:
+            robot = msgspec.convert(plain, Robot)
+        except msgspec.ValidationError as error:
+            raise OptionError(f"option {name}: expected what the robot document takes, got {text!r}: {error}") from None
+    check_robot(robot)
+    return robot
+
+
+def _plain(text: str) -> Any:
+    if text in ("true", "false"):
+        return text == "true"
+    if _NUMBER.fullmatch(text):
+        return msgspec.json.decode(text)
+    return text
+
+
+def joining(robot: Robot, *, agent: str, role: Role, instance: str, place: str | None, barrier: bool | None) -> Robot:
+    """Return the document an agent joins with.
+
+    Args:
+        robot: The body; of role `mind` only what a mind may say is taken.
+        agent: The agent's name.
+        role: What joins: a whole agent, a body, or the mind of a body that is there.
+        instance: 16 hex digits, new for each process.
+        place: A place of the map to start at, or None for the simulator's choice.
+        barrier: Whether a lockstep awaits this agent, or None for the robot's word.
+    """
+    awaited = robot.barrier if barrier is None else barrier
+    if role == "mind":
+        return Robot(
+            name=agent, role=role, instance=instance, barrier=awaited, crew=robot.crew, user_input=robot.user_input
+        )
+    return msgspec.structs.replace(
+        robot,
+        format=None,
+        name=agent,
+        role=role,
+        instance=instance,
+        place=robot.place if place is None else place,
+        barrier=awaited,
+    )

@@ -1,0 +1,22 @@
+"""A table stands. It answers, so that a lockstep may await it, and does nothing.
+
+Serves for any obstacle.
+"""
+
+from __future__ import annotations
+
+from intellwheels_agents.mind import Context
+from intellwheels_schemas.messages import Actions, Measures
+
+_NOTHING = Actions()
+
+
+class Mind:
+    """Does nothing."""
+
+    def __init__(self, _context: Context) -> None:
+        pass
+
+    def decide(self, _measures: Measures) -> Actions:
+        """Return empty actions."""
+        return _NOTHING

@@ -1,0 +1,113 @@
+"""Options of a mind: text by name, read as what they mean.
+
+Whatever was read is known; whatever was given and never read is a typing error of the user and is
+refused by name. Names that begin with a capital letter belong to the robot document (`equipment`).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+
+
+class OptionError(ValueError):
+    """An option that cannot be used; the sentence says which, what was expected and what came."""
+
+
+class Options(Mapping[str, str]):
+    """Options by name, with readers that check.
+
+    Every reader takes the name and what to return when the option is absent.
+    """
+
+    def __init__(self, given: Mapping[str, str] | None = None) -> None:
+        self._given = dict(given or {})
+        self._known: set[str] = set()
+
+    def __getitem__(self, name: str) -> str:
+        self._known.add(name)
+        return self._given[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._given)
+
+    def __len__(self) -> int:
+        return len(self._given)
+
+    def __contains__(self, name: object) -> bool:
+        self._known.add(str(name))
+        return name in self._given
+
+    def text(self, name: str, default: str = "") -> str:
+        """Return the option as it stands."""
+        return self.get(name, default)
+
+    def number(self, name: str, default: float, low: float = -math.inf, high: float = math.inf) -> float:
+        """Return the option as a number in [low, high].
+
+        Raises:
+            OptionError: It is none, or is out of that range.
+        """
+        text = self.get(name)
+        if text is None:
+            return default
+        expected = "a number" if math.isinf(low) and math.isinf(high) else f"a number in [{low:g}, {high:g}]"
+        value = _number(text)
+        if value is None or not low <= value <= high:
+            raise OptionError(f"option {name}: expected {expected}, got {text!r}")
+        return value
+
+    def flag(self, name: str, default: bool = False) -> bool:
+        """Return the option as a truth value.
+
+        Raises:
+            OptionError: It is neither true nor false.
+        """
+        return self.choice(name, ("true", "false"), "true" if default else "false") == "true"
+
+    def choice(self, name: str, words: tuple[str, ...], default: str) -> str:
+        """Return the option as one of `words`.
+
+        Raises:
+            OptionError: It is none of them.
+        """
+        text = self.get(name, default)
+        if text not in words:
+            raise OptionError(f"option {name}: expected one of {', '.join(words)}, got {text!r}")
+        return text
+
+    def words(self, name: str) -> tuple[str, ...]:
+        """Return the option as words separated by spaces or commas."""
+        return tuple(self.get(name, "").replace(",", " ").split())
+
+    def points(self, name: str) -> tuple[tuple[float, float], ...]:
+        """Return the option as points: x y x y, in metres, separated by spaces or commas.
+
+        Raises:
+            OptionError: Something is no number, or a y is missing.
+        """
+        words = self.words(name)
+        numbers = [_number(word) for word in words]
+        values = [number for number in numbers if number is not None]
+        if len(values) != len(words) or len(values) % 2:
+            raise OptionError(f"option {name}: expected numbers in pairs, x y x y, got {self[name]!r}")
+        return tuple(zip(values[::2], values[1::2], strict=True))
+
+    def check_all_read(self) -> None:
+        """Refuse what was given and never asked for.
+
+        Raises:
+            OptionError: There is such an option.
+        """
+        unknown = sorted(set(self._given) - self._known)
+        if unknown:
+            known = ", ".join(sorted(self._known)) or "none"
+            raise OptionError(f"option {unknown[0]}: expected an option of this mind ({known}), got {unknown[0]!r}")
+
+
+def _number(text: str) -> float | None:
+    try:
+        value = float(text)
+    except ValueError:
+        return None
+    return value if math.isfinite(value) else None

@@ -1,0 +1,96 @@
+"""Pure pursuit: a chair is steered at a point of its path that lies a look-ahead before it.
+
+    (x, y): that point in the body frame, L: its distance; the arc through it has curvature 2 y / L^2
+
+Source: R. C. Coulter, Implementation of the Pure Pursuit Path Tracking Algorithm, CMU-RI-TR-92-01, 1992.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from itertools import pairwise
+
+Point = tuple[float, float]
+
+
+class Path:
+    """A line through points, followed forwards only.
+
+    Attributes:
+        length: Metres from the first point to the last.
+        done: Metres along it that lie behind.
+    """
+
+    # Metres ahead of `done` where the nearest point is looked for: not so far that a path
+    # that comes back along itself is cut short.
+    WINDOW = 1.0
+
+    def __init__(self, points: Sequence[Point]) -> None:
+        """Take two or more points; equal neighbours are joined.
+
+        Raises:
+            ValueError: Fewer than two different points are left.
+        """
+        kept: list[Point] = []
+        for point in points:
+            if not kept or math.dist(point, kept[-1]) > 1e-6:
+                kept.append(point)
+        if len(kept) < 2:
+            raise ValueError("path: expected at least 2 different points")
+        self._points = kept
+        self._starts = [0.0]
+        for a, b in pairwise(kept):
+            self._starts.append(self._starts[-1] + math.dist(a, b))
+        self.length = self._starts[-1]
+        self.done = 0.0
+
+    @property
+    def end(self) -> Point:
+        """The last point."""
+        return self._points[-1]
+
+    @property
+    def left(self) -> float:
+        """Metres that still lie ahead."""
+        return self.length - self.done
+
+    def update(self, x: float, y: float) -> None:
+        """Move `done` on to the point nearest to (x, y), never back."""
+        best, done = math.inf, self.done
+        for i, (a, b) in enumerate(pairwise(self._points)):
+            start, end = self._starts[i], self._starts[i + 1]
+            if end < self.done or start > self.done + self.WINDOW:
+                continue
+            length = end - start
+            along = ((x - a[0]) * (b[0] - a[0]) + (y - a[1]) * (b[1] - a[1])) / length
+            along = min(max(along, self.done - start, 0.0), length, self.done + self.WINDOW - start)
+            px, py = self._on(i, along)
+            off = math.hypot(x - px, y - py)
+            if off < best:
+                best, done = off, start + along
+        self.done = done
+
+    def ahead(self, distance: float) -> Point:
+        """Return the point so many metres on from `done`; beyond the end, straight on."""
+        target = self.done + distance
+        i = 0
+        while i < len(self._points) - 2 and self._starts[i + 1] < target:
+            i += 1
+        return self._on(i, target - self._starts[i])
+
+    def to_corner(self, angle: float) -> float:
+        """Return metres to the next corner sharper than `angle` radians, or to the end."""
+        for i in range(1, len(self._points) - 1):
+            if self._starts[i] <= self.done:
+                continue
+            a, b, c = self._points[i - 1 : i + 2]
+            turn = math.atan2(c[1] - b[1], c[0] - b[0]) - math.atan2(b[1] - a[1], b[0] - a[0])
+            if abs(math.remainder(turn, 2.0 * math.pi)) > angle:
+                return self._starts[i] - self.done
+        return self.left
+
+    def _on(self, i: int, along: float) -> Point:
+        (ax, ay), (bx, by) = self._points[i], self._points[i + 1]
+        share = along / (self._starts[i + 1] - self._starts[i])
+        return ax + share * (bx - ax), ay + share * (by - ay)

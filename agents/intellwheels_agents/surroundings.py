@@ -1,0 +1,98 @@
+"""What proximity sensors tell of the room around a body.
+
+A reading says how near something is inside a cone, not where in it. What matters here is the
+nearest place where it could stand: it blocks the way when it could be in the strip the body sweeps.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from intellwheels_schemas.messages import Proximity, ProximityReading, Robot, Sensors
+from intellwheels_schemas.rules import parts_of
+
+
+@dataclass(frozen=True, slots=True)
+class Outline:
+    """How far a body reaches from its centre of movement, in metres, all positive."""
+
+    front: float
+    back: float
+    side: float
+
+
+def outline(robot: Robot) -> Outline:
+    """Return the outline of a robot document's parts, whichever form it has."""
+    parts = parts_of(robot)
+    return Outline(
+        front=max(part.x + part.length / 2.0 for part in parts),
+        back=max(part.length / 2.0 - part.x for part in parts),
+        side=max(abs(part.y) + part.width / 2.0 for part in parts),
+    )
+
+
+def distance(reading: ProximityReading, sensor: Proximity) -> float | None:
+    """Return metres to what the sensor sees; infinite when there is nothing, None when it failed."""
+    if reading.status == "ok":
+        return reading.value
+    if reading.status == "near":
+        return sensor.min_range
+    return math.inf if reading.status == "none" else None
+
+
+class Surroundings:
+    """The proximity readings of a body that drives.
+
+    Attributes:
+        left, right: Metres of room to each side ahead, infinite where nothing is seen.
+    """
+
+    # Beside the body, in metres: what passes nearer than this could be touched.
+    MARGIN = 0.05
+
+    def __init__(self, robot: Robot) -> None:
+        """Take the sensors of `robot` that ride on it and look ahead."""
+        self._body = outline(robot)
+        self._ahead = {
+            sensor.id: (sensor, math.radians(sensor.direction_deg), math.radians(sensor.cone_deg) / 2.0)
+            for sensor in robot.proximity
+            if sensor.mount == "body" and abs(math.remainder(sensor.direction_deg, 360.0)) < 90.0
+        }
+        self.left = self.right = math.inf
+        self._gap = math.inf
+
+    def update(self, sensors: Sensors | None) -> None:
+        """Take the readings of a tick. A sensor that failed, or is not there yet, is left out."""
+        self.left = self.right = self._gap = math.inf
+        if sensors is None:
+            return
+        for reading in sensors.proximity:
+            entry = self._ahead.get(reading.id)
+            if entry is None:
+                continue
+            sensor, direction, half_cone = entry
+            metres = distance(reading, sensor)
+            if metres is None:
+                continue
+            direction = math.remainder(direction, 2.0 * math.pi)
+            if direction > half_cone:
+                self.left = min(self.left, metres)
+            elif direction < -half_cone:
+                self.right = min(self.right, metres)
+            self._gap = min(self._gap, self._gap_of(sensor, direction, half_cone, metres))
+
+    @property
+    def gap(self) -> float:
+        """Metres from the body's front to the nearest thing that could be in its way, infinite if none."""
+        return self._gap
+
+    def _gap_of(self, sensor: Proximity, direction: float, half_cone: float, metres: float) -> float:
+        if math.isinf(metres):
+            return math.inf
+        # The ray of the cone nearest to straight ahead is where it would be most in the way.
+        bearing = math.copysign(max(abs(direction) - half_cone, 0.0), direction)
+        across = sensor.y + metres * math.sin(bearing)
+        if abs(across) > self._body.side + self.MARGIN:
+            return math.inf
+        return max(0.0, sensor.x + metres * math.cos(bearing) - self._body.front)

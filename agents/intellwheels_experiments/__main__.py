@@ -1,0 +1,136 @@
+"""`iw-run`: a scene from one command, as processes of their own that end with it."""
+
+from __future__ import annotations
+
+import argparse
+import shutil
+import socket
+import sys
+import tempfile
+from collections.abc import Sequence
+from pathlib import Path
+from typing import get_args
+
+import msgspec
+from rich.console import Console
+
+from intellwheels_experiments.plan import Plan, wall_limit
+from intellwheels_experiments.progress import Progress
+from intellwheels_experiments.report import show, to_json
+from intellwheels_experiments.run import perform
+from intellwheels_experiments.watch import watching
+from intellwheels_maps import floor, names, scene
+from intellwheels_schemas.errors import WireError
+from intellwheels_schemas.link import Link
+from intellwheels_schemas.messages import Pace
+from intellwheels_schemas.names import check_name
+from intellwheels_schemas.process import stop_on_signals
+
+_EPILOG = """\
+examples:
+  iw-run figure6                             three chairs, a table and a door, as fast as it goes
+  iw-run figure6 --pace realtime             the same, to be watched
+  iw-run figure6 --seed 7 --json result.json
+  iw-run my/scene.xml --encoding xml --logs logs
+
+exit: 0 what must hold held, 1 it did not, 2 wrong usage
+"""
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog="iw-run",
+        description="Run a scene: starts the simulator and every agent of the cast, shows how they go on, ends them "
+        "all, and says whether what must hold held.",
+        epilog=_EPILOG,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    parser.add_argument("scene", metavar="SCENE", help=f"a shipped scene ({', '.join(names('scenes'))}) or an XML file")
+    parser.add_argument("--pace", choices=get_args(Pace), help="instead of the scene's")
+    parser.add_argument("--speed", type=_factor, metavar="F", default=1.0, help="times real time, at pace realtime (1)")
+    parser.add_argument("--seed", metavar="TEXT", help="instead of the scene's")
+    parser.add_argument("--encoding", choices=("json", "xml"), default="json", help="what the agents speak (json)")
+    parser.add_argument("--json", type=Path, metavar="FILE", help="write the result there, the final hash as 'hash'")
+    parser.add_argument("--log", type=Path, metavar="FILE", help="write the input log, for iw-server --resimulate")
+    parser.add_argument("--logs", type=Path, metavar="DIR", help="keep what the processes print there")
+    parser.add_argument("--timeout", type=_factor, metavar="S", help="wall time to break the run off after (600)")
+    link = parser.add_argument_group("link", "default: the simulator listens at a free port of this machine")
+    link.add_argument("--world", type=_world, metavar="NAME", default="main", help="the world's name (main)")
+    link.add_argument("--listen", action="append", default=[], metavar="ENDPOINT", help="where the simulator listens")
+    link.add_argument("--connect", action="append", default=[], metavar="ENDPOINT", help="a router that all go through")
+    link.add_argument("--config", type=Path, metavar="FILE", help="a Zenoh configuration (JSON5) for all the rest")
+    return parser
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the command and return its exit code."""
+    options = _parser().parse_args(arguments)
+    is_path = "/" in options.scene or options.scene.endswith(".xml")
+    try:
+        wanted = scene(options.scene)
+        folder = Path(options.scene).absolute().parent if is_path else None
+        plan_floor = floor(wanted.map, beside=folder)
+    except WireError as error:
+        print(f"iw-run: {error.text}", file=sys.stderr)
+        return 2
+    changes = {"pace": options.pace, "seed": options.seed}
+    wanted = msgspec.structs.replace(wanted, **{name: value for name, value in changes.items() if value is not None})
+    logs = options.logs or Path(tempfile.mkdtemp(prefix="iw-run-"))
+    plan = Plan(
+        scene=wanted,
+        source=str(Path(options.scene).absolute()) if is_path else options.scene,
+        folder=folder,
+        floor=plan_floor,
+        link=_link(options),
+        logs=logs,
+        speed=options.speed,
+        encoding=options.encoding,
+        log=options.log,
+        timeout=options.timeout or wall_limit(wanted, options.speed),
+    )
+    stop = stop_on_signals()
+    with Progress(Console(stderr=True), wanted, plan_floor) as progress:
+        result = perform(plan, lambda until: watching(plan.others_link, until), progress, stop)
+    show(result, Console())
+    if options.json is not None:
+        options.json.write_bytes(to_json(result))
+    if options.logs is None:
+        if result.held:
+            shutil.rmtree(logs, ignore_errors=True)
+        else:
+            print(f"logs kept in {logs}", file=sys.stderr)
+    return 0 if result.held else 1
+
+
+def _link(options: argparse.Namespace) -> Link:
+    listen, connect = tuple(options.listen), tuple(options.connect)
+    if not listen and not connect and options.config is None:
+        listen = (f"tcp/127.0.0.1:{_free_port()}",)
+    return Link(options.world, listen, connect, options.config)
+
+
+def _free_port() -> int:
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        return int(probe.getsockname()[1])
+
+
+def _factor(text: str) -> float:
+    try:
+        value = float(text)
+    except ValueError:
+        value = 0.0
+    if not 0.0 < value < 1e6:
+        raise argparse.ArgumentTypeError(f"expected a number above 0, got {text!r}")
+    return value
+
+
+def _world(text: str) -> str:
+    try:
+        return check_name(text, "--world")
+    except WireError as error:
+        raise argparse.ArgumentTypeError(error.text) from None
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,111 @@
+"""How a run is started: the command line of each of its processes. Pure: a plan in, words out."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Final
+
+from intellwheels_schemas.link import Link
+from intellwheels_schemas.messages import Cast, Map, Pace, Scene
+
+SERVER: Final = "server"
+"""The simulator among the children."""
+
+WALL_LIMIT: Final = 600.0
+"""Seconds of wall time a run may take beyond what its pace needs."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Plan:
+    """A run to be started.
+
+    Attributes:
+        scene: The scene, with the pace and the seed of this run.
+        source: Its name, or its path, as the simulator is told it.
+        folder: Where relative paths in it start from, or None for a shipped scene.
+        floor: Its floor.
+        link: How the simulator reaches the others; where it listens, they connect.
+        logs: The folder of the processes' logs.
+        speed: Factor of real time, at pace `realtime`.
+        encoding: What the agents speak, `json` or `xml`.
+        log: The input log that the simulator writes, if any.
+        timeout: Seconds of wall time after which the run is broken off.
+    """
+
+    scene: Scene
+    source: str
+    floor: Map
+    link: Link
+    logs: Path
+    folder: Path | None = None
+    speed: float = 1.0
+    encoding: str = "json"
+    log: Path | None = None
+    timeout: float = WALL_LIMIT
+
+    @property
+    def pace(self) -> Pace:
+        """The pace of this run."""
+        return self.scene.pace
+
+    @property
+    def others_link(self) -> Link:
+        """How everybody but the simulator reaches it."""
+        link = self.link
+        return Link(link.world, (), link.connect or link.listen, link.config)
+
+    def server_command(self, lifeline: int) -> list[str]:
+        """Return the command of the simulator; it goes on after the end, so that it can be asked how it was."""
+        words = ["--scene", self.source, *_link_words(self.link)]
+        words += ["--seed", self.scene.seed, "--pace", self.pace, "--lifeline", str(lifeline)]
+        if self.pace == "realtime":
+            words += ["--speed", repr(self.speed)]
+        if self.pace == "free":
+            words += ["--open-loop"]
+        if self.log is not None:
+            words += ["--log", str(self.log.absolute())]
+        return [sys.executable, "-m", "intellwheels_server", *words]
+
+    def agent_command(self, cast: Cast, lifeline: int) -> list[str]:
+        """Return the command of one of the cast."""
+        words = [self._resolve(cast.mind), "--name", cast.name, "--robot", self._resolve(cast.robot)]
+        if cast.place is not None:
+            words += ["--place", cast.place]
+        for option in cast.option:
+            words += ["--option", f"{option.name}={option.value}"]
+        words += [*_link_words(self.others_link), "--encoding", self.encoding, "--lifeline", str(lifeline)]
+        return [sys.executable, "-m", "intellwheels_agents", *words]
+
+    def _resolve(self, name_or_path: str) -> str:
+        is_path = "/" in name_or_path or name_or_path.endswith((".xml", ".py"))
+        return str((self.folder or Path()).absolute() / name_or_path) if is_path else name_or_path
+
+
+def _link_words(link: Link) -> list[str]:
+    words = ["--world", link.world]
+    for option, endpoints in (("--listen", link.listen), ("--connect", link.connect)):
+        for endpoint in endpoints:
+            words += [option, endpoint]
+    return words if link.config is None else [*words, "--config", str(link.config.absolute())]
+
+
+def wall_limit(scene: Scene, speed: float) -> float:
+    """Return how many seconds of wall time a run of the scene may take."""
+    if scene.pace != "realtime":
+        return WALL_LIMIT
+    simulated = scene.end.timeout.seconds if scene.end and scene.end.timeout else 0.0
+    return WALL_LIMIT + simulated / speed
+
+
+def agent_child(name: str) -> str:
+    """Return the name of an agent among the children; `server` is a good name for an agent too."""
+    return f"agent-{name}"
+
+
+def parse(line: str) -> tuple[str, Mapping[str, str]]:
+    """Return the verb and the values of a line a script waits for: `ended tick=812 hash=...`."""
+    verb, *words = line.split() or [""]
+    return verb, dict(word.split("=", 1) for word in words if "=" in word)

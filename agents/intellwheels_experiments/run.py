@@ -1,0 +1,222 @@
+"""A run from its first process to its last: start, wait for the barrier, watch, end all, judge.
+
+Every wait has a deadline, and however it finishes there is a result.
+"""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Callable, Mapping
+from contextlib import AbstractContextManager
+from dataclasses import dataclass
+from functools import partial
+from typing import Final, Protocol
+
+from intellwheels_experiments.children import Children, Exited, Line
+from intellwheels_experiments.judge import judge
+from intellwheels_experiments.plan import SERVER, Plan, agent_child, parse
+from intellwheels_experiments.progress import Progress
+from intellwheels_experiments.record import Record
+from intellwheels_experiments.report import Finish, Result, versions
+
+READY_LIMIT: Final = 180.0
+"""Seconds for the simulator to be ready: a first start compiles its kernels, on a small machine slowly."""
+
+START_LIMIT: Final = 60.0
+"""Seconds for all agents to be at the barrier once they were started."""
+
+COLD_START: Final = 5.0
+"""Seconds after which a start that is still going on is surely a first one."""
+
+
+class Watch(Protocol):
+    """What sees a run from outside."""
+
+    def pour(self, record: Record) -> None:
+        """Put what arrived since the last time into the record."""
+
+    def complete(self, record: Record) -> None:
+        """Ask the simulator for what is true now and for events that were not seen."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Finished:
+    how: Finish
+    words: str = ""
+    tick: int | None = None
+    hash: str | None = None
+
+
+def perform(
+    plan: Plan,
+    watching: Callable[[threading.Event], AbstractContextManager[Watch]],
+    progress: Progress,
+    stop: threading.Event,
+) -> Result:
+    """Run a scene and return what came of it.
+
+    Args:
+        plan: What to run.
+        watching: Begins to watch the world of the plan; called once its simulator is ready.
+        progress: Shows how it goes on.
+        stop: Set from outside to break the run off.
+
+    Raises:
+        OSError: A process cannot be started.
+    """
+    record = Record()
+    stopwatch = _Stopwatch()
+    with Children(plan.logs) as children:
+        finish = _start(plan, children, progress, stop)
+        if finish is None:
+            try:
+                with watching(stop) as watch:
+                    finish = _follow(plan, children, watch, record, progress, stop, stopwatch)
+                    watch.pour(record)
+                    if SERVER in children.living:
+                        watch.complete(record)
+            except ConnectionError as error:
+                finish = _Finished("interrupted" if stop.is_set() else "died", str(error))
+        # The agents first: they leave in words, which needs somebody to hear them.
+        children.end([child for child in children.living if child != SERVER])
+        children.end([child for child in children.living if child == SERVER], grace=5.0)
+    return _result(plan, record, finish, stopwatch.seconds)
+
+
+class _Stopwatch:
+    """Wall time from the first step to the end."""
+
+    def __init__(self) -> None:
+        self._begin: float | None = None
+        self._end: float | None = None
+
+    def begin(self) -> None:
+        self._begin = time.monotonic()
+
+    def end(self) -> None:
+        self._end = time.monotonic()
+
+    @property
+    def seconds(self) -> float:
+        if self._begin is None:
+            return 0.0
+        return (self._end or time.monotonic()) - self._begin
+
+
+def _start(plan: Plan, children: Children, progress: Progress, stop: threading.Event) -> _Finished | None:
+    """Start all processes once the simulator is ready; return how the run finished, if it did already."""
+    children.start(SERVER, plan.server_command)
+    begun = time.monotonic()
+    shown = False
+    while True:
+        waited = time.monotonic() - begun
+        match children.news(0.2):
+            case Line(child=child, text=text) if child == SERVER and parse(text)[0] == "ready":
+                break
+            case Exited() as exited:
+                return _died(children, exited)
+        if stop.is_set():
+            return _Finished("interrupted", "before the simulator was ready")
+        if waited > READY_LIMIT:
+            return _Finished("overtime", _with_tail(children, SERVER, f"not ready after {READY_LIMIT:.0f} s"))
+        if waited > COLD_START and not shown:
+            progress.say("the simulator compiles its kernels: once, about 20 s")
+            shown = True
+    for cast in plan.scene.cast:
+        children.start(agent_child(cast.name), partial(plan.agent_command, cast))
+    progress.say(
+        f"started world={plan.link.world} at={plan.link.where()} agents={len(plan.scene.cast)} logs={plan.logs}"
+    )
+    return None
+
+
+def _follow(
+    plan: Plan,
+    children: Children,
+    watch: Watch,
+    record: Record,
+    progress: Progress,
+    stop: threading.Event,
+    stopwatch: _Stopwatch,
+) -> _Finished:
+    """Watch the run until it finishes."""
+    begun = time.monotonic()
+    running = False
+    while True:
+        news = children.news(0.1)
+        waited = time.monotonic() - begun
+        if isinstance(news, Line) and news.child == SERVER:
+            verb, values = parse(news.text)
+            if verb == "running" and not running:
+                running = True
+                stopwatch.begin()
+            elif verb == "ended":
+                stopwatch.end()
+                return _Finished("ended", tick=_number(values.get("tick")), hash=values.get("hash"))
+            elif verb == "miss":
+                stopwatch.end()
+                return _Finished("missed", _missed(children, values), _number(values.get("tick")))
+        elif isinstance(news, Exited) and (news.child == SERVER or news.code != 0):
+            stopwatch.end()
+            return _died(children, news)
+        watch.pour(record)
+        progress.follow(record)
+        if stop.is_set():
+            stopwatch.end()
+            return _Finished("interrupted")
+        if not running and waited > START_LIMIT:
+            awaited = ", ".join(record.clock.waiting) if record.clock else ""
+            return _Finished("overtime", f"not running after {START_LIMIT:.0f} s, waiting for {awaited or 'nobody'}")
+        if waited > plan.timeout:
+            stopwatch.end()
+            return _Finished("overtime", f"broken off after {plan.timeout:.0f} s of wall time")
+
+
+def _died(children: Children, exited: Exited) -> _Finished:
+    return _Finished("died", _with_tail(children, exited.child, exited.how))
+
+
+def _missed(children: Children, values: Mapping[str, str]) -> str:
+    what = f"missed tick {values.get('tick', '?')}"
+    child = agent_child(values.get("agent", ""))
+    return _with_tail(children, child, what) if children.log_of(child).exists() else what
+
+
+def _with_tail(children: Children, child: str, what: str) -> str:
+    tail = children.tail(child)
+    words = f"{child}: {what}"
+    return "\n".join([f"{words}; the last lines of {children.log_of(child)}:", *(f"  {line}" for line in tail)])
+
+
+def _number(text: str | None) -> int | None:
+    return int(text) if text is not None and text.isdecimal() else None
+
+
+def _result(plan: Plan, record: Record, finish: _Finished, wall: float) -> Result:
+    clock = record.clock
+    tick = finish.tick if finish.tick is not None else clock.tick if clock else 0
+    verdict = judge(plan.scene, plan.floor, record, ended=finish.how == "ended")
+    simulated = tick * plan.scene.period
+    return Result(
+        scene=plan.scene.name,
+        map=plan.floor.name,
+        seed=plan.scene.seed,
+        pace=plan.pace,
+        world=plan.link.world,
+        run=record.run,
+        finish=finish.how,
+        words=finish.words,
+        held=verdict.held,
+        failed=verdict.failed,
+        hash=finish.hash,
+        ticks=tick,
+        time=simulated,
+        wall=wall,
+        factor=simulated / wall if wall > 0 else 0.0,
+        late=clock.late if clock else 0,
+        contacts=verdict.contacts,
+        events=dict(sorted(record.counts.items())),
+        agents=verdict.agents,
+        versions=versions(),
+    )

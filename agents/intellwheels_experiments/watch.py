@@ -1,0 +1,106 @@
+"""The watch on a running world. The only file of this package on the network.
+
+Zenoh's threads put what arrives into an inbox; `pour` takes it from there. What was lost on the
+way, events above all, is asked for at the end.
+"""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
+from typing import TYPE_CHECKING, Final, TypeVar
+
+from intellwheels_experiments.record import Record
+from intellwheels_schemas.codec import decode, encoding_of
+from intellwheels_schemas.errors import WireError
+from intellwheels_schemas.keys import Keys
+from intellwheels_schemas.link import Answer, Inbox, Link, Put, open_session, query
+from intellwheels_schemas.messages import Clock, Event, Events, WorldState
+from intellwheels_schemas.messages import Record as Message
+
+if TYPE_CHECKING:
+    import zenoh
+
+ANSWER_LIMIT: Final = 2.0
+"""Seconds a simulator has to answer."""
+
+OPEN_LIMIT: Final = 20.0
+"""Seconds to be connected to a simulator that said that it is ready."""
+
+_M = TypeVar("_M", bound=Message)
+
+
+class Watch:
+    """What sees a run from outside; it is told everything any viewer is told.
+
+    Args:
+        session: An open session.
+        world: The world to watch.
+    """
+
+    def __init__(self, session: zenoh.Session, world: str) -> None:
+        self._session = session
+        self._keys = Keys(world)
+        self._inbox = Inbox()
+        # Names in (Run, Tick) order are the record's business, so one inbox does for all.
+        self._subscribers = [
+            session.declare_subscriber(key, self._inbox.on_sample)
+            for key in (self._keys.every_state, self._keys.event, self._keys.clock)
+        ]
+
+    def close(self) -> None:
+        """Hear nothing further."""
+        for subscriber in self._subscribers:
+            subscriber.undeclare()  # type: ignore[no-untyped-call]
+
+    def pour(self, record: Record) -> None:
+        """Put what arrived since the last time into the record."""
+        for arrival in self._inbox.take():
+            if isinstance(arrival, Put):
+                if arrival.key == self._keys.clock:
+                    self._give(Clock, arrival.data, arrival.encoding, record.on_clock)
+                elif arrival.key == self._keys.event:
+                    self._give(Event, arrival.data, arrival.encoding, record.on_event)
+                elif self._keys.parse_state(arrival.key) is not None:
+                    self._give(WorldState, arrival.data, arrival.encoding, record.on_state)
+
+    def complete(self, record: Record) -> None:
+        """Ask the simulator for what is true now and for events that were not seen."""
+        for answer in self._ask(self._keys.every_state):
+            self._give(WorldState, answer.data, answer.encoding, record.on_state)
+        for answer in self._ask(self._keys.clock):
+            self._give(Clock, answer.data, answer.encoding, record.on_clock)
+        for answer in self._ask(f"{self._keys.event}?since={record.wanted}"):
+            self._give(Events, answer.data, answer.encoding, record.on_events)
+
+    def _ask(self, selector: str) -> list[Answer]:
+        # A simulator that just died answers nobody; the record says what was seen until then.
+        with suppress(ConnectionError):
+            answers = query(self._session, selector, timeout=ANSWER_LIMIT)
+            return [answer for answer in answers if answer.ok]
+        return []
+
+    @staticmethod
+    def _give(kind: type[_M], data: bytes, encoding: str, take: Callable[[_M], None]) -> None:
+        # In a world others may write too what cannot be read is nobody's, and a newer simulator may say more.
+        with suppress(WireError):
+            take(decode(kind, data, encoding_of(encoding, data), strict=False))
+
+
+@contextmanager
+def watching(link: Link, stop: threading.Event) -> Iterator[Watch]:
+    """Connect and watch until the `with` is left.
+
+    Raises:
+        ConnectionError: Nobody answers.
+    """
+    session = open_session(link, stop, timeout=OPEN_LIMIT)
+    if session is None:
+        raise ConnectionError(f"told to stop before {link.where()} answered")
+    with session:
+        watch = Watch(session, link.world)
+        try:
+            yield watch
+        finally:
+            watch.close()

@@ -1,0 +1,266 @@
+"""Bytes to messages and back, in both encodings. `decode` raises nothing but `WireError`.
+
+The common JSON document costs one typed decode and three looks at its bytes; whatever is unusual goes
+the slow way, which tells exactly what is wrong and where.
+"""
+
+from __future__ import annotations
+
+import enum
+import json
+from collections.abc import Callable
+from functools import cache
+from typing import Any, Final, TypeVar, cast
+
+import msgspec
+
+from intellwheels_schemas import elements, rules
+from intellwheels_schemas.errors import WireError
+from intellwheels_schemas.explain import check_plain, object_of_pairs, root_of, shown, too_long
+from intellwheels_schemas.messages import (
+    Actions,
+    Delete,
+    Leave,
+    Load,
+    OperatorSay,
+    Pause,
+    Pose,
+    Quit,
+    Record,
+    Reset,
+    Restore,
+    Resume,
+    Robot,
+    Save,
+    Say,
+    Seek,
+    Spawn,
+    Speed,
+    Step,
+    Take,
+    Teleport,
+    UserInput,
+)
+from intellwheels_schemas.shapes import shape_of
+
+_M = TypeVar("_M", bound=Record)
+
+
+class Encoding(enum.StrEnum):
+    """The encodings of a payload; the value is what stands in Zenoh's encoding."""
+
+    JSON = "application/json;iw.v1"
+    XML = "application/xml;iw.v1"
+    TEXT = "text/plain"  # of a Say only
+
+
+VERSION: Final = "iw.v1"
+MAX_BYTES: Final = 1 << 20
+"""The longest message there is, 1 MiB: what the link lets through."""
+
+SMALL: Final = 4096
+LIMITS: Final[dict[type[Record], int]] = {
+    **dict.fromkeys(
+        (Actions, UserInput, Say, OperatorSay, Leave, Pause, Resume, Step, Reset, Speed, Delete, Teleport, Take, Save,
+         Restore, Seek, Quit),
+        SMALL,
+    ),
+    Pose: 4 * SMALL,
+    Robot: 16 * SMALL,
+    Spawn: 16 * SMALL,
+    Load: MAX_BYTES,
+}  # fmt: skip
+"""The most bytes of what the simulator receives; all else is bounded by `MAX_BYTES`."""
+
+_TYPES: Final = {"application/json": Encoding.JSON, "application/xml": Encoding.XML, "text/plain": Encoding.TEXT}
+_UNSAID: Final = frozenset({"", "zenoh/bytes", "zenoh/string"})
+
+_write = msgspec.json.Encoder().encode
+
+
+def encoding_of(encoding: str, data: bytes = b"") -> Encoding:
+    """Return how a payload is to be read.
+
+    Args:
+        encoding: Zenoh's encoding as text; nothing, `zenoh/bytes` and `zenoh/string` say nothing.
+        data: The payload; its first byte decides where the encoding says nothing.
+
+    Raises:
+        WireError: `encoding`, or `version` for a version this is not.
+    """
+    kind, _, schema = encoding.partition(";")
+    found = _TYPES.get(kind)
+    if found is not None and schema in {"", VERSION}:
+        return found
+    if found is not None and schema.startswith("iw."):
+        raise WireError("version", f"encoding: expected version {VERSION}, got {shown(schema)}", "encoding")
+    if encoding in _UNSAID:
+        if data[:1] == b"{":
+            return Encoding.JSON
+        if data[:1] == b"<":
+            return Encoding.XML
+        raise WireError("encoding", "encoding: expected a payload that begins with { or <, got another", "encoding")
+    text = f"encoding: expected {Encoding.JSON} or {Encoding.XML}, got {shown(encoding)}"
+    raise WireError("encoding", text, "encoding")
+
+
+# ---------------------------------------------------------------- out
+
+
+def _canonical(message: _M) -> _M:
+    """Return the message with every value that equals its default replaced by it.
+
+    msgspec leaves out what *is* the default; a computed 0.0 equals it only.
+    """
+    shape = shape_of(type(message))
+    if not shape.ragged:
+        return message
+    changes: dict[str, Any] = {}
+    for member in shape.members:
+        value = getattr(message, member.name)
+        if value is member.default:
+            continue
+        if member.record is None:
+            if value == member.default:
+                changes[member.name] = member.default
+        elif shape_of(member.record).ragged and value is not None:
+            if isinstance(value, Record):
+                new: Any = _canonical(value)
+                if new is not value:
+                    changes[member.name] = new
+            else:
+                items = tuple([_canonical(item) for item in value])
+                if any(a is not b for a, b in zip(items, value, strict=True)):
+                    changes[member.name] = items
+    return msgspec.structs.replace(message, **changes) if changes else message
+
+
+def _nulls_belong(plain: Any, cls: type[Record]) -> bool:
+    for member in shape_of(cls).members:
+        value = plain.get(member.wire, ())
+        if value is None:
+            return False
+        if member.record is not None:
+            items = value if isinstance(value, list) else [value] if value else []
+            if not all(_nulls_belong(item, member.record) for item in items):
+                return False
+        elif isinstance(value, list) and None in value and member.scalar is not None and not member.scalar.nullable:
+            return False
+    return True
+
+
+def encode(message: Record, encoding: Encoding = Encoding.JSON) -> bytes:
+    """Return the bytes of a message.
+
+    Raises:
+        ValueError: A number in it is not finite, or it is no `Say` and to be plain text: our bug.
+    """
+    if encoding is Encoding.JSON:
+        data = _write(_canonical(message))
+        # msgspec writes NaN as null. Only a lidar's arrays hold nulls; text may hold the word.
+        if b"null" in data and not _nulls_belong(msgspec.json.decode(data), type(message)):
+            raise ValueError(f"{root_of(type(message))}: expected finite numbers, got {message}")
+        return data
+    if encoding is Encoding.XML:
+        return elements.to_xml(message).encode()
+    if isinstance(message, Say | OperatorSay):
+        return message.text.encode()
+    raise ValueError(f"expected JSON or XML for {type(message).__name__}, got {encoding}")
+
+
+# ---------------------------------------------------------------- in
+
+
+@cache
+def decoder_for(cls: type[_M]) -> Callable[[bytes], _M]:
+    """Return the fast typed JSON reader of a class, which lets repeated names and nulls pass."""
+    return cast("Callable[[bytes], _M]", msgspec.json.Decoder(cls).decode)
+
+
+def _no_constant(name: str) -> Any:
+    raise ValueError(f"expected a number, got {name}")
+
+
+def _parse_json(data: bytes, where: str) -> Any:
+    try:
+        return json.loads(data.decode(), object_pairs_hook=object_of_pairs, parse_constant=_no_constant)
+    except RecursionError:
+        raise WireError("malformed", f"{where}: expected JSON of sane depth, got it deeper", where) from None
+    except ValueError as error:
+        detail = str(error)[:120].encode("ascii", "backslashreplace").decode()
+        raise WireError("malformed", f"{where}: expected well-formed JSON, got {detail}", where) from None
+
+
+def from_plain(cls: type[_M], plain: Any, *, strict: bool = True) -> _M:
+    """Return a message of plain data (what JSON gives), checked but for the rules across fields.
+
+    Raises:
+        WireError: The first place that is wrong.
+    """
+    root = root_of(cls)
+    check_plain(shape_of(cls), plain, root, strict=strict)
+    try:
+        return msgspec.convert(plain, cls)
+    except (msgspec.ValidationError, RecursionError) as error:
+        raise WireError("value", f"{root}: {error}", root) from None
+
+
+def _from_json(cls: type[_M], data: bytes, strict: bool) -> _M:
+    try:
+        message: _M = decoder_for(cls)(data)
+    except (msgspec.MsgspecError, ValueError, RecursionError):
+        pass
+    else:
+        # What is written again has no name twice, so as many colons in both means none came twice
+        # (a colon within text counts on both sides, unless it hides in an escape).
+        if b"null" not in data and b"\\u" not in data and data.count(b":") == _write(message).count(b":"):
+            return message
+    return from_plain(cls, _parse_json(data, root_of(cls)), strict=strict)
+
+
+def _from_xml(cls: type[_M], data: bytes, strict: bool) -> _M:
+    root = root_of(cls)
+    element = elements.parse(data, root)
+    if element.tag != root:
+        raise WireError("malformed", f"{root}: expected <{root}>, got <{str(element.tag)[:40]}>", root)
+    plain = elements.to_plain(element, cls, root, strict=strict)
+    try:
+        return msgspec.convert(plain, cls)
+    except (msgspec.ValidationError, RecursionError):
+        return from_plain(cls, plain, strict=strict)
+
+
+def _from_text(cls: type[_M], data: bytes) -> _M:
+    root = root_of(cls)
+    if cls is not cast(Any, Say):
+        raise WireError("encoding", f"{root}: expected JSON or XML, got plain text", root)
+    try:
+        text = data.decode()
+    except ValueError:
+        raise WireError("malformed", f"{root}: expected UTF-8, got other bytes", root) from None
+    return from_plain(cls, {"Text": text})
+
+
+def decode(cls: type[_M], data: bytes, encoding: Encoding = Encoding.JSON, *, strict: bool = True) -> _M:
+    """Return the message that bytes are.
+
+    Args:
+        cls: The class the key says it is.
+        data: The payload.
+        encoding: How to read it, by `encoding_of`.
+        strict: Whether unknown fields are refused (the simulator) or ignored (everybody else).
+
+    Raises:
+        WireError: With code, place and words; nothing else is raised.
+    """
+    limit = LIMITS.get(cls, MAX_BYTES)
+    if len(data) > limit:
+        raise too_long(root_of(cls), limit, "bytes", len(data))
+    if encoding is Encoding.JSON:
+        message = _from_json(cls, data, strict)
+    elif encoding is Encoding.XML:
+        message = _from_xml(cls, data, strict)
+    else:
+        message = _from_text(cls, data)
+    rules.check(message)
+    return message

@@ -1,0 +1,211 @@
+"""Where a document is wrong, in the wire's own names: the slow and exact reader of plain data.
+
+The fast readers only say that something is wrong. This one walks the plain data (what JSON gives)
+beside the shape of the class and names the first place, what was expected there and what came.
+"""
+
+from __future__ import annotations
+
+import difflib
+import math
+from typing import Any, Final
+
+from intellwheels_schemas.errors import WireError
+from intellwheels_schemas.messages import Record
+from intellwheels_schemas.shapes import Form, Member, Scalar, Shape, shape_of
+
+_NOUNS: Final = {
+    "deg": "degrees",
+    "rad": "radians",
+    "m": "metres",
+    "s": "seconds",
+    "m/s": "metres a second",
+    "m/s2": "metres a second squared",
+    "rad/s": "radians a second",
+}
+
+# What to do instead of Height, which a reader here would take for z.
+_HEIGHT_HINTS: Final = {
+    "Robot": "in the paper Height is a size on the plan: write Length and Width, and Top for the upper face",
+    "Part": "write Bottom and Top",
+}
+
+
+class Repeated(dict[str, Any]):
+    """An object in which a name stood twice; `name` is the first such."""
+
+    name: str = ""
+
+
+def object_of_pairs(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    """Return the object of its pairs, marked where a name comes twice. For `json.loads`."""
+    found = dict(pairs)
+    if len(found) == len(pairs):
+        return found
+    marked = Repeated(found)
+    seen: set[str] = set()
+    for name, _ in pairs:
+        if name in seen:
+            marked.name = name
+            break
+        seen.add(name)
+    return marked
+
+
+def shown(value: object) -> str:
+    """Return a stranger's value, short and printable."""
+    if value is None:
+        return "null"
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, int):
+        return str(value) if abs(value) < 10**20 else "a very large number"
+    if isinstance(value, float):
+        return str(int(value)) if value.is_integer() and abs(value) < 1e15 else repr(value)
+    if isinstance(value, str):
+        return repr(value) if len(value) <= 40 else f"{value[:37]!r} and {len(value) - 37} characters more"
+    return "a list" if isinstance(value, list) else "an object"
+
+
+def _bound(value: float | None, none: str) -> str:
+    return none if value is None else shown(value)
+
+
+def expected(scalar: Scalar) -> str:
+    """Return what a scalar must be, in words: `degrees in (0, 360]`."""
+    if scalar.kind == "truth":
+        return "true or false"
+    if scalar.kind == "word":
+        return scalar.words[0] if len(scalar.words) == 1 else f"one of {', '.join(scalar.words)}"
+    if scalar.kind == "text":
+        return scalar.description or "text"
+    noun = "a whole number" if scalar.kind == "integer" else _NOUNS.get(scalar.unit, "a number")
+    if scalar.low is None and scalar.high is None:
+        return noun
+    low = "(" if scalar.low_open or scalar.low is None else "["
+    high = ")" if scalar.high_open or scalar.high is None else "]"
+    return f"{noun} in {low}{_bound(scalar.low, '-inf')}, {_bound(scalar.high, 'inf')}{high}"
+
+
+def fits(scalar: Scalar, value: object) -> bool:
+    """Return whether plain data is what the scalar must be."""
+    match scalar.kind:
+        case "truth":
+            return isinstance(value, bool)
+        case "word":
+            return isinstance(value, str) and value in scalar.words
+        case "text":
+            return isinstance(value, str) and (scalar.pattern is None or scalar.pattern.match(value) is not None)
+    if isinstance(value, bool) or not isinstance(value, int if scalar.kind == "integer" else (int, float)):
+        return False
+    try:
+        number = float(value)
+    except OverflowError:
+        return False
+    return (
+        math.isfinite(number)
+        and (scalar.low is None or (value > scalar.low if scalar.low_open else value >= scalar.low))
+        and (scalar.high is None or (value < scalar.high if scalar.high_open else value <= scalar.high))
+    )
+
+
+def _wrong_scalar(scalar: Scalar, value: object, where: str) -> WireError:
+    if isinstance(value, str) and scalar.kind == "text":
+        if scalar.max_length is not None and len(value) > scalar.max_length:
+            return too_long(where, scalar.max_length, "characters", len(value))
+        if not value and scalar.min_length:
+            return WireError("value", f"{where}: expected text or nothing at all, got ''", where)
+        if scalar.description in {"text", "text for people", "a seed: any text"}:
+            bad = next((c for c in value if scalar.pattern is not None and not scalar.pattern.match(c)), "")
+            return WireError("value", f"{where}: expected characters of XML 1.0 but CR, got {bad!r}", where)
+    code: Any = "version" if scalar.words == ("iw.v1",) and isinstance(value, str) else "value"
+    return WireError(code, f"{where}: expected {expected(scalar)}, got {shown(value)}", where)
+
+
+def too_long(where: str, most: int, things: str, got: int) -> WireError:
+    """Return the error for more than a limit allows."""
+    code: Any = "too-long" if things in {"characters", "bytes"} else "too-many"
+    return WireError(code, f"{where}: expected at most {most} {things}, got {got}", where)
+
+
+def check_scalar(scalar: Scalar, value: object, where: str) -> None:
+    """Check one scalar of plain data.
+
+    Raises:
+        WireError: `value`, `version` or `too-long`.
+    """
+    if not fits(scalar, value) or (
+        isinstance(value, str)
+        and ((scalar.max_length is not None and len(value) > scalar.max_length) or len(value) < scalar.min_length)
+    ):
+        raise _wrong_scalar(scalar, value, where)
+
+
+def unknown_field(shape: Shape, name: str, where: str) -> WireError:
+    """Return the error for a field the class does not have, with the nearest one it has."""
+    hint = _HEIGHT_HINTS.get(shape.cls.__name__, "") if name == "Height" else ""
+    if not hint:
+        near = difflib.get_close_matches(name, list(shape.by_wire), n=1)
+        hint = f"did you mean {near[0]}?" if near else ""
+    # A stranger's name is repeated as a place only when it looks like one of ours.
+    place = f"{where}.{name}" if name.isidentifier() and name.isascii() and len(name) <= 40 else where
+    text = f"{place}: expected a field of {shape.root}, got {shown(name)}"
+    return WireError("field", f"{text}; {hint}" if hint else text, place)
+
+
+def _check_member(member: Member, value: Any, where: str, strict: bool) -> None:
+    if member.form is Form.RECORD and member.record is not None:
+        check_plain(shape_of(member.record), value, where, strict=strict)
+        return
+    if member.form in {Form.LIST, Form.RECORDS}:
+        if not isinstance(value, list):
+            raise WireError("value", f"{where}: expected a list, got {shown(value)}", where)
+        if member.max_count is not None and len(value) > member.max_count:
+            raise too_long(where, member.max_count, "of them", len(value))
+        if member.record is not None:
+            shape = shape_of(member.record)
+            for index, item in enumerate(value):
+                check_plain(shape, item, f"{where}[{index}]", strict=strict)
+            return
+        if member.scalar is not None:
+            for index, item in enumerate(value):
+                if item is not None or not member.scalar.nullable:
+                    check_scalar(member.scalar, item, f"{where}[{index}]")
+        return
+    if member.scalar is not None:
+        check_scalar(member.scalar, value, where)
+
+
+def check_plain(shape: Shape, plain: Any, where: str, *, strict: bool) -> None:
+    """Check plain data against a shape; without `strict`, unknown fields are taken out of it.
+
+    Args:
+        shape: What it must be.
+        plain: What JSON gave: dicts, lists, text, numbers. Changed in place when not strict.
+        where: The place of `plain`, in the wire's own names; lists count from 0.
+        strict: Whether unknown fields are refused.
+
+    Raises:
+        WireError: The first place that is wrong, in the order fields are declared.
+    """
+    if not isinstance(plain, dict):
+        raise WireError("value", f"{where}: expected an object, got {shown(plain)}", where)
+    if isinstance(plain, Repeated):
+        raise WireError("malformed", f"{where}: expected each name once, got {shown(plain.name)} twice", where)
+    unknown = [name for name in plain if name not in shape.by_wire]
+    if unknown and strict:
+        raise unknown_field(shape, unknown[0], where)
+    for name in unknown:
+        del plain[name]
+    for member in shape.members:
+        place = f"{where}.{member.wire}"
+        if member.wire in plain:
+            _check_member(member, plain[member.wire], place, strict)
+        elif member.required:
+            what = expected(member.scalar) if member.scalar is not None else f"a {member.wire}"
+            raise WireError("field", f"{place}: expected {what}, got nothing", place)
+
+
+def root_of(cls: type[Record]) -> str:
+    """Return the name a document's places begin with."""
+    return shape_of(cls).root

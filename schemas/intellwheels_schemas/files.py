@@ -1,0 +1,119 @@
+"""Documents as files for people: floors, robots, scenes. XML, in which comments and indentation are welcome.
+
+The only file of the contract that reads any. What is wrong is told with file and line.
+"""
+
+from __future__ import annotations
+
+from importlib.resources.abc import Traversable
+from pathlib import Path
+from typing import Final, TypeVar
+
+import msgspec
+from lxml import etree
+
+from intellwheels_schemas import elements, rules
+from intellwheels_schemas.codec import from_plain
+from intellwheels_schemas.errors import WireError
+from intellwheels_schemas.explain import root_of, too_long
+from intellwheels_schemas.messages import Record
+
+_M = TypeVar("_M", bound=Record)
+
+MAX_FILE_BYTES: Final = 16 << 20
+"""The longest file, 16 MiB; a floor that is sent by `load` is bounded as a message."""
+
+
+class Lines:
+    """Where each element of a file stands.
+
+    Places are those of errors: `Map.Wall[3].Corner[0]`, lists counted from 0.
+    """
+
+    def __init__(self, file: str, lines: dict[str, int]) -> None:
+        self.file = file
+        self._lines = lines
+
+    def at(self, place: str) -> int:
+        """Return the line of a place, or of the nearest element around it; at least 1."""
+        while place not in self._lines and "." in place:
+            place = place.rpartition(".")[0]
+        return max(self._lines.get(place, 1), 1)
+
+    def of(self, *path: str | int) -> int:
+        """Return the line of an element: `of("Wall", 3)`, `of("Grid", "Position", 0)`."""
+        root = next(iter(self._lines))
+        place = "".join(f"[{step}]" if isinstance(step, int) else f".{step}" for step in path)
+        return self.at(f"{root}{place}")
+
+    def error(self, wrong: WireError) -> WireError:
+        """Return an error with file and line in front of its words."""
+        place = f"{self.file}:{self.at(wrong.where)}"
+        return WireError(wrong.code, f"{place}: {wrong.text}", place)
+
+
+def read_with_lines(cls: type[_M], file: str | Path | Traversable, *, with_rules: bool = True) -> tuple[_M, Lines]:
+    """Return a document and where its elements stand.
+
+    Args:
+        cls: What it is.
+        file: Path, or a resource of a package.
+        with_rules: Whether the rules across fields are checked too; who has checks of its own that find more
+            than the first fault leaves them out.
+
+    Raises:
+        WireError: The file is not there, too long or wrong; place and words begin with file and line.
+    """
+    path = Path(file) if isinstance(file, str) else file
+    try:
+        data = path.read_bytes()
+    except OSError as error:
+        raise WireError("value", f"{path}: expected a file, got {error.strerror}", str(path)) from None
+    if len(data) > MAX_FILE_BYTES:
+        raise too_long(str(path), MAX_FILE_BYTES, "bytes", len(data))
+    return read_bytes(cls, data, str(path), with_rules=with_rules)
+
+
+def read_bytes(cls: type[_M], data: bytes, name: str, *, with_rules: bool = True) -> tuple[_M, Lines]:
+    """Return a document of an XML file's bytes and where its elements stand; `name` is what errors call it.
+
+    Raises:
+        WireError: As `read_with_lines`.
+    """
+    root = root_of(cls)
+    try:
+        element = elements.parse(data, root)
+    except WireError as error:
+        line = getattr(error.__cause__, "lineno", None) or 1
+        raise Lines(name, {root: line}).error(error) from None
+    lines = Lines(name, dict(elements.places(element, cls, root)))
+    if element.tag != root:
+        wrong = WireError("malformed", f"expected <{root}>, got <{str(element.tag)[:40]}>", root)
+        raise lines.error(wrong)
+    try:
+        plain = elements.to_plain(element, cls, root, strict=True)
+        try:
+            message = msgspec.convert(plain, cls)
+        except msgspec.ValidationError:
+            message = from_plain(cls, plain)
+        if with_rules:
+            rules.check(message)
+    except WireError as error:
+        raise lines.error(error) from None
+    return message, lines
+
+
+def read_file(cls: type[_M], file: str | Path | Traversable, *, with_rules: bool = True) -> _M:
+    """Return a document; see `read_with_lines`.
+
+    Raises:
+        WireError: As there.
+    """
+    return read_with_lines(cls, file, with_rules=with_rules)[0]
+
+
+def write_file(message: Record) -> str:
+    """Return a document as XML for people: an element a line, indented by two, a line feed at the end."""
+    root = etree.fromstring(elements.to_xml(message).encode(), etree.XMLParser(strip_cdata=False))
+    etree.indent(root)
+    return etree.tostring(root, encoding="unicode") + "\n"

@@ -1,0 +1,245 @@
+"""Every key there is. Keys are made here and taken apart here, nowhere else.
+
+A key says who writes it, so what a parser returns is who spoke. Parsers are strict: a key with
+a wildcard, a wrong name or one chunk too many is nobody's, and None is returned.
+"""
+
+from __future__ import annotations
+
+from typing import Final, Literal, NamedTuple, get_args
+
+from intellwheels_schemas.messages import Role
+from intellwheels_schemas.names import check_name, is_hex, is_name
+
+ROOT: Final = "iw/v1"
+EVERY_ALIVE: Final = f"{ROOT}/*/alive"
+"""Matches the presence of every simulator: worlds are found with it."""
+
+InKind = Literal["actions", "say", "pose"]
+OutKind = Literal["measures", "power", "error"]
+Verb = Literal[
+    "pause", "resume", "step", "reset", "load", "speed", "spawn", "delete", "teleport", "take", "say", "save",
+    "restore", "seek", "quit",
+]  # fmt: skip
+
+IN_KINDS: Final[dict[str, InKind]] = {kind: kind for kind in get_args(InKind)}
+OUT_KINDS: Final[dict[str, OutKind]] = {kind: kind for kind in get_args(OutKind)}
+VERBS: Final[dict[str, Verb]] = {verb: verb for verb in get_args(Verb)}
+ROLES: Final[dict[str, Role]] = {role: role for role in get_args(Role)}
+
+
+class In(NamedTuple):
+    """Who wrote `in/<agent>/<kind>`."""
+
+    agent: str
+    kind: InKind
+
+
+class Out(NamedTuple):
+    """For whom `out/<agent>/<kind>` is."""
+
+    agent: str
+    kind: OutKind
+
+
+class Token(NamedTuple):
+    """Whose presence `in/<agent>/alive/<role>/<instance>` is."""
+
+    agent: str
+    role: Role
+    instance: str
+
+
+class Keys:
+    """The keys of one world.
+
+    Attributes:
+        world: Its name.
+        prefix: What all its keys begin with, slash included.
+        map, event, clock, alive: The keys that have no further part.
+        every_join, every_leave, every_in, every_user, every_ctl: What the simulator listens to.
+        every_token: Presence of all agents.
+        every_out, every_body, every_state: What recorders and viewers listen to.
+
+    Raises:
+        WireError: `value`, when the world's name is none.
+    """
+
+    def __init__(self, world: str = "main") -> None:
+        self.world = check_name(world, "world")
+        self.prefix = p = f"{ROOT}/{world}/"
+        self.map = f"{p}map"
+        self.event = f"{p}event"
+        self.clock = f"{p}clock"
+        self.alive = f"{p}alive"
+        self.every_join = f"{p}join/*"
+        self.every_leave = f"{p}leave/*"
+        self.every_in = f"{p}in/*/*"
+        self.every_user = f"{p}user/*"
+        self.every_ctl = f"{p}ctl/*"
+        self.every_token = f"{p}in/*/alive/*/*"
+        self.every_out = f"{p}out/*/*"
+        self.every_body = f"{p}body/*"
+        self.every_state = f"{p}state/*"
+        self.every_crew_actions = f"{p}crew/*/actions"
+
+    # ------------------------------------------------------------ made
+
+    def join(self, agent: str) -> str:
+        """Return the key an agent joins at."""
+        return f"{self.prefix}join/{check_name(agent, 'agent')}"
+
+    def leave(self, agent: str) -> str:
+        """Return the key an agent leaves at."""
+        return f"{self.prefix}leave/{check_name(agent, 'agent')}"
+
+    def in_(self, agent: str, kind: InKind) -> str:
+        """Return a key an agent writes."""
+        return f"{self.prefix}in/{check_name(agent, 'agent')}/{kind}"
+
+    def actions(self, agent: str) -> str:
+        """Return the key of an agent's `Actions`."""
+        return self.in_(agent, "actions")
+
+    def say(self, agent: str) -> str:
+        """Return the key of an agent's `Say`."""
+        return self.in_(agent, "say")
+
+    def pose(self, agent: str) -> str:
+        """Return the key of a real chair's `Pose`."""
+        return self.in_(agent, "pose")
+
+    def token(self, agent: str, role: Role, instance: str) -> str:
+        """Return the key of an agent's presence; `instance` is 16 hex digits, new for each process."""
+        if not is_hex(instance) or role not in ROLES:
+            raise ValueError(f"expected a role and 16 hex digits, got {role!r}, {instance!r}")
+        return f"{self.prefix}in/{check_name(agent, 'agent')}/alive/{role}/{instance}"
+
+    def tokens(self, agent: str) -> str:
+        """Return what matches all presence of one agent."""
+        return f"{self.prefix}in/{check_name(agent, 'agent')}/alive/*/*"
+
+    def user(self, agent: str) -> str:
+        """Return the key of `UserInput` for an agent."""
+        return f"{self.prefix}user/{check_name(agent, 'agent')}"
+
+    def out(self, agent: str, kind: OutKind) -> str:
+        """Return a key the simulator writes for an agent."""
+        return f"{self.prefix}out/{check_name(agent, 'agent')}/{kind}"
+
+    def outs(self, agent: str) -> str:
+        """Return what matches everything the simulator writes for an agent."""
+        return f"{self.prefix}out/{check_name(agent, 'agent')}/*"
+
+    def measures(self, agent: str) -> str:
+        """Return the key of an agent's `Measures`."""
+        return self.out(agent, "measures")
+
+    def power(self, agent: str) -> str:
+        """Return the key of a real chair's `Power`."""
+        return self.out(agent, "power")
+
+    def error(self, agent: str) -> str:
+        """Return the key of what was wrong with what an agent sent."""
+        return self.out(agent, "error")
+
+    def body(self, agent: str) -> str:
+        """Return the key of a `Body`."""
+        return f"{self.prefix}body/{check_name(agent, 'agent')}"
+
+    def state(self, part: int) -> str:
+        """Return the key of a part of the `WorldState`, counted from 0."""
+        return f"{self.prefix}state/{part}"
+
+    def ctl(self, verb: Verb) -> str:
+        """Return the key of a control verb."""
+        return f"{self.prefix}ctl/{verb}"
+
+    def crew_actions(self, crew: str) -> str:
+        """Return the key of a crew's `CrewActions`."""
+        return f"{self.prefix}crew/{check_name(crew, 'crew')}/actions"
+
+    def crew_measures(self, crew: str) -> str:
+        """Return the key of a crew's `CrewMeasures`."""
+        return f"{self.prefix}crew/{check_name(crew, 'crew')}/measures"
+
+    # ------------------------------------------------------------ taken apart
+
+    def _chunks(self, key: str, count: int) -> list[str]:
+        """Return the chunks after the prefix, or none when they are not so many."""
+        if not key.startswith(self.prefix):
+            return []
+        chunks = key[len(self.prefix) :].split("/")
+        return chunks if len(chunks) == count else []
+
+    def _named(self, key: str, first: str) -> str | None:
+        match self._chunks(key, 2):
+            case [head, name] if head == first and is_name(name):
+                return name
+        return None
+
+    def parse_in(self, key: str) -> In | None:
+        """Return who wrote the key and what, or None when it is no agent's put."""
+        match self._chunks(key, 3):
+            case ["in", agent, kind] if kind in IN_KINDS and is_name(agent):
+                return In(agent, IN_KINDS[kind])
+        return None
+
+    def parse_out(self, key: str) -> Out | None:
+        """Return for whom the key is and what, or None."""
+        match self._chunks(key, 3):
+            case ["out", agent, kind] if kind in OUT_KINDS and is_name(agent):
+                return Out(agent, OUT_KINDS[kind])
+        return None
+
+    def parse_token(self, key: str) -> Token | None:
+        """Return whose presence the key is, or None."""
+        match self._chunks(key, 5):
+            case ["in", agent, "alive", role, instance] if role in ROLES and is_name(agent) and is_hex(instance):
+                return Token(agent, ROLES[role], instance)
+        return None
+
+    def parse_join(self, key: str) -> str | None:
+        """Return who joins, or None."""
+        return self._named(key, "join")
+
+    def parse_leave(self, key: str) -> str | None:
+        """Return who leaves, or None."""
+        return self._named(key, "leave")
+
+    def parse_user(self, key: str) -> str | None:
+        """Return for whom a `UserInput` is, or None."""
+        return self._named(key, "user")
+
+    def parse_body(self, key: str) -> str | None:
+        """Return whose `Body` the key is, or None."""
+        return self._named(key, "body")
+
+    def parse_ctl(self, key: str) -> Verb | None:
+        """Return the verb, or None when there is no such."""
+        match self._chunks(key, 2):
+            case ["ctl", verb]:
+                return VERBS.get(verb)
+        return None
+
+    def parse_state(self, key: str) -> int | None:
+        """Return the part of the state, or None."""
+        match self._chunks(key, 2):
+            case ["state", part] if part.isascii() and part.isdigit() and len(part) <= 6:
+                return int(part)
+        return None
+
+    def parse_crew(self, key: str) -> str | None:
+        """Return which crew's actions the key is, or None."""
+        match self._chunks(key, 3):
+            case ["crew", crew, "actions"] if is_name(crew):
+                return crew
+        return None
+
+
+def parse_alive(key: str) -> str | None:
+    """Return the world whose simulator is present, or None when the key is something else."""
+    match key.split("/"):
+        case ["iw", "v1", world, "alive"] if is_name(world):
+            return world
+    return None

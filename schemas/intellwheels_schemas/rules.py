@@ -1,0 +1,328 @@
+"""Rules that span fields, one function a class. Pure; `decode` and `read_file` apply them.
+
+What one field may be stands in `messages`; what fields may be together stands here.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Sequence
+from typing import Any, Final
+
+from intellwheels_schemas.errors import WireError
+from intellwheels_schemas.explain import shown, too_long
+from intellwheels_schemas.messages import (
+    AgentMeasures,
+    BeaconReading,
+    Body,
+    CompassReading,
+    CrewActions,
+    CrewMeasures,
+    ErrorCode,
+    GPSReading,
+    Joined,
+    LidarReading,
+    Load,
+    Map,
+    Measures,
+    Part,
+    Pose,
+    ProximityReading,
+    Record,
+    Robot,
+    Scene,
+    SensorDeclaration,
+    Sensors,
+    Spawn,
+)
+from intellwheels_schemas.shapes import shape_of
+
+MAX_PARTS: Final = 32
+MAX_SENSORS: Final = 64
+MAX_RAYS: Final = 1440
+MAX_CREW: Final = 250
+DEFAULT_TOP: Final = 1.3
+"""Height of the one-part form where none is given, in metres: a seated person's."""
+
+SENSOR_KINDS: Final = (
+    "proximity", "lidar", "encoders", "odometry", "compass", "gps", "imu", "beacon", "ground", "bumper", "truth",
+)  # fmt: skip
+"""The fields of `Robot` and of `Sensors` that hold sensors, in declaration order."""
+
+# What a mind says of itself when the body is another process's.
+_MIND_FIELDS: Final = frozenset({"role", "instance", "barrier", "crew", "user_input", "name"})
+_FILE_LACKS: Final = ("name", "role", "instance", "place")
+
+
+def _wrong(where: str, expected: str, got: object, code: ErrorCode = "value") -> WireError:
+    return WireError(code, f"{where}: expected {expected}, got {got}", where)
+
+
+def _wire(cls: type[Record], name: str) -> str:
+    return next(member.wire for member in shape_of(cls).members if member.name == name)
+
+
+# ---------------------------------------------------------------- robots
+
+
+def sensors_of(robot: Robot) -> Iterator[tuple[str, int, SensorDeclaration]]:
+    """Give every declared sensor with the wire's name of its kind and its index within it, in declaration order."""
+    for kind in SENSOR_KINDS:
+        wire = _wire(Robot, kind)
+        for index, sensor in enumerate(getattr(robot, kind)):
+            yield wire, index, sensor
+
+
+def parts_of(robot: Robot) -> tuple[Part, ...]:
+    """Return the boxes of a body in its own frame; none for a mind.
+
+    The one-part form becomes a box whose centre lies (0.5 - Center) lengths before the centre of
+    movement, since Center counts from the rear edge; without Center it is the middle.
+    """
+    if robot.part or robot.length is None or robot.width is None:
+        return robot.part
+    x = 0.0 if robot.center is None else (0.5 - robot.center) * robot.length
+    top = DEFAULT_TOP if robot.top is None else robot.top
+    return (Part(x=x, y=0.0, length=robot.length, width=robot.width, bottom=0.0, top=top),)
+
+
+def has_motors(robot: Robot) -> bool:
+    """Return whether the body can move itself."""
+    return robot.top_speed > 0.0
+
+
+def joins_barrier(robot: Robot) -> bool:
+    """Return whether lockstep awaits it: as it says, else whether it has motors; a mind that says nothing does."""
+    if robot.barrier is not None:
+        return robot.barrier
+    return robot.role == "mind" or has_motors(robot)
+
+
+def radius_of(robot: Robot) -> float:
+    """Return the distance of the body's farthest corner from its centre of movement, in metres; 0 for a mind."""
+    return max(
+        (math.hypot(abs(part.x) + part.length / 2, abs(part.y) + part.width / 2) for part in parts_of(robot)),
+        default=0.0,
+    )
+
+
+def _check_form(robot: Robot, where: str) -> None:
+    if robot.format is not None:
+        for name in _FILE_LACKS:
+            value = getattr(robot, name)
+            if value is not None and value != "both":
+                wire = _wire(Robot, name)
+                raise _wrong(f"{where}.{wire}", f"no {wire} in a file (it has Format)", shown(value), "field")
+    if robot.role == "mind":
+        for member in shape_of(Robot).members:
+            if member.name not in _MIND_FIELDS and getattr(robot, member.name) != member.default:
+                place = f"{where}.{member.wire}"
+                text = "only Name, Role, Instance, Barrier, Crew and UserInput of a mind"
+                raise _wrong(place, text, member.wire, "field")
+        return
+    one_part = {name: getattr(robot, name) for name in ("length", "width", "center", "top")}
+    given = [name for name, value in one_part.items() if value is not None]
+    if robot.part and given:
+        wire = _wire(Robot, given[0])
+        raise _wrong(f"{where}.{wire}", f"either Part or {wire}", "both", "field")
+    if not robot.part:
+        for name in ("length", "width"):
+            if one_part[name] is None:
+                wire = _wire(Robot, name)
+                raise _wrong(f"{where}.{wire}", "Part, or Length and Width", f"no {wire}", "field")
+
+
+def check_robot(robot: Robot, where: str = "Robot") -> None:
+    """Check a robot, joined or in a file.
+
+    Raises:
+        WireError: `field`, `value` or `too-many`.
+    """
+    _check_form(robot, where)
+    for index, part in enumerate(robot.part):
+        if not part.bottom < part.top:
+            raise _wrong(f"{where}.Part[{index}].Top", f"more than Bottom {shown(part.bottom)}", shown(part.top))
+    ids: set[str] = set()
+    sensors = list(sensors_of(robot))
+    if len(sensors) > MAX_SENSORS:
+        raise too_long(where, MAX_SENSORS, "sensors", len(sensors))
+    for kind, index, sensor in sensors:
+        place = f"{where}.{kind}[{index}]"
+        if sensor.id in ids:
+            raise _wrong(f"{place}.Id", "an id no other sensor has", shown(sensor.id))
+        ids.add(sensor.id)
+        low, high = getattr(sensor, "min_range", None), getattr(sensor, "max_range", None)
+        if low is not None and high is not None and not low < high:
+            raise _wrong(f"{place}.MaxRange", f"more than MinRange {shown(low)}", shown(high))
+        if robot.type == "real" and getattr(sensor, "mount", "body") == "start":
+            raise _wrong(f"{place}.Mount", "body for a real robot", shown("start"))
+        if robot.type != "real" and sensor.source == "real":
+            raise _wrong(f"{place}.Source", "simulated for a simulated robot", shown("real"))
+
+
+# ---------------------------------------------------------------- readings
+
+
+def _check_lidar(reading: LidarReading, place: str) -> None:
+    if len(reading.ranges) != len(reading.statuses):
+        raise _wrong(f"{place}.Statuses", f"as many as Ranges ({len(reading.ranges)})", len(reading.statuses))
+    for index, (value, status) in enumerate(zip(reading.ranges, reading.statuses, strict=True)):
+        if (value is not None) != (status == "ok"):
+            wanted = "a number where Status is ok" if status == "ok" else f"null where Status is {status}"
+            raise _wrong(f"{place}.Ranges[{index}]", wanted, shown(value))
+
+
+def _check_values(readings: Sequence[ProximityReading | CompassReading | BeaconReading], where: str) -> None:
+    for index, reading in enumerate(readings):
+        if (reading.value is not None) != (reading.status == "ok"):
+            _raise_value(f"{where}[{index}].Value", reading.status, reading.value)
+
+
+def check_sensors(sensors: Sensors, where: str) -> None:
+    """Check readings: a value exactly where the status is ok.
+
+    Raises:
+        WireError: `field` or `value`.
+    """
+    _check_values(sensors.proximity, f"{where}.Proximity")
+    _check_values(sensors.compass, f"{where}.Compass")
+    _check_values(sensors.beacon, f"{where}.Beacon")
+    for index, scan in enumerate(sensors.lidar):
+        _check_lidar(scan, f"{where}.Lidar[{index}]")
+    for index, fix in enumerate(sensors.gps):
+        _check_gps(fix, f"{where}.GPS[{index}]")
+
+
+def _check_gps(fix: GPSReading, place: str) -> None:
+    for wire, value in (("X", fix.x), ("Y", fix.y)):
+        if (value is not None) != (fix.status == "ok"):
+            _raise_value(f"{place}.{wire}", fix.status, value)
+
+
+def _raise_value(place: str, status: str, value: object) -> None:
+    wanted = "a value where Status is ok" if status == "ok" else f"no value where Status is {status}"
+    raise _wrong(place, wanted, "nothing" if value is None else shown(value), "field")
+
+
+def _check_measures(measures: Measures | AgentMeasures, where: str) -> None:
+    if measures.sensors is not None:
+        check_sensors(measures.sensors, f"{where}.Sensors")
+
+
+def _check_pose(pose: Pose, where: str) -> None:
+    if len(pose.covariance) not in {0, 6}:
+        raise _wrong(f"{where}.Covariance", "6 numbers (xx xy xh yy yh hh)", len(pose.covariance))
+    if pose.covariance and min(pose.covariance[0], pose.covariance[3], pose.covariance[5]) < 0.0:
+        raise _wrong(f"{where}.Covariance", "xx, yy and hh not below 0", "one below")
+    if pose.sensors is not None:
+        check_sensors(pose.sensors, f"{where}.Sensors")
+
+
+def _check_part(message: Any, where: str) -> None:
+    if not message.part < message.parts:
+        raise _wrong(f"{where}.Part", f"less than Parts {message.parts}", message.part)
+
+
+def _check_crew_measures(crew: CrewMeasures, where: str) -> None:
+    _check_part(crew, where)
+    for index, measures in enumerate(crew.measures):
+        _check_measures(measures, f"{where}.Measures[{index}]")
+
+
+def _check_crew_actions(crew: CrewActions, where: str) -> None:
+    _check_part(crew, where)
+    agents: set[str] = set()
+    for index, actions in enumerate(crew.actions):
+        if actions.agent in agents:
+            raise _wrong(f"{where}.Actions[{index}].Agent", "each agent once", f"{shown(actions.agent)} twice")
+        agents.add(actions.agent)
+
+
+# ---------------------------------------------------------------- floors and scenes
+
+
+def check_map(floor: Map, where: str = "Map") -> None:
+    """Check a floor's counts and heights; its geometry is checked where maps are kept.
+
+    Raises:
+        WireError: `value`.
+    """
+    for index, wall in enumerate(floor.wall):
+        place = f"{where}.Wall[{index}]"
+        least = 3 if wall.thickness is None else 2
+        if len(wall.corner) < least:
+            raise _wrong(place, f"at least {least} corners", len(wall.corner))
+        if not wall.bottom < wall.height:
+            raise _wrong(f"{place}.Height", f"more than Bottom {shown(wall.bottom)}", shown(wall.height))
+    for index, obstacle in enumerate(floor.obstacle):
+        place = f"{where}.Obstacle[{index}]"
+        if len(obstacle.corner) < 3:
+            raise _wrong(place, "at least 3 corners", len(obstacle.corner))
+        if not obstacle.bottom < obstacle.top:
+            raise _wrong(f"{place}.Top", f"more than Bottom {shown(obstacle.bottom)}", shown(obstacle.top))
+    for index, zone in enumerate(floor.zone):
+        if len(zone.corner) < 3:
+            raise _wrong(f"{where}.Zone[{index}]", "at least 3 corners", len(zone.corner))
+
+
+def _check_load(load: Load, where: str) -> None:
+    if (load.name is None) == (load.map is None):
+        raise _wrong(where, "either Name or Map", "neither" if load.map is None else "both", "field")
+    if load.map is not None:
+        check_map(load.map, f"{where}.Map")
+
+
+def _check_spawn(spawn: Spawn, where: str) -> None:
+    if spawn.robot.role != "both" or spawn.robot.type == "real":
+        raise _wrong(f"{where}.Robot", "a simulated robot of role both", f"{spawn.robot.type} {spawn.robot.role}")
+    check_robot(spawn.robot, f"{where}.Robot")
+
+
+def _check_joined(joined: Joined, where: str) -> None:
+    check_robot(joined.robot, f"{where}.Robot")
+
+
+def _check_body(body: Body, where: str) -> None:
+    check_robot(body.robot, f"{where}.Robot")
+
+
+def _check_scene(scene: Scene, where: str) -> None:
+    names: set[str] = set()
+    for index, cast in enumerate(scene.cast):
+        if cast.name in names:
+            raise _wrong(f"{where}.Cast[{index}].Name", "each name once", f"{shown(cast.name)} twice")
+        names.add(cast.name)
+        options = [option.name for option in cast.option]
+        for at, name in enumerate(options):
+            if name in options[:at]:
+                place = f"{where}.Cast[{index}].Option[{at}].Name"
+                raise _wrong(place, "each option once", f"{shown(name)} twice")
+    for index, reach in enumerate(scene.end.reach if scene.end is not None else ()):
+        if reach.agent not in names:
+            raise _wrong(f"{where}.End.Reach[{index}].Agent", "one of the cast", shown(reach.agent))
+
+
+_RULES: Final[dict[type[Record], Callable[[Any, str], None]]] = {
+    Robot: check_robot,
+    Joined: _check_joined,
+    Body: _check_body,
+    Measures: _check_measures,
+    CrewMeasures: _check_crew_measures,
+    CrewActions: _check_crew_actions,
+    Pose: _check_pose,
+    Map: check_map,
+    Load: _check_load,
+    Spawn: _check_spawn,
+    Scene: _check_scene,
+}
+
+
+def check(message: Record) -> None:
+    """Check what the fields of a message may be together.
+
+    Raises:
+        WireError: The first rule that is broken.
+    """
+    rule = _RULES.get(type(message))
+    if rule is not None:
+        rule(message, shape_of(type(message)).root)

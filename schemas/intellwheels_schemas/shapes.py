@@ -1,0 +1,228 @@
+"""What a message class looks like, as plain data: made once from the class, walked by the codecs and generators.
+
+No field is described twice: bounds, units, defaults and XML forms are the annotations of `messages`.
+"""
+
+from __future__ import annotations
+
+import enum
+import re
+from dataclasses import dataclass
+from functools import cache
+from typing import Any, Final, Literal, cast
+
+import msgspec
+from msgspec import inspect
+
+from intellwheels_schemas.messages import ROOTS, Record
+
+
+class Form(enum.Enum):
+    """How a field stands in XML."""
+
+    ATTRIBUTE = "attribute"
+    LIST = "list"  # a space-separated attribute
+    RECORD = "record"  # one child element
+    RECORDS = "records"  # repeated child elements
+    ELEMENT = "element"  # a child element that holds text only
+    CONTENT = "content"  # the element's own text
+
+
+@dataclass(frozen=True, slots=True)
+class Scalar:
+    """A number, text, word or truth value, with its bounds.
+
+    Attributes:
+        kind: What it is in JSON; `word` is one of a closed list.
+        low, high: Bounds, None for none; `low_open` and `high_open` say that the bound itself is outside.
+        nullable: Whether null may stand in its place in a list.
+        description: What it is, for people, or empty.
+        unit: SI, or `deg`; `1` for a share; empty where there is none.
+    """
+
+    kind: Literal["text", "integer", "number", "truth", "word"]
+    low: float | None = None
+    high: float | None = None
+    low_open: bool = False
+    high_open: bool = False
+    pattern: re.Pattern[str] | None = None
+    min_length: int = 0
+    max_length: int | None = None
+    words: tuple[str, ...] = ()
+    nullable: bool = False
+    description: str = ""
+    unit: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Member:
+    """A field of a class.
+
+    Attributes:
+        wire: Its name in XML and JSON.
+        name: Its name in Python.
+        scalar: What it, or one of its list, is; None for records.
+        record: The class of it, or of one of its list; None for scalars.
+        required: Whether it has no default.
+        max_count: Bound of a list, None for none.
+    """
+
+    wire: str
+    name: str
+    form: Form
+    scalar: Scalar | None
+    record: type[Record] | None
+    required: bool
+    default: Any
+    max_count: int | None = None
+    description: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Shape:
+    """A class: its fields in declaration order.
+
+    Attributes:
+        root: The name of the element, for a document; else the class's name.
+        ragged: Whether a default somewhere below could be equal to a value without being it.
+    """
+
+    cls: type[Record]
+    root: str
+    members: tuple[Member, ...]
+    by_wire: dict[str, Member]
+    content: Member | None
+    ragged: bool
+
+
+_NUMBERS: Final = (inspect.IntType, inspect.FloatType)
+
+
+def _scalar(kind: inspect.Type, extra: dict[str, Any], schema: dict[str, Any], nullable: bool) -> Scalar | None:
+    description = str(schema.get("description", ""))
+    unit = str(extra.get("unit", ""))
+    if isinstance(kind, _NUMBERS):
+        low = kind.ge if kind.ge is not None else kind.gt
+        high = kind.le if kind.le is not None else kind.lt
+        return Scalar(
+            kind="integer" if isinstance(kind, inspect.IntType) else "number",
+            low=low,
+            high=high,
+            low_open=kind.gt is not None,
+            high_open=kind.lt is not None,
+            nullable=nullable,
+            description=description,
+            unit=unit,
+        )
+    if isinstance(kind, inspect.BoolType):
+        return Scalar(kind="truth", description=description)
+    if isinstance(kind, inspect.LiteralType):
+        return Scalar(kind="word", words=tuple(str(value) for value in kind.values), description=description)
+    if isinstance(kind, inspect.StrType):
+        return Scalar(
+            kind="text",
+            pattern=re.compile(kind.pattern) if kind.pattern is not None else None,
+            min_length=kind.min_length or 0,
+            max_length=kind.max_length,
+            description=description,
+        )
+    return None
+
+
+def _peel(kind: inspect.Type) -> tuple[inspect.Type, dict[str, Any], dict[str, Any], bool]:
+    """Return a type without `| None` and annotations, its extras, its schema words, and whether None is allowed."""
+    extra: dict[str, Any] = {}
+    schema: dict[str, Any] = {}
+    nullable = False
+    while True:
+        if isinstance(kind, inspect.Metadata):
+            # Outer words win: they are said of the field, the inner ones of its type.
+            extra = {**(kind.extra or {}), **extra}
+            schema = {**(kind.extra_json_schema or {}), **schema}
+            kind = kind.type
+        elif isinstance(kind, inspect.UnionType):
+            others = [one for one in kind.types if not isinstance(one, inspect.NoneType)]
+            nullable = nullable or len(others) < len(kind.types)
+            if len(others) != 1:
+                raise TypeError(f"a field is one thing, got {kind}")
+            kind = others[0]
+        else:
+            return kind, extra, schema, nullable
+
+
+_FORMS: Final = {"element": Form.ELEMENT, "text": Form.CONTENT}
+
+
+def _member(field: inspect.Field) -> Member:
+    kind, extra, schema, _ = _peel(field.type)
+    description = str(schema.get("description", ""))
+    required = field.required
+    default = None if required else field.default
+    many = isinstance(kind, inspect.VarTupleType)
+    max_count = None
+    if isinstance(kind, inspect.VarTupleType):
+        max_count = kind.max_length
+        kind, item_extra, item_schema, nullable = _peel(kind.item_type)
+        extra, schema = {**item_extra, **extra}, {**item_schema, **schema}
+    else:
+        nullable = False
+    if isinstance(kind, inspect.StructType):
+        form = Form.RECORDS if many else Form.RECORD
+        record = cast("type[Record]", kind.cls)
+        return Member(field.encode_name, field.name, form, None, record, required, default, max_count, description)
+    scalar = _scalar(kind, extra, schema, nullable)
+    if scalar is None:
+        raise TypeError(f"{field.name}: no wire form for {kind}")
+    form = Form.LIST if many else _FORMS.get(str(extra.get("xml", "")), Form.ATTRIBUTE)
+    return Member(field.encode_name, field.name, form, scalar, None, required, default, max_count, description)
+
+
+def _may_be_equal_but_another(member: Member) -> bool:
+    if member.record is not None:
+        return shape_of(member.record).ragged
+    # Python keeps one object for each of these, so msgspec's test by identity finds them.
+    return not (
+        member.required
+        or member.default is None
+        or member.default == ()
+        or isinstance(member.default, bool)
+        or (isinstance(member.default, int) and abs(member.default) <= 5)
+        or (member.scalar is not None and member.scalar.kind == "word" and str(member.default).isidentifier())
+    )
+
+
+@cache
+def shape_of(cls: type[Record]) -> Shape:
+    """Return the shape of a message class.
+
+    Raises:
+        TypeError: A field has a type that has no wire form; a mistake in `messages`.
+    """
+    info = inspect.type_info(cls)
+    if not isinstance(info, inspect.StructType):
+        raise TypeError(f"expected a message class, got {cls}")
+    members = tuple(_member(field) for field in info.fields)
+    content = [member for member in members if member.form is Form.CONTENT]
+    return Shape(
+        cls=cls,
+        root=ROOTS.get(cls, cls.__name__),
+        members=members,
+        by_wire={member.wire: member for member in members},
+        content=content[0] if content else None,
+        ragged=any(_may_be_equal_but_another(member) for member in members),
+    )
+
+
+_write = msgspec.json.Encoder().encode
+
+
+def number_text(value: float) -> str:
+    """Return a float or an integer as both encodings write it: 5.0, 0.00001, 1e-7, 1e16.
+
+    Raises:
+        ValueError: It is not finite, which no message may carry.
+    """
+    text = _write(value).decode()
+    if text == "null":
+        raise ValueError(f"expected a finite number, got {value}")
+    return text

@@ -1,0 +1,170 @@
+"""What is compiled of the bodies that are here, once, when the set of bodies changes.
+
+A figure is one body as accepted; a fleet is all of them, sorted by name, as arrays.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import msgspec
+import numpy as np
+
+from intellwheels_schemas.errors import RequestRefusedError
+from intellwheels_schemas.messages import Position, Robot
+from intellwheels_schemas.rules import parts_of
+from intellwheels_server.kernels.arrays import Bodies, Box, Floats, Ints, Shape, bodies_from, key_of
+from intellwheels_server.kernels.motion import lag
+from intellwheels_server.kernels.noise import noise_key
+from intellwheels_server.sensors import SensorPlan, check_sensors, plan_sensors
+
+if TYPE_CHECKING:
+    from intellwheels_server.state import Setup, State
+
+MOTOR_STREAM = "@motors"
+"""The noise stream of a body's motors; no sensor's id can begin so."""
+
+
+class Figure(msgspec.Struct, frozen=True, kw_only=True):
+    """A body as accepted.
+
+    Attributes:
+        name: Its name.
+        robot: As accepted, with its name.
+        shape: Its parts, for the kernels.
+        key: 53 bits of its name, by which kernels break ties.
+        held: True for a real chair, which only its bridge moves.
+        timeout: Steps after which a command no longer counts.
+        start: Where it joined.
+        mind_input: The user input that a mind in another process declared.
+    """
+
+    name: str
+    robot: Robot
+    shape: Shape
+    key: int
+    held: bool
+    timeout: int
+    start: Position
+    mind_input: tuple[str, ...] = ()
+
+    @property
+    def wants_user(self) -> bool:
+        """Whether its measures carry the user's input."""
+        return bool(self.robot.user_input or self.mind_input)
+
+
+class Fleet(msgspec.Struct, frozen=True, kw_only=True):
+    """All bodies, in the order of the state's columns.
+
+    Attributes:
+        names: Sorted.
+        index: Column of each name.
+        by_key: The name of each key.
+        figures: By name.
+        bodies: Shapes, for contact and sensing.
+        motors: float64[6, n], motor figures, rows of `kernels.motion`.
+        flaws: float64[2, n]: standard deviation of the motors' output, share by which blocked wheels turn on.
+        noise: Keys of the motors' noise, uint64[2, n].
+        limits: int64[2, n]: steps until a command times out; 1 for real bodies.
+        plan: The sensors, compiled.
+    """
+
+    names: tuple[str, ...]
+    index: dict[str, int]
+    by_key: dict[int, str]
+    figures: dict[str, Figure]
+    bodies: Bodies
+    motors: Floats
+    flaws: Floats
+    noise: Ints
+    limits: Ints
+    plan: SensorPlan
+
+
+def figure_of(name: str, robot: Robot, setup: Setup) -> Figure:
+    """Return the robot as a body of this world, not yet placed.
+
+    Raises:
+        RequestRefusedError: The robot asks for what this world does not give.
+    """
+    if robot.role == "mind":
+        raise RequestRefusedError("field", "Robot.Role: expected both or body, got 'mind'")
+    robot = msgspec.structs.replace(robot, name=name, format=None)
+    held = robot.type == "real"
+    check_sensors(robot, truth=setup.truth)
+    parts = parts_of(robot)
+    if not parts:
+        raise RequestRefusedError(
+            "field", "Robot: expected Length, Width, Center and Top, or at least 1 Part, got none"
+        )
+    timeout = setup.command_timeout if robot.command_timeout is None else robot.command_timeout
+    return Figure(
+        name=name,
+        robot=robot,
+        shape=Shape(
+            name=name,
+            boxes=[Box(part.x, part.y, part.length, part.width, part.bottom, part.top) for part in parts],
+            held=held,
+            anchored=robot.anchored,
+        ),
+        key=key_of(name),
+        held=held,
+        timeout=math.ceil(timeout / setup.period - 1e-9),
+        start=Position(x=0.0, y=0.0, heading=0.0),
+    )
+
+
+def assemble(figures: dict[str, Figure], setup: Setup, tick: int, old: State | None) -> tuple[Fleet, Floats]:
+    """Return the fleet of these figures and its sensors' samples.
+
+    Args:
+        figures: By name.
+        setup: For the seed, the period and the floor.
+        tick: Tick at which new sensors sample first.
+        old: The state whose samples are kept for bodies that stay, or None to begin anew.
+    """
+    names = tuple(sorted(figures))
+    ordered = [figures[name] for name in names]
+    keys = [noise_key(setup.seed, name, MOTOR_STREAM) for name in names]
+    plan, samples = plan_sensors(
+        [(figure.robot, figure.start) for figure in ordered],
+        setup.seed,
+        tick,
+        None if old is None else (old.fleet.plan, old.samples),
+    )
+    fleet = Fleet(
+        names=names,
+        index={name: i for i, name in enumerate(names)},
+        by_key={figures[name].key: name for name in names},
+        figures={name: figures[name] for name in names},
+        bodies=bodies_from([figure.shape for figure in ordered]),
+        motors=_block([_motor(figure.robot, setup.period) for figure in ordered], 6),
+        flaws=_block([(figure.robot.motor_noise, figure.robot.slip) for figure in ordered], 2),
+        noise=np.array([[int(a) for a, _ in keys], [int(b) for _, b in keys]], dtype=np.uint64)
+        .reshape(2, len(names))
+        .view(np.int64),
+        limits=np.array(
+            [[figure.timeout for figure in ordered], [int(figure.held) for figure in ordered]], dtype=np.int64
+        ).reshape(2, len(names)),
+        plan=plan,
+    )
+    return fleet, samples
+
+
+def _motor(robot: Robot, period: float) -> tuple[float, ...]:
+    kept, settling = lag(robot.acceleration_curve, period)
+    return (
+        robot.track,
+        robot.top_speed,
+        kept,
+        settling,
+        math.inf if robot.acceleration_limit is None else robot.acceleration_limit,
+        math.inf if robot.turn_limit is None else robot.turn_limit,
+    )
+
+
+def _block(columns: list[tuple[float, ...]], rows: int) -> Floats:
+    """Return one column a body, a row a quantity."""
+    return np.ascontiguousarray(np.array(columns, dtype=np.float64).reshape(-1, rows).T)

@@ -1,0 +1,173 @@
+"""What was latched for a step is put into the arrays: commands, wishes, reported poses, verdicts, words."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+
+import msgspec
+
+from intellwheels_schemas.messages import Actions, EventCode, Pose, UserInput
+from intellwheels_server.inputs import Inputs, Verdict
+from intellwheels_server.kernels.arrays import Floats, Ints
+from intellwheels_server.kernels.elementary import cos, sin
+from intellwheels_server.kernels.rows import (
+    COMMAND_AGE,
+    HALTED,
+    HEADING,
+    LEFT_COMMAND,
+    POSE_AGE,
+    RESTED,
+    RIGHT_COMMAND,
+    SILENT,
+    SPEED,
+    STALE,
+    TURN_RATE,
+    USER_AGE,
+    USER_FORWARD,
+    USER_TURN,
+    X,
+    Y,
+)
+from intellwheels_server.state import Manner, State, Utterance
+
+Happening = tuple[EventCode, str]
+"""The code of an event and the agent it is about."""
+
+_FLAG_OF_VERDICT = {
+    "rested": (RESTED, 1),
+    "back": (RESTED, 0),
+    "halt": (HALTED, 1),
+    "unhalt": (HALTED, 0),
+    "stale": (STALE, 1),
+    "fresh": (STALE, 0),
+    "silent": (SILENT, 1),
+}
+_EVENT_OF_VERDICT: dict[str, EventCode] = {
+    "late": "late",
+    "rested": "rested",
+    "back": "back",
+    "stale": "stale",
+    "fresh": "fresh",
+}
+
+
+def enter_actions(
+    state: State, actions: Mapping[str, Actions], numbers: Floats, flags: Ints
+) -> tuple[dict[str, Manner], list[Utterance]]:
+    """Put commands into the arrays; return what agents say of themselves, and what they said.
+
+    An absent motor keeps its command, and an answer without motors does not renew the time-out.
+    """
+    index = state.fleet.index
+    manners = state.manners
+    said: list[Utterance] = []
+    left, right, age = numbers[LEFT_COMMAND], numbers[RIGHT_COMMAND], flags[COMMAND_AGE]
+    for name, action in actions.items():
+        i = index.get(name)
+        if i is None:
+            continue
+        if action.left_motor is not None:
+            left[i] = action.left_motor
+            age[i] = 0
+        if action.right_motor is not None:
+            right[i] = action.right_motor
+            age[i] = 0
+        if action.say is not None:
+            said.append(Utterance(sender=name, text=action.say, tick=state.tick, seq=action.seq))
+        if action.mode is not None or action.goal is not None or action.say is not None:
+            manners = _with_manner(state, manners, name, action)
+    return manners, said
+
+
+def _with_manner(state: State, manners: dict[str, Manner], name: str, action: Actions) -> dict[str, Manner]:
+    """Return the manners with an agent's; the same object where nothing is new."""
+    old = manners.get(name)
+    known = old or Manner()
+    new = Manner(
+        mode=known.mode if action.mode is None else action.mode,
+        goal=known.goal if action.goal is None else action.goal,
+        say=known.say if action.say is None else action.say,
+        say_tick=known.say_tick if action.say is None else state.tick + 1,
+    )
+    if new == old:
+        return manners
+    manners = dict(manners) if manners is state.manners else manners
+    manners[name] = new
+    return manners
+
+
+def enter_user(
+    state: State, user_input: Mapping[str, UserInput], numbers: Floats, flags: Ints
+) -> dict[str, UserInput]:
+    """Put users' wishes into the arrays; return every user's last input, without leases."""
+    user = dict(state.user)
+    for name, wish in user_input.items():
+        i = state.fleet.index.get(name)
+        if i is None:
+            continue
+        numbers[USER_FORWARD, i], numbers[USER_TURN, i] = wish.forward, wish.turn
+        flags[USER_AGE, i] = flags[SILENT, i] = 0
+        user[name] = wish if wish.lease is None else msgspec.structs.replace(wish, lease=None)
+    return user
+
+
+def hush(user: UserInput) -> UserInput:
+    """Return what is left of a user's input once the user is silent: its number and its goal."""
+    return UserInput(seq=user.seq, goal=user.goal)
+
+
+def enter_poses(state: State, poses: Mapping[str, Pose], numbers: Floats, flags: Ints) -> list[int]:
+    """Put reported poses of real bodies into the arrays; return their columns.
+
+    Speed and turn rate are those that lead there from the last pose in the time since it.
+    """
+    moved = []
+    period = state.setup.period
+    for name, pose in poses.items():
+        i = state.fleet.index.get(name)
+        if i is None or not state.fleet.figures[name].held:
+            continue
+        heading = math.remainder(pose.heading, math.tau)
+        heading = math.pi if heading == -math.pi else heading
+        dx, dy = pose.x - float(numbers[X, i]), pose.y - float(numbers[Y, i])
+        turn = math.remainder(heading - float(numbers[HEADING, i]), math.tau)
+        gone = (int(flags[POSE_AGE, i]) + 1) * period
+        distance = math.sqrt(dx * dx + dy * dy)
+        forward = dx * cos(heading) + dy * sin(heading)
+        numbers[SPEED, i] = (distance if forward >= 0.0 else -distance) / gone
+        numbers[TURN_RATE, i] = turn / gone
+        numbers[X, i], numbers[Y, i], numbers[HEADING, i] = pose.x, pose.y, heading
+        flags[POSE_AGE, i] = 0
+        moved.append(i)
+    return moved
+
+
+def enter_verdicts(
+    state: State, verdicts: tuple[Verdict, ...], flags: Ints, user: dict[str, UserInput]
+) -> tuple[list[Happening], dict[str, UserInput]]:
+    """Put the pace keeper's verdicts into the flags; return the events they are and every user's last input."""
+    happenings: list[Happening] = []
+    for verdict in verdicts:
+        i = state.fleet.index.get(verdict.agent)
+        if i is None:
+            continue
+        if verdict.code in _FLAG_OF_VERDICT:
+            row, value = _FLAG_OF_VERDICT[verdict.code]
+            flags[row, i] = value
+        if verdict.code == "silent" and verdict.agent in user:
+            user = {**user, verdict.agent: hush(user[verdict.agent])}
+        event = _EVENT_OF_VERDICT.get(verdict.code)
+        if event is not None:
+            happenings.append((event, verdict.agent))
+    return happenings, user
+
+
+def words_of(state: State, inputs: Inputs, said: list[Utterance]) -> list[Utterance]:
+    """Return all that was said in the step, one say an agent, in the order of names."""
+    known = {words.sender for words in said}
+    for words in inputs.says:
+        if words.agent in state.fleet.index and words.agent not in known:
+            said.append(Utterance(sender=words.agent, text=words.text, tick=state.tick, seq=words.seq))
+            known.add(words.agent)
+    return sorted(said, key=lambda words: words.sender)

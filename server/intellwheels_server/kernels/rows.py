@@ -1,0 +1,66 @@
+"""The rows of a state: what each number and flag of a body is. The order is that of the hash."""
+
+# Rows of numbers, float64[NUMBER_ROWS, n]. The first eight are the block of bodies that sensors read, in their order.
+X = 0
+"""Centre of movement, m."""
+Y = 1
+"""Centre of movement, m."""
+HEADING = 2
+"""Heading in (-pi, pi], rad."""
+SPEED = 3
+"""Travel along the heading in the last tick over its period, m/s."""
+TURN_RATE = 4
+"""Turn in the last tick over its period, rad/s."""
+LEFT_TRAVEL = 5
+"""Way the left wheel rolled since joining, m."""
+RIGHT_TRAVEL = 6
+"""Way the right wheel rolled since joining, m."""
+TOUCHING = 7
+"""1 where the body touched something in the last tick."""
+LEFT_SPEED = 8
+"""Speed of the left wheel after the lag, m/s."""
+RIGHT_SPEED = 9
+"""Speed of the right wheel after the lag, m/s."""
+LEFT_COMMAND = 10
+"""Power last asked for."""
+RIGHT_COMMAND = 11
+"""Power last asked for."""
+LEFT_POWER = 12
+"""Power in force, after time-out, rest, halt and take."""
+RIGHT_POWER = 13
+"""Power in force."""
+USER_FORWARD = 14
+"""The user's wish forward, in [-1, 1]; 0 once the user is silent."""
+USER_TURN = 15
+"""The user's wish to the left, in [-1, 1]."""
+LICENCE = 16
+"""Depth up to which the body may overlap, because it was put there, m."""
+NUMBER_ROWS = 17
+
+# Rows of flags, int64[FLAG_ROWS, n].
+COLLISION = 0
+"""1 where the body could not move as it would in the last tick."""
+CONTACTS = 1
+"""Episodes of contact since the run began."""
+COMMAND_AGE = 2
+"""Steps since the last command."""
+TIMED_OUT = 3
+"""1 once the last command is older than the robot's time-out."""
+RESTED = 4
+"""1 while the pace keeper holds the body at rest for missed answers."""
+HALTED = 5
+"""1 while a real body must not move: paused, or not at real time."""
+TAKEN = 6
+"""1 while the simulator obeys the user's input."""
+USER_AGE = 7
+"""Steps since the user's last input."""
+SILENT = 8
+"""1 while there is no user's input."""
+STALE = 9
+"""1 while a real body's pose is too old."""
+POSE_AGE = 10
+"""Steps since a real body's last pose."""
+FLAG_ROWS = 11
+
+# Columns of episodes, int64[e, 3]: keys of the two bodies, -1 for the walls, and the last tick of contact.
+WALL_KEY = -1

@@ -1,0 +1,97 @@
+"""When the next tick is due in real time, and how fast the run really goes. Pure: time is passed in.
+
+Deadlines are absolute: tick k is due k periods after the anchor, so lateness does not add up. The anchor moves
+only when the speed changes, after a pause, and when the run has fallen hopelessly behind.
+"""
+
+from __future__ import annotations
+
+from typing import Final
+
+LATE_SHARE: Final = 0.1
+"""A tick is late that begins later than its deadline by this share of its wall time."""
+BACKLOG: Final = 0.5
+"""Seconds behind after which lost time is given up: a burst of ticks would help nobody."""
+WINDOW: Final = 1.0
+"""Seconds over which the real-time factor is taken."""
+
+
+class Metronome:
+    """Deadlines of ticks at a speed.
+
+    Args:
+        period: Simulated time of a tick, s.
+        speed: Simulated time over wall time.
+    """
+
+    def __init__(self, period: float, speed: float) -> None:
+        self.period = period
+        self.speed = speed
+        self.late = 0
+        self._anchor = 0.0
+        self._count = 0
+
+    def start(self, now: float) -> None:
+        """Let the next tick be due one interval from now."""
+        self._anchor = now
+        self._count = 1
+
+    def change_speed(self, speed: float, now: float) -> None:
+        """Go on at another speed from now."""
+        self.speed = speed
+        self.start(now)
+
+    @property
+    def interval(self) -> float:
+        """Wall time of a tick, s."""
+        return self.period / self.speed
+
+    def due(self) -> float:
+        """Return when the next tick begins."""
+        return self._anchor + self._count * self.interval
+
+    def began(self, now: float) -> None:
+        """Note that the next tick begins now; it is counted when it is late."""
+        behind = now - self.due()
+        self._count += 1
+        if behind > LATE_SHARE * self.interval:
+            self.late += 1
+        if behind > BACKLOG + self.interval:
+            self.start(now)
+
+
+class Tachometer:
+    """The real-time factor of late: simulated over wall time.
+
+    Args:
+        period: Simulated time of a tick, s.
+    """
+
+    def __init__(self, period: float) -> None:
+        self._period = period
+        self._since: float | None = None
+        self._ticks = 0
+        self._factor = 0.0
+
+    def ticked(self, now: float) -> None:
+        """Note that a tick was made."""
+        if self._since is None:
+            self._since = now
+        self._ticks += 1
+        elapsed = now - self._since
+        if elapsed >= WINDOW:
+            self._factor = self._ticks * self._period / elapsed
+            self._since, self._ticks = now, 0
+
+    def factor(self, now: float) -> float:
+        """Return the factor over the last window, or over what there is of the first."""
+        if self._since is None:
+            return 0.0
+        elapsed = now - self._since
+        if (self._factor == 0.0 or elapsed > 2.0 * WINDOW) and elapsed > 0.0:
+            return self._ticks * self._period / elapsed
+        return self._factor
+
+    def stop(self) -> None:
+        """Begin anew at the next tick, after a pause."""
+        self._since, self._ticks, self._factor = None, 0, 0.0

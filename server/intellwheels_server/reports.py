@@ -1,0 +1,136 @@
+"""What of a state is told: measures to an agent, true states to viewers, powers to real chairs."""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+from intellwheels_schemas.messages import Entity, Heard, Measures, MotorState, PowerInForce
+from intellwheels_server.kernels.rows import (
+    COLLISION,
+    CONTACTS,
+    HALTED,
+    HEADING,
+    LEFT_POWER,
+    RESTED,
+    RIGHT_POWER,
+    SPEED,
+    STALE,
+    TAKEN,
+    TIMED_OUT,
+    TOUCHING,
+    TURN_RATE,
+    X,
+    Y,
+)
+from intellwheels_server.sensors import readings
+from intellwheels_server.state import Manner, State, Utterance
+
+SAY_SHOWN: Final = 3.0
+"""Simulated seconds for which the last say stands in the world's state."""
+
+_SILENT_MANNER: Final = Manner()
+
+
+def measures(state: State, agent: str) -> Measures:
+    """Return what an agent perceives now.
+
+    Raises:
+        KeyError: No such body is here.
+    """
+    fleet = state.fleet
+    i = fleet.index[agent]
+    figure = fleet.figures[agent]
+    return Measures(
+        run=state.run,
+        tick=state.tick,
+        time=state.time,
+        collision=bool(state.flags[COLLISION, i]),
+        contact=bool(state.numbers[TOUCHING, i]),
+        sensors=readings(fleet.plan, state.samples, state.tick, i),
+        message=_heard(state, agent, i) if state.heard else (),
+        user_input=state.user.get(agent) if figure.wants_user else None,
+    )
+
+
+def _heard(state: State, agent: str, i: int) -> tuple[Heard, ...]:
+    found = []
+    for words in state.heard:
+        if words.sender == agent or (words.to is not None and words.to != agent):
+            continue
+        distance = _distance(state, words, i)
+        if distance <= state.setup.say_range:
+            found.append(Heard(sender=words.sender, tick=words.tick, seq=words.seq, distance=distance, text=words.text))
+    return tuple(found)
+
+
+def _distance(state: State, words: Utterance, i: int) -> float:
+    """Return how far the speaker is, 0 for an operator, inf for who has left."""
+    j = state.fleet.index.get(words.sender)
+    if j is None:
+        return 0.0 if words.sender == "operator" else math.inf
+    dx = float(state.numbers[X, i] - state.numbers[X, j])
+    dy = float(state.numbers[Y, i] - state.numbers[Y, j])
+    return math.sqrt(dx * dx + dy * dy)
+
+
+def entities(state: State) -> tuple[Entity, ...]:
+    """Return every body's true state, in the order of names; positions and headings to 1e-6."""
+    numbers = state.numbers.round(6)
+    x, y, heading = numbers[X].tolist(), numbers[Y].tolist(), numbers[HEADING].tolist()
+    speed, turn_rate = numbers[SPEED].tolist(), numbers[TURN_RATE].tolist()
+    touching = state.numbers[TOUCHING].tolist()
+    flags = state.flags.tolist()
+    latest = state.tick - SAY_SHOWN / state.setup.period
+    found = []
+    for i, name in enumerate(state.names):
+        manner = state.manners.get(name, _SILENT_MANNER)
+        found.append(
+            Entity(
+                name=name,
+                x=x[i],
+                y=y[i],
+                heading=heading[i],
+                speed=speed[i],
+                turn_rate=turn_rate[i],
+                collision=bool(flags[COLLISION][i]),
+                contact=bool(touching[i]),
+                contacts=flags[CONTACTS][i],
+                state=_motor_state(state, i),
+                mode=manner.mode,
+                goal=manner.goal,
+                say=manner.say if manner.say is not None and manner.say_tick >= latest else None,
+            )
+        )
+    return tuple(found)
+
+
+def power_in_force(state: State, agent: str) -> PowerInForce:
+    """Return the power a real chair must give now, and why.
+
+    Raises:
+        KeyError: No such body is here.
+    """
+    i = state.fleet.index[agent]
+    return PowerInForce(
+        run=state.run,
+        tick=state.tick,
+        left_motor=float(state.numbers[LEFT_POWER, i]),
+        right_motor=float(state.numbers[RIGHT_POWER, i]),
+        state=_motor_state(state, i),
+    )
+
+
+def _motor_state(state: State, i: int) -> MotorState:
+    flags = state.flags
+    if flags[STALE, i]:
+        return "stale"
+    if flags[HALTED, i]:
+        return "paused"
+    if flags[TAKEN, i]:
+        return "taken"
+    if flags[RESTED, i]:
+        return "rested"
+    if flags[TIMED_OUT, i]:
+        return "timeout"
+    return "drive"

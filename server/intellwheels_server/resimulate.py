@@ -1,0 +1,63 @@
+"""Running a log again: the same inputs must give the same hash at every tick."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+from intellwheels_server.log import LogError, read_header, read_lines
+from intellwheels_server.world import advance, apply, begin, digest
+
+
+@dataclass(frozen=True, slots=True)
+class Finding:
+    """What came of running a log again.
+
+    Attributes:
+        ticks: Steps that were made.
+        tick: Where the run is.
+        hash: The hash there.
+        cut: Whether the last line was cut and dropped.
+        differs: In words, the first tick whose hash differs, or None.
+    """
+
+    ticks: int
+    tick: int
+    hash: str
+    cut: bool = False
+    differs: str | None = None
+
+
+def resimulate(path: Path, progress: Callable[[int], None] = lambda _ticks: None) -> Finding:
+    """Run a log again and compare every hash.
+
+    Args:
+        path: The log.
+        progress: Called with the number of steps, every thousand.
+
+    Raises:
+        LogError: The file is no log, or its lines do not follow each other.
+        OSError: The file cannot be read.
+    """
+    with path.open("rb") as file:
+        header = read_header(file, str(path))
+        state = begin(header.world_setup(), header.run)
+        steps, found = 0, digest(state)
+        for number, line in enumerate(read_lines(file, str(path)), start=2):
+            if line is None:
+                return Finding(steps, state.tick, found, cut=True)
+            if line.stepped and line.tick != state.tick:
+                raise LogError(f"{path}:{number}: expected tick {state.tick}, got {line.tick}")
+            if line.stepped:
+                state, _ = advance(state, line.inputs)
+                steps += 1
+                if steps % 1000 == 0:
+                    progress(steps)
+            else:
+                state, _ = apply(state, line.inputs.changes)
+            found = digest(state)
+            if found != line.hash:
+                text = f"tick {line.tick} of run {state.run} (line {number}): expected hash {line.hash}, got {found}"
+                return Finding(steps, state.tick, found, differs=text)
+    return Finding(steps, state.tick, found)

@@ -1,0 +1,28 @@
+"""A chair that wanders touches nothing."""
+
+from __future__ import annotations
+
+import pytest
+from tests.agents.kinematics import PERIOD, Body, box, context
+
+from intellwheels_agents.minds.avoid import Mind
+from intellwheels_agents.options import OptionError
+from intellwheels_maps import robot
+
+
+@pytest.mark.parametrize("name", ["rear-wheel", "mid-wheel", "front-wheel", "intellwheels"])
+def test_a_minute_in_a_furnished_room_without_touching_anything(name: str) -> None:
+    walls = box(-4.0, -3.0, 4.0, 3.0) + box(1.8, 0.6, 2.6, 1.6)
+    body = Body(robot(name), heading=0.3)
+    mind = Mind(context(body.robot, body.position))
+    travelled = 0.0
+    for _ in range(round(60.0 / PERIOD)):
+        body.step(mind.decide(body.measures(walls)))
+        travelled += sum(body.speeds) / 2.0 * PERIOD
+        assert not body.touches(walls), (body.x, body.y, body.heading)
+    assert travelled > 10.0
+
+
+def test_it_must_slow_down_before_it_stops() -> None:
+    with pytest.raises(OptionError, match=r"option stop: expected less than clear \(1.5\), got 2"):
+        Mind(context(robot("rear-wheel"), stop="2"))

@@ -1,0 +1,57 @@
+"""Minds are found by name, and a user's by the path of a file."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from tests.agents.kinematics import RUN, context
+
+from intellwheels_agents import minds
+from intellwheels_agents.options import OptionError, Options
+from intellwheels_schemas.messages import Actions, Measures, Robot
+
+
+def test_the_shipped_minds() -> None:
+    assert minds.names() == ["avoid", "door", "drive", "table", "waypoints"]
+    for name in minds.names():
+        assert callable(minds.find(name).make)
+
+
+def test_a_name_that_is_none_is_refused_with_those_there_are() -> None:
+    with pytest.raises(
+        OptionError, match="mind: expected one of avoid, door, drive, table, waypoints or a Python file"
+    ):
+        minds.find("dance")
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "from intellwheels_agents import Actions\nclass Mind:\n    def __init__(self, context): pass\n"
+        "    def decide(self, measures): return Actions(say='hi')\n",
+        "from intellwheels_agents import Actions\nclass Own:\n    def decide(self, measures): return Actions(say='hi')\n"
+        "def make(context): return Own()\n",
+    ],
+)
+def test_a_users_file_has_a_class_mind_or_make(tmp_path: Path, text: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.syspath_prepend(tmp_path)
+    file = tmp_path / "json.py"
+    file.write_text(text)
+    source = minds.find(str(file))
+    mind = source.make(context(Robot()))
+    assert mind.decide(Measures(run=RUN, tick=0, time=0.0)) == Actions(say="hi")
+    assert source.equip(Robot(), Options()) == Robot()
+
+
+def test_a_file_without_either_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.syspath_prepend(tmp_path)
+    file = tmp_path / "mine.py"
+    file.write_text("x = 1\n")
+    with pytest.raises(OptionError, match=r"mine.py: expected make\(context\) or a class Mind, got neither"):
+        minds.find(str(file))
+
+
+def test_a_file_that_is_not_there_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(OptionError, match="expected a Python file, got none"):
+        minds.find(str(tmp_path / "none.py"))

@@ -1,0 +1,12 @@
+"""A table answers and does nothing."""
+
+from __future__ import annotations
+
+from tests.agents.kinematics import RUN, context
+
+from intellwheels_agents.minds.table import Mind
+from intellwheels_schemas.messages import Actions, Measures, Robot
+
+
+def test_a_table_does_nothing_at_all() -> None:
+    assert Mind(context(Robot())).decide(Measures(run=RUN, tick=0, time=0.0)) == Actions()

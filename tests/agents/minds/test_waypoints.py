@@ -1,0 +1,95 @@
+"""A chair gets where its path leads, with its own noisy idea of where it is."""
+
+from __future__ import annotations
+
+import math
+
+import msgspec
+import pytest
+from tests.agents.kinematics import Body, Segment, box, context, run
+
+from intellwheels_agents.minds.waypoints import Mind, equip
+from intellwheels_agents.options import OptionError, Options
+from intellwheels_maps import robot
+from intellwheels_schemas.messages import Robot
+
+CHAIRS = ["rear-wheel", "mid-wheel", "front-wheel", "intellwheels"]
+
+
+@pytest.mark.parametrize("name", CHAIRS)
+def test_every_chair_gets_round_corners_to_the_end_with_noise(name: str) -> None:
+    body = Body(robot(name), motor_noise=0.015, compass_noise=math.radians(0.5))
+    mind = Mind(context(body.robot, points="4 0 4 3 0 3"))
+    done = run(body, mind, [], 45.0)
+    # 0.1 m is the mind's own tolerance, the rest is its drift over 11 m.
+    assert math.dist((body.x, body.y), (0.0, 3.0)) < 0.2
+    assert done[-1].mode == "arrived"
+    assert (done[-1].left_motor, done[-1].right_motor) == (0.0, 0.0)
+
+
+def test_places_are_asked_of_the_map_and_the_last_is_its_goal() -> None:
+    body = Body(robot("intellwheels"))
+    done = run(body, Mind(context(body.robot, via="goal2", to="goal1")), [], 20.0)
+    assert math.dist((body.x, body.y), (5.0, 1.0)) < 0.15
+    assert done[0].goal is not None
+    assert (done[0].goal.x, done[0].goal.y) == (5.0, 1.0)
+
+
+def test_a_place_that_is_not_on_the_map_is_refused_with_those_that_are() -> None:
+    with pytest.raises(OptionError, match=r"option to: expected a place of the map \(goal1, goal2\), got 'goal3'"):
+        Mind(context(robot("intellwheels"), to="goal3"))
+
+
+def test_no_path_at_all_is_refused() -> None:
+    with pytest.raises(OptionError, match="option points: expected points, via or to, got none"):
+        Mind(context(robot("intellwheels")))
+
+
+def test_a_start_that_lies_backwards_turns_the_chair_first() -> None:
+    body = Body(robot("rear-wheel"))
+    run(body, Mind(context(body.robot, points="-3 0")), [], 20.0)
+    assert math.dist((body.x, body.y), (-3.0, 0.0)) < 0.15
+
+
+def test_truth_overrides_whatever_the_encoders_say() -> None:
+    document = equip(robot("intellwheels"), Options({"truth": "true"}))
+    wrong = msgspec.structs.replace(document, wheel_diameter=0.3)
+    body = Body(document)
+    mind = Mind(context(wrong, points="6 0", truth="true"))
+    run(body, mind, [], 20.0)
+    assert math.dist((body.x, body.y), (6.0, 0.0)) < 0.15
+
+
+def test_without_encoders_or_truth_it_cannot_know_where_it_is() -> None:
+    with pytest.raises(OptionError, match="option truth: expected true for a robot without encoders"):
+        Mind(context(Robot(top_speed=1.0, length=1.0, width=0.6), points="1 1"))
+
+
+@pytest.mark.parametrize("name", CHAIRS)
+def test_it_waits_before_a_closed_door_and_goes_on_when_it_is_open(name: str) -> None:
+    jambs = box(5.0, -2.0, 5.1, -0.55) + box(5.0, 0.55, 5.1, 2.0)
+    leaf: list[Segment] = [(5.0, -0.5, 5.0, 0.5)]
+    body = Body(robot(name))
+    mind = Mind(context(body.robot, points="8 0"))
+    done = run(body, mind, jambs + leaf, 20.0)
+    assert done[-1].mode == "waiting"
+    front = max(x for x, _ in body.corners())
+    assert 4.3 < front < 4.55
+    for _ in range(600):
+        body.step(mind.decide(body.measures(jambs)))
+        assert not body.touches(jambs)
+    assert math.dist((body.x, body.y), (8.0, 0.0)) < 0.15
+
+
+def test_a_wall_behind_the_end_does_not_stop_it_before() -> None:
+    body = Body(robot("intellwheels"))
+    run(body, Mind(context(body.robot, points="3 0")), box(-5.0, -3.0, 4.0, 3.0), 15.0)
+    assert math.dist((body.x, body.y), (3.0, 0.0)) < 0.15
+
+
+def test_it_speeds_up_and_slows_down_gently() -> None:
+    body = Body(robot("intellwheels"))
+    done = run(body, Mind(context(body.robot, points="5 0")), [], 15.0)
+    powers = [actions.left_motor or 0.0 for actions in done]
+    # 0.35 m/s2 at a top speed of 1 m/s, twice that near the end where the root is steep.
+    assert max(a - b for a, b in zip(powers[1:-1], powers[2:], strict=True)) < 0.06

@@ -1,0 +1,359 @@
+"""The harness as a table: what happens, and what it does then."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import msgspec
+import pytest
+
+from intellwheels_agents.harness import Ask, Depart, End, Harness, Note, Output, Phase, Put, Tell
+from intellwheels_agents.mind import Context
+from intellwheels_agents.options import OptionError
+from intellwheels_schemas.codec import Encoding, decode, encode
+from intellwheels_schemas.messages import (
+    Actions,
+    Error,
+    ErrorCode,
+    Heard,
+    Joined,
+    Leave,
+    Measures,
+    Parameters,
+    Pose,
+    Position,
+    Power,
+    PowerInForce,
+    Record,
+    Refused,
+    RefusedCode,
+    Robot,
+)
+
+RUN, OTHER_RUN = "a" * 16, "b" * 16
+SESSION, OTHER_SESSION = "c" * 16, "d" * 16
+ROBOT = Robot(name="chair1", instance="0" * 16, top_speed=1.0, length=1.0, width=0.6)
+JSON = Encoding.JSON
+
+
+class Recorder:
+    """A mind that answers what it is told to and remembers what it saw."""
+
+    def __init__(self, answer: Actions | Pose) -> None:
+        self.answer = answer
+        self.contexts: list[Context] = []
+        self.seen: list[Measures] = []
+        self.powers: list[PowerInForce] = []
+
+    def make(self, context: Context) -> Recorder:
+        self.contexts.append(context)
+        return self
+
+    def decide(self, measures: Measures) -> Actions:
+        self.seen.append(measures)
+        return self.answer  # type: ignore[return-value]
+
+    def obey(self, power: PowerInForce) -> None:
+        self.powers.append(power)
+
+
+def bytes_of(message: Record) -> tuple[bytes, Encoding]:
+    return encode(message, JSON), JSON
+
+
+def measures(tick: int, run: str = RUN, **fields: object) -> tuple[bytes, Encoding]:
+    return bytes_of(Measures(run=run, tick=tick, time=tick * 0.05, **fields))  # type: ignore[arg-type]
+
+
+def joined(run: str = RUN, session: str = SESSION) -> tuple[bytes, Encoding]:
+    parameters = Parameters(
+        world="main", period=0.05, pace="lockstep", say_limit=5, say_range=8.0, command_timeout=0.5, grace=3.0
+    )
+    return bytes_of(
+        Joined(
+            run=run,
+            tick=0,
+            session=session,
+            parameters=parameters,
+            position=Position(x=1.0, y=2.0, heading=0.0),
+            robot=ROBOT,
+        )
+    )
+
+
+def refused(code: RefusedCode) -> tuple[bytes, Encoding]:
+    return bytes_of(Refused(code=code, text="because"))
+
+
+def error(code: ErrorCode) -> tuple[bytes, Encoding]:
+    return bytes_of(Error(run=RUN, tick=3, code=code, text="words"))
+
+
+def kinds(outputs: Sequence[Output]) -> list[str]:
+    return [type(output).__name__ for output in outputs]
+
+
+def put(outputs: Sequence[Output]) -> Actions:
+    (payload,) = [output.payload for output in outputs if isinstance(output, Put)]
+    return decode(Actions, payload, JSON)
+
+
+def at_work(mind: Recorder, **settings: object) -> Harness:
+    harness = Harness(ROBOT, mind.make, **settings)  # type: ignore[arg-type]
+    harness.start(0.0)
+    harness.accepted(joined())
+    return harness
+
+
+@pytest.fixture
+def mind() -> Recorder:
+    return Recorder(Actions(left_motor=0.5, right_motor=0.25))
+
+
+def test_it_asks_at_once_and_tells_that_it_joined(mind: Recorder) -> None:
+    harness = Harness(ROBOT, mind.make)
+    (ask,) = harness.start(0.0)
+    assert isinstance(ask, Ask)
+    assert decode(Robot, ask.payload, JSON) == ROBOT
+    assert harness.accepted(joined()) == [Tell(f"joined agent=chair1 run={RUN} tick=0")]
+    assert harness.phase is Phase.JOINED
+    (context,) = mind.contexts
+    assert (context.agent, context.position.x, context.parameters.say_limit) == ("chair1", 1.0, 5)
+
+
+def test_an_answer_carries_run_session_tick_and_its_number(mind: Recorder) -> None:
+    harness = at_work(mind)
+    first, second = put(harness.measured([measures(0)])), put(harness.measured([measures(1)]))
+    assert (first.run, first.session, first.tick, first.seq) == (RUN, SESSION, 0, 0)
+    assert (second.tick, second.seq, second.left_motor, second.right_motor) == (1, 1, 0.5, 0.25)
+
+
+def test_a_tick_that_comes_twice_is_answered_twice_with_the_same_bytes(mind: Recorder) -> None:
+    harness = at_work(mind)
+    once = harness.measured([measures(0)])
+    assert harness.measured([measures(0)]) == once
+    # As does one whose bytes differ, as XML's would.
+    assert harness.measured([(measures(0)[0] + b" ", JSON)]) == once
+    assert harness.repeated == 2
+    assert len(mind.seen) == 1
+
+
+def test_an_older_tick_is_not_answered(mind: Recorder) -> None:
+    harness = at_work(mind)
+    harness.measured([measures(5)])
+    assert harness.measured([measures(4)]) == []
+
+
+def test_of_several_ticks_the_newest_is_answered_and_all_that_was_heard_is_kept(mind: Recorder) -> None:
+    harness = at_work(mind)
+    harness.measured([measures(0)])
+    heard = [Heard(sender="door", tick=tick, distance=1.0, text=str(tick)) for tick in range(3)]
+    came = [measures(1, message=(heard[0],)), measures(3, message=(heard[1], heard[2]))]
+    assert put(harness.measured(came)).tick == 3
+    assert mind.seen[-1].message == tuple(heard)
+    assert harness.missed == 2
+
+
+def test_a_new_run_gets_a_fresh_mind_and_the_old_run_is_over(mind: Recorder) -> None:
+    harness = at_work(mind)
+    harness.measured([measures(7)])
+    outputs = harness.measured([measures(0, OTHER_RUN)])
+    assert outputs[0] == Tell(f"run agent=chair1 run={OTHER_RUN}")
+    answer = put(outputs)
+    assert (answer.run, answer.session, answer.tick, answer.seq) == (OTHER_RUN, SESSION, 0, 0)
+    assert len(mind.contexts) == 2
+    assert harness.measured([measures(8)]) == []
+
+
+def test_unknown_fields_are_ignored(mind: Recorder) -> None:
+    harness = at_work(mind)
+    payload = measures(0)[0][:-1] + b',"Humidity":0.4}'
+    assert put(harness.measured([(payload, JSON)])).tick == 0
+
+
+def test_measures_that_overtake_the_reply_are_answered_after_it(mind: Recorder) -> None:
+    harness = Harness(ROBOT, mind.make)
+    harness.start(0.0)
+    assert harness.measured([measures(0)]) == []
+    assert kinds(harness.accepted(joined())) == ["Tell", "Put"]
+
+
+def test_bytes_that_are_no_measures_are_dropped_and_counted(mind: Recorder) -> None:
+    harness = at_work(mind)
+    assert kinds(harness.measured([(b"{", JSON)])) == ["Note"]
+    assert harness.errors == 1
+    assert put(harness.measured([measures(0)])).tick == 0
+
+
+@pytest.mark.parametrize(("given", "sent"), [(1.5, 1.0), (-7.0, -1.0), (0.3, 0.3), (float("inf"), 1.0)])
+def test_powers_are_clamped(given: float, sent: Power) -> None:
+    harness = at_work(Recorder(Actions(left_motor=given, right_motor=None)))
+    answer = put(harness.measured([measures(0)]))
+    assert (answer.left_motor, answer.right_motor) == (sent, None)
+
+
+def test_a_power_that_is_no_number_is_the_minds_bug() -> None:
+    harness = at_work(Recorder(Actions(left_motor=float("nan"))))
+    with pytest.raises(ValueError, match="expected a number, got nan"):
+        harness.measured([measures(0)])
+
+
+def test_what_is_said_keeps_to_the_say_limit() -> None:
+    harness = at_work(Recorder(Actions(say="follow me")))
+    assert put(harness.measured([measures(0)])).say == "follo"
+
+
+def test_an_option_no_mind_reads_is_refused_when_the_mind_is_made(mind: Recorder) -> None:
+    harness = Harness(ROBOT, mind.make, options={"sped": "1"})
+    harness.start(0.0)
+    with pytest.raises(OptionError, match="option sped"):
+        harness.accepted(joined())
+
+
+def test_nobody_there_is_tried_again_each_second_and_noted_once(mind: Recorder) -> None:
+    harness = Harness(ROBOT, mind.make)
+    harness.start(0.0)
+    assert harness.unanswered(0.1) == [Note("waiting why='no simulator at the simulator, or not allowed'")]
+    assert harness.deadline == pytest.approx(1.1)
+    assert harness.wake(1.0) == []
+    assert kinds(harness.wake(1.2)) == ["Ask"]
+    assert harness.unanswered(1.3) == []
+
+
+def test_a_simulator_that_appears_is_asked_at_once(mind: Recorder) -> None:
+    harness = Harness(ROBOT, mind.make)
+    harness.start(0.0)
+    harness.unanswered(0.1)
+    assert kinds(harness.present(0.2)) == ["Ask"]
+
+
+def test_it_gives_up_when_it_was_told_how_long_to_try(mind: Recorder) -> None:
+    harness = Harness(ROBOT, mind.make, retry_for=2.0)
+    harness.start(0.0)
+    harness.unanswered(0.5)
+    harness.wake(1.5)
+    assert harness.unanswered(1.6) == [End(1, "no simulator at the simulator, or not allowed")]
+
+
+def test_a_mind_without_its_body_yet_tries_again(mind: Recorder) -> None:
+    harness = Harness(ROBOT, mind.make)
+    harness.start(0.0)
+    assert kinds(harness.refused(refused("no-body"), 0.1)) == ["Note"]
+    assert harness.deadline == pytest.approx(1.1)
+
+
+def test_a_token_still_on_its_way_is_waited_for_shortly(mind: Recorder) -> None:
+    harness = Harness(ROBOT, mind.make)
+    harness.start(0.0)
+    harness.refused(refused("no-token"), 0.1)
+    assert harness.deadline == pytest.approx(0.2)
+
+
+@pytest.mark.parametrize("code", ["already-here", "no-place", "truth"])
+def test_any_other_refusal_ends_it_with_the_simulators_words(mind: Recorder, code: RefusedCode) -> None:
+    harness = Harness(ROBOT, mind.make)
+    harness.start(0.0)
+    assert harness.refused(refused(code), 0.1) == [End(1, f"refused ({code}): because")]
+    assert harness.phase is Phase.OVER
+
+
+@pytest.mark.parametrize("code", ["not-joined", "session"])
+def test_who_is_not_known_any_more_joins_again(mind: Recorder, code: ErrorCode) -> None:
+    harness = at_work(mind)
+    harness.erred(error(code), 5.0)
+    assert kinds(harness.wake(5.0)) == ["Ask"]
+    # Until the reply comes the old session is answered for, and errors do not ask again.
+    assert put(harness.measured([measures(0)])).session == SESSION
+    harness.erred(error(code), 5.1)
+    assert harness.wake(5.1) == []
+    harness.accepted(joined(session=OTHER_SESSION))
+    assert put(harness.measured([measures(1)])).session == OTHER_SESSION
+    assert len(mind.contexts) == 2
+
+
+def test_errors_just_after_a_join_do_not_make_it_join_without_end(mind: Recorder) -> None:
+    harness = at_work(mind)
+    harness.erred(error("session"), 0.2)
+    assert harness.wake(0.3) == []
+    assert kinds(harness.wake(1.0)) == ["Ask"]
+
+
+def test_other_errors_are_noted(mind: Recorder) -> None:
+    harness = at_work(mind)
+    assert harness.erred(error("late"), 1.0) == [Note("erred code=late tick=3 text='words'")]
+    assert harness.phase is Phase.JOINED
+
+
+def test_a_simulator_that_comes_back_is_joined_again_and_the_old_run_keeps_its_mind(mind: Recorder) -> None:
+    harness = at_work(mind)
+    assert harness.present(1.0) == []
+    harness.absent(2.0)
+    assert kinds(harness.present(3.0)) == ["Ask"]
+    harness.accepted(joined())
+    assert len(mind.contexts) == 1
+
+
+def test_a_simulator_that_was_started_anew_gets_a_fresh_mind(mind: Recorder) -> None:
+    harness = at_work(mind)
+    harness.measured([measures(9)])
+    harness.absent(2.0)
+    harness.present(3.0)
+    harness.accepted(joined(OTHER_RUN, OTHER_SESSION))
+    assert put(harness.measured([measures(0, OTHER_RUN)])).tick == 0
+    assert len(mind.contexts) == 2
+
+
+def test_a_simulator_that_stays_away_is_given_up_in_time(mind: Recorder) -> None:
+    harness = at_work(mind, retry_for=10.0)
+    harness.absent(2.0)
+    assert harness.wake(11.9) == []
+    assert kinds(harness.wake(12.0)) == ["End"]
+
+
+def test_stop_leaves(mind: Recorder) -> None:
+    harness = at_work(mind)
+    outputs = harness.stop()
+    assert kinds(outputs) == ["Depart", "Note", "Tell", "End"]
+    assert isinstance(outputs[0], Depart)
+    assert decode(Leave, outputs[0].payload, JSON) == Leave(run=RUN, session=SESSION)
+    assert outputs[2:] == [Tell("left agent=chair1"), End(0)]
+    assert harness.stop() == []
+
+
+def test_stop_before_it_joined_says_nothing(mind: Recorder) -> None:
+    harness = Harness(ROBOT, mind.make)
+    harness.start(0.0)
+    assert harness.stop() == [End(0)]
+
+
+def test_a_mind_that_leaves_says_so_in_its_last_actions() -> None:
+    harness = at_work(Recorder(Actions(leave=True)))
+    outputs = harness.measured([measures(0)])
+    assert kinds(outputs) == ["Put", "Depart", "Note", "Tell", "End"]
+    assert put(outputs).leave
+
+
+def test_a_body_answers_with_its_pose_and_obeys_power() -> None:
+    body = Recorder(Pose(x=3.0, y=4.0, heading=0.5))
+    harness = at_work(body)
+    (output,) = harness.measured([measures(6)])
+    assert isinstance(output, Put)
+    pose = decode(Pose, output.payload, JSON)
+    assert (pose.x, pose.tick, pose.session) == (3.0, 6, SESSION)
+    harness.powered(bytes_of(PowerInForce(run=RUN, tick=6, left_motor=0.1, right_motor=0.2)))
+    assert body.powers[0].left_motor == 0.1
+
+
+def test_a_body_whose_mind_is_elsewhere_puts_no_actions(mind: Recorder) -> None:
+    harness = Harness(msgspec.structs.replace(ROBOT, role="body"), mind.make)
+    harness.start(0.0)
+    harness.accepted(joined())
+    assert harness.measured([measures(0)]) == []
+
+
+def test_xml_is_answered_in_xml(mind: Recorder) -> None:
+    harness = at_work(mind, encoding=Encoding.XML)
+    payload = encode(Measures(run=RUN, tick=0, time=0.0), Encoding.XML), Encoding.XML
+    (output,) = harness.measured([payload])
+    assert isinstance(output, Put)
+    assert output.payload.startswith(b"<Actions ")

@@ -1,0 +1,329 @@
+"""Processes of a test on a world and a port of their own, and a peer that speaks raw bytes.
+
+Every wait has a deadline and is for something: a printed line, an event, a tick. What fails shows
+what the processes printed.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import select
+import signal
+import socket
+import subprocess
+import sys
+import time
+from collections import deque
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any, Self, TypeVar
+
+import pytest
+import zenoh
+
+from intellwheels_experiments.children import Children, Exited, Line
+from intellwheels_experiments.plan import parse
+
+DEADLINE = 30.0
+"""Seconds a wait may take; the machine may be busy."""
+
+JSON = "application/json;iw.v1"
+XML = "application/xml;iw.v1"
+
+_T = TypeVar("_T")
+
+
+def free_port() -> int:
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        return int(probe.getsockname()[1])
+
+
+def is_gone(pid: int, within: float = 0.0) -> bool:
+    """Return whether a process, anybody's child, ends within so many seconds."""
+    try:
+        descriptor = os.pidfd_open(pid)
+    except ProcessLookupError:
+        return True
+    try:
+        return bool(select.select([descriptor], [], [], within)[0])
+    finally:
+        os.close(descriptor)
+
+
+def children_of(pid: int) -> list[int]:
+    """Return the processes that a process started."""
+    return [int(child) for child in Path(f"/proc/{pid}/task/{pid}/children").read_text().split()]
+
+
+def resident(pid: int) -> int:
+    """Return a process's resident memory in bytes."""
+    return int(Path(f"/proc/{pid}/statm").read_text().split()[1]) * os.sysconf("SC_PAGE_SIZE")
+
+
+def run(module: str, *words: str, timeout: float = 120.0, **environment: str) -> subprocess.CompletedProcess[str]:
+    """Run a command of the project to its end."""
+    return subprocess.run(
+        [sys.executable, "-m", module, *words],
+        capture_output=True,
+        text=True,
+        timeout=timeout,
+        check=False,
+        env={**os.environ, **environment},
+    )
+
+
+class Stage:
+    """The processes of a test.
+
+    Attributes:
+        world: The world's name.
+        endpoint: Where its simulator listens.
+        folder: For whatever files a test needs; the logs are in it.
+    """
+
+    def __init__(self, folder: Path, world: str) -> None:
+        self.folder = folder
+        self.world = world
+        self.endpoint = f"tcp/127.0.0.1:{free_port()}"
+        self.children = Children(folder / "logs")
+        self._lines: dict[str, deque[str]] = {}
+        self._exits: dict[str, int] = {}
+        self._started = 0
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.children.close()
+
+    def start(self, child: str, module: str, *words: str) -> str:
+        """Start a process and return the name it has here, numbered when it is the second of that name."""
+        self._started += 1
+        if child in self._lines:
+            child = f"{child}.{self._started}"
+        self._lines[child] = deque()
+        self.children.start(child, lambda lifeline: [sys.executable, "-m", module, *words, "--lifeline", str(lifeline)])
+        return child
+
+    def server(self, *words: str, ready: bool = True) -> str:
+        """Start a simulator, and wait until it is ready."""
+        child = self.start("server", "intellwheels_server", "--listen", self.endpoint, "--world", self.world, *words)
+        if ready:
+            self.line(child, "ready")
+        return child
+
+    def agent(self, name: str, mind: str = "drive", *words: str, robot: str = "rear-wheel", joined: bool = True) -> str:
+        """Start an agent, and wait until it joined."""
+        child = self.start(
+            name, "intellwheels_agents", mind, "--name", name, "--robot", robot,
+            "--connect", self.endpoint, "--world", self.world, *words,
+        )  # fmt: skip
+        if joined:
+            self.line(child, "joined")
+        return child
+
+    def line(self, child: str, verb: str, timeout: float = DEADLINE, **wanted: str) -> dict[str, str]:
+        """Wait for a line of a child that begins with the verb and has these values; return its values."""
+        lines = self._lines[child]
+
+        def found() -> dict[str, str] | None:
+            while lines:
+                said, values = parse(lines.popleft())
+                if said == verb and wanted.items() <= values.items():
+                    return dict(values)
+            return None
+
+        return self.wait(found, f"line {verb!r} of {child}", timeout, unless=child)
+
+    def exit(self, child: str, timeout: float = DEADLINE) -> int:
+        """Wait for the end of a child; return its exit code."""
+        return self.wait(lambda: self._exits.get(child), f"end of {child}", timeout)
+
+    def signal(self, child: str, number: signal.Signals) -> None:
+        """Send a child a signal."""
+        os.kill(self.pid(child), number)
+
+    def pid(self, child: str) -> int:
+        """Return a child's process id."""
+        return self.children.pid(child)
+
+    def log(self, child: str) -> str:
+        """Return what a child printed."""
+        return self.children.log_of(child).read_text()
+
+    def wait(
+        self, look: Callable[[], _T | None], what: str, timeout: float = DEADLINE, *, unless: str | None = None
+    ) -> _T:
+        """Look until there is something, which is returned.
+
+        Args:
+            look: What is looked for; None is nothing.
+            what: Its name, when it does not come.
+            timeout: Seconds until the test fails.
+            unless: A child whose end means that it will not come.
+        """
+        deadline = time.monotonic() + timeout
+        while True:
+            ended = unless in self._exits
+            self._hear()
+            found = look()
+            if found is not None:
+                return found
+            if ended or time.monotonic() > deadline:
+                pytest.fail(f"{what} did not come in {timeout} s\n{self.logs()}")
+
+    def logs(self) -> str:
+        """Return the last lines of all processes, for a test that fails."""
+        return "\n".join(
+            f"--- {child} (exit {self._exits.get(child, '-')})\n" + "\n".join(self.children.tail(child, 30))
+            for child in self._lines
+        )
+
+    def _hear(self) -> None:
+        news = self.children.news(0.02)
+        while news is not None:
+            match news:
+                case Line(child=child, text=text):
+                    self._lines[child].append(text)
+                case Exited(child=child, code=code):
+                    self._exits[child] = code
+            news = self.children.news(0.0)
+
+    @contextmanager
+    def peer(self) -> Iterator[Peer]:
+        """Connect to the world with nothing of the project's own between."""
+        config = zenoh.Config()
+        for name, value in (
+            ("mode", "client"),
+            ("connect/endpoints", [self.endpoint]),
+            ("scouting/multicast/enabled", False),
+            ("scouting/gossip/enabled", False),
+        ):
+            config.insert_json5(name, json.dumps(value))
+        with zenoh.open(config) as session:
+            peer = Peer(self, session)
+            try:
+                yield peer
+            finally:
+                peer.close()
+
+
+class Peer:
+    """A raw peer: it puts and asks bytes, and keeps what it hears as plain JSON data."""
+
+    def __init__(self, stage: Stage, session: zenoh.Session) -> None:
+        self.stage = stage
+        self.session = session
+        self.prefix = f"iw/v1/{stage.world}/"
+        self._heard: dict[str, deque[Any]] = {}
+        self._subscribers: list[Any] = []
+        self._events = self.hear("event")
+        self._clocks = self.hear("clock", 1)
+        self._states = self.hear("state/*", 50)
+
+    def close(self) -> None:
+        for subscriber in self._subscribers:
+            subscriber.undeclare()
+
+    def hear(self, key: str, keep: int = 20_000) -> deque[Any]:
+        """Return what will arrive on a key from now on, as plain data, the newest last."""
+        heard: deque[Any] = deque(maxlen=keep)
+
+        def store(sample: zenoh.Sample) -> None:
+            heard.append((str(sample.key_expr), bytes(sample.payload)))
+
+        self._subscribers.append(self.session.declare_subscriber(self.prefix + key, store))
+        return heard
+
+    def put(self, key: str, payload: bytes | dict[str, Any], encoding: str = JSON) -> None:
+        """Put bytes, or plain data as JSON."""
+        data = payload if isinstance(payload, bytes) else json.dumps(payload).encode()
+        self.session.put(self.prefix + key, data, encoding=encoding, congestion_control=zenoh.CongestionControl.BLOCK)
+
+    def ask(self, key: str, payload: bytes | dict[str, Any] | None = None, encoding: str = JSON) -> list[Any]:
+        """Query and return the replies as plain data; error replies too."""
+        data = payload if payload is None or isinstance(payload, bytes) else json.dumps(payload).encode()
+        replies = self.session.get(self.prefix + key, payload=data, encoding=encoding, timeout=DEADLINE)
+        found = []
+        for reply in replies:
+            answer = reply.ok if reply.ok is not None else reply.err
+            assert answer is not None
+            found.append(json.loads(bytes(answer.payload)))
+        return found
+
+    def ctl(self, verb: str, **fields: Any) -> dict[str, Any]:
+        """Ask for a verb and return its result."""
+        (result,) = self.ask(f"ctl/{verb}", fields)
+        assert isinstance(result, dict)
+        return result
+
+    def events(self) -> list[dict[str, Any]]:
+        """Return all events the simulator keeps."""
+        (events,) = self.ask("event")
+        return list(events.get("Event", []))
+
+    def event(self, code: str, agent: str | None = None, timeout: float = DEADLINE, since: int = 0) -> dict[str, Any]:
+        """Wait for an event, also one that was; return the first from number `since` on."""
+
+        def found() -> dict[str, Any] | None:
+            for event in self.events():
+                is_it = event["Code"] == code and (agent is None or event.get("Agent") == agent)
+                if is_it and event["Number"] >= since:
+                    return event
+            return None
+
+        return self.stage.wait(found, f"event {code} of {agent}", timeout, unless="server")
+
+    def clock(self) -> dict[str, Any]:
+        """Wait for a clock from now on and return it."""
+        self._clocks.clear()
+        return dict(self.stage.wait(lambda: _newest(self._clocks), "clock", unless="server"))
+
+    def tick(self, at_least: int) -> dict[str, Any]:
+        """Wait until the run is so far; return the clock."""
+
+        def found() -> dict[str, Any] | None:
+            clock = _newest(self._clocks)
+            return clock if clock and clock["Tick"] >= at_least else None
+
+        return self.stage.wait(found, f"tick {at_least}", unless="server")
+
+    def ticks_on(self, ticks: int = 5) -> None:
+        """Wait until the run went on by so many ticks."""
+        self.tick(self.clock()["Tick"] + ticks)
+
+    def entities(self) -> dict[str, dict[str, Any]]:
+        """Return the true state of every body now."""
+        return {entity["Name"]: entity for part in self.ask("state/*") for entity in part.get("Entity", [])}
+
+    def entity(self, name: str, like: Callable[[dict[str, Any]], bool]) -> dict[str, Any]:
+        """Wait until a body's state is like that; return it."""
+
+        def found() -> dict[str, Any] | None:
+            entity = self.entities().get(name)
+            return entity if entity is not None and like(entity) else None
+
+        return self.stage.wait(found, f"state of {name}", unless="server")
+
+    def errors(self, agent: str) -> deque[Any]:
+        """Return the errors that will be sent to an agent from now on."""
+        return self.hear(f"out/{agent}/error")
+
+    def error(self, heard: deque[Any], code: str) -> dict[str, Any]:
+        """Wait for an error with a code."""
+
+        def found() -> dict[str, Any] | None:
+            for _, data in list(heard):
+                error = json.loads(data)
+                if error["Code"] == code:
+                    return dict(error)
+            return None
+
+        return self.stage.wait(found, f"error {code}", unless="server")
+
+
+def _newest(heard: Sequence[Any]) -> dict[str, Any] | None:
+    return dict(json.loads(heard[-1][1])) if heard else None

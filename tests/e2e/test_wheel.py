@@ -1,0 +1,67 @@
+"""What is shipped is whole: the wheel has what it needs, and runs a scene far from the checkout."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+import zipfile
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parent.parent.parent
+PACKAGES = ("intellwheels_schemas", "intellwheels_server", "intellwheels_agents", "intellwheels_experiments",
+            "intellwheels_maps")  # fmt: skip
+
+
+def finished(*command: str, cwd: Path, timeout: float = 300.0) -> str:
+    """Run a command without the checkout in reach; return what it printed."""
+    clean = {name: value for name, value in os.environ.items() if not name.startswith(("PYTHON", "VIRTUAL_ENV"))}
+    done = subprocess.run(command, cwd=cwd, env=clean, capture_output=True, text=True, timeout=timeout, check=False)
+    assert done.returncode == 0, f"{' '.join(command)}\n{done.stdout}{done.stderr}"
+    return done.stdout
+
+
+@pytest.fixture(scope="module")
+def wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    out = tmp_path_factory.mktemp("wheel")
+    finished(sys.executable, "-m", "build", "--wheel", "--outdir", str(out), str(ROOT), cwd=out)
+    (found,) = out.glob("*.whl")
+    return found
+
+
+def test_wheel_holds_every_package_its_types_and_its_data(wheel: Path) -> None:
+    names = set(zipfile.ZipFile(wheel).namelist())
+    for package in PACKAGES:
+        assert f"{package}/py.typed" in names
+        room = next(path.parent for path in ROOT.glob(f"*/{package}"))
+        sources = {
+            str(path.relative_to(room))
+            for path in (room / package).rglob("*")
+            if path.suffix in (".py", ".xml") and "__pycache__" not in path.parts
+        }
+        assert sources <= names, f"missing: {sorted(sources - names)}"
+    assert any(name.startswith("intellwheels_maps/scenes/figure6") for name in names)
+    assert any(name.endswith("licenses/LICENSE") for name in names)
+
+
+def test_wheel_holds_nothing_else(wheel: Path) -> None:
+    names = zipfile.ZipFile(wheel).namelist()
+    others = [name for name in names if name.split("/")[0] not in PACKAGES and ".dist-info/" not in name]
+    assert others == []
+    assert [name for name in names if "__pycache__" in name or "test" in Path(name).name] == []
+
+
+def test_wheel_installed_in_a_clean_environment_runs_a_scene(wheel: Path, tmp_path: Path) -> None:
+    environment = tmp_path / "venv"
+    finished(sys.executable, "-m", "venv", str(environment), cwd=tmp_path)
+    python = environment / "bin" / "python"
+    finished(str(python), "-m", "pip", "install", "--quiet", f"{wheel}[all]", cwd=tmp_path)
+    where = finished(str(python), "-c", "import intellwheels_server; print(intellwheels_server.__file__)", cwd=tmp_path)
+    assert where.startswith(str(environment))
+    for command in ("iw-server", "iw-agent", "iw-run"):
+        assert "usage: " + command in finished(str(environment / "bin" / command), "--help", cwd=tmp_path)
+    finished(str(environment / "bin" / "iw-run"), "figure6", "--json", "result.json", cwd=tmp_path)
+    assert json.loads((tmp_path / "result.json").read_text())["held"] is True

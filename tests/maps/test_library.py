@@ -1,0 +1,134 @@
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from intellwheels_maps import floor, names, robot, scene
+from intellwheels_schemas.errors import WireError
+
+MAP = """<Map Format="iw.v1" Name="mine">
+  <Wall Thickness="0.1"><Corner X="0.0" Y="0.0"/><Corner X="4.0" Y="0.0"/></Wall>
+  <!-- a comment moves the lines, not the order -->
+  {wall}
+  <Grid>
+    <Position Name="start" X="1.0" Y="1.0"/>
+    <Position Name="{place}" X="2.0" Y="1.0"/>
+  </Grid>
+</Map>
+"""
+WALL = '<Wall Thickness="0.1"><Corner X="0.0" Y="4.0"/><Corner X="4.0" Y="4.0"/></Wall>'
+
+
+def write(folder: Path, name: str, text: str) -> Path:
+    path = folder / name
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+def test_names_are_sorted_and_without_their_ending() -> None:
+    for shelf in ("floors", "robots", "scenes"):
+        known = names(shelf)
+        assert known
+        assert known == sorted(known)
+        assert not any("." in name for name in known)
+
+
+def test_shelf_that_is_none_is_an_error() -> None:
+    with pytest.raises(ValueError, match="expected a shelf"):
+        names("cupboards")  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("name", names("floors"))
+def test_every_shipped_floor_loads(name: str) -> None:
+    assert floor(name).name == name
+
+
+@pytest.mark.parametrize("name", names("robots"))
+def test_every_shipped_robot_loads(name: str) -> None:
+    assert robot(name).format == "iw.v1"
+
+
+@pytest.mark.parametrize("name", names("scenes"))
+def test_every_shipped_scene_loads(name: str) -> None:
+    assert scene(name).name == name
+
+
+def test_unknown_name_says_which_there_are() -> None:
+    with pytest.raises(WireError) as caught:
+        floor("wart")
+    assert caught.value.text == (
+        "expected one of the floors (corner, corridor15m, door, room, ward) or a path ending in .xml, got 'wart'"
+    )
+
+
+def test_file_that_is_not_there_is_named(tmp_path: Path) -> None:
+    with pytest.raises(WireError) as caught:
+        floor(tmp_path / "none.xml")
+    assert caught.value.text.startswith(f"{tmp_path}/none.xml: expected a file, got ")
+
+
+def test_own_floor_is_read_by_its_path_and_by_its_path_beside_a_folder(tmp_path: Path) -> None:
+    path = write(tmp_path, "mine.xml", MAP.format(wall=WALL, place="goal"))
+    assert floor(path) == floor(str(path)) == floor("mine.xml", beside=tmp_path)
+    assert floor(path).name == "mine"
+
+
+def test_finding_carries_file_and_line_of_its_element(tmp_path: Path) -> None:
+    path = write(tmp_path, "mine.xml", MAP.format(wall=WALL, place="start"))
+    with pytest.raises(WireError) as caught:
+        floor(path)
+    assert caught.value.text == f"{path}:7: place 'start' is there twice, expected names that differ"
+    assert caught.value.where == f"{path}:7"
+    assert caught.value.code == "value"
+
+
+def test_wall_of_one_corner_is_refused_with_its_line(tmp_path: Path) -> None:
+    wall = '<Wall Thickness="0.1"><Corner X="0.0" Y="4.0"/></Wall>'
+    path = write(tmp_path, "mine.xml", MAP.format(wall=wall, place="goal"))
+    with pytest.raises(WireError) as caught:
+        floor(path)
+    assert caught.value.text.startswith(f"{path}:4: ")
+    assert caught.value.text.endswith("at least 2 corners, got 1")
+
+
+def test_every_finding_of_a_file_is_told_at_once(tmp_path: Path) -> None:
+    wall = WALL.replace('X="4.0"', 'X="0.0"')
+    path = write(tmp_path, "mine.xml", MAP.format(wall=wall, place="start"))
+    with pytest.raises(WireError) as caught:
+        floor(path)
+    assert [line.split(": ")[0] for line in caught.value.text.splitlines()] == [f"{path}:4", f"{path}:7"]
+
+
+def test_attribute_that_is_no_number_is_refused_with_file_line_and_element(tmp_path: Path) -> None:
+    wall = WALL.replace('X="4.0"', 'X="four"')
+    path = write(tmp_path, "mine.xml", MAP.format(wall=wall, place="goal"))
+    with pytest.raises(WireError) as caught:
+        floor(path)
+    assert f"{path}:4" in caught.value.text
+    assert "Corner" in caught.value.text
+    assert "four" in caught.value.text
+
+
+def test_scene_finds_its_floor_and_robots_beside_itself(tmp_path: Path) -> None:
+    write(tmp_path, "mine.xml", MAP.format(wall=WALL, place="goal"))
+    write(tmp_path, "box.xml", '<Robot Format="iw.v1" Kind="box" Length="1.0" Width="1.0" Center="0.5"/>')
+    text = """<Scene Format="iw.v1" Name="s" Map="mine.xml">
+  <Cast Name="a" Robot="box.xml" Mind="drive" Place="start"/>
+</Scene>"""
+    assert scene(write(tmp_path, "s.xml", text)).map == "mine.xml"
+
+
+def test_scene_of_an_unknown_place_or_robot_is_refused_with_its_line(tmp_path: Path) -> None:
+    write(tmp_path, "mine.xml", MAP.format(wall=WALL, place="goal"))
+    text = """<Scene Format="iw.v1" Name="s" Map="mine.xml">
+  <Cast Name="a" Robot="crate" Mind="drive" Place="start"/>
+  <Cast Name="b" Robot="create" Mind="drive" Place="bed"/>
+</Scene>"""
+    path = write(tmp_path, "s.xml", text)
+    with pytest.raises(WireError) as caught:
+        scene(path)
+    place, body = caught.value.text.splitlines()
+    assert place == f"{path}:3: expected one of the places of 'mine' (goal, start), got 'bed'"
+    assert body.startswith(f"{path}:3: agent 'b': expected one of the robots (crate, ")
+    assert body.endswith("got 'create'")

@@ -1,0 +1,63 @@
+from __future__ import annotations
+
+from pathlib import Path
+from xml.etree import ElementTree
+
+import pytest
+
+from intellwheels_maps import floor, names
+from intellwheels_maps.__main__ import main
+from intellwheels_maps.hospital import hospital
+
+
+def test_list_prints_every_shelf(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["list"]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert lines[0] == f"floors: {' '.join(names('floors'))}"
+    assert [line.split(":")[0] for line in lines] == ["floors", "robots", "scenes"]
+
+
+def test_hospital_is_printed_as_a_floor_that_reads_back(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["hospital", "--seed", "3"]) == 0
+    path = tmp_path / "hospital.xml"
+    path.write_text(capsys.readouterr().out, encoding="utf-8")
+    assert floor(path) == hospital(3)
+    assert main(["check", str(path)]) == 0
+    assert capsys.readouterr().out == f"{path}: a valid Map\n"
+
+
+def test_draw_writes_a_plan(tmp_path: Path) -> None:
+    path = tmp_path / "ward.svg"
+    assert main(["draw", "ward", str(path)]) == 0
+    assert ElementTree.parse(path).getroot().tag.endswith("svg")
+
+
+@pytest.mark.parametrize(
+    ("text", "error"),
+    [
+        ('<Map Format="iw.v1" Name="m">\n<Wall><Corner X="0" Y="0"/></Wall></Map>', ":2: "),
+        ("<Measures/>", ": expected the root Map, Robot or Scene, got Measures"),
+        ("<Map", ": expected well-formed XML, got "),
+        ("", ":"),
+    ],
+)
+def test_check_of_a_wrong_file_says_where_and_exits_with_one(
+    text: str, error: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "mine.xml"
+    path.write_text(text, encoding="utf-8")
+    assert main(["check", str(path)]) == 1
+    assert capsys.readouterr().err.startswith(f"{path}{error}")
+
+
+@pytest.mark.parametrize("command", [["check", "none.xml"], ["draw", "wart", "out.svg"]])
+def test_what_is_not_there_exits_with_one(command: list[str], capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(command) == 1
+    assert "expected" in capsys.readouterr().err
+
+
+def test_wrong_usage_exits_with_two(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit) as caught:
+        main(["dance"])
+    assert caught.value.code == 2
+    capsys.readouterr()

@@ -1,0 +1,76 @@
+"""Small worlds for tests: a floor from corners, boxes on wheels, steps by the hundred."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from intellwheels_schemas.messages import (
+    Actions,
+    Corner,
+    Event,
+    Grid,
+    Map,
+    Place,
+    Position,
+    Robot,
+    Wall,
+)
+from intellwheels_server.inputs import Change, Inputs, Join
+from intellwheels_server.world import Outcome, Setup, State, advance, apply, begin
+
+RUN = "0123456789abcdef"
+
+
+def box_wall(x0: float, y0: float, x1: float, y1: float) -> Wall:
+    """Return a solid wall over a rectangle."""
+    return Wall(corner=tuple(Corner(x=x, y=y) for x, y in ((x0, y0), (x1, y0), (x1, y1), (x0, y1))))
+
+
+def floor_of(walls: Iterable[Wall] = (), places: Iterable[Place] = ()) -> Map:
+    """Return a floor with these walls and places."""
+    return Map(format="iw.v1", name="test", wall=tuple(walls), grid=Grid(position=tuple(places)))
+
+
+def cart(x: float = 0.0, y: float = 0.0, heading: float = 0.0, **fields: object) -> Robot:
+    """Return a robot of one part, 1.0 by 0.6, centre of movement in its middle, that obeys at once."""
+    known: dict[str, object] = {
+        "kind": "wheelchair",
+        "length": 1.0,
+        "width": 0.6,
+        "center": 0.5,
+        "top": 1.3,
+        "top_speed": 1.0,
+        "track": 0.5,
+        "position": Position(x=x, y=y, heading=heading),
+    }
+    return Robot(**{**known, **fields})  # type: ignore[arg-type]
+
+
+def world(robots: dict[str, Robot] | None = None, walls: Iterable[Wall] = (), **setup: object) -> State:
+    """Return a world at tick 0 with these robots, all of which must be let in."""
+    known: dict[str, object] = {"floor": floor_of(walls)}
+    state = begin(Setup(**{**known, **setup}), RUN)  # type: ignore[arg-type]
+    for name, robot in (robots or {}).items():
+        state, outcome, _ = do(state, Join(agent=name, robot=robot))
+        assert outcome.code == "ok", outcome.text
+    return state
+
+
+def do(state: State, change: Change) -> tuple[State, Outcome, tuple[Event, ...]]:
+    """Make one change."""
+    state, outputs = apply(state, [change])
+    return state, outputs.outcomes[0], outputs.events
+
+
+def run(
+    state: State, steps: int, powers: dict[str, tuple[float, float]] | None = None, inputs: Inputs | None = None
+) -> tuple[State, list[Event]]:
+    """Step so often under the same powers; return the state and all events."""
+    events: list[Event] = []
+    actions = {
+        name: Actions(left_motor=left, right_motor=right) for name, (left, right) in (powers or {}).items()
+    }
+    for _ in range(steps):
+        state, outputs = advance(state, inputs or Inputs(actions=actions))
+        events.extend(outputs.events)
+    return state, events

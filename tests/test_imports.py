@@ -1,0 +1,123 @@
+"""Who may import whom. Rooms meet on the wire, pure files stay pure, and zenoh has few doors."""
+
+from __future__ import annotations
+
+import ast
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parent.parent
+PACKAGES = {
+    "intellwheels_schemas": ROOT / "schemas",
+    "intellwheels_maps": ROOT / "maps",
+    "intellwheels_server": ROOT / "server",
+    "intellwheels_agents": ROOT / "agents",
+    "intellwheels_experiments": ROOT / "agents",
+    "intellwheels_viewer": ROOT / "viewer",
+}
+MAY_IMPORT = {
+    "intellwheels_schemas": set[str](),
+    "intellwheels_maps": {"intellwheels_schemas"},
+    "intellwheels_server": {"intellwheels_schemas", "intellwheels_maps"},
+    "intellwheels_agents": {"intellwheels_schemas", "intellwheels_maps"},
+    "intellwheels_experiments": {"intellwheels_schemas", "intellwheels_maps"},
+    "intellwheels_viewer": {"intellwheels_schemas", "intellwheels_maps"},
+}
+KNOWS_ZENOH = {
+    "schemas/intellwheels_schemas/link.py",
+    "server/intellwheels_server/service.py",
+    "agents/intellwheels_agents/network.py",
+    "agents/intellwheels_experiments/watch.py",
+}
+"""The files that talk to the network, one a room."""
+
+# The entries of the checkout that a user sees; papers and dot files beside the rooms.
+TOP_LEVEL = {
+    "pyproject.toml", "docker-compose.yml", "README.md", "CHANGELOG.md", "CONTRIBUTING.md", "LICENSE",
+    "schemas", "server", "agents", "viewer", "maps", "tests",
+}  # fmt: skip
+
+
+def sources() -> Iterator[tuple[str, Path]]:
+    for package, room in PACKAGES.items():
+        for path in sorted((room / package).rglob("*.py")):
+            yield package, path
+
+
+def imported(path: Path) -> Iterator[str]:
+    for node in ast.walk(ast.parse(path.read_text(), str(path))):
+        if isinstance(node, ast.Import):
+            yield from (name.name for name in node.names)
+        elif isinstance(node, ast.ImportFrom):
+            assert node.level == 0, f"{path}: relative import"
+            yield node.module or ""
+            yield from (f"{node.module}.{name.name}" for name in node.names)
+
+
+FILES = list(sources())
+
+
+@pytest.mark.parametrize(("package", "path"), FILES, ids=[str(path.relative_to(ROOT)) for _, path in FILES])
+def test_room_imports_the_contract_and_no_other_room(package: str, path: Path) -> None:
+    others = {name.split(".")[0] for name in imported(path)} & PACKAGES.keys()
+    assert others <= MAY_IMPORT[package] | {package}
+
+
+def test_zenoh_is_known_at_the_doors_only() -> None:
+    doors = {
+        str(path.relative_to(ROOT)) for _, path in FILES if any(n.split(".")[0] == "zenoh" for n in imported(path))
+    }
+    assert doors <= KNOWS_ZENOH
+
+
+def dotted(path: Path) -> str:
+    """Return a source file's import name."""
+    room = next(room for package, room in PACKAGES.items() if path.is_relative_to(room / package))
+    parts = path.relative_to(room).with_suffix("").parts
+    return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
+
+
+def test_pure_files_do_not_import_the_doors() -> None:
+    doors = {dotted(ROOT / door) for door in KNOWS_ZENOH}
+    mains = {f"{package}.__main__" for package in PACKAGES}
+    # A command opens its room's door: that is its work.
+    openers = doors | mains
+    guilty = {
+        dotted(path): found
+        for _, path in FILES
+        if dotted(path) not in openers and (found := doors.intersection(imported(path)))
+    }
+    assert guilty == {}
+
+
+def test_harness_needs_neither_numpy_nor_numba_nor_shapely_nor_viser() -> None:
+    program = (
+        "import sys\n"
+        "for name in ('numpy', 'numba', 'shapely', 'viser'):\n"
+        "    sys.modules[name] = None\n"
+        "import intellwheels_agents.__main__, intellwheels_experiments.__main__, intellwheels_schemas.link\n"
+        "import importlib, pkgutil, intellwheels_agents.minds\n"
+        "for mind in pkgutil.iter_modules(intellwheels_agents.minds.__path__):\n"
+        "    importlib.import_module(f'intellwheels_agents.minds.{mind.name}')\n"
+    )
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=60, check=False)
+    assert done.returncode == 0, done.stderr
+
+
+def test_nothing_is_added_at_the_top_level() -> None:
+    listed = subprocess.run(
+        ["git", "ls-files", "--cached", "--others", "--exclude-standard"],
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+        timeout=60,
+        check=False,
+    )
+    if listed.returncode != 0:
+        pytest.skip("no checkout of git")
+    entries = {line.split("/")[0] for line in listed.stdout.splitlines()}
+    assert {entry for entry in entries if not entry.startswith(".")} <= TOP_LEVEL
