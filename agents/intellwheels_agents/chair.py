@@ -47,17 +47,21 @@ class Odometry:
         turned: Radians turned since the start, not wrapped.
     """
 
-    # The encoders' heading is right from tick to tick and drifts over minutes, the compass is wrong
-    # by its noise at every tick and never drifts: a twentieth of the difference each tick leaves
-    # 0.16 of the noise (sqrt(k / (2 - k))) and forgets a drift within two seconds.
-    COMPASS_SHARE = 0.05
+    def __init__(self, robot: Robot, start: Position, compass_share: float = 0.05) -> None:
+        """Start at a pose, with the wheel figures of `robot`.
 
-    def __init__(self, robot: Robot, start: Position) -> None:
-        """Start at a pose, with the wheel figures of `robot`."""
+        Args:
+            robot: Gives track, wheel diameter and ticks of a turn.
+            start: The pose before the first reading.
+            compass_share: Share k of the compass' difference taken over each tick. The encoders' heading is right
+                from tick to tick and drifts over minutes, the compass is wrong by its noise at every tick and never
+                drifts: k leaves sqrt(k / (2 - k)) of the noise, 0.16 for 0.05, and forgets a drift within 1 / k ticks.
+        """
         self.x = start.x
         self.y = start.y
         self.heading = wrapped(start.heading)
         self.turned = 0.0
+        self._compass_share = compass_share
         self._track = robot.track
         self._metres_per_tick = math.pi * robot.wheel_diameter / robot.encoder_ticks
         self._last: tuple[int, int] | None = None
@@ -77,7 +81,7 @@ class Odometry:
         if sensors.compass:
             value = sensors.compass[0].value
             if value is not None:
-                self.heading = wrapped(self.heading + self.COMPASS_SHARE * wrapped(value - self.heading))
+                self.heading = wrapped(self.heading + self._compass_share * wrapped(value - self.heading))
 
     def _move(self, left: float, right: float) -> None:
         """Advance along the arc both wheels rolled, in metres."""

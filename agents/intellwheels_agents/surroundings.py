@@ -45,19 +45,19 @@ class Surroundings:
     """The proximity readings of a body that drives.
 
     Attributes:
-        left, right: Metres of room to each side ahead, infinite where nothing is seen.
+        left, right: Metres of room to each side, beside and ahead, infinite where nothing is seen.
     """
 
     # Beside the body, in metres: what passes nearer than this could be touched.
     MARGIN = 0.05
 
     def __init__(self, robot: Robot) -> None:
-        """Take the sensors of `robot` that ride on it and look ahead."""
+        """Take the sensors of `robot` that ride on it and look ahead or to the side."""
         self._body = outline(robot)
-        self._ahead = {
+        self._looking = {
             sensor.id: (sensor, math.radians(sensor.direction_deg), math.radians(sensor.cone_deg) / 2.0)
             for sensor in robot.proximity
-            if sensor.mount == "body" and abs(math.remainder(sensor.direction_deg, 360.0)) < 90.0
+            if sensor.mount == "body" and abs(math.remainder(sensor.direction_deg, 360.0)) <= 90.0
         }
         self.left = self.right = math.inf
         self._gap = math.inf
@@ -68,7 +68,7 @@ class Surroundings:
         if sensors is None:
             return
         for reading in sensors.proximity:
-            entry = self._ahead.get(reading.id)
+            entry = self._looking.get(reading.id)
             if entry is None:
                 continue
             sensor, direction, half_cone = entry
@@ -92,6 +92,9 @@ class Surroundings:
             return math.inf
         # The ray of the cone nearest to straight ahead is where it would be most in the way.
         bearing = math.copysign(max(abs(direction) - half_cone, 0.0), direction)
+        # A cone wholly beside the body tells nothing of what is ahead.
+        if abs(bearing) > math.radians(60.0):
+            return math.inf
         across = sensor.y + metres * math.sin(bearing)
         if abs(across) > self._body.side + self.MARGIN:
             return math.inf

@@ -76,21 +76,26 @@ def main(arguments: Sequence[str] | None = None) -> int:
     changes = {"pace": options.pace, "seed": options.seed}
     wanted = msgspec.structs.replace(wanted, **{name: value for name, value in changes.items() if value is not None})
     logs = options.logs or Path(tempfile.mkdtemp(prefix="iw-run-"))
+    is_led = options.connect or options.config is not None
     plan = Plan(
         scene=wanted,
         source=str(Path(options.scene).absolute()) if is_path else options.scene,
         folder=folder,
         floor=plan_floor,
-        link=_link(options),
+        world=options.world,
+        listen=tuple(options.listen) or (() if is_led else (f"tcp/127.0.0.1:{_free_port()}",)),
+        connect=tuple(options.connect),
+        config=options.config,
         logs=logs,
         speed=options.speed,
         encoding=options.encoding,
         log=options.log,
         timeout=options.timeout or wall_limit(wanted, options.speed),
     )
+    link = Link(plan.world, (), plan.meeting, plan.config)
     stop = stop_on_signals()
     with Progress(Console(stderr=True), wanted, plan_floor) as progress:
-        result = perform(plan, lambda until: watching(plan.others_link, until), progress, stop)
+        result = perform(plan, lambda until: watching(link, until), progress, stop)
     show(result, Console())
     if options.json is not None:
         options.json.write_bytes(to_json(result))
@@ -100,13 +105,6 @@ def main(arguments: Sequence[str] | None = None) -> int:
         else:
             print(f"logs kept in {logs}", file=sys.stderr)
     return 0 if result.held else 1
-
-
-def _link(options: argparse.Namespace) -> Link:
-    listen, connect = tuple(options.listen), tuple(options.connect)
-    if not listen and not connect and options.config is None:
-        listen = (f"tcp/127.0.0.1:{_free_port()}",)
-    return Link(options.world, listen, connect, options.config)
 
 
 def _free_port() -> int:

@@ -8,7 +8,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
-from intellwheels_schemas.link import Link
 from intellwheels_schemas.messages import Cast, Map, Pace, Scene
 
 SERVER: Final = "server"
@@ -27,7 +26,10 @@ class Plan:
         source: Its name, or its path, as the simulator is told it.
         folder: Where relative paths in it start from, or None for a shipped scene.
         floor: Its floor.
-        link: How the simulator reaches the others; where it listens, they connect.
+        world: The world's name.
+        listen: Endpoints where the simulator listens; the others connect there.
+        connect: Endpoints of a router that all go through; then nobody need listen.
+        config: A Zenoh configuration of all, or None.
         logs: The folder of the processes' logs.
         speed: Factor of real time, at pace `realtime`.
         encoding: What the agents speak, `json` or `xml`.
@@ -38,9 +40,12 @@ class Plan:
     scene: Scene
     source: str
     floor: Map
-    link: Link
     logs: Path
     folder: Path | None = None
+    world: str = "main"
+    listen: tuple[str, ...] = ()
+    connect: tuple[str, ...] = ()
+    config: Path | None = None
     speed: float = 1.0
     encoding: str = "json"
     log: Path | None = None
@@ -52,14 +57,13 @@ class Plan:
         return self.scene.pace
 
     @property
-    def others_link(self) -> Link:
-        """How everybody but the simulator reaches it."""
-        link = self.link
-        return Link(link.world, (), link.connect or link.listen, link.config)
+    def meeting(self) -> tuple[str, ...]:
+        """The endpoints where everybody but the simulator connects."""
+        return self.connect or self.listen
 
     def server_command(self, lifeline: int) -> list[str]:
         """Return the command of the simulator; it goes on after the end, so that it can be asked how it was."""
-        words = ["--scene", self.source, *_link_words(self.link)]
+        words = ["--scene", self.source, *self._link_words(self.listen, self.connect)]
         words += ["--seed", self.scene.seed, "--pace", self.pace, "--lifeline", str(lifeline)]
         if self.pace == "realtime":
             words += ["--speed", repr(self.speed)]
@@ -76,20 +80,19 @@ class Plan:
             words += ["--place", cast.place]
         for option in cast.option:
             words += ["--option", f"{option.name}={option.value}"]
-        words += [*_link_words(self.others_link), "--encoding", self.encoding, "--lifeline", str(lifeline)]
+        words += [*self._link_words((), self.meeting), "--encoding", self.encoding, "--lifeline", str(lifeline)]
         return [sys.executable, "-m", "intellwheels_agents", *words]
+
+    def _link_words(self, listen: tuple[str, ...], connect: tuple[str, ...]) -> list[str]:
+        words = ["--world", self.world]
+        for option, endpoints in (("--listen", listen), ("--connect", connect)):
+            for endpoint in endpoints:
+                words += [option, endpoint]
+        return words if self.config is None else [*words, "--config", str(self.config.absolute())]
 
     def _resolve(self, name_or_path: str) -> str:
         is_path = "/" in name_or_path or name_or_path.endswith((".xml", ".py"))
         return str((self.folder or Path()).absolute() / name_or_path) if is_path else name_or_path
-
-
-def _link_words(link: Link) -> list[str]:
-    words = ["--world", link.world]
-    for option, endpoints in (("--listen", link.listen), ("--connect", link.connect)):
-        for endpoint in endpoints:
-            words += [option, endpoint]
-    return words if link.config is None else [*words, "--config", str(link.config.absolute())]
 
 
 def wall_limit(scene: Scene, speed: float) -> float:

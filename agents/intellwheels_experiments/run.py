@@ -126,7 +126,7 @@ def _start(plan: Plan, children: Children, progress: Progress, stop: threading.E
     for cast in plan.scene.cast:
         children.start(agent_child(cast.name), partial(plan.agent_command, cast))
     progress.say(
-        f"started world={plan.link.world} at={plan.link.where()} agents={len(plan.scene.cast)} logs={plan.logs}"
+        f"started world={plan.world} at={','.join(plan.meeting)} agents={len(plan.scene.cast)} logs={plan.logs}"
     )
     return None
 
@@ -203,7 +203,7 @@ def _result(plan: Plan, record: Record, finish: _Finished, wall: float) -> Resul
         map=plan.floor.name,
         seed=plan.scene.seed,
         pace=plan.pace,
-        world=plan.link.world,
+        world=plan.world,
         run=record.run,
         finish=finish.how,
         words=finish.words,

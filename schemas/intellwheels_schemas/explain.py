@@ -78,7 +78,7 @@ def expected(scalar: Scalar) -> str:
     if scalar.kind == "word":
         return scalar.words[0] if len(scalar.words) == 1 else f"one of {', '.join(scalar.words)}"
     if scalar.kind == "text":
-        return scalar.description or "text"
+        return scalar.expected or "text"
     noun = "a whole number" if scalar.kind == "integer" else _NOUNS.get(scalar.unit, "a number")
     if scalar.low is None and scalar.high is None:
         return noun
@@ -115,7 +115,7 @@ def _wrong_scalar(scalar: Scalar, value: object, where: str) -> WireError:
             return too_long(where, scalar.max_length, "characters", len(value))
         if not value and scalar.min_length:
             return WireError("value", f"{where}: expected text or nothing at all, got ''", where)
-        if scalar.description in {"text", "text for people", "a seed: any text"}:
+        if not scalar.expected:
             bad = next((c for c in value if scalar.pattern is not None and not scalar.pattern.match(c)), "")
             return WireError("value", f"{where}: expected characters of XML 1.0 but CR, got {bad!r}", where)
     code: Any = "version" if scalar.words == ("iw.v1",) and isinstance(value, str) else "value"

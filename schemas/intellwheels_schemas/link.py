@@ -186,9 +186,13 @@ def open_session(
             waiting = None
         if deadline is not None and time.monotonic() >= deadline:
             raise ConnectionError(words)
-        while not stop.is_set() and (left := began + TRY_EVERY - time.monotonic()) > 0:
+        while not stop.is_set() and (left := _until(began + TRY_EVERY, deadline)) > 0:
             stop.wait(min(left, _SLICE))
     return None
+
+
+def _until(moment: float, deadline: float | None) -> float:
+    return min(moment, moment if deadline is None else deadline) - time.monotonic()
 
 
 def _reason(error: Exception) -> str:
@@ -313,7 +317,7 @@ class Ask(NamedTuple):
 
     def close(self) -> None:
         """End the query: all replies were given."""
-        self.query.drop()
+        self.query.drop()  # type: ignore[no-untyped-call]
 
 
 class Presence(NamedTuple):

@@ -27,19 +27,60 @@ _ELEMENT = {"xml": "element"}
 _CONTENT = {"xml": "text"}
 
 
+def _expected(words: str) -> dict[str, Any]:
+    """Return what errors call a text that has a form."""
+    return {"expected": words}
+
+
 def _unit(unit: str) -> dict[str, Any]:
     return {"unit": unit}
 
 
 # Words and text.
-Name = Annotated[str, Meta(pattern=NAME_PATTERN, description="a name in keys", max_length=32)]
-Id = Annotated[str, Meta(pattern=ID_PATTERN, description="an id", max_length=32)]
-Word = Annotated[str, Meta(pattern=WORD_PATTERN, description="a word", max_length=64)]
-Hex = Annotated[str, Meta(pattern=HEX_PATTERN, description="16 lower-case hex digits", max_length=16)]
+Name = Annotated[
+    str,
+    Meta(
+        pattern=NAME_PATTERN,
+        description="a name in keys",
+        max_length=32,
+        extra=_expected("a name of a-z, 0-9, _ and -, a letter first, at most 32 characters"),
+    ),
+]
+Id = Annotated[
+    str,
+    Meta(
+        pattern=ID_PATTERN,
+        description="an id, unique in its robot",
+        max_length=32,
+        extra=_expected("an id of letters, digits, _, . and -, a letter first, at most 32 characters"),
+    ),
+]
+Word = Annotated[
+    str,
+    Meta(
+        pattern=WORD_PATTERN,
+        description="a word",
+        max_length=64,
+        extra=_expected("a word of letters, digits, _, . and -, at most 64 characters"),
+    ),
+]
+Hex = Annotated[
+    str,
+    Meta(
+        pattern=HEX_PATTERN,
+        description="16 lower-case hex digits",
+        max_length=16,
+        extra=_expected("16 lower-case hex digits"),
+    ),
+]
 Seed = Annotated[str, Meta(pattern=TEXT_PATTERN, description="a seed: any text", max_length=64)]
 Title = Annotated[str, Meta(pattern=TEXT_PATTERN, description="text for people", max_length=200)]
 # 1,000 is the wire's bound; a simulation's own say limit is lower.
 ElementText = Annotated[str, Meta(pattern=TEXT_PATTERN, description="text", max_length=1000, extra=_ELEMENT)]
+# An element cannot tell empty text from none, so text that may be absent is not empty.
+OptionalText = Annotated[
+    str, Meta(pattern=TEXT_PATTERN, description="text", min_length=1, max_length=1000, extra=_CONTENT)
+]
 ContentText = Annotated[str, Meta(pattern=TEXT_PATTERN, description="text", max_length=1000, extra=_CONTENT)]
 
 # Whole numbers.
@@ -47,6 +88,7 @@ Tick = Annotated[int, Meta(ge=0, le=MAX_INTEGER, description="a tick: steps sinc
 Count = Annotated[int, Meta(ge=0, le=MAX_INTEGER, description="a count")]
 Signed = Annotated[int, Meta(ge=-MAX_INTEGER, le=MAX_INTEGER, description="a signed count")]
 Every = Annotated[int, Meta(ge=1, le=1000, description="sampled once in so many ticks", extra=_unit("ticks"))]
+Button = Annotated[int, Meta(ge=0, le=63, description="numbers of the buttons that are pressed")]
 Cycles = Annotated[int, Meta(ge=0, le=1000, description="a number of ticks", extra=_unit("ticks"))]
 
 # Quantities.
@@ -315,7 +357,7 @@ class Robot(Record, frozen=True, kw_only=True):
     instance: Hex | None = None
     barrier: bool | None = None
     crew: Name | None = None
-    user_input: tuple[InputWord, ...] = ()
+    user_input: Annotated[tuple[InputWord, ...], Meta(max_length=3)] = ()
     place: Word | None = None
     hardware: Literal["real", "simulated"] = "real"
     top_speed: TopSpeed = 0.0
@@ -333,7 +375,7 @@ class Robot(Record, frozen=True, kw_only=True):
     width: Size | None = None
     center: Annotated[Share, Meta(description="centre of movement from the rear edge, in lengths")] | None = None
     top: Size | None = None
-    part: tuple[Part, ...] = ()
+    part: Annotated[tuple[Part, ...], Meta(max_length=32)] = ()
     position: Position | None = None
     proximity: tuple[Proximity, ...] = ()
     lidar: tuple[Lidar, ...] = ()
@@ -425,7 +467,7 @@ class CrewActions(Record, frozen=True, kw_only=True):
     crew: Name
     part: Count = 0
     parts: Count = 1
-    actions: tuple[AgentActions, ...] = ()
+    actions: Annotated[tuple[AgentActions, ...], Meta(max_length=250)] = ()
 
 
 class Say(Record, frozen=True, kw_only=True):
@@ -455,8 +497,8 @@ class LidarReading(Record, frozen=True, kw_only=True):
     stamp: Seconds | None = None
     start_deg: Degrees
     step_deg: Degrees
-    ranges: tuple[Range | None, ...] = ()
-    statuses: tuple[Status, ...] = ()
+    ranges: Annotated[tuple[Range | None, ...], Meta(max_length=1440)] = ()
+    statuses: Annotated[tuple[Status, ...], Meta(max_length=1440)] = ()
 
 
 class EncodersReading(Record, frozen=True, kw_only=True):
@@ -577,7 +619,7 @@ class UserInput(Record, frozen=True, kw_only=True):
     seq: Count | None = None
     forward: Power = 0.0
     turn: Power = 0.0
-    buttons: tuple[Annotated[int, Meta(ge=0, le=63)], ...] = ()
+    buttons: Annotated[tuple[Button, ...], Meta(max_length=64)] = ()
     word: Word | None = None
     goal: Goal | None = None
 
@@ -615,7 +657,7 @@ class CrewMeasures(Record, frozen=True, kw_only=True):
     crew: Name
     part: Count = 0
     parts: Count = 1
-    measures: tuple[AgentMeasures, ...] = ()
+    measures: Annotated[tuple[AgentMeasures, ...], Meta(max_length=250)] = ()
 
 
 class Pose(Record, frozen=True, kw_only=True):
@@ -713,7 +755,7 @@ class Event(Record, frozen=True, kw_only=True):
     normal_x: Normal | None = None
     normal_y: Normal | None = None
     speed: Annotated[Velocity, Meta(description="closing speed of a contact, or the new speed factor")] | None = None
-    text: ContentText | None = None
+    text: OptionalText | None = None
 
 
 class Events(Record, frozen=True, kw_only=True):
@@ -866,7 +908,7 @@ class Result(Record, frozen=True, kw_only=True):
     hash: Hex | None = None
     lease: Hex | None = None
     slot: Word | None = None
-    text: ContentText | None = None
+    text: OptionalText | None = None
 
 
 # ---------------------------------------------------------------- files

@@ -37,6 +37,7 @@ class Scalar:
         low, high: Bounds, None for none; `low_open` and `high_open` say that the bound itself is outside.
         nullable: Whether null may stand in its place in a list.
         description: What it is, for people, or empty.
+        expected: What errors say a text of a form must be, or empty.
         unit: SI, or `deg`; `1` for a share; empty where there is none.
     """
 
@@ -51,6 +52,7 @@ class Scalar:
     words: tuple[str, ...] = ()
     nullable: bool = False
     description: str = ""
+    expected: str = ""
     unit: str = ""
 
 
@@ -125,6 +127,7 @@ def _scalar(kind: inspect.Type, extra: dict[str, Any], schema: dict[str, Any], n
             min_length=kind.min_length or 0,
             max_length=kind.max_length,
             description=description,
+            expected=str(extra.get("expected", "")),
         )
     return None
 
@@ -226,3 +229,12 @@ def number_text(value: float) -> str:
     if text == "null":
         raise ValueError(f"expected a finite number, got {value}")
     return text
+
+
+def scalar_of(kind: inspect.Type) -> Scalar | None:
+    """Return the scalar that a type is, or None when it is none."""
+    try:
+        kind, extra, schema, nullable = _peel(kind)
+    except TypeError:
+        return None
+    return _scalar(kind, extra, schema, nullable)

@@ -143,10 +143,9 @@ class Roster:
         found = self._agents.get(agent)
         return found.body if found else None
 
-    def has_token(self, agent: str, role: Role, instance: str | None) -> bool:
-        """Return whether a token of this instance (None: of any) is there."""
-        instances = self._tokens.get((agent, role), set())
-        return bool(instances) if instance is None else instance in instances
+    def has_token(self, agent: str, role: Role, instance: str) -> bool:
+        """Return whether a token of this instance is there."""
+        return instance in self._tokens.get((agent, role), ())
 
     # ------------------------------------------------------------ presence
 
@@ -199,10 +198,10 @@ class Roster:
             raise RequestRefusedError("name", f"the name '{OPERATOR}' is reserved for people; take another")
         if robot.name is not None and robot.name != agent:
             raise RequestRefusedError("name", f"Robot.Name: expected '{agent}' as in the key, got '{robot.name}'")
-        if not self.has_token(agent, role, robot.instance):
-            whose = f"of instance {robot.instance}" if robot.instance else "of any instance"
+        if robot.instance is None or not self.has_token(agent, role, robot.instance):
+            instance = robot.instance or "<Robot.Instance>"
             raise RequestRefusedError(
-                "no-token", f"expected a liveliness token in/{agent}/alive/{role}/<instance> {whose} before the join, got none"
+                "no-token", f"expected a liveliness token in/{agent}/alive/{role}/{instance} before the join, got none"
             )
         held = self._seat(agent, role)
         if held is None:
@@ -212,8 +211,7 @@ class Roster:
             if role != "mind" and len(self._agents) >= MAX_BODIES:
                 raise RequestRefusedError("full", f"expected at most {MAX_BODIES} bodies, got one more")
             return None
-        same = robot.instance is None or robot.instance == held.instance
-        if same or shown == held.session or not self.has_token(agent, role, held.instance):
+        if robot.instance == held.instance or shown == held.session or not self.has_token(agent, role, held.instance):
             return held
         raise RequestRefusedError("already-here", f"agent '{agent}' is already here")
 

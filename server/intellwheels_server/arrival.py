@@ -11,7 +11,7 @@ from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.messages import Record, Role
 
 PutKind = Literal["actions", "say", "pose", "user"]
-Topic = Literal["join", "leave", "ctl", "map", "event", "body", "state"]
+Topic = Literal["join", "leave", "ctl", "map", "event", "body", "state", "clock"]
 
 
 class Put(NamedTuple):
@@ -47,14 +47,15 @@ class Ask:
 
     Attributes:
         topic: What is asked for.
-        name: Agent or verb; empty where there is none, or the key is a wildcard.
+        name: Agent or verb; empty where there is none, or none that could be.
         data: The payload.
         encoding: Zenoh's encoding, as text; says also how to answer.
         send: Sends one reply: the message, its encoding, whether it is an ordinary or an error reply, and the last chunk of its key
             where that is not the query's.
         close: Ends the query; no reply may be sent after it.
         parameters: What stands behind the `?`.
-        matches: Whether a last chunk of the key is asked for, where `name` is empty.
+        matches: Whether a last chunk of the key is asked for.
+        wild: Whether the key has wildcards.
     """
 
     topic: Topic
@@ -65,6 +66,7 @@ class Ask:
     close: Callable[[], None]
     parameters: Mapping[str, str] = field(default_factory=dict)
     matches: Callable[[str], bool] = lambda _name: True
+    wild: bool = False
 
     def reply_encoding(self) -> Encoding:
         """Return how to answer: as asked, else as the question was written, else JSON."""

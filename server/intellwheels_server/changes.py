@@ -15,6 +15,7 @@ import numpy as np
 from intellwheels_schemas.errors import RequestRefusedError
 from intellwheels_schemas.messages import Event, EventCode, Position, RefusedCode, ResultCode, Robot
 from intellwheels_server import inputs as do
+from intellwheels_server.ending import check_end
 from intellwheels_server.fleet import Figure, Fleet, assemble, figure_of
 from intellwheels_server.floor import walls_of
 from intellwheels_server.kernels.arrays import Floats, Ints
@@ -31,6 +32,7 @@ from intellwheels_server.kernels.rows import (
     Y,
 )
 from intellwheels_server.placing import Crowd, place
+from intellwheels_server.sensors import View, sense
 from intellwheels_server.state import Setup, State, Utterance, no_episodes
 
 OPERATOR = "operator"
@@ -140,7 +142,8 @@ class Draft:
         self.manners.pop(name, None)
         self.user.pop(name, None)
         self.episodes = self.episodes[(self.episodes[:, 0] != key) & (self.episodes[:, 1] != key)]
-        self.crowd.remove(name)
+        if self._crowd is not None:
+            self._crowd.remove(name)
         self.bodies_changed = True
 
     def finish(self) -> State:
@@ -151,6 +154,7 @@ class Draft:
             old = None if self.restarted else self.state
             fleet, samples = assemble(self.figures, self.setup, self.tick, old)
         numbers, flags = _columns(fleet, self.numbers, self.flags)
+        view = View(numbers, fleet.bodies.parts, fleet.bodies.part_start, self.walls)
         return State(
             run=self.run,
             tick=self.tick,
@@ -159,7 +163,7 @@ class Draft:
             fleet=fleet,
             numbers=numbers,
             flags=flags,
-            samples=samples,
+            samples=sense(fleet.plan, view, self.tick, samples),
             episodes=self.episodes,
             manners=self.manners,
             user=self.user,
@@ -182,7 +186,7 @@ def _columns(fleet: Fleet, numbers: dict[str, Floats], flags: dict[str, Ints]) -
 
 
 def change(state: State, changes: Sequence[do.Change]) -> tuple[State, Outputs]:
-    """Return the state after the changes, not yet sensed, and what became of each."""
+    """Return the state after the changes, sensed anew, and what became of each."""
     draft = Draft(state)
     outcomes = []
     for one in changes:
@@ -343,7 +347,12 @@ def _restart(one: do.Restart, draft: Draft) -> Outcome:
         end=one.end if one.end is not None else old.end,
         strict=old.strict,
     )
-    walls = walls_of(setup.floor) if one.map is not None else draft.walls
+    if setup.end is not None:
+        check_end(setup.end, setup.floor)
+    try:
+        walls = walls_of(setup.floor) if one.map is not None else draft.walls
+    except ValueError as error:
+        return Outcome(code="failed", text=f"floor '{setup.floor.name}': {error}")
     figures = {name: figure_of(name, figure.robot, setup) for name, figure in draft.figures.items()}
     minds = {name: figure.mind_input for name, figure in draft.figures.items()}
     starts = {name: figure.start for name, figure in draft.figures.items()}

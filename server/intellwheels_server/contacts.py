@@ -31,9 +31,7 @@ EPISODE_GAP = 0.25
 _ONLY_THE_OTHER = 2
 
 
-def follow(
-    state: State, hits: Ints, hit_numbers: Floats, flags: Ints, first_number: int
-) -> tuple[Ints, list[Event]]:
+def follow(state: State, hits: Ints, hit_numbers: Floats, flags: Ints, first_number: int) -> tuple[Ints, list[Event]]:
     """Return the episodes after a step and the events of those that began and ended; count those that began.
 
     Args:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from intellwheels_schemas.messages import End
+from intellwheels_schemas.messages import End, Map
 from intellwheels_server.kernels.rows import X, Y
 from intellwheels_server.placing import place_named
 from intellwheels_server.state import State
@@ -19,6 +19,16 @@ def end_reason(state: State, end: End) -> str | None:
     if end.timeout is not None and state.time >= end.timeout.seconds - 1e-9:
         return "timeout"
     return None
+
+
+def check_end(end: End, floor: Map) -> None:
+    """Raise where an end condition names a place that the floor has not.
+
+    Raises:
+        RequestRefusedError: `no-place`, with the places there are.
+    """
+    for reach in end.reach:
+        place_named(floor, reach.place)
 
 
 def _reached(state: State, agent: str, place: str, within: float) -> bool:

@@ -117,12 +117,12 @@ def figure_of(name: str, robot: Robot, setup: Setup) -> Figure:
 
 
 def assemble(figures: dict[str, Figure], setup: Setup, tick: int, old: State | None) -> tuple[Fleet, Floats]:
-    """Return the fleet of these figures and its sensors' samples.
+    """Return the fleet of these figures and room for its sensors' samples.
 
     Args:
         figures: By name.
-        setup: For the seed, the period and the floor.
-        tick: Tick at which new sensors sample first.
+        setup: For the seed and the period.
+        tick: Tick at which sensors that are new take their first sample.
         old: The state whose samples are kept for bodies that stay, or None to begin anew.
     """
     names = tuple(sorted(figures))

@@ -97,9 +97,7 @@ def _with_manner(state: State, manners: dict[str, Manner], name: str, action: Ac
     return manners
 
 
-def enter_user(
-    state: State, user_input: Mapping[str, UserInput], numbers: Floats, flags: Ints
-) -> dict[str, UserInput]:
+def enter_user(state: State, user_input: Mapping[str, UserInput], numbers: Floats, flags: Ints) -> dict[str, UserInput]:
     """Put users' wishes into the arrays; return every user's last input, without leases."""
     user = dict(state.user)
     for name, wish in user_input.items():

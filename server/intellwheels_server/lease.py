@@ -59,10 +59,8 @@ class Leases:
         return over
 
     def due(self) -> float:
-        """Return when the next lease ends or the next user counts as silent."""
-        ends = [lease.until for lease in self._leases.values()]
-        ends += [voice.at + SILENCE for voice in self._voices.values() if not voice.silent]
-        return min(ends, default=float("inf"))
+        """Return when the next lease ends. Silence matters to steps only."""
+        return min((lease.until for lease in self._leases.values()), default=float("inf"))
 
     # ------------------------------------------------------------ inputs
 

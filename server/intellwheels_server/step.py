@@ -9,12 +9,12 @@ from intellwheels_server.contacts import follow
 from intellwheels_server.digest import digest
 from intellwheels_server.ending import end_reason
 from intellwheels_server.inputs import Inputs
+from intellwheels_server.intake import Happening, enter_actions, enter_poses, enter_user, enter_verdicts, hush, words_of
 from intellwheels_server.kernels.arrays import Ints
 from intellwheels_server.kernels.command import NOW_SILENT, NOW_STALE, NOW_TIMED_OUT
 from intellwheels_server.kernels.rows import LEFT_COMMAND, RIGHT_COMMAND, SILENT, STALE, TIMED_OUT
 from intellwheels_server.kernels.tick import tick_all
-from intellwheels_server.intake import Happening, enter_actions, enter_poses, enter_user, enter_verdicts, hush, words_of
-from intellwheels_server.sensors import sense
+from intellwheels_server.sensors import View, sense
 from intellwheels_server.state import State
 
 USER_SILENCE = 0.3
@@ -68,7 +68,9 @@ def step(state: State, inputs: Inputs) -> tuple[State, tuple[Event, ...], bool]:
         happenings.extend(_found(state, found, flags))
         if found & NOW_SILENT:
             user = {
-                name: hush(wish) if flags[SILENT, fleet.index[name]] and not state.flags[SILENT, fleet.index[name]] else wish
+                name: hush(wish)
+                if flags[SILENT, fleet.index[name]] and not state.flags[SILENT, fleet.index[name]]
+                else wish
                 for name, wish in user.items()
             }
     events = [
@@ -77,6 +79,7 @@ def step(state: State, inputs: Inputs) -> tuple[State, tuple[Event, ...], bool]:
     ]
     episodes, contact_events = follow(state, hits, hit_numbers, flags, state.event_count + len(events))
     events.extend(contact_events)
+    view = View(numbers, fleet.bodies.parts, fleet.bodies.part_start, state.walls)
     new = State(
         run=state.run,
         tick=state.tick + 1,
@@ -85,7 +88,7 @@ def step(state: State, inputs: Inputs) -> tuple[State, tuple[Event, ...], bool]:
         fleet=fleet,
         numbers=numbers,
         flags=flags,
-        samples=state.samples,
+        samples=sense(fleet.plan, view, state.tick + 1, state.samples),
         episodes=episodes,
         manners=manners,
         user=user,
@@ -94,7 +97,6 @@ def step(state: State, inputs: Inputs) -> tuple[State, tuple[Event, ...], bool]:
         revision=state.revision,
         end_waived=state.end_waived,
     )
-    new = sense(new)
     if setup.end is not None and not state.end_waived:
         reason = end_reason(new, setup.end)
         if reason is not None:

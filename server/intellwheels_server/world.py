@@ -33,12 +33,12 @@ import numpy as np
 
 from intellwheels_server.changes import Outcome, Outputs, change
 from intellwheels_server.digest import digest, map_hash
+from intellwheels_server.ending import check_end
 from intellwheels_server.fleet import assemble
 from intellwheels_server.floor import walls_of
 from intellwheels_server.inputs import Change, Inputs
 from intellwheels_server.kernels.rows import FLAG_ROWS, NUMBER_ROWS
 from intellwheels_server.reports import entities, measures, power_in_force
-from intellwheels_server.sensors import sense
 from intellwheels_server.state import Setup, State, no_episodes
 from intellwheels_server.step import step
 
@@ -67,13 +67,17 @@ def begin(setup: Setup, run: str) -> State:
 
     Raises:
         ValueError: The floor has a wall that is no polygon or line.
+        RequestRefusedError: The end names a place that the floor has not.
     """
+    if setup.end is not None:
+        check_end(setup.end, setup.floor)
+    walls = walls_of(setup.floor)
     fleet, samples = assemble({}, setup, 0, None)
     return State(
         run=run,
         tick=0,
         setup=setup,
-        walls=walls_of(setup.floor),
+        walls=walls,
         fleet=fleet,
         numbers=np.zeros((NUMBER_ROWS, 0)),
         flags=np.zeros((FLAG_ROWS, 0), dtype=np.int64),
@@ -91,8 +95,7 @@ def apply(state: State, changes: Sequence[Change]) -> tuple[State, Outputs]:
     """
     if not changes:
         return state, Outputs()
-    state, outputs = change(state, changes)
-    return sense(state), outputs
+    return change(state, changes)
 
 
 def advance(state: State, inputs: Inputs) -> tuple[State, Outputs]:

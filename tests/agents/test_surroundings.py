@@ -44,10 +44,10 @@ def test_a_jamb_beside_the_front_is_not_in_the_way_and_one_before_it_is() -> Non
 def test_a_reading_without_a_value_still_tells_something(status: Status, gap: float) -> None:
     around = Surroundings(CHAIR)
     around.update(Sensors(proximity=(ProximityReading(id="front", status=status),)))
-    assert around.gap == gap
+    assert around.gap == pytest.approx(gap)
 
 
-def test_room_to_each_side_is_that_of_the_sensors_ahead() -> None:
+def test_room_to_each_side_is_that_of_the_sensors_beside_and_ahead() -> None:
     around = Surroundings(CHAIR)
     body = Body(CHAIR)
     around.update(body.measures(box(-3.0, -1.0, 20.0, 2.0)).sensors)

@@ -23,10 +23,14 @@ PUT_KEYS = {
 VERBS = ("pause", "resume", "step", "reset", "load", "speed", "spawn", "delete", "teleport", "take", "say", "save",
          "restore", "seek", "nothing")  # fmt: skip
 SEEDS = (
-    b'{"LeftMotor":0.5,"RightMotor":0.4,"Tick":5,"Seq":1}', b'<Actions LeftMotor="0.5"><Say><![CDATA[x]]></Say></Actions>',
-    b'{"X":1.0,"Y":2.0,"Heading":0.0}', b'{"Forward":1.0,"Turn":-1.0,"Buttons":[1,2]}', b'{"Text":"words"}', b"words",
+    b"",
+    b'{"LeftMotor":0.5,"RightMotor":0.4,"Tick":5,"Seq":1}',
+    b'<Actions LeftMotor="0.5"><Say><![CDATA[x]]></Say></Actions>',
+    b'{"X":1.0,"Y":2.0,"Heading":0.0}', b'{"Forward":1.0,"Turn":-1.0,"Buttons":[1,2]}',
+    b'{"Text":"words"}', b"words",
     b'{"Kind":"wheelchair","Part":[{"X":0,"Y":0,"Length":1,"Width":1,"Bottom":0,"Top":1}]}',
-    b'<!DOCTYPE a [<!ENTITY b "c">]><Actions>&b;</Actions>', b"[" * 3000, b'{"a":' * 500, b"<a>" * 1000, b"", b"\x00", b"\xff\xfe",
+    b'<!DOCTYPE a [<!ENTITY b "c">]><Actions>&b;</Actions>',
+    b"[" * 3000, b'{"a":' * 500, b"<a>" * 1000, b"\x00", b"\xff\xfe",
     b'{"LeftMotor":NaN}', b'{"LeftMotor":1e999}', b'{"Tick":99999999999999999999}', b'{"LeftMotor":1,"LeftMotor":2}',
 )  # fmt: skip
 
@@ -68,7 +72,8 @@ def questions(count: int, chance: random.Random) -> Iterator[tuple[str, bytes, s
     for number in range(count):
         key = chance.choice(
             (f"join/n{number}", "join/chair1", "leave/chair1", "leave/stranger", f"ctl/{chance.choice(VERBS)}",
-             f"event?since={chance.choice(('x', '-1', '1e9', '99999999999999999999', ''))}", "map", "state/7", "join/x y")
+             f"event?since={chance.choice(('x', '-1', '1e9', '99999999999999999999', ''))}", "map", "state/7",
+             "join/x y")
         )  # fmt: skip
         yield key, mutated(chance.choice(documents), chance), chance.choice(ENCODINGS)
 
@@ -81,13 +86,8 @@ def test_raw_bytes_on_every_inbound_key_end_in_words_or_silence(stage: Stage) ->
         for key, data, encoding in questions(600, chance):
             if key == "leave/chair1" and b"Session" not in data:
                 continue
-            try:
-                for reply in peer.session.get(peer.prefix + key, payload=data, encoding=encoding, timeout=5.0):
-                    answer = reply.ok if reply.ok is not None else reply.err
-                    assert answer is not None
-                    assert isinstance(bytes(answer.payload), bytes)
-            except Exception as error:  # zenoh itself refuses keys that are none
-                assert "x y" in key, error
+            for _ in peer.session.get(peer.prefix + key, payload=data, encoding=encoding, timeout=5.0):
+                pass
         for key in ("ctl/resume", "ctl/quit"):
             for data in (b"\xff", b'{"Nope":1}', b"<Nope/>"):
                 assert [reply["Code"] for reply in peer.ask(key, data)] == ["failed"]

@@ -9,7 +9,6 @@ from pathlib import Path
 import pytest
 
 from intellwheels_experiments.plan import WALL_LIMIT, Plan, parse, wall_limit
-from intellwheels_schemas.link import Link
 from intellwheels_schemas.messages import Cast, End, Map, Option, Scene, Timeout
 
 SCENE = Scene(format="iw.v1", name="test", map="room", seed="a b", end=End(timeout=Timeout(seconds=100.0)))
@@ -17,7 +16,7 @@ PLAN = Plan(
     scene=SCENE,
     source="figure6",
     floor=Map(format="iw.v1", name="room"),
-    link=Link(listen=("tcp/127.0.0.1:7000",)),
+    listen=("tcp/127.0.0.1:7000",),
     logs=Path("logs"),
     folder=Path("/scenes"),
 )
@@ -70,7 +69,7 @@ def test_agents_connect_where_the_simulator_listens() -> None:
 
 
 def test_all_connect_to_a_router() -> None:
-    plan = replace(PLAN, link=Link(connect=("tcp/router:7447",), config=Path("/secure.json5")))
+    plan = replace(PLAN, listen=(), connect=("tcp/router:7447",), config=Path("/secure.json5"))
     server, agent = plan.server_command(5), plan.agent_command(Cast(name="c", robot="table", mind="table"), 5)
     for command in (server, agent):
         assert command[command.index("--connect") + 1] == "tcp/router:7447"

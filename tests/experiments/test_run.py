@@ -18,7 +18,6 @@ from intellwheels_experiments.progress import Progress
 from intellwheels_experiments.record import Record
 from intellwheels_experiments.report import Result
 from intellwheels_experiments.run import perform
-from intellwheels_schemas.link import Link
 from intellwheels_schemas.messages import Cast, End, Entity, Grid, Hold, Map, Place, Reach, Scene, WorldState
 
 RUN = "0" * 16
@@ -69,7 +68,7 @@ def play(tmp_path: Path, server: str, agent: str = WAIT, *, timeout: float = 60.
         scene=SCENE,
         source="test",
         floor=FLOOR,
-        link=Link(listen=("tcp/127.0.0.1:1",)),
+        listen=("tcp/127.0.0.1:1",),
         logs=tmp_path,
         server=server,
         agent=agent,

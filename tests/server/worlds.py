@@ -67,9 +67,7 @@ def run(
 ) -> tuple[State, list[Event]]:
     """Step so often under the same powers; return the state and all events."""
     events: list[Event] = []
-    actions = {
-        name: Actions(left_motor=left, right_motor=right) for name, (left, right) in (powers or {}).items()
-    }
+    actions = {name: Actions(left_motor=left, right_motor=right) for name, (left, right) in (powers or {}).items()}
     for _ in range(steps):
         state, outputs = advance(state, inputs or Inputs(actions=actions))
         events.extend(outputs.events)

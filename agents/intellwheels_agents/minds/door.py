@@ -28,7 +28,11 @@ LEARNING = 10
 SURE = 2
 """Readings in a row that make somebody: one alone may be noise."""
 CLOSE_ENOUGH = math.radians(0.5)
-"""An angle that counts as there."""
+"""An angle that counts as there when it comes near."""
+STILL = math.radians(1.5)
+"""An angle that counts as there when it was: noise must not rattle the leaf."""
+COMPASS_SHARE = 0.005
+"""Leaves a twentieth of the compass' noise: a hinge does not slip, so encoders hardly drift."""
 
 
 class State(Enum):
@@ -83,7 +87,7 @@ class Mind:
         self._angle = math.radians(options.number("angle", 90.0, 10.0, 180.0))
         self._rate = self._angle / options.number("time", 4.0, 0.5, 60.0)
         self._watches = {sensor.id: (sensor, Watch(sensor)) for sensor in robot.proximity if sensor.mount == "start"}
-        self._turn = Odometry(robot, context.position)
+        self._turn = Odometry(robot, context.position, COMPASS_SHARE if robot.encoders else 1.0)
         self._closed = context.position.heading
         self._state = State.CLOSED
         self._told: State | None = None
@@ -96,14 +100,14 @@ class Mind:
         opened = self._sign * wrapped(self._turn.heading - self._closed)
         wanted = self._wanted(measures)
         error = (self._angle if wanted else 0.0) - opened
-        there = abs(error) < CLOSE_ENOUGH
+        resting = self._state is (State.OPEN if wanted else State.CLOSED)
+        there = abs(error) < (STILL if resting else CLOSE_ENOUGH)
         if wanted:
             self._state = State.OPEN if there or self._state is State.OPEN else State.OPENING
         else:
             self._state = State.CLOSED if there or self._state is State.CLOSED else State.CLOSING
         # The last degree is turned at the speed that ends it in three cycles, so that it is not overshot.
         rate = min(self._rate, abs(error) / (3.0 * self._period))
-        # Once there only half a degree off is worth a correction: a noisy compass must not rattle the leaf.
         if there:
             rate = 0.0
         left, right = powers(self._robot, 0.0, math.copysign(rate, error) * self._sign)

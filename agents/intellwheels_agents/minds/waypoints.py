@@ -101,7 +101,7 @@ class Mind:
         if self._turning:
             return 0.0, _limited(2.0 * bearing, TURN_RATE), "autonomous"
         curvature = 2.0 * math.sin(bearing) / max(math.hypot(dx, dy), 1e-3)
-        speed = min(self._speed, TURN_RATE / max(abs(curvature), 1e-6), _braking(path.left))
+        speed = min(self._speed, TURN_RATE / max(abs(curvature), 1e-6), _braking(path.left - self._within / 2.0))
         speed = max(speed, CREEP)
         allowed = self._allowed(path, time)
         if allowed < CREEP:

@@ -11,7 +11,7 @@ Limits act in this order: lag, acceleration, top speed, turn rate.
 
 from numba import njit
 
-from intellwheels_server.kernels.arrays import BLOCKED, FORWARD, STALLED, TRAVEL, TURN, TURNED, Floats, Ints
+from intellwheels_server.kernels.arrays import TRAVEL, TURN, Floats
 from intellwheels_server.kernels.elementary import exp, log
 
 # The cycle for which the paper gives AccelerationCurve, s.
@@ -118,32 +118,3 @@ def drive(motors: Floats, wheels: Floats, power: Floats, period: float, twist: F
         twist[TURN, i] = turn
         new_wheels[LEFT, i] = left
         new_wheels[RIGHT, i] = right
-
-
-@njit(cache=True, error_model="numpy")
-def roll(
-    motors: Floats, twist: Floats, outcome: Floats, flags: Ints, slip: Floats, wheels: Floats, rolled: Floats
-) -> None:
-    """Let the wheels feel what was in the way: stalled ones stop, and what each rolled is added up for the encoders.
-
-    Args:
-        motors: float64[6, n].
-        twist: float64[2, n], the twist wanted this tick.
-        outcome: float64[6, n] of `contact.resolve`: rows `FORWARD`, `TURNED` are what was achieved.
-        flags: int64[4, n] of `contact.resolve`: rows `BLOCKED`, `STALLED`.
-        slip: float64[n], share in [0, 1] by which blocked wheels turn on; 0 is off.
-        wheels: float64[2, n], in and out, m/s: becomes 0 where stalled.
-        rolled: float64[2, n], in and out: path of each wheel since joining, m, signed.
-    """
-    for i in range(motors.shape[1]):
-        forward = outcome[FORWARD, i]
-        turned = outcome[TURNED, i]
-        if flags[BLOCKED, i] != 0 and slip[i] > 0.0:
-            forward += slip[i] * (twist[TRAVEL, i] - forward)
-            turned += slip[i] * (twist[TURN, i] - turned)
-        half = 0.5 * turned * motors[TRACK, i]
-        rolled[LEFT, i] += forward - half
-        rolled[RIGHT, i] += forward + half
-        if flags[STALLED, i] != 0:
-            wheels[LEFT, i] = 0.0
-            wheels[RIGHT, i] = 0.0

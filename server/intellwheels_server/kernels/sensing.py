@@ -126,41 +126,34 @@ def _place_boxes(pose: Floats, parts: Floats, part_start: Ints) -> tuple[Floats,
 
 
 @njit(cache=True, error_model="numpy")
-def solids_of(pieces: Floats, links: Ints, edges: Floats) -> Floats:
-    """Return wall pieces as boxes, float64[pieces, 10]: those that are rectangles as what they are.
-
-    Takes three of the walls' arrays. The others have their bounding box and NaN for their half length.
-    """
-    solids = np.empty((pieces.shape[0], 10))
-    for piece in range(pieces.shape[0]):
-        centre_x = 0.5 * (pieces[piece, PIECE_X0] + pieces[piece, PIECE_X1])
-        centre_y = 0.5 * (pieces[piece, PIECE_Y0] + pieces[piece, PIECE_Y1])
-        solids[piece, CENTRE_X] = centre_x
-        solids[piece, CENTRE_Y] = centre_y
-        solids[piece, EXTENT_X] = 0.5 * (pieces[piece, PIECE_X1] - pieces[piece, PIECE_X0])
-        solids[piece, EXTENT_Y] = 0.5 * (pieces[piece, PIECE_Y1] - pieces[piece, PIECE_Y0])
-        solids[piece, LOW] = pieces[piece, PIECE_BOTTOM]
-        solids[piece, HIGH] = pieces[piece, PIECE_TOP]
-        first = links[piece, FIRST_EDGE]
-        c = edges[first, NORMAL_X]
-        s = edges[first, NORMAL_Y]
-        rectangle = links[piece, END_EDGE] - first == 4
-        for edge in range(first + 1, links[piece, END_EDGE]):
-            c, s = -s, c
-            rectangle &= (abs(edges[edge, NORMAL_X] - c) < _SQUARE) & (abs(edges[edge, NORMAL_Y] - s) < _SQUARE)
-        # Its length is along the first normal, which c and s have come round to but for a quarter turn.
+def _fill_solid(piece: int, pieces: Floats, links: Ints, edges: Floats, solids: Floats) -> None:
+    """Store a wall piece as a box; one that is no rectangle gets its bounding box and NaN for its half length."""
+    centre_x = 0.5 * (pieces[piece, PIECE_X0] + pieces[piece, PIECE_X1])
+    centre_y = 0.5 * (pieces[piece, PIECE_Y0] + pieces[piece, PIECE_Y1])
+    first = links[piece, FIRST_EDGE]
+    end = links[piece, END_EDGE]
+    c = edges[first, NORMAL_X]
+    s = edges[first, NORMAL_Y]
+    rectangle = end - first == 4
+    for edge in range(first + 1, end):
         c, s = -s, c
-        solids[piece, COS] = c
-        solids[piece, SIN] = s
-        length = width = 0.0
-        for edge in range(first, links[piece, END_EDGE]):
-            dx = edges[edge, EDGE_X] - centre_x
-            dy = edges[edge, EDGE_Y] - centre_y
-            length = max(length, abs(c * dx + s * dy))
-            width = max(width, abs(c * dy - s * dx))
-        solids[piece, LONG] = length if rectangle else np.nan
-        solids[piece, WIDE] = width
-    return solids
+        rectangle &= (abs(edges[edge, NORMAL_X] - c) < _SQUARE) & (abs(edges[edge, NORMAL_Y] - s) < _SQUARE)
+    length = width = 0.0
+    for edge in range(first, end):
+        dx = edges[edge, EDGE_X] - centre_x
+        dy = edges[edge, EDGE_Y] - centre_y
+        length = max(length, abs(c * dx + s * dy))
+        width = max(width, abs(c * dy - s * dx))
+    solids[piece, CENTRE_X] = centre_x
+    solids[piece, CENTRE_Y] = centre_y
+    solids[piece, EXTENT_X] = 0.5 * (pieces[piece, PIECE_X1] - pieces[piece, PIECE_X0])
+    solids[piece, EXTENT_Y] = 0.5 * (pieces[piece, PIECE_Y1] - pieces[piece, PIECE_Y0])
+    solids[piece, LOW] = pieces[piece, PIECE_BOTTOM]
+    solids[piece, HIGH] = pieces[piece, PIECE_TOP]
+    solids[piece, COS] = c
+    solids[piece, SIN] = s
+    solids[piece, LONG] = length if rectangle else np.nan
+    solids[piece, WIDE] = width
 
 
 @njit(cache=True, error_model="numpy")
@@ -261,7 +254,7 @@ def sense_proximity(
     pose: Floats,
     parts: Floats,
     part_start: Ints,
-    solids: Floats,
+    pieces: Floats,
     links: Ints,
     edges: Floats,
     cells: Ints,
@@ -276,10 +269,10 @@ def sense_proximity(
 
     Args:
         tick: The tick.
-        pose: Pose block of the bodies, float64[3, n].
+        pose: Pose block of the bodies, float64[>= 3, n]: further rows do not matter.
         parts: Part block of the bodies.
         part_start: int64[n + 1], the first part of each body and the end.
-        solids: float64[pieces, 10], from `solids_of`.
+        pieces: Of the walls.
         links: Of the walls.
         edges: Of the walls.
         cells: Of the walls.
@@ -298,11 +291,12 @@ def sense_proximity(
     widest_y = extents[:, 3].max()
 
     # What is near a station: boxes, and wall pieces that are none.
-    most = boxes.shape[0] + solids.shape[0] + _LANES
+    most = boxes.shape[0] + pieces.shape[0] + _LANES
+    solids = np.empty((pieces.shape[0], 10))
     around = np.empty((10, most))
     squares = np.empty(most)
-    polygons = np.empty(solids.shape[0], np.int64)
-    gathered_for = np.full(solids.shape[0], -1, np.int64)
+    polygons = np.empty(pieces.shape[0], np.int64)
+    gathered_for = np.full(pieces.shape[0], -1, np.int64)
 
     for station in range(crews.shape[0]):
         begin = crews[station, BEGIN]
@@ -356,6 +350,8 @@ def sense_proximity(
                 piece = cells[at]
                 if gathered_for[piece] == station:
                     continue
+                if gathered_for[piece] < 0:
+                    _fill_solid(piece, pieces, links, edges, solids)
                 gathered_for[piece] = station
                 gap_x = max(abs(solids[piece, CENTRE_X] - x) - solids[piece, EXTENT_X], 0.0)
                 gap_y = max(abs(solids[piece, CENTRE_Y] - y) - solids[piece, EXTENT_Y], 0.0)

@@ -177,5 +177,3 @@ def pair_keys(hits: Ints, marks: Ints) -> Ints:
         pairs[k, 1] = second
         pairs[k, 2] = k
     return pairs
-
-

@@ -30,8 +30,8 @@ def test_a_name_that_is_none_is_refused_with_those_there_are() -> None:
     [
         "from intellwheels_agents import Actions\nclass Mind:\n    def __init__(self, context): pass\n"
         "    def decide(self, measures): return Actions(say='hi')\n",
-        "from intellwheels_agents import Actions\nclass Own:\n    def decide(self, measures): return Actions(say='hi')\n"
-        "def make(context): return Own()\n",
+        "from intellwheels_agents import Actions\nclass Own:\n    def decide(self, measures):\n"
+        "        return Actions(say='hi')\ndef make(context): return Own()\n",
     ],
 )
 def test_a_users_file_has_a_class_mind_or_make(tmp_path: Path, text: str, monkeypatch: pytest.MonkeyPatch) -> None:

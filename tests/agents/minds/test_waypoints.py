@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from itertools import pairwise
 
 import msgspec
 import pytest
@@ -91,5 +92,5 @@ def test_it_speeds_up_and_slows_down_gently() -> None:
     body = Body(robot("intellwheels"))
     done = run(body, Mind(context(body.robot, points="5 0")), [], 15.0)
     powers = [actions.left_motor or 0.0 for actions in done]
-    # 0.35 m/s2 at a top speed of 1 m/s, twice that near the end where the root is steep.
-    assert max(a - b for a, b in zip(powers[1:-1], powers[2:], strict=True)) < 0.06
+    # 0.35 m/s2 are 0.0175 a tick at a top speed of 1 m/s; it stops from a creep of 0.05 m/s.
+    assert max(a - b for a, b in pairwise(powers)) < 0.0501

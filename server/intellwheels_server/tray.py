@@ -1,11 +1,11 @@
-"""What agents sent that acts on the next step. Pure.
+"""What agents sent that acts on the next step, collected until it is made. Pure.
 
 Of several actions for one tick the newest counts, by (Tick, Seq); what it does not say stands as it was said before.
 """
 
 from __future__ import annotations
 
-from typing import Final
+from typing import Final, TypeVar
 
 import msgspec
 
@@ -25,7 +25,7 @@ def check_time(run: str | None, tick: int | None, now_run: str, now_tick: int, w
     return Fault("early", f"{where}.Tick: expected {now_tick}, got {tick}", f"{where}.Tick")
 
 
-class Latch:
+class Tray:
     """What is to act on the step from this tick to the next."""
 
     def __init__(self) -> None:
@@ -83,6 +83,7 @@ class Latch:
         return inputs
 
 
+_T = TypeVar("_T")
 _KEPT: Final = ("left_motor", "right_motor", "mode", "goal", "say")
 
 
@@ -93,5 +94,5 @@ def _overlay(earlier: Actions, later: Actions) -> Actions:
     return msgspec.structs.replace(later, **kept)
 
 
-def _sorted(latched: dict[str, T]) -> dict[str, T]:
+def _sorted(latched: dict[str, _T]) -> dict[str, _T]:
     return dict(sorted(latched.items()))

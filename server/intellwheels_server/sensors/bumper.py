@@ -1,0 +1,51 @@
+"""Bumpers: whether the body touches something, anywhere around it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from numba import njit
+
+from intellwheels_schemas.messages import Bumper, BumperReading, Robot
+from intellwheels_server.kernels.arrays import Floats, Ints
+from intellwheels_server.kernels.rows import TOUCHING
+from intellwheels_server.kernels.timetable import BODY, due_slot
+from intellwheels_server.sensors.kind import Fitted, View
+
+
+@njit(cache=True, error_model="numpy")
+def _take(tick: int, numbers: Floats, timetable: Ints, samples: Floats) -> None:
+    for sensor in range(timetable.shape[0]):
+        slot = due_slot(timetable, sensor, tick, 1)
+        if slot >= 0:
+            samples[slot] = numbers[TOUCHING, timetable[sensor, BODY]]
+
+
+@dataclass(frozen=True)
+class BumperBlock:
+    """All bumpers."""
+
+    timetable: Ints
+
+    def take(self, tick: int, view: View, samples: Floats) -> None:
+        """Store the samples that are due at a tick."""
+        _take(tick, view.numbers, self.timetable, samples)
+
+
+class BumperKind:
+    """The kind that serves `Bumper`."""
+
+    field = "bumper"
+    width = 1
+
+    def check(self, where: str, declaration: Bumper, robot: Robot) -> None:
+        """Refuse none."""
+
+    def compile(self, fitted: Sequence[Fitted], timetable: Ints) -> BumperBlock:
+        """Return the block."""
+        return BumperBlock(timetable)
+
+    def reading(self, declaration: Bumper, tick: int | None, sample: Sequence[float]) -> BumperReading:
+        """Return whether it is pressed."""
+        return BumperReading(id=declaration.id, tick=tick, value=sample[0] != 0.0)

@@ -1,0 +1,52 @@
+"""The command line: what it shows, what it refuses."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+
+import pytest
+
+
+def iw_agent(*arguments: str) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(
+        [sys.executable, "-m", "intellwheels_agents", *arguments],
+        check=False,
+        capture_output=True,
+        text=True,
+        timeout=30,
+    )
+
+
+def test_help_shows_examples_and_the_minds() -> None:
+    shown = iw_agent("--help")
+    assert shown.returncode == 0
+    assert "iw-agent waypoints --name chair1" in shown.stdout
+    assert "avoid, door, drive, table, waypoints" in shown.stdout
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["dance"], "mind: expected one of avoid, door, drive, table, waypoints or a Python file, got 'dance'"),
+        (["drive", "--name", "Chair 1"], "--name: expected a name"),
+        (["drive", "--option", "speed"], "--option: expected NAME=VALUE, got 'speed'"),
+        (["drive", "--option", "a=1", "--option", "a=2"], "--option: expected each name once, got 'a' twice"),
+        (["drive", "--option", "MotorNose=1"], "option MotorNose: expected"),
+        (["drive", "--robot", "tank"], "got 'tank'"),
+        (["waypoints", "--option", "truth=maybe"], "option truth: expected one of true, false, got 'maybe'"),
+        (["drive", "--world", "a/b"], "--world: expected a name"),
+        (["drive", "--role", "mind", "--option", "MotorNoise=0.1"], "option MotorNoise: expected none of a body"),
+    ],
+)
+def test_wrong_usage_is_refused_in_words_with_exit_2(arguments: list[str], words: str) -> None:
+    ended = iw_agent(*arguments)
+    assert ended.returncode == 2
+    assert words in ended.stderr
+    assert ended.stdout == ""
+
+
+def test_no_simulator_is_said_and_given_up_with_exit_1() -> None:
+    ended = iw_agent("drive", "--connect", "tcp/127.0.0.1:1", "--retry-for", "0.5")
+    assert ended.returncode == 1
+    assert "nobody answers at tcp/127.0.0.1:1" in ended.stderr

@@ -1,0 +1,84 @@
+import pytest
+from tests.server.worlds import box_wall, cart, run, world
+
+from intellwheels_server.kernels.rows import CONTACTS
+from intellwheels_server.world import entities, measures
+
+
+def test_running_into_a_wall_is_one_episode_with_its_point_normal_and_closing_speed() -> None:
+    state = world({"a": cart()}, [box_wall(1.0, -2.0, 2.0, 2.0)])
+    state, events = run(state, 40, {"a": (0.6, 0.6)})
+    assert [event.code for event in events] == ["contact"]
+    event = events[0]
+    assert (event.agent, event.other, event.part, event.other_part) == ("a", "wall", 0, 0)
+    # The point lies in both as they were proposed: at most a sub-step, 2 cm, inside the wall.
+    assert (event.x, event.y) == (pytest.approx(1.0, abs=0.02), pytest.approx(0.0, abs=0.31))
+    assert (event.normal_x, event.normal_y) == (-1.0, 0.0)
+    assert event.speed == pytest.approx(0.6)
+    entity = entities(state)[0]
+    assert (entity.contacts, entity.collision, entity.contact) == (1, True, True)
+    assert (measures(state, "a").collision, measures(state, "a").contact) == (True, True)
+
+
+def test_body_that_is_hit_is_in_contact_and_did_not_collide() -> None:
+    state = world({"a": cart(), "b": cart(1.5)})
+    state, events = run(state, 15, {"a": (1.0, 1.0)})
+    assert [(event.code, event.agent, event.other) for event in events] == [("contact", "a", "b")]
+    first, second = entities(state)
+    assert (first.contacts, first.collision, first.contact) == (1, True, True)
+    assert (second.contacts, second.collision, second.contact) == (1, False, True)
+
+
+def test_event_is_about_who_ran_into_the_other_whatever_their_names() -> None:
+    state = world({"a": cart(1.5), "b": cart()})
+    _, events = run(state, 15, {"b": (1.0, 1.0)})
+    assert (events[0].agent, events[0].other) == ("b", "a")
+    assert events[0].normal_x == -1.0
+
+
+def test_episode_ends_a_quarter_of_a_second_after_the_last_touch() -> None:
+    state = world({"a": cart()}, [box_wall(0.6, -2.0, 2.0, 2.0)])
+    state, events = run(state, 10, {"a": (0.6, 0.6)})
+    last_touch = state.tick
+    state, events = run(state, 10, {"a": (-0.2, -0.2)})
+    assert [(event.code, event.agent, event.other) for event in events] == [("parted", "a", "wall")]
+    assert events[0].tick == last_touch + 5
+    assert not entities(state)[0].contact
+
+
+def test_touching_again_within_the_pause_counts_once_and_after_it_twice() -> None:
+    state = world({"a": cart()}, [box_wall(0.6, -2.0, 2.0, 2.0)])
+    state, _ = run(state, 6, {"a": (0.6, 0.6)})
+    state, _ = run(state, 2, {"a": (-0.1, -0.1)})
+    state, _ = run(state, 6, {"a": (0.6, 0.6)})
+    assert state.flags[CONTACTS, 0] == 1
+    state, _ = run(state, 10, {"a": (-0.1, -0.1)})
+    state, _ = run(state, 6, {"a": (0.6, 0.6)})
+    assert state.flags[CONTACTS, 0] == 2
+
+
+def test_episode_of_a_body_that_left_is_forgotten() -> None:
+    from tests.server.worlds import do
+
+    from intellwheels_server.inputs import Depart
+
+    state = world({"a": cart(), "b": cart(1.1)})
+    state, _ = run(state, 5, {"a": (1.0, 1.0)})
+    assert len(state.episodes) == 1
+    state, _, _ = do(state, Depart(agent="b"))
+    assert len(state.episodes) == 0
+
+
+def test_real_chair_moved_into_another_flags_both_and_pushes_nobody() -> None:
+    from intellwheels_schemas.messages import Pose
+    from intellwheels_server.inputs import Inputs
+    from intellwheels_server.world import advance
+
+    state = world({"a": cart(type="real"), "b": cart(3.0)})
+    state, outputs = advance(state, Inputs(poses={"a": Pose(x=2.5, y=0.0, heading=0.0)}))
+    assert [(event.code, event.agent, event.other) for event in outputs.events] == [("contact", "a", "b")]
+    first, second = entities(state)
+    assert (first.contact, second.contact, second.x) == (True, True, 3.0)
+    # What it was put into can leave.
+    state, _ = run(state, 20, {"b": (0.5, 0.5)})
+    assert entities(state)[1].x == pytest.approx(3.5)

@@ -1,0 +1,33 @@
+import hashlib
+import struct
+
+import msgspec
+import numpy as np
+from tests.server.worlds import box_wall, cart, floor_of, run, world
+
+from intellwheels_server.kernels.rows import FLAG_ROWS, NUMBER_ROWS, Y
+from intellwheels_server.world import digest, map_hash
+
+
+def test_hash_is_blake2b_64_over_tick_numbers_and_flags_of_each_body_in_turn() -> None:
+    state, _ = run(world({"b": cart(3.0), "a": cart()}), 2, {"a": (0.5, 0.1)})
+    values = [2.0]
+    for i in range(2):
+        values += [*state.numbers[:, i], *state.flags[:, i].astype(float)]
+    assert len(values) == 1 + 2 * (NUMBER_ROWS + FLAG_ROWS)
+    packed = struct.pack(f"<{len(values)}d", *(value + 0.0 for value in values))
+    assert digest(state) == hashlib.blake2b(packed, digest_size=8).hexdigest()
+
+
+def test_minus_zero_counts_as_zero() -> None:
+    state = world({"a": cart()})
+    before = digest(state)
+    numbers = state.numbers.copy()
+    numbers[Y, 0] = -0.0
+    assert np.signbit(numbers[Y, 0])
+    assert digest(msgspec.structs.replace(state, numbers=numbers)) == before
+
+
+def test_maps_differ_in_their_hashes() -> None:
+    assert map_hash(floor_of()) == map_hash(floor_of())
+    assert map_hash(floor_of()) != map_hash(floor_of([box_wall(0.0, 0.0, 1.0, 1.0)]))
