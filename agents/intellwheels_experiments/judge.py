@@ -71,6 +71,9 @@ def judge(scene: Scene, floor: Map, record: Record, *, ended: bool = True) -> Ve
     failed = []
     if not ended:
         failed.append("the run did not come to its end")
+        if not record.tracks:
+            # What was never begun fell short of everything, which helps nobody to see why.
+            return Verdict(held=False, failed=tuple(failed), agents=rows, contacts=contacts)
     failed += [f"agent {row.name!r} was never seen" for row in rows if not row.seen]
     hold = scene.hold
     if hold is not None and hold.contacts is not None:

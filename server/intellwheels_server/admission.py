@@ -266,7 +266,9 @@ def check_session(seat: Seat | None, others: tuple[Seat, ...], session: str | No
         return Fault("role", f"{where}: not for the role {others[0].role}", where)
     if session is None:
         if seat.real:
-            return Fault("session", f"{where}.Session: expected one, as the robot is real; got none", f"{where}.Session")
+            return Fault(
+                "session", f"{where}.Session: expected one, as the robot is real; got none", f"{where}.Session"
+            )
         return None
     if session == seat.session:
         return None

@@ -32,7 +32,8 @@ from intellwheels_server.kernels.rows import (
     Y,
 )
 from intellwheels_server.placing import Crowd, place
-from intellwheels_server.sensors import View, sense
+from intellwheels_server.sensors import sense
+from intellwheels_server.sensors.kind import View
 from intellwheels_server.state import Setup, State, Utterance, no_episodes
 
 OPERATOR = "operator"

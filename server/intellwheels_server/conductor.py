@@ -303,7 +303,10 @@ class Conductor:
         self._waiting.clear()
         self._publish(now)
         for agent in self._bridges:
-            self._put_power(agent, PowerInForce(run=self.state.run, tick=self.state.tick, left_motor=0.0, right_motor=0.0, state="paused"))
+            self._put_power(
+                agent,
+                PowerInForce(run=self.state.run, tick=self.state.tick, left_motor=0.0, right_motor=0.0, state="paused"),
+            )
         if self._changes and self._record is not None:
             self._record(self.state.tick, Inputs(changes=tuple(self._changes)), self.digest(), stepped=False)
             self._changes.clear()
@@ -522,7 +525,9 @@ class Conductor:
     def _ask_join(self, ask: Ask, now: float) -> None:
         if not ask.name:
             if not ask.wild:
-                ask.refuse(Refused(code="name", text="join/<agent>: expected a name: a-z, then a-z 0-9 _ -, at most 32"))
+                ask.refuse(
+                    Refused(code="name", text="join/<agent>: expected a name: a-z, then a-z 0-9 _ -, at most 32")
+                )
             ask.close()
             return
         try:

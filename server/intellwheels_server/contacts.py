@@ -48,7 +48,7 @@ def follow(state: State, hits: Ints, hit_numbers: Floats, flags: Ints, first_num
     pairs = pairs[np.lexsort((hits[:, HIT_WALL], pairs[:, 1], pairs[:, 0]))]
     hold = max(1, int(np.ceil(EPISODE_GAP / period - 1e-9)))
     episodes, began, ended = merge_episodes(state.episodes, pairs, state.tick + 1, hold)
-    events = []
+    events: list[Event] = []
     for k in began.tolist():
         body, other = int(hits[k, HIT_BODY]), int(hits[k, HIT_OTHER])
         flags[CONTACTS, body] += 1

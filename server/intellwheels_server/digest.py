@@ -27,7 +27,7 @@ def digest(state: State) -> str:
     if not np.isfinite(block).all():
         raise FloatingPointError(f"state of tick {state.tick}: expected finite numbers, got {block}")
     hashed = hashlib.blake2b(np.float64(state.tick).tobytes(), digest_size=8)
-    hashed.update(block)
+    hashed.update(block.tobytes())
     return hashed.hexdigest()
 
 

@@ -69,9 +69,15 @@ class Leases:
         lease = self.holder(agent)
         if lease is not None and user.lease != lease:
             got = "another" if user.lease else "none"
-            return Fault("lease", f"UserInput.Lease: agent '{agent}' is taken; expected its lease, got {got}", "UserInput.Lease")
+            return Fault(
+                "lease", f"UserInput.Lease: agent '{agent}' is taken; expected its lease, got {got}", "UserInput.Lease"
+            )
         if lease is None and user.lease is not None:
-            return Fault("lease", f"UserInput.Lease: expected a lease that runs on agent '{agent}', got one that does not", "UserInput.Lease")
+            return Fault(
+                "lease",
+                f"UserInput.Lease: expected a lease that runs on agent '{agent}', got one that does not",
+                "UserInput.Lease",
+            )
         voice = self._voices.get(agent)
         # After a silence numbers begin anew: a joystick that was started again counts from 0.
         fresh = voice is None or now - voice.at >= SILENCE or user.seq is None or voice.seq is None

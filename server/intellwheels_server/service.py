@@ -7,18 +7,34 @@ touches the world, and every wait of it ends.
 from __future__ import annotations
 
 import contextlib
+import sys
+import threading
+import time
 from functools import partial
+from pathlib import Path
+from typing import Final, TextIO, get_args
 
 import zenoh
 
+from intellwheels_maps import floor, names
+from intellwheels_maps.check import check_map
 from intellwheels_schemas import link
 from intellwheels_schemas.channels import CHANNELS
 from intellwheels_schemas.codec import Encoding, encode
+from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.keys import Keys, OutKind
-from intellwheels_schemas.messages import Body, Clock, Event, MapInfo, Record, WorldState
-from intellwheels_server.arrival import Arrival, Ask, Put, Token, Topic
+from intellwheels_schemas.messages import Body, Clock, Event, Load, Map, MapInfo, Record, WorldState
+from intellwheels_schemas.process import SLICE
+from intellwheels_server.admission import new_hex
+from intellwheels_server.arrival import Arrival, Ask, Put, PutKind, Token, Topic
+from intellwheels_server.conductor import Conductor, Options, Recorder
+from intellwheels_server.inputs import Inputs
+from intellwheels_server.log import Line, Log
 
-SHUTDOWN: Final = 0.3
+KEYS_KNOWN: Final = 20_000
+"""Keys whose parts are remembered."""
+TOPICS: Final[dict[str, Topic]] = {topic: topic for topic in get_args(Topic)}
+SHUTDOWN: Final = 0.1
 """Seconds for what was put last to leave before the session closes."""
 PRESENCE_TIMEOUT: Final = 1.0
 """Seconds in which another simulator of this world would say so."""
@@ -47,15 +63,16 @@ class Network:
         self._map = link.declare(session, keys.map, CHANNELS["map"])
 
     def agent(self, agent: str, kind: OutKind, message: Record, encoding: Encoding) -> None:
-        """Put `out/<agent>/<kind>`."""
+        """Put `out/<agent>/<kind>`, for who has not joined too."""
         publishers = self._agents.get(agent)
         if publishers is not None:
             publisher, declared = publishers[kind]
             if declared is encoding:
                 publisher.put(encode(message, encoding))
                 return
-        with link.declare(self._session, self._keys.out(agent, kind), CHANNELS[kind], encoding) as once:
-            once.put(encode(message, encoding))
+        once = link.declare(self._session, self._keys.out(agent, kind), CHANNELS[kind], encoding)
+        once.put(encode(message, encoding))
+        once.undeclare()
 
     def welcome(self, agent: str, mind: Encoding, body: Encoding) -> None:
         """Declare what is put to this agent, unless it is declared so already."""
@@ -145,13 +162,25 @@ class Post:
             found = (put.agent, put.kind)
         elif (user := self._keys.parse_user(key)) is not None:
             found = (user, "user")
-        if len(self._known) >= _KEYS_KNOWN:
+        if len(self._known) >= KEYS_KNOWN:
             self._known.clear()
         self._known[key] = found
         return found
 
-    def _ask(self, arrival: link.Ask) -> Ask:
-        topic, name = self._asked(arrival.key)
+    def _ask(self, arrival: link.Ask) -> Ask | None:
+        keys = self._keys
+        chunk = arrival.key.removeprefix(keys.prefix).partition("/")[0]
+        topic = TOPICS.get(chunk) if arrival.key.startswith(keys.prefix) else None
+        if topic is None:
+            arrival.close()
+            return None
+        name = ""
+        if topic == "join":
+            name = keys.parse_join(arrival.key) or ""
+        elif topic == "leave":
+            name = keys.parse_leave(arrival.key) or ""
+        elif topic == "ctl":
+            name = keys.parse_ctl(arrival.key) or ""
         return Ask(
             topic=topic,
             name=name,
@@ -160,22 +189,150 @@ class Post:
             send=partial(self._send, arrival, topic),
             close=arrival.close,
             parameters=_parameters(arrival.parameters),
-            matches=partial(_matches, self._keys, zenoh.KeyExpr(arrival.key), topic),
+            matches=partial(self._matches, zenoh.KeyExpr(arrival.key), topic),
             wild="*" in arrival.key,
         )
 
-    def _asked(self, key: str) -> tuple[Topic, str]:
-        chunk = key[len(self._keys.prefix) :].partition("/")[0] if key.startswith(self._keys.prefix) else ""
-        if chunk == "join":
-            return "join", self._keys.parse_join(key) or ""
-        if chunk == "leave":
-            return "leave", self._keys.parse_leave(key) or ""
-        return "ctl", self._keys.parse_ctl(key) or ""
+    def _matches(self, asked: zenoh.KeyExpr, topic: Topic, name: str) -> bool:
+        return asked.intersects(zenoh.KeyExpr(f"{self._keys.prefix}{topic}/{name}"))
 
-    def _send(self, arrival: link.Ask, topic: Topic, message: Record, encoding: Encoding, ok: bool, name: str | None) -> None:
+    def _send(
+        self, arrival: link.Ask, topic: Topic, message: Record, encoding: Encoding, ok: bool, name: str | None
+    ) -> None:
         data = encode(message, encoding)
         with contextlib.suppress(zenoh.ZError):  # who asked may be gone
             if ok:
-                arrival.reply(data, encoding, self._reply_key(topic, name) if name is not None else None)
+                arrival.reply(data, encoding, None if name is None else f"{self._keys.prefix}{topic}/{name}")
             else:
                 arrival.refuse(data, encoding)
+
+
+def _parameters(text: str) -> dict[str, str]:
+    pairs = (pair.partition("=") for pair in text.split(";") if pair)
+    return {name: value for name, _, value in pairs}
+
+
+def floor_of(load: Load) -> Map:
+    """Return the floor that a `load` asks for.
+
+    Raises:
+        WireError: There is none of that name, or the map in it is wrong.
+    """
+    if load.map is None:
+        known = names("floors")
+        if load.name not in known:
+            raise WireError("value", f"Load.Name: expected one of the floors ({', '.join(known)}), got '{load.name}'")
+        return floor(str(load.name))
+    findings = check_map(load.map)
+    if findings:
+        raise WireError("value", "; ".join(f"Load.{finding.element}: {finding.text}" for finding in findings[:3]))
+    return load.map
+
+
+def serve(options: Options, route: link.Link, stop: threading.Event, log_file: Path | None = None) -> int:
+    """Serve a world until it is over and return the exit code.
+
+    Args:
+        options: How.
+        route: How to reach the others.
+        stop: Set when the process must end.
+        log_file: Where the input log goes, if anywhere.
+
+    Raises:
+        ConnectionError: The network cannot be reached, in words.
+        WorldTakenError: There is a simulator in this world.
+        OSError: The log cannot be written.
+    """
+    keys = Keys(options.world)
+    session = link.open_session(route, stop, waiting=lambda why: note(f"waiting why={why!r}"))
+    if session is None:
+        return 0
+    with session:
+        if keys.alive in link.tokens(session, keys.alive, timeout=PRESENCE_TIMEOUT):
+            raise WorldTakenError(
+                f"world '{options.world}' has a simulator already, at {route.where()}; "
+                "give this one another name with --world, or end that one"
+            )
+        run = new_hex()
+        log = Log(log_file, options.setup, run) if log_file is not None else None
+        try:
+            return _serve(options, route, session, keys, stop, log, run)
+        finally:
+            if log is not None:
+                log.close()
+
+
+def _serve(
+    options: Options,
+    route: link.Link,
+    session: zenoh.Session,
+    keys: Keys,
+    stop: threading.Event,
+    log: Log | None,
+    run: str,
+) -> int:
+    conductor = Conductor(
+        options, Network(session, keys), floor_of, time.time, record=None if log is None else _recorder(log), run=run
+    )
+    conductor.begin()
+    inbox = link.Inbox()
+    with contextlib.ExitStack() as stack:
+        for key in (keys.every_in, keys.every_user):
+            stack.enter_context(session.declare_subscriber(key, inbox.on_sample))
+        stack.enter_context(link.watch_tokens(session, keys.every_token, inbox))
+        for key in (keys.every_join, keys.every_leave, keys.every_ctl, keys.every_body, keys.every_state, keys.map,
+                    keys.event, keys.clock):  # fmt: skip
+            stack.enter_context(session.declare_queryable(key, inbox.on_query))
+        token = link.declare_token(session, keys.alive)
+        note(f"serving world={options.world} pace={options.pace} map={options.setup.floor.name} at={route.where()}")
+        tell(f"ready world={options.world} run={run} listen={route.where()}")
+        try:
+            _loop(conductor, Post(keys), inbox, stop)
+            conductor.finish(time.monotonic())
+            note(f"ended run={conductor.state.run} tick={conductor.state.tick} hash={conductor.digest()}")
+        finally:
+            token.undeclare()
+        time.sleep(SHUTDOWN)
+    return conductor.exit or 0
+
+
+def _recorder(log: Log) -> Recorder:
+    def record(tick: int, inputs: Inputs, digest: str, *, stepped: bool) -> None:
+        log.write(Line(tick=tick, inputs=inputs, hash=digest, stepped=stepped), time.monotonic())
+
+    return record
+
+
+def _loop(conductor: Conductor, post: Post, inbox: link.Inbox, stop: threading.Event) -> None:
+    """Take what arrives, move what is due, wait for the nearer of both: a life in a few lines."""
+    dropped = 0
+    while conductor.exit is None and not stop.is_set():
+        now = time.monotonic()
+        # An untimed wait in the main thread can miss a signal: never longer than a slice.
+        left = min(conductor.due(now) - now, SLICE)
+        if left > 0.0:
+            inbox.wait(left)
+            now = time.monotonic()
+        for arrived in inbox.take():
+            arrival = post.open(arrived)
+            if arrival is not None:
+                conductor.take(arrival, now)
+        conductor.work(now)
+        if inbox.dropped != dropped:
+            note(f"dropped arrivals={inbox.dropped - dropped} why='more than can be read'")
+            dropped = inbox.dropped
+
+
+def tell(line: str) -> None:
+    """Write a line that scripts wait for to standard output; who does not read it does not stop the run."""
+    _write(sys.stdout, line)
+
+
+def note(line: str) -> None:
+    """Write a line for people to standard error."""
+    _write(sys.stderr, line)
+
+
+def _write(stream: TextIO, line: str) -> None:
+    with contextlib.suppress(OSError, ValueError):  # nobody reads any more
+        print(line, file=stream, flush=True)  # noqa: T201 - the two places where lines are written

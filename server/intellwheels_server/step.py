@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from intellwheels_schemas.messages import Event, EventCode
@@ -14,7 +16,8 @@ from intellwheels_server.kernels.arrays import Ints
 from intellwheels_server.kernels.command import NOW_SILENT, NOW_STALE, NOW_TIMED_OUT
 from intellwheels_server.kernels.rows import LEFT_COMMAND, RIGHT_COMMAND, SILENT, STALE, TIMED_OUT
 from intellwheels_server.kernels.tick import tick_all
-from intellwheels_server.sensors import View, sense
+from intellwheels_server.sensors import sense
+from intellwheels_server.sensors.kind import View
 from intellwheels_server.state import State
 
 USER_SILENCE = 0.3
@@ -30,7 +33,7 @@ def staleness(period: float) -> float:
 
 def steps_in(seconds: float, period: float) -> int:
     """Return in how many whole steps a time is over."""
-    return int(np.ceil(seconds / period - 1e-9))
+    return math.ceil(seconds / period - 1e-9)
 
 
 def step(state: State, inputs: Inputs) -> tuple[State, tuple[Event, ...], bool]:
@@ -48,10 +51,17 @@ def step(state: State, inputs: Inputs) -> tuple[State, tuple[Event, ...], bool]:
     if setup.strict and len(reported):
         happenings.extend(_fresh(state, reported, flags))
 
-    period = setup.period
+    period, bodies, walls = setup.period, fleet.bodies, state.walls
     found, hits, hit_numbers = tick_all(
-        *fleet.bodies,
-        *state.walls,
+        bodies.parts,
+        bodies.part_start,
+        bodies.shape,
+        bodies.marks,
+        walls.pieces,
+        walls.links,
+        walls.edges,
+        walls.cells,
+        walls.frame,
         fleet.motors,
         fleet.flaws,
         fleet.noise,

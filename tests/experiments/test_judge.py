@@ -81,6 +81,10 @@ def test_run_without_an_end_does_not_hold() -> None:
     assert judge(scene(BOTH), FLOOR, seen(5.0), ended=False).failed == ("the run did not come to its end",)
 
 
+def test_run_that_never_began_says_no_more_than_that() -> None:
+    assert judge(scene(BOTH), FLOOR, Record(), ended=False).failed == ("the run did not come to its end",)
+
+
 def test_agent_never_seen_does_not_hold() -> None:
     verdict = judge(scene(None), FLOOR, Record())
     assert verdict.failed == ("agent 'chair1' was never seen", "agent 'table' was never seen")

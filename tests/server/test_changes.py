@@ -147,7 +147,7 @@ def test_real_chair_joins_where_it_says_it_is_whatever_stands_there() -> None:
     ],
 )
 def test_change_to_nobody_is_not_found(change: Change) -> None:
-    state, outcome, events = do(world(), change)
+    _, outcome, events = do(world(), change)
     assert (outcome.code, outcome.text, events) == ("not-found", "no agent 'x' here", ())
 
 

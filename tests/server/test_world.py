@@ -6,7 +6,7 @@ import pytest
 from tests.server.worlds import RUN, box_wall, cart, do, floor_of, run, world
 
 import intellwheels_server.world
-from intellwheels_schemas.messages import Actions, Compass, Encoders, End, Place, Position, Proximity, Reach, Timeout
+from intellwheels_schemas.messages import Actions, Compass, Encoders, End, Event, Place, Position, Proximity, Reach, Timeout
 from intellwheels_server.inputs import GoOn, Inputs, Join, Restart, TakeBody
 from intellwheels_server.kernels.rows import HEADING, X, Y
 from intellwheels_server.world import advance, apply, digest, entities, measures
@@ -80,7 +80,7 @@ def test_run_ends_when_all_have_reached_their_places_and_no_step_follows() -> No
     places = (Place(name="goal", x=1.0, y=0.0),)
     end = End(reach=(Reach(agent="a", place="goal", within=0.1),), timeout=Timeout(seconds=60.0))
     state = world({"a": cart()}, floor=floor_of((), places), end=end)
-    events = []
+    events: list[Event] = []
     for _ in range(40):
         state, outputs = advance(state, Inputs(actions={"a": Actions(left_motor=1.0, right_motor=1.0)}))
         events.extend(outputs.events)
@@ -163,8 +163,8 @@ def test_nothing_to_apply_changes_nothing() -> None:
     assert apply(state, [])[0] is state
 
 
-def front(id: str = "front") -> Proximity:
-    return Proximity(id=id, x=0.5, y=0.0, z=0.4, direction_deg=0.0, cone_deg=30.0, max_range=4.0)
+def front() -> Proximity:
+    return Proximity(id="front", x=0.5, y=0.0, z=0.4, direction_deg=0.0, cone_deg=30.0, max_range=4.0)
 
 
 def test_joining_agent_changes_nobody_else_s_noise() -> None:

@@ -477,11 +477,10 @@ def resolve(
         d, a = abs(twist[TRAVEL, i]), abs(twist[TURN, i])
         if marks[HELD, i] != 0:
             d = a = 0.0
-        motion = d + a * shape[RADIUS, i]
-        reach[_MOTION, i] = motion
-        reach[_WIDE, i] = shape[RADIUS, i] + d + motion
+        reach[_MOTION, i] = d + a * shape[RADIUS, i]
+        reach[_WIDE, i] = shape[RADIUS, i] + d + reach[_MOTION, i]
         reach[_SURE, i] = shape[RADIUS, i] + d
-        moves |= motion > 0.0
+        moves |= reach[_MOTION, i] > 0.0
         licensed |= licence[i] > 0.0
         outcome[END_X, i], outcome[END_Y, i], outcome[END_HEADING, i] = pose[X, i], pose[Y, i], pose[HEADING, i]
         outcome[FORWARD, i] = outcome[TURNED, i] = 0.0
@@ -490,10 +489,87 @@ def resolve(
             flags[k, i] = 0
     used = 0
     if moves:
-        used = _move(
-            parts, part_start, shape, marks, pieces, links, edges, cells, frame, pose, twist, licence, tick,
-            reach, outcome, flags, hits, hit_numbers,
-        )  # fmt: skip
+        motion = reach[_MOTION]
+        pairs = pairs_near(shape, pose, motion, reach[_WIDE])
+        wall_start = np.empty(n + 1, dtype=np.int64)
+        walls = np.empty(2 + 8 * n, dtype=np.int64)
+        walls[0] = walls[1] = 2
+        for i in range(n):
+            wall_start[i] = walls[0]
+            if motion[i] > 0.0 and pieces.shape[0] > 0:
+                walls = pieces_near(
+                    pieces,
+                    cells,
+                    frame,
+                    pose[X, i],
+                    pose[Y, i],
+                    reach[_WIDE, i],
+                    shape[LOWEST, i],
+                    shape[HIGHEST, i],
+                    walls,
+                )
+        wall_start[n] = walls[0]
+        parent = np.empty(n, dtype=np.int64)
+        island = np.empty((3, n))
+        any_tight = _islands(shape, pieces, pose, reach, pairs, wall_start, walls, parent, island)
+        for i in range(n):
+            # Where no proposal can meet anything all of them stand, and nobody has to look.
+            if motion[i] > 0.0 and island[0, parent[i]] == 0.0:
+                x, y, h, _, _ = arc(pose[X, i], pose[Y, i], pose[HEADING, i], twist[TRAVEL, i], twist[TURN, i])
+                outcome[END_X, i], outcome[END_Y, i], outcome[END_HEADING, i] = x, y, h
+                outcome[FORWARD, i], outcome[TURNED, i] = twist[TRAVEL, i], twist[TURN, i]
+        if any_tight:
+            count = (pairs[0] - 1) // 2
+            near_start = np.zeros(n + 2, dtype=np.int64)
+            for e in range(1, pairs[0]):
+                near_start[pairs[e] + 2] += 1
+            for i in range(n):
+                near_start[i + 2] += near_start[i + 1]
+            near, edge = np.empty(2 * count, dtype=np.int64), np.empty(2 * count, dtype=np.int64)
+            for e in range(count):
+                for side in range(2):
+                    i, j = pairs[1 + 2 * e + side], pairs[2 + 2 * e - side]
+                    at = near_start[i + 1]
+                    near[at], edge[at] = j, e
+                    near_start[i + 1] += 1
+            old = spots_of(pose)
+            scene = Scene(
+                parts, part_start, shape, marks, pieces, links, edges, licence,
+                old, old.copy(), near_start, near, wall_start, walls,
+            )  # fmt: skip
+            ledger = _Ledger(
+                twist, flags, hits, hit_numbers, edge, np.full(count, -1, dtype=np.int64),
+                np.zeros((5, n), dtype=np.int64), np.empty(n, dtype=np.int64), np.zeros(2, dtype=np.int64),
+            )  # fmt: skip
+            for i in range(n):
+                # What does not move stays in every sub-step; members say so anew in each.
+                ledger.status[_STAY, i] = 1
+            # Members of an island are linked from its root on, ascending.
+            following = np.empty(n, dtype=np.int64)
+            last = np.empty(n, dtype=np.int64)
+            size = np.zeros(n, dtype=np.int64)
+            for i in range(n):
+                if motion[i] > 0.0 and island[0, parent[i]] != 0.0:
+                    root = parent[i]
+                    if size[root] > 0:
+                        following[last[root]] = i
+                    last[root] = i
+                    size[root] += 1
+            proposal, result, gain = np.empty((n, 5)), np.empty((n, 5)), np.empty((2, n))
+            members = np.empty(n, dtype=np.int64)
+            for root in range(n):
+                if size[root] == 0:
+                    continue
+                i = root
+                for k in range(size[root]):
+                    members[k] = i
+                    i = following[i]
+                quotient = np.ceil(island[1, root] / min(_LONGEST_STEP, 0.5 * island[2, root]))
+                steps = int(min(quotient, float(_MOST_STEPS)))
+                _settle(
+                    scene, ledger, members[: size[root]], steps, tick, pose, motion, proposal, result, gain, outcome
+                )
+            used = int(ledger.counts[_HITS])
     if licensed:
         for i in range(n):
             if (

@@ -9,7 +9,7 @@ A new kind of sensor is a file here and a line in `KINDS`.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -24,10 +24,10 @@ from intellwheels_schemas.messages import (
     Proximity,
     Record,
     Robot,
-    SensorDeclaration,
     Sensors,
     Truth,
 )
+from intellwheels_schemas.rules import sensors_of
 from intellwheels_server.kernels import timetable
 from intellwheels_server.kernels.arrays import Floats
 from intellwheels_server.kernels.noise import noise_key
@@ -47,48 +47,27 @@ KINDS: dict[type[Record], Kind] = {
 }
 """The kinds that are simulated, by their declaration. Whatever else the contract names is refused at joining."""
 
-# The fields of a robot that list sensors, with the wire's name of each, which is that of the class.
-_FIELDS = {kind.__name__.lower(): kind for kind in SensorDeclaration.__args__}
-
-_MOST_SENSORS = 64
-
 
 def check_sensors(robot: Robot, *, truth: bool) -> None:
-    """Refuse a robot whose sensors cannot be simulated.
+    """Refuse a robot whose sensors cannot be simulated here.
 
     Args:
-        robot: The robot as it wants to join.
+        robot: The robot as it wants to join; what documents must fulfil (`rules.check_robot`) it does.
         truth: Whether agents may know the truth here.
 
     Raises:
-        RequestRefusedError: With code `field` a kind that is not simulated yet, `truth`, `mount`, `limit`
-            more than 64 sensors, `value` anything else.
+        RequestRefusedError: With code `field` for a kind that is not simulated yet, `value` for a model
+            that is not, `truth`, or `mount` for a real body's sensor that is fixed in the world.
     """
-    ids: set[str] = set()
-    for where, declaration in _declared(robot):
+    for name, index, declaration in sensors_of(robot):
+        where = f"Robot.{name}[{index}]"
         kind = KINDS.get(type(declaration))
         if kind is None:
             names = ", ".join(known.__name__ for known in KINDS)
-            raise RequestRefusedError("field", f"{where}: expected one of {names}; this kind is not simulated yet")
-        if declaration.id in ids:
-            raise RequestRefusedError(
-                "value", f"{where}.Id: expected an id no other sensor has, got '{declaration.id}'"
-            )
-        ids.add(declaration.id)
-        if declaration.source == "real" and robot.type != "real":
-            raise RequestRefusedError("value", f"{where}.Source: expected simulated for a simulated robot, got 'real'")
-        if type(declaration) is Truth and not truth:
+            raise RequestRefusedError("field", f"{where}: expected one of {names}; {name} is not simulated yet")
+        if isinstance(declaration, Truth) and not truth:
             raise RequestRefusedError("truth", f"{where}: truth sensors are not allowed in this simulation")
         kind.check(where, declaration, robot)
-    if len(ids) > _MOST_SENSORS:
-        raise RequestRefusedError("limit", f"Robot: expected at most {_MOST_SENSORS} sensors, got {len(ids)}")
-
-
-def _declared(robot: Robot) -> Iterator[tuple[str, Any]]:
-    """Yield every sensor of a robot with its place in the wire's names."""
-    for field, kind in _FIELDS.items():
-        for number, declaration in enumerate(getattr(robot, field)):
-            yield f"Robot.{kind.__name__}[{number}]", declaration
 
 
 @dataclass(frozen=True, slots=True)
@@ -155,7 +134,7 @@ def plan_sensors(
         joined = old.joined if old is not None and stays else tick
         begin = size
         places = []
-        for _, declaration in _declared(robot):
+        for _, _, declaration in sensors_of(robot):
             if declaration.source == "real":
                 continue
             kind = KINDS[type(declaration)]

@@ -42,7 +42,7 @@ class BumperKind:
     def check(self, where: str, declaration: Bumper, robot: Robot) -> None:
         """Refuse none."""
 
-    def compile(self, fitted: Sequence[Fitted], timetable: Ints) -> BumperBlock:
+    def compile(self, fitted: Sequence[Fitted], timetable: Ints) -> BumperBlock:  # noqa: ARG002 - as `Kind` has it
         """Return the block."""
         return BumperBlock(timetable)
 

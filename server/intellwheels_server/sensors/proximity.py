@@ -69,12 +69,10 @@ class ProximityKind:
     width = SAMPLE_WIDTH
 
     def check(self, where: str, declaration: Proximity, robot: Robot) -> None:
-        """Refuse models that are not simulated, ranges without an inside, and world-fixed sensors of real bodies."""
+        """Refuse models that are not simulated yet, and sensors of real bodies that are fixed in the world."""
         if declaration.model != "ideal":
-            raise RequestRefusedError("value", f"{where}.Model: expected ideal, got '{declaration.model}'")
-        if not declaration.min_range < declaration.max_range:
-            limits = f"below MaxRange {declaration.max_range:g}, got {declaration.min_range:g}"
-            raise RequestRefusedError("value", f"{where}.MinRange: expected metres {limits}")
+            text = f"{where}.Model: expected ideal, got '{declaration.model}', which is not simulated yet"
+            raise RequestRefusedError("value", text)
         if declaration.mount == "start" and robot.type == "real":
             raise RequestRefusedError("mount", f"{where}.Mount: expected body for a real robot, got 'start'")
 

@@ -48,7 +48,7 @@ class TruthKind:
     def check(self, where: str, declaration: Truth, robot: Robot) -> None:
         """Refuse none; whether truth is allowed is the simulation's to say, see `check_sensors`."""
 
-    def compile(self, fitted: Sequence[Fitted], timetable: Ints) -> TruthBlock:
+    def compile(self, fitted: Sequence[Fitted], timetable: Ints) -> TruthBlock:  # noqa: ARG002 - as `Kind` has it
         """Return the block."""
         return TruthBlock(timetable)
 

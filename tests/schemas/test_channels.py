@@ -1,0 +1,23 @@
+from __future__ import annotations
+
+from intellwheels_schemas.channels import CHANNELS, VERB_CLASSES
+from intellwheels_schemas.keys import VERBS
+from intellwheels_schemas.messages import Map, Scene
+from intellwheels_schemas.vectors import NAMES
+
+
+def test_every_document_but_the_scene_travels_somewhere() -> None:
+    carried = {
+        cls for channel in CHANNELS.values() for cls in (*channel.carries, *channel.replies, *channel.errors)
+    }  # fmt: skip
+    assert carried == set(NAMES.values()) - {Scene}
+    assert Map in carried
+
+
+def test_every_verb_has_its_class() -> None:
+    assert VERB_CLASSES.keys() == VERBS.keys()
+    assert set(VERB_CLASSES.values()) == set(CHANNELS["ctl"].carries)
+
+
+def test_only_the_clock_is_express() -> None:
+    assert [name for name, channel in CHANNELS.items() if channel.express] == ["clock"]

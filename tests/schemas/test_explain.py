@@ -1,0 +1,58 @@
+from __future__ import annotations
+
+import json
+
+import pytest
+
+from intellwheels_schemas.errors import WireError
+from intellwheels_schemas.explain import Repeated, check_plain, expected, object_of_pairs, shown
+from intellwheels_schemas.messages import Actions
+from intellwheels_schemas.shapes import Scalar, shape_of
+
+
+@pytest.mark.parametrize(
+    ("scalar", "words"),
+    [
+        (Scalar(kind="number", low=0.0, high=360.0, low_open=True, unit="deg"), "degrees in (0, 360]"),
+        (Scalar(kind="number", low=0.0, high=1.0, high_open=True, unit="1"), "a number in [0, 1)"),
+        (Scalar(kind="number", low=0.5, unit="m"), "metres in [0.5, inf)"),
+        (Scalar(kind="integer"), "a whole number"),
+        (Scalar(kind="word", words=("a", "b")), "one of a, b"),
+        (Scalar(kind="word", words=("a",)), "a"),
+        (Scalar(kind="truth"), "true or false"),
+        (Scalar(kind="text"), "text"),
+    ],
+)
+def test_expectation_is_in_words(scalar: Scalar, words: str) -> None:
+    assert expected(scalar) == words
+
+
+@pytest.mark.parametrize(
+    ("value", "words"),
+    [
+        (None, "null"), (True, "true"), (0.0, "0"), (0.5, "0.5"), (1e300, "1e+300"), (10**30, "a very large number"),
+        ("a\x00", "'a\\x00'"), ([], "a list"), ({}, "an object"), ("x" * 50, f"{'x' * 37!r} and 13 characters more"),
+    ],
+)  # fmt: skip
+def test_value_of_a_stranger_is_shown_short(value: object, words: str) -> None:
+    assert shown(value) == words
+
+
+def test_name_that_comes_twice_marks_its_object() -> None:
+    plain = json.loads('{"a":{"b":1,"c":2,"b":3}}', object_pairs_hook=object_of_pairs)
+    assert not isinstance(plain, Repeated)
+    assert isinstance(plain["a"], Repeated)
+    assert plain["a"].name == "b"
+
+
+def test_unknown_fields_are_taken_out_when_not_strict() -> None:
+    plain = {"Tick": 1, "New": {"Deep": None}, "Goal": {"X": 1.0, "Y": 2.0, "Z": 3.0}}
+    check_plain(shape_of(Actions), plain, "Actions", strict=False)
+    assert plain == {"Tick": 1, "Goal": {"X": 1.0, "Y": 2.0}}
+
+
+def test_strange_name_of_a_field_is_not_repeated_as_a_place() -> None:
+    with pytest.raises(WireError) as caught:
+        check_plain(shape_of(Actions), {"\x1b[31m": 1}, "Actions", strict=True)
+    assert caught.value.where == "Actions"
+    assert "\x1b" not in caught.value.text

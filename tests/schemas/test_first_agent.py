@@ -1,0 +1,58 @@
+"""The page for programmers of any language: its bytes are true."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+
+from intellwheels_schemas.codec import Encoding, decode, encode
+from intellwheels_schemas.keys import Keys
+from intellwheels_schemas.messages import Actions, Joined, Measures, Record, Refused, Robot
+from intellwheels_schemas.vectors import CHAIR
+
+PAGE = (Path(__file__).parents[2] / "schemas" / "FIRST-AGENT.md").read_text(encoding="utf-8")
+LINES = [line.strip() for line in PAGE.splitlines()]
+OBJECTS = [line for line in LINES if line.startswith('{"')]
+ELEMENTS = [line for line in LINES if re.match(r"<[A-Z]", line)]
+CLASSES: dict[str, type[Record]] = {"Robot": Robot, "Measures": Measures, "Actions": Actions}
+
+
+def test_page_has_the_four_messages() -> None:
+    robot, joined, measures, actions = OBJECTS
+    accepted = encode(CHAIR).decode()
+    for cls, text in (
+        (Robot, robot),
+        (Joined, joined.replace("{...as accepted...}", accepted)),
+        (Measures, measures),
+        (Actions, actions),
+    ):
+        assert encode(decode(cls, text.encode())).decode() == text
+
+
+@pytest.mark.parametrize("text", ELEMENTS)
+def test_page_says_the_same_in_xml(text: str) -> None:
+    cls = CLASSES[re.split(r"[ <]", text)[1]]
+    message = decode(cls, text.encode(), Encoding.XML)
+    assert encode(message, Encoding.XML).decode() == text
+    assert encode(message).decode() in OBJECTS
+
+
+def test_page_shows_a_refusal() -> None:
+    refusal = re.search(r'`(\{"Code".*?\})`', PAGE)
+    assert refusal is not None
+    assert decode(Refused, refusal[1].encode()).code == "already-here"
+
+
+def test_page_uses_the_keys_of_the_contract_and_no_python() -> None:
+    keys = Keys("main")
+    for key in (
+        keys.outs("chair1"),
+        keys.token("chair1", "both", "5f0c2a9be1d84377"),
+        keys.actions("chair1"),
+        keys.join("chair1"),
+        keys.alive,
+    ):
+        assert f"`{key}`" in PAGE
+    assert "```python" not in PAGE

@@ -1,0 +1,38 @@
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+from intellwheels_schemas.channels import CHANNELS
+from intellwheels_schemas.keys_page import keys_page
+from intellwheels_schemas.messages import ERROR_CODES, EVENT_CODES, REFUSED_CODES, RESULT_CODES
+from intellwheels_schemas.shapes import shape_of
+from intellwheels_schemas.vectors import NAMES
+
+SCHEMAS = Path(__file__).parents[2] / "schemas"
+PAGE = keys_page()
+
+
+def test_every_key_field_and_code_stands_there() -> None:
+    for channel in CHANNELS.values():
+        assert f"| `{channel.key}` |" in PAGE
+    for name, cls in NAMES.items():
+        section = PAGE.partition(f"### {name}\n")[2].partition("\n### ")[0]
+        for member in shape_of(cls).members:
+            assert f"| `{member.wire}` |" in section, (name, member.wire)
+    for code in (*ERROR_CODES, *EVENT_CODES, *REFUSED_CODES, *RESULT_CODES):
+        assert f"| `{code}` |" in PAGE
+
+
+def test_links_lead_somewhere() -> None:
+    headings = {line.lstrip("# ").lower() for line in PAGE.splitlines() if line.startswith("#")}
+    for target in re.findall(r"\]\(([^)]+)\)", PAGE):
+        if target.startswith("#"):
+            assert target[1:] in headings
+        else:
+            assert (SCHEMAS / target).exists()
+
+
+def test_limits_of_the_contract_stand_there() -> None:
+    for line in ("| bytes of Robot | 65,536 |", "| bytes of Pose | 16,384 |", "| sensors of a robot | 64 |"):
+        assert line in PAGE

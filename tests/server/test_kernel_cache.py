@@ -1,0 +1,70 @@
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from intellwheels_server import kernel_cache
+
+
+@pytest.fixture(autouse=True)
+def _own_environment(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.delitem(sys.modules, "numba", raising=False)
+    for name in ("NUMBA_CACHE_DIR", "XDG_CACHE_HOME", "HOME"):
+        monkeypatch.delenv(name, raising=False)
+
+
+def test_folder_the_user_named_is_taken(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
+    assert kernel_cache.choose() == tmp_path
+
+
+def test_user_s_cache_folder_comes_first_and_is_its_owner_s_alone(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("HOME", str(tmp_path))
+    folder = kernel_cache.choose()
+    assert folder.parent == tmp_path / ".cache" / "intellwheels"
+    assert folder.stat().st_mode & 0o077 == 0
+    assert os.environ["NUMBA_CACHE_DIR"] == str(folder)
+
+
+def test_without_a_home_that_can_be_written_the_temporary_folder_serves(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    blocked = tmp_path / "file"
+    blocked.write_text("")
+    monkeypatch.setenv("HOME", str(blocked))
+    monkeypatch.setattr("tempfile.gettempdir", lambda: str(tmp_path))
+    assert kernel_cache.choose().parent == tmp_path / f"intellwheels-{os.getuid()}"
+
+
+def test_folder_of_another_user_is_not_used(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("HOME", str(tmp_path))
+    monkeypatch.setattr("tempfile.gettempdir", lambda: str(tmp_path))
+    monkeypatch.setattr("os.getuid", lambda: 12345)
+    monkeypatch.setattr("tempfile.mkdtemp", lambda prefix: str(tmp_path / prefix))
+    assert kernel_cache.choose() == tmp_path / "intellwheels-"
+
+
+def test_digest_is_that_of_the_kernels_sources() -> None:
+    assert len(kernel_cache.source_digest()) == 12
+    assert kernel_cache.source_digest() == kernel_cache.source_digest()
+
+
+def test_cold_folder_becomes_warm(tmp_path: Path) -> None:
+    assert kernel_cache.is_cold(tmp_path)
+    (tmp_path / "x.nbc").write_bytes(b"")
+    assert not kernel_cache.is_cold(tmp_path)
+
+
+def test_package_imports_where_nothing_can_be_written_but_the_temporary_folder(tmp_path: Path) -> None:
+    environment = {name: value for name, value in os.environ.items() if name not in {"HOME", "XDG_CACHE_HOME"}}
+    environment.update(HOME="/proc", TMPDIR=str(tmp_path))
+    code = "import intellwheels_server.kernels.elementary as e; print(e.sin(0.0))"
+    done = subprocess.run(
+        [sys.executable, "-c", code], env=environment, capture_output=True, text=True, timeout=120, check=False
+    )
+    assert (done.stdout.strip(), done.returncode) == ("0.0", 0), done.stderr
+    assert any(tmp_path.rglob("*.nbc"))
