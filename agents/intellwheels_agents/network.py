@@ -9,6 +9,7 @@ instead of 152, an echo of measures on loopback), and a lockstep waits for every
 
 from __future__ import annotations
 
+import queue
 import sys
 import threading
 import time

@@ -13,6 +13,10 @@ from intellwheels_schemas.messages import Proximity, ProximityReading, Robot, Se
 from intellwheels_schemas.rules import parts_of
 
 
+BESIDE = math.pi / 2.0
+"""Radians: straight to the side."""
+
+
 @dataclass(frozen=True, slots=True)
 class Outline:
     """How far a body reaches from its centre of movement, in metres, all positive."""
@@ -46,25 +50,27 @@ class Surroundings:
 
     Attributes:
         left, right: Metres of room to each side, beside and ahead, infinite where nothing is seen.
+        front_left, front_right: Metres of room before each front corner.
+        back_left, back_right: Metres of room for the back to swing to, beside and behind.
+        back: Metres of room behind.
     """
 
     # Beside the body, in metres: what passes nearer than this could be touched.
     MARGIN = 0.05
 
     def __init__(self, robot: Robot) -> None:
-        """Take the sensors of `robot` that ride on it and look ahead or to the side."""
+        """Take the sensors of `robot` that ride on it."""
         self._body = outline(robot)
         self._looking = {
             sensor.id: (sensor, math.radians(sensor.direction_deg), math.radians(sensor.cone_deg) / 2.0)
             for sensor in robot.proximity
-            if sensor.mount == "body" and abs(math.remainder(sensor.direction_deg, 360.0)) <= 90.0
+            if sensor.mount == "body"
         }
-        self.left = self.right = math.inf
-        self._gap = math.inf
+        self._clear()
 
     def update(self, sensors: Sensors | None) -> None:
         """Take the readings of a tick. A sensor that failed, or is not there yet, is left out."""
-        self.left = self.right = self._gap = math.inf
+        self._clear()
         if sensors is None:
             return
         for reading in sensors.proximity:
@@ -75,12 +81,36 @@ class Surroundings:
             metres = distance(reading, sensor)
             if metres is None:
                 continue
-            direction = math.remainder(direction, 2.0 * math.pi)
-            if direction > half_cone:
+            bearing = math.remainder(direction, 2.0 * math.pi)
+            self._sort(bearing, half_cone, metres)
+            self._gap = min(self._gap, self._gap_of(sensor, bearing, half_cone, metres))
+
+    def _clear(self) -> None:
+        self.left = self.right = self.back = self._gap = math.inf
+        self.front_left = self.front_right = self.back_left = self.back_right = math.inf
+
+    def _sort(self, bearing: float, half_cone: float, metres: float) -> None:
+        """Note the room a cone tells of, by where it looks."""
+        off = abs(bearing)
+        if off >= math.pi - half_cone:
+            self.back = min(self.back, metres)
+            return
+        if half_cone < off < BESIDE - half_cone:
+            if bearing > 0.0:
+                self.front_left = min(self.front_left, metres)
+            else:
+                self.front_right = min(self.front_right, metres)
+        # A quarter turn to the side is both: the side ahead and the side the back swings to.
+        if half_cone < off <= BESIDE + half_cone:
+            if bearing > 0.0:
                 self.left = min(self.left, metres)
-            elif direction < -half_cone:
+            else:
                 self.right = min(self.right, metres)
-            self._gap = min(self._gap, self._gap_of(sensor, direction, half_cone, metres))
+        if off >= BESIDE - half_cone:
+            if bearing > 0.0:
+                self.back_left = min(self.back_left, metres)
+            else:
+                self.back_right = min(self.back_right, metres)
 
     @property
     def gap(self) -> float:

@@ -141,7 +141,9 @@ def _default(member: Member) -> str:
 
 def _field(member: Member) -> tuple[str, str, str, str]:
     scalar = member.scalar
-    kind = f"<{member.wire}> {member.record.__name__}" if member.record is not None else ""
+    kind = f"<{member.wire}>" if member.record is not None else ""
+    if member.record is not None:
+        kind += f" [{member.record.__name__}](#{member.record.__name__.lower()})"
     if scalar is not None:
         kind = expected(scalar)
         if scalar.unit not in {"", "1", "deg", "rad", "m", "s", "m/s", "m/s2", "rad/s"}:

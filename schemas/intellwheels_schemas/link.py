@@ -30,7 +30,9 @@ QUEUE_ROOM: Final = 16
 TRY_EVERY: Final = 1.0
 """Seconds between two tries to open a session."""
 
-_SLICE: Final = 0.2  # of waits, so that signals are seen
+_SLICE: Final = 0.2  # seconds of a wait, so that signals are seen
+_ASKINGS: Final = 3
+_PAUSE: Final = 0.02
 
 _PRIORITIES: Final[dict[str, zenoh.Priority]] = {
     "real-time": zenoh.Priority.REAL_TIME,
@@ -427,20 +429,28 @@ def watch_tokens(session: zenoh.Session, key: str, inbox: Inbox) -> zenoh.Subscr
 def tokens(session: zenoh.Session, key: str, *, timeout: float = 1.0) -> list[str]:
     """Return the keys of all tokens there are now that match, sorted; those that answer in time.
 
+    For a look from outside: who watches the same keys believes the watch, which misses nothing.
+
     Args:
         session: Where.
         key: Perhaps with wildcards.
         timeout: Seconds to wait.
     """
     found: set[str] = set()
-    done = threading.Event()
 
     def on_reply(reply: zenoh.Reply) -> None:
         if (sample := reply.ok) is not None:
             found.add(str(sample.key_expr))
 
-    session.liveliness().get(key, zenoh.handlers.Callback(on_reply, done.set), timeout=timeout)
-    deadline = time.monotonic() + timeout + 0.5
-    while not done.wait(_SLICE) and time.monotonic() < deadline:
-        pass
+    deadline = time.monotonic() + timeout
+    # In sessions that had just begun to watch the key, 3 of 100 askings missed a token that was there (Zenoh 1.10.2),
+    # with three of them 1 in 450; in sessions that watch nothing, none in 300.
+    for _ in range(_ASKINGS):
+        done = threading.Event()
+        left = max(deadline - time.monotonic(), 0.05)
+        session.liveliness().get(key, zenoh.handlers.Callback(on_reply, done.set), timeout=left)
+        while not done.wait(_SLICE) and time.monotonic() < deadline + 0.5:
+            pass
+        if not found:
+            threading.Event().wait(_PAUSE)
     return sorted(found)

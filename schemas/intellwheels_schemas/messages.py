@@ -355,17 +355,20 @@ class Robot(Record, frozen=True, kw_only=True):
     kind: Annotated[Word, Meta(description="wheelchair, door, table, person or any word")] = "robot"
     role: Role = "both"
     instance: Hex | None = None
-    barrier: bool | None = None
+    barrier: Annotated[bool, Meta(description="lockstep awaits it; absent: whether it has motors")] | None = None
     crew: Name | None = None
     user_input: Annotated[tuple[InputWord, ...], Meta(max_length=3)] = ()
-    place: Word | None = None
+    place: (
+        Annotated[Word, Meta(description="where to start; absent: Position, or the first free place of its kind")]
+        | None
+    ) = None
     hardware: Literal["real", "simulated"] = "real"
     top_speed: TopSpeed = 0.0
     acceleration_curve: Inertia = 0.0
     track: Annotated[Size, Meta(description="distance between the wheels")] = 0.6
     wheel_diameter: Size = 0.35
     encoder_ticks: Annotated[int, Meta(ge=1, le=1_000_000, description="ticks of a whole turn of a wheel")] = 2000
-    command_timeout: Seconds | None = None
+    command_timeout: Annotated[Seconds, Meta(description="absent: the simulation's own")] | None = None
     anchored: Annotated[bool, Meta(description="a hinge holds it: never slides")] = False
     acceleration_limit: Annotated[Limit, Meta(extra=_unit("m/s2"))] | None = None
     turn_limit: Annotated[Limit, Meta(extra=_unit("rad/s"))] | None = None
@@ -373,8 +376,10 @@ class Robot(Record, frozen=True, kw_only=True):
     slip: Annotated[Share, Meta(description="share by which blocked wheels turn on")] = 0.0
     length: Size | None = None
     width: Size | None = None
-    center: Annotated[Share, Meta(description="centre of movement from the rear edge, in lengths")] | None = None
-    top: Size | None = None
+    center: (
+        Annotated[Share, Meta(description="centre of movement from the rear edge, in lengths; absent: 0.5")] | None
+    ) = None
+    top: Annotated[Size, Meta(description="z of the upper face; absent: 1.3")] | None = None
     part: Annotated[tuple[Part, ...], Meta(max_length=32)] = ()
     position: Position | None = None
     proximity: tuple[Proximity, ...] = ()
@@ -920,7 +925,7 @@ class Wall(Record, frozen=True, kw_only=True):
     height: Size = 2.5
     bottom: Length = 0.0
     thickness: Size | None = None
-    corner: tuple[Corner, ...]
+    corner: tuple[Corner, ...] = ()
 
 
 class Doorway(Record, frozen=True, kw_only=True):
@@ -939,7 +944,7 @@ class Obstacle(Record, frozen=True, kw_only=True):
     name: Word
     bottom: Length = 0.0
     top: Size
-    corner: tuple[Corner, ...]
+    corner: tuple[Corner, ...] = ()
 
 
 class Zone(Record, frozen=True, kw_only=True):
@@ -947,7 +952,7 @@ class Zone(Record, frozen=True, kw_only=True):
 
     name: Word
     title: Title | None = None
-    corner: tuple[Corner, ...]
+    corner: tuple[Corner, ...] = ()
 
 
 class Place(Record, frozen=True, kw_only=True):

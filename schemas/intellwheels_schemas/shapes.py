@@ -7,9 +7,9 @@ from __future__ import annotations
 
 import enum
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
-from typing import Any, Final, Literal, cast
+from typing import Any, Final, Literal, cast, get_args, get_origin, get_type_hints
 
 import msgspec
 from msgspec import inspect
@@ -156,7 +156,14 @@ def _peel(kind: inspect.Type) -> tuple[inspect.Type, dict[str, Any], dict[str, A
 _FORMS: Final = {"element": Form.ELEMENT, "text": Form.CONTENT}
 
 
-def _member(field: inspect.Field) -> Member:
+def _words(hint: Any) -> tuple[str, ...]:
+    """Return the words of a closed list as declared; msgspec sorts them."""
+    if get_origin(hint) is Literal:
+        return get_args(hint)
+    return next((words for inner in get_args(hint) if (words := _words(inner))), ())
+
+
+def _member(field: inspect.Field, hint: Any) -> Member:
     kind, extra, schema, _ = _peel(field.type)
     description = str(schema.get("description", ""))
     required = field.required
@@ -176,6 +183,8 @@ def _member(field: inspect.Field) -> Member:
     scalar = _scalar(kind, extra, schema, nullable)
     if scalar is None:
         raise TypeError(f"{field.name}: no wire form for {kind}")
+    if scalar.words:
+        scalar = replace(scalar, words=_words(hint))
     form = Form.LIST if many else _FORMS.get(str(extra.get("xml", "")), Form.ATTRIBUTE)
     return Member(field.encode_name, field.name, form, scalar, None, required, default, max_count, description)
 
@@ -204,7 +213,8 @@ def shape_of(cls: type[Record]) -> Shape:
     info = inspect.type_info(cls)
     if not isinstance(info, inspect.StructType):
         raise TypeError(f"expected a message class, got {cls}")
-    members = tuple(_member(field) for field in info.fields)
+    hints = get_type_hints(cls, include_extras=True)
+    members = tuple(_member(field, hints[field.name]) for field in info.fields)
     content = [member for member in members if member.form is Form.CONTENT]
     return Shape(
         cls=cls,

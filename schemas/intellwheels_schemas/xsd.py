@@ -64,7 +64,7 @@ def _key(scalar: Scalar) -> tuple[Any, ...]:
     pattern = scalar.pattern.pattern if scalar.pattern is not None else None
     return (
         scalar.kind, scalar.low, scalar.high, scalar.low_open, scalar.high_open, pattern, scalar.min_length,
-        scalar.max_length, scalar.words, scalar.unit,
+        scalar.max_length, frozenset(scalar.words), scalar.unit,
     )  # fmt: skip
 
 

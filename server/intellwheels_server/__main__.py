@@ -39,8 +39,8 @@ def parser() -> argparse.ArgumentParser:
     """Return the command line's grammar."""
     found = argparse.ArgumentParser(
         prog="iw-server",
-        description="Simulate a floor with intelligent wheelchairs, doors and tables. Each is an agent, a process of its own, "
-        "that joins over Zenoh.",
+        description="Simulate a floor with intelligent wheelchairs, doors and tables. "
+        "Each is an agent, a process of its own, that joins over Zenoh.",
         epilog=EXAMPLES,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )

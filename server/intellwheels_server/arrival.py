@@ -50,8 +50,8 @@ class Ask:
         name: Agent or verb; empty where there is none, or none that could be.
         data: The payload.
         encoding: Zenoh's encoding, as text; says also how to answer.
-        send: Sends one reply: the message, its encoding, whether it is an ordinary or an error reply, and the last chunk of its key
-            where that is not the query's.
+        send: Sends one reply: the message, its encoding, whether it is an ordinary reply or an error reply, and the
+            last chunk of its key where that is not the query's.
         close: Ends the query; no reply may be sent after it.
         parameters: What stands behind the `?`.
         matches: Whether a last chunk of the key is asked for.

@@ -83,6 +83,7 @@ from intellwheels_server.pace import Metronome, Tachometer
 from intellwheels_server.parts import cut
 from intellwheels_server.ring import Ring
 from intellwheels_server.tray import Tray, check_time
+from intellwheels_server.world import Outcome, Setup, State
 
 STALE_AFTER: Final = 0.3
 """Seconds without a pose, or three cycles if they are longer, after which a real body is stale."""
@@ -150,7 +151,7 @@ class Options:
     """
 
     world: str
-    setup: world.Setup
+    setup: Setup
     pace: Pace = "realtime"
     speed: float = 1.0
     expect: tuple[str, ...] = ()
@@ -244,7 +245,7 @@ class Conductor:
         self._held = True
         self._open = False
         self._steps: _Steps | None = None
-        self._hashed: tuple[world.State, str] | None = None
+        self._hashed: tuple[State, str] | None = None
         self._idle_power_at = 0.0
 
     # ------------------------------------------------------------ in
@@ -322,7 +323,7 @@ class Conductor:
     def _take_put(self, put: Put, now: float) -> None:
         agent = put.agent
         kind = put.kind
-        if kind in ("actions", "pose") and self._open and self._barrier.repeats(agent, kind, put.data):  # type: ignore[arg-type]
+        if kind in ("actions", "pose") and self._open and self._barrier.repeats(agent, kind, put.data):
             return
         if not self._gate.admit(agent, self.state.tick, now):
             self._complain(agent, Fault("too-many", f"{kind}: expected fewer messages a second"), now)
@@ -389,7 +390,7 @@ class Conductor:
         return None
 
     def _answered(self, agent: str, kind: AnswerKind, data: bytes, where: str) -> Fault | None:
-        """Take a barrier member's answer; of all but the first the fault is returned, without text for the same bytes."""
+        """Take a member's answer and return what is wrong with all but the first; the same bytes give no text."""
         if (agent, kind) not in self._answers:
             return None
         if not self._open:
@@ -927,7 +928,7 @@ class Conductor:
         "say": _do_say,
     }
 
-    def _reply_outcome(self, ask: Ask, outcome: world.Outcome) -> None:
+    def _reply_outcome(self, ask: Ask, outcome: Outcome) -> None:
         ask.reply(self._result(outcome.code, outcome.text or None))
 
     def _result(self, code: ResultCode, text: str | None = None) -> Result:
@@ -949,7 +950,7 @@ class Conductor:
             for request in pending:
                 request(now)
 
-    def _apply(self, change: Change, _now: float) -> world.Outcome:
+    def _apply(self, change: Change, _now: float) -> Outcome:
         state, outputs = world.apply(self.state, (change,))
         self.state = state
         self._changes.append(change)

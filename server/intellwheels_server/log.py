@@ -1,7 +1,7 @@
 """The input log: what a run is a function of, one line a tick.
 
-JSON Lines. A header says what the world was made of; each line after it has what acted on a tick and the hash of the state
-that came of it. A line with `"Stepped": false` changed the world without a step: a reset, or what came last.
+JSON Lines. A header says what the world was made of; each line after it has what acted on a tick and the hash of the
+state that came of it. A line with `"Stepped": false` changed the world without a step: a reset, or what came last.
 """
 
 from __future__ import annotations
@@ -181,6 +181,6 @@ def _cpu() -> str:
     asked = os.environ.get("NUMBA_CPU_NAME")
     if asked:
         return f"{platform.machine()} {asked}"
-    from llvmlite.binding import get_host_cpu_name  # noqa: PLC0415 - needed for the header only
+    from llvmlite.binding import get_host_cpu_name  # type: ignore[import-untyped]  # noqa: PLC0415 - needed for the header only
 
     return f"{platform.machine()} {get_host_cpu_name()}"

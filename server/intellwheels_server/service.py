@@ -12,7 +12,7 @@ import threading
 import time
 from functools import partial
 from pathlib import Path
-from typing import Final, TextIO, get_args
+from typing import Any, Final, TextIO, get_args
 
 import zenoh
 
@@ -283,7 +283,7 @@ def _serve(
         for key in (keys.every_join, keys.every_leave, keys.every_ctl, keys.every_body, keys.every_state, keys.map,
                     keys.event, keys.clock):  # fmt: skip
             stack.enter_context(session.declare_queryable(key, inbox.on_query))
-        token = link.declare_token(session, keys.alive)
+        token: Any = link.declare_token(session, keys.alive)
         note(f"serving world={options.world} pace={options.pace} map={options.setup.floor.name} at={route.where()}")
         tell(f"ready world={options.world} run={run} listen={route.where()}")
         try:
@@ -335,4 +335,4 @@ def note(line: str) -> None:
 
 def _write(stream: TextIO, line: str) -> None:
     with contextlib.suppress(OSError, ValueError):  # nobody reads any more
-        print(line, file=stream, flush=True)  # noqa: T201 - the two places where lines are written
+        print(line, file=stream, flush=True)

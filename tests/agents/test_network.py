@@ -25,7 +25,6 @@ from intellwheels_schemas.messages import (
     Leave,
     Measures,
     Position,
-    Record,
     Refused,
     Result,
     Robot,
@@ -40,11 +39,11 @@ DEADLINE = 5.0
 class Simulator:
     """Joins whoever asks, puts measures when told to, and keeps what comes back."""
 
-    def __init__(self, where: link.Link, reply: Record | None = None) -> None:
+    def __init__(self, where: link.Link) -> None:
         session = link.open_session(where, threading.Event())
         assert session is not None
         self.session = session
-        self.reply = reply
+        self.reply: Refused | None = None
         self.joined: queue.SimpleQueue[Robot] = queue.SimpleQueue()
         self.left: queue.SimpleQueue[Leave] = queue.SimpleQueue()
         self.actions: queue.SimpleQueue[Actions] = queue.SimpleQueue()
@@ -62,7 +61,7 @@ class Simulator:
         data = query.payload.to_bytes()
         robot = decode(Robot, data, encoding_of(str(query.encoding), data))
         self.joined.put(robot)
-        if isinstance(self.reply, Refused):
+        if self.reply is not None:
             query.reply_err(encode(self.reply), encoding=Encoding.JSON.value)
             return
         start = Position(x=0.0, y=0.0, heading=0.0)
@@ -106,7 +105,7 @@ class Agent:
             except OptionError as error:
                 self.result.put(error)
 
-        self.thread = threading.Thread(target=body)
+        self.thread = threading.Thread(target=body, daemon=True)
         self.thread.start()
 
     def make(self, context: Context) -> Agent:
@@ -151,12 +150,13 @@ def test_it_joins_answers_ticks_and_leaves(
     assert capsys.readouterr().out == f"joined agent=chair1 run={RUN} tick=0\nleft agent=chair1\n"
 
 
-def test_a_refusal_ends_it_with_the_simulators_words(endpoint: str, capsys: pytest.CaptureFixture[str]) -> None:
-    simulator = Simulator(link.Link(listen=(endpoint,)), Refused(code="overlaps", text="bed1 is taken"))
+def test_a_refusal_ends_it_with_the_simulators_words(
+    simulator: Simulator, endpoint: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    simulator.reply = Refused(code="overlaps", text="bed1 is taken")
     agent = Agent(link.Link(connect=(endpoint,)))
     assert agent.result.get(timeout=DEADLINE) == 1
     agent.thread.join(DEADLINE)
-    simulator.close()
     assert "refused (overlaps): bed1 is taken" in capsys.readouterr().err
 
 

@@ -12,6 +12,7 @@ from intellwheels_schemas import rules
 from intellwheels_schemas.codec import LIMITS, MAX_BYTES, Encoding, decode, encode, encoding_of, from_plain
 from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.messages import (
+    ERROR_CODES,
     TEXT_PATTERN,
     Actions,
     Clock,
@@ -105,6 +106,12 @@ def test_every_message_is_itself_again_in_both_encodings(data: st.DataObject) ->
 
 # ---------------------------------------------------------------- fuzz
 
+
+def check(error: WireError) -> None:
+    assert error.text.encode()
+    assert error.code in ERROR_CODES
+
+
 PLAIN = st.recursive(
     st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=8),
     lambda inner: st.lists(inner, max_size=3) | st.dictionaries(st.sampled_from(
@@ -122,8 +129,7 @@ def test_any_bytes_end_in_a_message_or_a_wire_error(
     try:
         decode(cls, data, encoding, strict=strict)
     except WireError as error:
-        assert error.text
-        assert error.text.encode()
+        check(error)
 
 
 @settings(max_examples=150, deadline=None)
@@ -132,7 +138,7 @@ def test_any_json_ends_in_a_message_or_a_wire_error(cls: type[Record], plain: ob
     try:
         from_plain(cls, plain, strict=strict)
     except WireError as error:
-        assert error.text.encode()
+        check(error)
 
 
 @settings(max_examples=300, deadline=None)
@@ -150,7 +156,7 @@ def test_spoilt_documents_end_in_a_message_or_a_wire_error(data: st.DataObject) 
     try:
         decode(class_of(name), bytes(document), encoding, strict=data.draw(st.booleans()))
     except WireError as error:
-        assert error.text.encode()
+        check(error)
 
 
 # ---------------------------------------------------------------- vectors
@@ -219,7 +225,8 @@ def test_error_is_the_same_in_both_encodings() -> None:
     sensor = b'"Id":"a","X":0,"Y":0,"Z":0,"DirectionDeg":0,"MaxRange":4'
     as_json = b'{"Length":1,"Width":1,"Proximity":[{%s,"ConeDeg":30},{%s,"ConeDeg":0}]}' % (sensor, sensor)
     attributes = 'Id="a" X="0" Y="0" Z="0" DirectionDeg="0" MaxRange="4"'
-    as_xml = f'<Robot Length="1" Width="1"><Proximity {attributes} ConeDeg="30"/><Proximity {attributes} ConeDeg="0"/></Robot>'
+    sonars = f'<Proximity {attributes} ConeDeg="30"/><Proximity {attributes} ConeDeg="0"/>'
+    as_xml = f'<Robot Length="1" Width="1">{sonars}</Robot>'
     text = "Robot.Proximity[1].ConeDeg: expected degrees in (0, 360], got 0"
     assert refusal(Robot, as_json).text == refusal(Robot, as_xml.encode(), XML).text == text
 
@@ -323,7 +330,8 @@ def test_number_that_is_not_finite_is_our_bug(number: float, encoding: Encoding)
 def test_explicit_defaults_other_orders_and_spaces_are_taken() -> None:
     data = b' {"Seq" : 1 ,"Leave":false,"Tick":7, "Say":"a\\u003ab" } '
     assert decode(Actions, data) == Actions(tick=7, seq=1, say="a:b")
-    xml = b"<?xml version='1.0'?>\n<!-- c --><Actions  Seq='1'\n Leave='false' Tick='7'><Say>a<!-- c -->:b</Say>\n</Actions>\n"
+    xml = b"<?xml version='1.0'?>\n<!-- c --><Actions  Seq='1'\n Leave='false' Tick='7'>"
+    xml += b"<Say>a<!-- c -->:b</Say>\n</Actions>\n"
     assert decode(Actions, xml, XML) == Actions(tick=7, seq=1, say="a:b")
 
 

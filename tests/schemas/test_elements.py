@@ -59,7 +59,7 @@ def test_document_type_is_found_behind_anything(head: str) -> None:
 
 
 def test_places_have_lines() -> None:
-    text = b"<Map>\n<Wall/>\n<Wall>\n<Corner/><Corner\n/></Wall>\n<Grid><Position/></Grid></Map>"
+    text = b"<Map>\n<Wall/>\n<Wall>\n<Corner/><Corner/>\n</Wall>\n<Grid><Position/></Grid></Map>"
     assert dict(elements.places(elements.parse(text, "Map"), Map, "Map")) == {
         "Map": 1,
         "Map.Wall[0]": 2,

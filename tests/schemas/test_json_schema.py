@@ -31,7 +31,8 @@ def test_every_vector_is_valid(path: Path) -> None:
         "Actions-left-motor-word.json", "Actions-left-motor-high.json", "Actions-unknown.json", "Actions-say-null.json",
         "Actions-say-control.json", "Actions-say-surrogate.json", "Actions-goal-half.json", "Actions-run-capital.json",
         "Actions-tick-high.json", "Actions-leave-number.json", "Say-no-text.json", "Robot-cone-zero.json",
-        "Robot-inertia-one.json", "Robot-name-star.json", "UserInput-button.json", "Speed-zero.json", "Pause-field.json",
+        "Robot-inertia-one.json", "Robot-name-star.json", "UserInput-button.json", "Speed-zero.json",
+        "Pause-field.json",
     ],
 )  # fmt: skip
 def test_wrong_fields_are_invalid(name: str) -> None:

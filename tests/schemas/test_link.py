@@ -3,6 +3,7 @@ from __future__ import annotations
 import argparse
 import socket
 import threading
+import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
@@ -150,18 +151,19 @@ def test_client_waits_for_who_listens_later() -> None:
 
     client = open_session(Link(connect=(endpoint,)), threading.Event(), timeout=DEADLINE, waiting=on_waiting)
     assert client is not None
-    client.close()
-    server[0].close()
+    with client, server[0]:
+        assert not client.is_closed()
 
 
 # ---------------------------------------------------------------- traffic
 
 
-def joined(server: zenoh.Session, client: zenoh.Session, inbox: Inbox) -> None:
-    """Wait until what the client declares reaches the server: a token that comes proves it."""
+def joined(server: zenoh.Session, client: zenoh.Session, inbox: Inbox) -> zenoh.LivelinessToken:
+    """Wait until what the client declares reaches the server: a token that comes proves it. Keep the token."""
     watch_tokens(server, KEYS.every_token, inbox)
-    declare_token(client, KEYS.token("chair1", "both", HEX))
+    token = declare_token(client, KEYS.token("chair1", "both", HEX))
     assert take(inbox, 1) == [Presence(KEYS.token("chair1", "both", HEX), True)]
+    return token
 
 
 def test_samples_arrive_with_key_bytes_and_encoding_and_deletes_do_not(
@@ -170,7 +172,7 @@ def test_samples_arrive_with_key_bytes_and_encoding_and_deletes_do_not(
     server, client = pair
     inbox = Inbox(max_bytes=100)
     server.declare_subscriber(KEYS.every_in, inbox.on_sample)
-    joined(server, client, inbox)
+    _token = joined(server, client, inbox)
     actions = declare(client, KEYS.actions("chair1"), CHANNELS["actions"], Encoding.XML)
     actions.put(b"<Actions/>")
     actions.delete()
@@ -191,7 +193,7 @@ def test_message_over_the_links_bound_does_not_arrive_and_the_link_lives(
     server, client = pair
     inbox = Inbox()
     server.declare_subscriber(KEYS.every_in, inbox.on_sample)
-    joined(server, client, inbox)
+    _token = joined(server, client, inbox)
     client.put(KEYS.say("chair1"), b"x" * 2_000_000)
     client.put(KEYS.say("chair1"), b"after")
     assert [len(put.data) for put in take(inbox, 1) if isinstance(put, Put)] == [5]
@@ -213,7 +215,7 @@ def test_query_brings_the_reply_or_the_error_reply(pair: tuple[zenoh.Session, ze
     server, client = pair
     inbox = Inbox()
     server.declare_queryable(KEYS.every_join, inbox.on_query)
-    joined(server, client, inbox)
+    _token = joined(server, client, inbox)
     key = KEYS.join("chair1")
     thread = serve(inbox, lambda ask: ask.reply(ask.data, Encoding.XML))
     (answer,) = query(client, key, b"<Robot/>", Encoding.XML)
@@ -229,7 +231,7 @@ def test_one_query_brings_every_part_with_its_parameters(pair: tuple[zenoh.Sessi
     server, client = pair
     inbox = Inbox()
     server.declare_queryable(KEYS.every_state, inbox.on_query)
-    joined(server, client, inbox)
+    _token = joined(server, client, inbox)
 
     def answer(ask: Ask) -> None:
         assert ask.parameters == "since=3"
@@ -251,7 +253,7 @@ def test_query_that_is_never_finished_ends_with_its_time(pair: tuple[zenoh.Sessi
     server, client = pair
     inbox = Inbox()
     server.declare_queryable(KEYS.every_ctl, inbox.on_query)
-    joined(server, client, inbox)
+    _token = joined(server, client, inbox)
     with pytest.raises(ConnectionError, match="no simulator at"):
         query(client, KEYS.ctl("pause"), b"{}", timeout=0.3)
     assert len(inbox.take()) == 1
@@ -260,15 +262,15 @@ def test_query_that_is_never_finished_ends_with_its_time(pair: tuple[zenoh.Sessi
 def test_tokens_come_are_found_and_go(pair: tuple[zenoh.Session, zenoh.Session]) -> None:
     server, client = pair
     inbox = Inbox()
-    declare_token(server, KEYS.alive)
+    assert tokens(client, EVERY_ALIVE) == []
+    _alive = declare_token(server, KEYS.alive)
+    assert tokens(client, EVERY_ALIVE) == [KEYS.alive]
     with watch_tokens(client, EVERY_ALIVE, inbox):
         assert take(inbox, 1) == [Presence(KEYS.alive, True)]
-        assert tokens(client, EVERY_ALIVE) == [KEYS.alive]
     watch_tokens(server, KEYS.every_token, inbox)
     key = KEYS.token("chair1", "mind", HEX)
-    token = declare_token(client, key)
-    assert take(inbox, 1) == [Presence(key, True)]
-    token.undeclare()
+    with declare_token(client, key):
+        assert take(inbox, 1) == [Presence(key, True)]
     assert take(inbox, 1) == [Presence(key, False)]
 
 
@@ -277,19 +279,21 @@ def test_tokens_come_are_found_and_go(pair: tuple[zenoh.Session, zenoh.Session])
 
 def test_full_inbox_counts_what_it_does_not_keep(pair: tuple[zenoh.Session, zenoh.Session]) -> None:
     server, client = pair
-    inbox = Inbox(room=3)
+    inbox, tokens_only = Inbox(room=3), Inbox()
     server.declare_subscriber(KEYS.every_in, inbox.on_sample)
-    last = threading.Event()
-    server.declare_subscriber(KEYS.user("last"), lambda _: last.set())
-    joined(server, client, inbox)
+    all_here = threading.Semaphore(0)
+    server.declare_subscriber(KEYS.every_in, lambda _: all_here.release())
+    _token = joined(server, client, tokens_only)
     publisher = declare(client, KEYS.actions("chair1"), CHANNELS["actions"])
     for _ in range(10):
         publisher.put(b"{}")
-    watch_tokens(server, KEYS.every_token, inbox)
-    take(inbox, 3)
-    # Every sample was kept or counted; how many were in time for the emptying is chance.
-    while inbox.dropped + len(inbox.take()) == 0:
-        assert inbox.wait(DEADLINE)
+    for _ in range(10):
+        assert all_here.acquire(timeout=DEADLINE)
+    kept: list[Arrival] = take(inbox, 3)
+    deadline = time.monotonic() + DEADLINE
+    while len(kept) + inbox.dropped < 10 and time.monotonic() < deadline:
+        kept += inbox.take()
+    assert len(kept) + inbox.dropped == 10
 
 
 def test_wait_ends_in_time_and_when_woken() -> None:

@@ -18,6 +18,10 @@ from intellwheels_schemas.messages import Actions, Measures
 
 TURN_RATE = 0.8
 """Radians a second, turning in place: a quarter turn in two seconds."""
+SWING = 0.12
+"""Metres before a front corner and beside the back that a turn needs; with twice that it is free."""
+CORNER = 0.3
+"""Metres before a front corner at which it turns in place."""
 
 
 class Mind:
@@ -38,19 +42,40 @@ class Mind:
         """Return the powers for what is seen now."""
         around = self._around
         around.update(measures.sensors)
-        side = 1.0 if around.left >= around.right else -1.0
         ahead = around.gap
-        if self._turning and ahead < self._stop * 1.5:
-            return self._actions(0.0, self._turning * TURN_RATE)
+        blocked = min(around.front_left, around.front_right) < CORNER or ahead < self._stop * (1.5 if self._turning else 1.0) or measures.collision
+        if blocked:
+            return self._turn_in_place()
         self._turning = 0.0
-        if ahead < self._stop or measures.collision:
-            self._turning = side
-            return self._actions(0.0, side * TURN_RATE)
         share = min(1.0, (ahead - self._stop) / (self._clear - self._stop))
-        near = min(around.left, around.right)
+        side = 1.0 if around.left >= around.right else -1.0
         # Beside, half of `clear` is near enough to bend away.
-        bend = max(1.0 - share, 1.0 - near / (self._clear / 2.0), 0.0)
-        return self._actions(self._speed * max(share, 0.15), side * bend * TURN_RATE / 2.0)
+        bend = max(1.0 - share, 1.0 - min(around.left, around.right) / (self._clear / 2.0), 0.0)
+        rate = side * bend * self._swing(side) * TURN_RATE / 2.0
+        return self._actions(self._speed * max(share, 0.15), rate)
+
+    def _turn_in_place(self) -> Actions:
+        around = self._around
+        side = self._turning or (1.0 if around.left >= around.right else -1.0)
+        # It keeps to its side unless there the way is barred and the other way is not.
+        if self._swing(side) == 0.0 and self._swing(-side) > 0.0:
+            side = -side
+        self._turning = side
+        swing = self._swing(side)
+        if swing > 0.0:
+            return self._actions(0.0, side * swing * TURN_RATE)
+        if around.back > SWING:
+            return self._actions(-0.2 * self._speed, 0.0)
+        # Caught on all sides; turning slowly may still free it.
+        return self._actions(0.0, side * 0.2 * TURN_RATE)
+
+    def _swing(self, side: float) -> float:
+        """Return the share of the turn rate for which there is room: a front corner swings to, the back away."""
+        around = self._around
+        front, back = (
+            (around.front_left, around.back_right) if side > 0.0 else (around.front_right, around.back_left)
+        )
+        return min(1.0, max(0.0, (min(front, back) - SWING) / SWING))
 
     def _actions(self, speed: float, turn_rate: float) -> Actions:
         left, right = powers(self._robot, speed, turn_rate)

@@ -9,8 +9,6 @@ partner is what a body could meet: circles of r + |travel| + m meet. An island i
 partnership. `FREE` is who still got every proposal of the tick; `STAY` who does not get the present one.
 """
 
-from typing import NamedTuple
-
 import numpy as np
 from numba import njit
 
@@ -59,13 +57,18 @@ from intellwheels_server.kernels.geometry import arc, body_depth
 from intellwheels_server.kernels.neighbours import pairs_near, piece_apart, pieces_near
 from intellwheels_server.kernels.standing import (
     A_WALL,
+    OF_ANCHORED,
+    OF_KEY,
+    OF_NEAR,
+    OF_PARTS,
+    OF_WALLS,
     SPOT_C,
     SPOT_H,
+    SPOT_RADIUS,
     SPOT_S,
     SPOT_X,
     SPOT_Y,
     TOLERANCE,
-    Scene,
     contact_of,
     copy_spot,
     deepest_piece,
@@ -91,38 +94,29 @@ _STALL_SHARE = 0.02
 # Columns of the reach block, float64[3, n]: m; r + |travel| + m; r + |travel|.
 _MOTION, _WIDE, _SURE = 0, 1, 2
 
-# Rows of a ledger's status, int64[5, n]: still got every proposal of the tick; has no proposal in this sub-step; is in
+# Rows of a status, int64[5, n]: still got every proposal of the tick; has no proposal in this sub-step; is in
 # the queue of those; got its proposal after all; goes back, since another's result conflicts.
 _FREE, _STAY, _NOTED, _GOT, _BACK = 0, 1, 2, 3, 4
-# Places of a ledger's counts: hits so far; length of the queue.
-_HITS, _QUEUED = 0, 1
-
 # The bit of a collision flag that says that the wall was written down; taken off at the end.
 _WALL_KNOWN = 2
 
 
-class _Ledger(NamedTuple):
-    """What is written down. `edge` numbers the pairs of `Scene.near`, `edge_hit` has the hit of each or -1."""
-
-    twist: Floats
-    flags: Ints
-    hits: Ints
-    hit_numbers: Floats
-    edge: Ints
-    edge_hit: Ints
-    status: Ints
-    queue: Ints
-    counts: Ints
-
-
 @njit(cache=True, error_model="numpy")
 def _alone(
-    scene: Scene, i: int, proposal: Floats, travel: float, turn: float, most: float, result: Floats
-) -> tuple[bool, float, float]:
+    parts: Floats, pieces: Floats, links: Ints, edges: Floats, index: Ints, around: Ints, old: Floats, ref: Floats,
+    i: int, proposal: Floats, travel: float, turn: float, most: float, result: Floats,
+) -> tuple[bool, float, float]:  # fmt: skip
     """Find the best body i can do in this sub-step with all others where they are, and put it in `result`.
 
     Args:
-        scene: The scene.
+        parts: As in `standing`, as the next seven.
+        pieces: As in `standing`.
+        links: As in `standing`.
+        edges: As in `standing`.
+        index: As in `standing`.
+        around: As in `standing`.
+        old: As in `standing`.
+        ref: As in `standing`.
         i: The body.
         proposal: Spots proposed.
         travel: Of the sub-step, m.
@@ -133,7 +127,7 @@ def _alone(
     Returns:
         Whether it gets its proposal to the bit; forward travel, m, and turn, rad, achieved.
     """
-    copy_spot(result, scene.old, i)
+    copy_spot(result, old, i)
     low, high = 0.0, 1.0
     for attempt in range(4 + _HALVINGS):
         share, d, a, allowed = 1.0, travel, turn, 0.0
@@ -147,14 +141,14 @@ def _alone(
             share = 0.5 * (low + high)
             d, a = share * travel, share * turn
         # What is hinged does not slide. To go straight without travel, or to turn without turn, is to stand still.
-        if 0 < attempt <= 3 and (scene.marks[ANCHORED, i] != 0 or (d == 0.0 and a == 0.0)):
+        if 0 < attempt <= 3 and (index[i, OF_ANCHORED] != 0 or (d == 0.0 and a == 0.0)):
             continue
         if attempt == 0:
             x, y, h = proposal[i, SPOT_X], proposal[i, SPOT_Y], proposal[i, SPOT_H]
             c, s = proposal[i, SPOT_C], proposal[i, SPOT_S]
         else:
-            x, y, h, c, s = arc(scene.old[i, SPOT_X], scene.old[i, SPOT_Y], scene.old[i, SPOT_H], d, a)
-        found, px, py = slide(scene, i, x, y, c, s, allowed)
+            x, y, h, c, s = arc(old[i, SPOT_X], old[i, SPOT_Y], old[i, SPOT_H], d, a)
+        found, px, py = slide(parts, pieces, links, edges, index, around, old, ref, i, x, y, c, s, allowed)
         if found:
             low = share
             set_spot(result, i, px, py, h, c, s)
@@ -185,25 +179,17 @@ def lot(key: int, tick: int, step: int) -> int:
 
 
 @njit(cache=True, error_model="numpy")
-def _note(ledger: _Ledger, i: int) -> None:
-    """Put a body in the queue of those who get no proposal in this sub-step."""
-    if ledger.status[_NOTED, i] == 0:
-        ledger.status[_NOTED, i] = 1
-        ledger.queue[ledger.counts[_QUEUED]] = i
-        ledger.counts[_QUEUED] += 1
-
-
-@njit(cache=True, error_model="numpy")
-def _put_down(scene: Scene, ledger: _Ledger, i: int, at: Floats, partner: int, others_at: Floats, who: int) -> None:
-    """Write down that i met a partner, if there is room."""
-    used = ledger.counts[_HITS]
-    ledger.counts[_HITS] += 1
-    if used >= ledger.hits.shape[0]:
+def _put_down(
+    parts: Floats, pieces: Floats, links: Ints, edges: Floats, index: Ints, old: Floats, twist: Floats,
+    i: int, at: Floats, partner: int, others_at: Floats, who: int, hits: Ints, hit_numbers: Floats, used: int,
+) -> None:  # fmt: skip
+    """Write down as hit number `used` that i met a partner, if there is room."""
+    if used >= hits.shape[0]:
         return
     depth, nx, ny, part, other_part, px, py = contact_of(
-        scene, i, at[i, SPOT_X], at[i, SPOT_Y], at[i, SPOT_C], at[i, SPOT_S], partner, others_at
-    )
-    twist, old = ledger.twist, scene.old
+        parts, pieces, links, edges, index, others_at,
+        i, at[i, SPOT_X], at[i, SPOT_Y], at[i, SPOT_C], at[i, SPOT_S], partner,
+    )  # fmt: skip
     speed_x = twist[TRAVEL, i] * old[i, SPOT_C] - twist[TURN, i] * (py - old[i, SPOT_Y])
     speed_y = twist[TRAVEL, i] * old[i, SPOT_S] + twist[TURN, i] * (px - old[i, SPOT_X])
     wall = -1
@@ -212,148 +198,171 @@ def _put_down(scene: Scene, ledger: _Ledger, i: int, at: Floats, partner: int, o
         speed_y -= twist[TRAVEL, partner] * old[partner, SPOT_S] + twist[TURN, partner] * (px - old[partner, SPOT_X])
     else:
         other_part = A_WALL - partner
-        wall = scene.links[other_part, WALL]
-    hits, numbers = ledger.hits, ledger.hit_numbers
+        wall = links[other_part, WALL]
     hits[used, HIT_BODY], hits[used, HIT_OTHER], hits[used, HIT_WALL] = i, max(partner, A_WALL), wall
     hits[used, HIT_PART], hits[used, HIT_OTHER_PART], hits[used, HIT_WHO] = part, other_part, who
-    numbers[used, HIT_X], numbers[used, HIT_Y] = px, py
-    numbers[used, HIT_NORMAL_X], numbers[used, HIT_NORMAL_Y] = nx, ny
-    numbers[used, HIT_DEPTH], numbers[used, HIT_CLOSING] = depth, -(speed_x * nx + speed_y * ny)
+    hit_numbers[used, HIT_X], hit_numbers[used, HIT_Y] = px, py
+    hit_numbers[used, HIT_NORMAL_X], hit_numbers[used, HIT_NORMAL_Y] = nx, ny
+    hit_numbers[used, HIT_DEPTH], hit_numbers[used, HIT_CLOSING] = depth, -(speed_x * nx + speed_y * ny)
 
 
 @njit(cache=True, error_model="numpy")
-def _meet(scene: Scene, ledger: _Ledger, proposal: Floats, i: int, j: int, edge: int) -> None:
-    """Note i, and j unless it stays, when i's proposal may not stand against j where others see it; and who collides.
+def _collided(
+    parts: Floats, index: Ints, old: Floats, proposal: Floats, i: int, j: int, mutual: bool, flags: Ints
+) -> int:
+    """Flag who of a pair that may not stand collides; return 1 if i does, plus 2 if j does.
 
     Who comes deeper into the other, or nearer to it, by its own proposal alone, collides.
     """
-    if may_stand(scene, proposal, i, scene.ref, j):
-        return
-    was = spot_depth(scene, scene.old, i, scene.old, j, -np.inf)
+    was = spot_depth(parts, index, old, i, old, j, -np.inf)
     who = 0
-    for side in range(2 if ledger.status[_STAY, j] == 0 else 1):
+    for side in range(2 if mutual else 1):
         a, b = (i, j) if side == 0 else (j, i)
-        _note(ledger, a)
-        if spot_depth(scene, proposal, a, scene.old, b, -np.inf) > was + TOLERANCE:
-            ledger.flags[COLLISION, a] |= 1
+        if spot_depth(parts, index, proposal, a, old, b, -np.inf) > was + TOLERANCE:
+            flags[COLLISION, a] |= 1
             who |= 1 << side
-    if who == 0:
-        return
-    ledger.flags[CONTACT, i] = 1
-    ledger.flags[CONTACT, j] = 1
-    # In a hit the lower index comes first.
-    first, second, at, others_at = i, j, proposal, scene.ref
-    if i > j:
-        first, second, at, others_at = j, i, scene.ref, proposal
-        who = ((who & 1) << 1) | (who >> 1)
-    known = ledger.edge_hit[edge]
-    if known < 0:
-        ledger.edge_hit[edge] = ledger.counts[_HITS]
-        _put_down(scene, ledger, first, at, second, others_at, who)
-    elif known < ledger.hits.shape[0]:
-        ledger.hits[known, HIT_WHO] |= who
+    if who != 0:
+        flags[CONTACT, i] = 1
+        flags[CONTACT, j] = 1
+    return who
 
 
 @njit(cache=True, error_model="numpy")
 def _settle(
-    scene: Scene,
-    ledger: _Ledger,
-    members: Ints,
-    steps: int,
-    tick: int,
-    pose: Floats,
-    motion: Floats,
-    proposal: Floats,
-    result: Floats,
-    gain: Floats,
-    outcome: Floats,
-) -> None:
-    """Move the members of one island through their sub-steps. `gain` has rows: forward travel, turn of a sub-step."""
-    twist, status, queue, counts = ledger.twist, ledger.status, ledger.queue, ledger.counts
-    for i in members:
-        status[_FREE, i] = 1
+    parts: Floats, pieces: Floats, links: Ints, edges: Floats, index: Ints, around: Ints, old: Floats, ref: Floats,
+    proposal: Floats, result: Floats, status: Ints, gain: Floats, queue: Ints, members: Ints, steps: int, tick: int,
+    pose: Floats, twist: Floats, motion: Floats, outcome: Floats, flags: Ints, hits: Ints, hit_numbers: Floats,
+    edge: Ints, edge_hit: Ints, used: int,
+) -> int:  # fmt: skip
+    """Move the members of one island through their sub-steps; return how many hits there are now.
+
+    `gain` has rows: forward travel and turn of a sub-step. `edge` numbers the pairs of `around`; `edge_hit` has the hit
+    of each, or -1.
+    """
+    for m in range(members.shape[0]):
+        status[_FREE, members[m]] = 1
     for step in range(steps):
-        for i in members:
+        for m in range(members.shape[0]):
+            i = members[m]
             share = 1.0 / steps
-            x, y, h = scene.old[i, SPOT_X], scene.old[i, SPOT_Y], scene.old[i, SPOT_H]
+            x, y, h = old[i, SPOT_X], old[i, SPOT_Y], old[i, SPOT_H]
             if status[_FREE, i] != 0:
                 share = (step + 1) / steps
                 x, y, h = pose[X, i], pose[Y, i], pose[HEADING, i]
             x, y, h, c, s = arc(x, y, h, share * twist[TRAVEL, i], share * twist[TURN, i])
             set_spot(proposal, i, x, y, h, c, s)
-            copy_spot(scene.ref, proposal, i)
+            set_spot(ref, i, x, y, h, c, s)
             status[_STAY, i] = 0
             status[_NOTED, i] = 0
-        # Who has to stay: first everybody is at proposals, then those found are seen where they were.
-        counts[_QUEUED] = 0
-        for i in members:
+        # Who has to stay: in the first round everybody is at proposals, then those found are seen where they were.
+        first = queued = 0
+        for m in range(members.shape[0]):
+            i = members[m]
             excess, _, partner = wall_excess(
-                scene, i, proposal[i, SPOT_X], proposal[i, SPOT_Y], proposal[i, SPOT_C], proposal[i, SPOT_S]
-            )
+                parts, pieces, links, edges, index, around, old,
+                i, proposal[i, SPOT_X], proposal[i, SPOT_Y], proposal[i, SPOT_C], proposal[i, SPOT_S],
+            )  # fmt: skip
             if excess > 0.0:
-                _note(ledger, i)
-                if ledger.flags[COLLISION, i] & _WALL_KNOWN == 0:
-                    ledger.flags[COLLISION, i] |= 1 | _WALL_KNOWN
-                    ledger.flags[CONTACT, i] = 1
-                    _put_down(scene, ledger, i, proposal, partner, scene.ref, ledger.flags[COLLISION, i] & 1)
-            for k in range(scene.near_start[i], scene.near_start[i + 1]):
-                j = scene.near[k]
-                if j > i or status[_STAY, j] != 0:
-                    _meet(scene, ledger, proposal, i, j, ledger.edge[k])
-        first = 0
-        while first < counts[_QUEUED]:
-            last = counts[_QUEUED]
-            for q in range(first, last):
-                i = queue[q]
-                status[_STAY, i] = 1
-                copy_spot(scene.ref, scene.old, i)
-            for q in range(first, last):
-                j = queue[q]
-                for k in range(scene.near_start[j], scene.near_start[j + 1]):
-                    i = scene.near[k]
-                    if status[_STAY, i] == 0:
-                        _meet(scene, ledger, proposal, i, j, ledger.edge[k])
-            first = last
-        stay = queue[: counts[_QUEUED]]
-        for i in stay:
+                status[_NOTED, i] = 1
+                if flags[COLLISION, i] & _WALL_KNOWN == 0:
+                    flags[COLLISION, i] |= 1 | _WALL_KNOWN
+                    flags[CONTACT, i] = 1
+                    _put_down(
+                        parts, pieces, links, edges, index, old, twist, i, proposal, partner, ref,
+                        flags[COLLISION, i] & 1, hits, hit_numbers, used,
+                    )  # fmt: skip
+                    used += 1
+        looked = 0
+        while True:
+            # In the first round from each member to its partners, later from each who stays to those who do not.
+            count = members.shape[0] if looked == 0 else queued
+            for q in range(first, count):
+                j = members[q] if looked == 0 else queue[q]
+                for k in range(index[j, OF_NEAR], index[j + 1, OF_NEAR]):
+                    i = around[k]
+                    mover, other = (j, i) if looked == 0 else (i, j)
+                    mutual = status[_STAY, other] == 0
+                    if status[_STAY, mover] != 0 or (mutual and other < mover):
+                        continue
+                    if may_stand(parts, index, old, proposal, mover, ref, other):
+                        continue
+                    status[_NOTED, mover] = 1
+                    if mutual:
+                        status[_NOTED, other] = 1
+                    who = _collided(parts, index, old, proposal, mover, other, mutual, flags)
+                    if who == 0:
+                        continue
+                    known = edge_hit[edge[k]]
+                    # In a hit the lower index comes first.
+                    low, high, low_at, high_at = mover, other, proposal, ref
+                    if low > high:
+                        low, high, low_at, high_at = other, mover, ref, proposal
+                        who = ((who & 1) << 1) | (who >> 1)
+                    if known >= 0:
+                        if known < hits.shape[0]:
+                            hits[known, HIT_WHO] |= who
+                        continue
+                    edge_hit[edge[k]] = used
+                    _put_down(
+                        parts, pieces, links, edges, index, old, twist, low, low_at, high, high_at,
+                        who, hits, hit_numbers, used,
+                    )  # fmt: skip
+                    used += 1
+            looked += 1
+            first = queued
+            for m in range(members.shape[0]):
+                i = members[m]
+                if status[_NOTED, i] != 0 and status[_STAY, i] == 0:
+                    status[_STAY, i] = 1
+                    copy_spot(ref, old, i)
+                    queue[queued] = i
+                    queued += 1
+            if first == queued:
+                break
+        for q in range(queued):
+            i = queue[q]
             taken, gain[0, i], gain[1, i] = _alone(
-                scene, i, proposal, twist[TRAVEL, i] / steps, twist[TURN, i] / steps, motion[i] / steps, result
-            )
+                parts, pieces, links, edges, index, around, old, ref, i, proposal,
+                twist[TRAVEL, i] / steps, twist[TURN, i] / steps, motion[i] / steps, result,
+            )  # fmt: skip
             status[_GOT, i] = 1 if taken else 0
             status[_BACK, i] = 0
-        for i in stay:
-            for k in range(scene.near_start[i], scene.near_start[i + 1]):
-                j = scene.near[k]
-                if j < i or status[_NOTED, j] == 0 or may_stand(scene, result, i, result, j):
+        for q in range(queued):
+            i = queue[q]
+            for k in range(index[i, OF_NEAR], index[i + 1, OF_NEAR]):
+                j = around[k]
+                if j < i or status[_NOTED, j] == 0 or may_stand(parts, index, old, result, i, result, j):
                     continue
-                lot_i, lot_j = lot(scene.marks[KEY, i], tick, step), lot(scene.marks[KEY, j], tick, step)
-                i_back = lot_i < lot_j or (lot_i == lot_j and scene.marks[KEY, i] > scene.marks[KEY, j])
+                lot_i, lot_j = lot(index[i, OF_KEY], tick, step), lot(index[j, OF_KEY], tick, step)
+                i_back = lot_i < lot_j or (lot_i == lot_j and index[i, OF_KEY] > index[j, OF_KEY])
                 status[_BACK, i if i_back else j] = 1
-        for i in members:
+        for m in range(members.shape[0]):
+            i = members[m]
             if status[_STAY, i] == 0:
-                copy_spot(scene.old, proposal, i)
+                copy_spot(old, proposal, i)
                 outcome[FORWARD, i] += twist[TRAVEL, i] / steps
                 outcome[TURNED, i] += twist[TURN, i] / steps
             elif status[_BACK, i] == 0:
-                copy_spot(scene.old, result, i)
+                copy_spot(old, result, i)
                 outcome[FORWARD, i] += gain[0, i]
                 outcome[TURNED, i] += gain[1, i]
                 status[_FREE, i] &= status[_GOT, i]
             else:
                 status[_FREE, i] = 0
-    for i in members:
-        copy_spot(scene.ref, scene.old, i)
-        outcome[END_X, i], outcome[END_Y, i] = scene.old[i, SPOT_X], scene.old[i, SPOT_Y]
-        outcome[END_HEADING, i] = scene.old[i, SPOT_H]
-        ledger.flags[COLLISION, i] &= 1
+    for m in range(members.shape[0]):
+        i = members[m]
+        outcome[END_X, i], outcome[END_Y, i] = old[i, SPOT_X], old[i, SPOT_Y]
+        outcome[END_HEADING, i] = old[i, SPOT_H]
+        flags[COLLISION, i] &= 1
         if status[_FREE, i] != 0:
             outcome[FORWARD, i], outcome[TURNED, i] = twist[TRAVEL, i], twist[TURN, i]
             continue
-        ledger.flags[BLOCKED, i] = 1
+        flags[BLOCKED, i] = 1
         dx, dy = outcome[END_X, i] - pose[X, i], outcome[END_Y, i] - pose[Y, i]
-        achieved = np.sqrt(dx * dx + dy * dy) + abs(outcome[TURNED, i]) * scene.shape[RADIUS, i]
+        achieved = np.sqrt(dx * dx + dy * dy) + abs(outcome[TURNED, i]) * old[i, SPOT_RADIUS]
         if achieved < _STALL_SHARE * motion[i]:
-            ledger.flags[STALLED, i] = 1
+            flags[STALLED, i] = 1
+    return used
 
 
 @njit(cache=True, error_model="numpy")
@@ -487,7 +496,7 @@ def resolve(
         outcome[LICENCE, i] = licence[i]
         for k in range(4):
             flags[k, i] = 0
-    used = 0
+    used = hits.shape[0] - hits.shape[0]
     if moves:
         motion = reach[_MOTION]
         pairs = pairs_near(shape, pose, motion, reach[_WIDE])
@@ -519,57 +528,60 @@ def resolve(
                 outcome[END_X, i], outcome[END_Y, i], outcome[END_HEADING, i] = x, y, h
                 outcome[FORWARD, i], outcome[TURNED, i] = twist[TRAVEL, i], twist[TURN, i]
         if any_tight:
-            count = (pairs[0] - 1) // 2
-            near_start = np.zeros(n + 2, dtype=np.int64)
-            for e in range(1, pairs[0]):
-                near_start[pairs[e] + 2] += 1
+            count = pairs[0] - 1
+            around = np.empty(count + walls[0] - walls[1], dtype=np.int64)
+            edge = np.empty(count, dtype=np.int64)
+            edge_hit = np.empty(count // 2, dtype=np.int64)
+            index = np.zeros((n + 1, 5), dtype=np.int64)
+            for k in range(walls[1], walls[0]):
+                around[count + k - walls[1]] = walls[k]
+            for k in range(1, pairs[0]):
+                index[pairs[k] + 1, OF_NEAR] += 1
             for i in range(n):
-                near_start[i + 2] += near_start[i + 1]
-            near, edge = np.empty(2 * count, dtype=np.int64), np.empty(2 * count, dtype=np.int64)
-            for e in range(count):
+                index[i, OF_KEY], index[i, OF_ANCHORED] = marks[KEY, i], marks[ANCHORED, i]
+                index[i, OF_PARTS], index[i + 1, OF_PARTS] = part_start[i], part_start[i + 1]
+                index[i, OF_WALLS] = count + wall_start[i] - walls[1]
+                index[i + 1, OF_WALLS] = count + wall_start[i + 1] - walls[1]
+                index[i + 1, OF_NEAR] += index[i, OF_NEAR]
+            # Filled from the end of each body's stretch, whose place the end then gives up.
+            for e in range(count // 2):
+                edge_hit[e] = -1
                 for side in range(2):
                     i, j = pairs[1 + 2 * e + side], pairs[2 + 2 * e - side]
-                    at = near_start[i + 1]
-                    near[at], edge[at] = j, e
-                    near_start[i + 1] += 1
-            old = spots_of(pose)
-            scene = Scene(
-                parts, part_start, shape, marks, pieces, links, edges, licence,
-                old, old.copy(), near_start, near, wall_start, walls,
-            )  # fmt: skip
-            ledger = _Ledger(
-                twist, flags, hits, hit_numbers, edge, np.full(count, -1, dtype=np.int64),
-                np.zeros((5, n), dtype=np.int64), np.empty(n, dtype=np.int64), np.zeros(2, dtype=np.int64),
-            )  # fmt: skip
+                    index[i + 1, OF_NEAR] -= 1
+                    around[index[i + 1, OF_NEAR]], edge[index[i + 1, OF_NEAR]] = j, e
+            for i in range(n):
+                index[i, OF_NEAR] = index[i + 1, OF_NEAR]
+            index[n, OF_NEAR] = count
+            old = spots_of(pose, shape, licence)
+            proposal, result, gain = np.empty((n, 5)), np.empty((n, 5)), np.empty((2, n))
+            status = np.zeros((5, n), dtype=np.int64)
+            # Members of an island are linked from its root on, ascending: following, last, how many.
+            links_of = np.zeros((3, n), dtype=np.int64)
             for i in range(n):
                 # What does not move stays in every sub-step; members say so anew in each.
-                ledger.status[_STAY, i] = 1
-            # Members of an island are linked from its root on, ascending.
-            following = np.empty(n, dtype=np.int64)
-            last = np.empty(n, dtype=np.int64)
-            size = np.zeros(n, dtype=np.int64)
-            for i in range(n):
+                status[_STAY, i] = 1
                 if motion[i] > 0.0 and island[0, parent[i]] != 0.0:
                     root = parent[i]
-                    if size[root] > 0:
-                        following[last[root]] = i
-                    last[root] = i
-                    size[root] += 1
-            proposal, result, gain = np.empty((n, 5)), np.empty((n, 5)), np.empty((2, n))
-            members = np.empty(n, dtype=np.int64)
+                    if links_of[2, root] > 0:
+                        links_of[0, links_of[1, root]] = i
+                    links_of[1, root] = i
+                    links_of[2, root] += 1
+            members, queue = np.empty(n, dtype=np.int64), np.empty(n, dtype=np.int64)
+            ref = old.copy()
             for root in range(n):
-                if size[root] == 0:
+                if links_of[2, root] == 0:
                     continue
                 i = root
-                for k in range(size[root]):
+                for k in range(links_of[2, root]):
                     members[k] = i
-                    i = following[i]
+                    i = links_of[0, i]
                 quotient = np.ceil(island[1, root] / min(_LONGEST_STEP, 0.5 * island[2, root]))
-                steps = int(min(quotient, float(_MOST_STEPS)))
-                _settle(
-                    scene, ledger, members[: size[root]], steps, tick, pose, motion, proposal, result, gain, outcome
-                )
-            used = int(ledger.counts[_HITS])
+                used = _settle(
+                    parts, pieces, links, edges, index, around, old, ref, proposal, result, status, gain, queue,
+                    members[: links_of[2, root]], int(min(quotient, float(_MOST_STEPS))), tick,
+                    pose, twist, motion, outcome, flags, hits, hit_numbers, edge, edge_hit, used,
+                )  # fmt: skip
     if licensed:
         for i in range(n):
             if (
@@ -700,15 +712,16 @@ def overlaps(
         How many hits there are, possibly more than there is room for.
     """
     n = pose.shape[1]
-    spots = spots_of(pose)
-    none = np.zeros(0, dtype=np.int64)
-    status = np.zeros((1, n), dtype=np.int64)
-    scene = Scene(
-        parts, part_start, shape, marks, pieces, links, edges, np.zeros(n), spots, spots, none, none, none, none
-    )
-    ledger = _Ledger(np.zeros((2, n)), status, hits, hit_numbers, none, none, status, none, np.zeros(2, dtype=np.int64))
+    still = np.zeros((2, n))
+    spots = spots_of(pose, shape, still[0])
+    index = np.zeros((n + 1, 5), dtype=np.int64)
+    for i in range(n):
+        index[i, OF_KEY] = marks[KEY, i]
+        index[i, OF_PARTS], index[i + 1, OF_PARTS] = part_start[i], part_start[i + 1]
+    asked = np.zeros(n, dtype=np.int64)
     for i in who:
-        status[0, i] = 1
+        asked[i] = 1
+    used = 0
     for i in who:
         x, y, c, s = spots[i, SPOT_X], spots[i, SPOT_Y], spots[i, SPOT_C], spots[i, SPOT_S]
         found = _walls_at(pieces, cells, frame, shape, pose, i)
@@ -716,16 +729,26 @@ def overlaps(
             parts, part_start[i], part_start[i + 1], shape[RADIUS, i], pieces, links, edges,
             found, found[1], found[0], x, y, c, s, TOLERANCE,
         )  # fmt: skip
-        if piece >= 0:
-            _put_down(scene, ledger, i, spots, A_WALL - piece, spots, status[0, i])
-        for j in range(n):
-            dx, dy = spots[j, SPOT_X] - x, spots[j, SPOT_Y] - y
-            both = shape[RADIUS, i] + shape[RADIUS, j]
-            if j == i or (status[0, j] != 0 and j < i) or dx * dx + dy * dy > both * both:
-                continue
-            if spot_depth(scene, spots, i, spots, j, TOLERANCE) > TOLERANCE:
-                _put_down(scene, ledger, i, spots, j, spots, status[0, i])
-    return int(ledger.counts[_HITS])
+        # The walls first, as partner -1 of the loop.
+        for j in range(-1, n):
+            partner = j
+            if j < 0:
+                if piece < 0:
+                    continue
+                partner = A_WALL - piece
+            else:
+                dx, dy = spots[j, SPOT_X] - x, spots[j, SPOT_Y] - y
+                both = shape[RADIUS, i] + shape[RADIUS, j]
+                if j == i or (asked[j] != 0 and j < i) or dx * dx + dy * dy > both * both:
+                    continue
+                if spot_depth(parts, index, spots, i, spots, j, TOLERANCE) <= TOLERANCE:
+                    continue
+            _put_down(
+                parts, pieces, links, edges, index, spots, still, i, spots, partner, spots, asked[i],
+                hits, hit_numbers, used,
+            )  # fmt: skip
+            used += 1
+    return used
 
 
 @njit(cache=True, error_model="numpy")

@@ -1,0 +1,95 @@
+"""Many bare chairs in one process, as light as an agent can be: they read the tick and answer at once.
+
+python -m tests.bench.chairs ENDPOINT WORLD CHAIRS SESSIONS
+"""
+
+from __future__ import annotations
+
+import queue
+import sys
+import threading
+
+import msgspec
+import zenoh
+from tests.bench.tick import SENSORS
+
+from intellwheels_schemas import link
+from intellwheels_schemas.channels import CHANNELS
+from intellwheels_schemas.codec import encode
+from intellwheels_schemas.keys import Keys
+from intellwheels_schemas.messages import Joined, Robot
+from intellwheels_schemas.names import new_hex
+
+
+class Head(msgspec.Struct, rename="pascal"):
+    """All that a chair that drives ahead needs of its measures."""
+
+    run: str
+    tick: int
+
+
+class Chairs:
+    """The chairs of one session."""
+
+    def __init__(self, session: zenoh.Session, keys: Keys, numbers: range) -> None:
+        self._arrived: queue.SimpleQueue[zenoh.Sample] = queue.SimpleQueue()
+        self._read = msgspec.json.Decoder(Head)
+        self._answers: dict[str, tuple[zenoh.Publisher, str]] = {}
+        self._held: list[object] = []
+        for number in numbers:
+            name = f"a{number:04d}"
+            key = keys.measures(name)
+            self._held.append(session.declare_subscriber(key, self._arrived.put))
+            instance = new_hex()
+            self._held.append(link.declare_token(session, keys.token(name, "both", instance)))
+            robot = Robot(
+                name=name,
+                kind="wheelchair",
+                instance=instance,
+                length=1.2,
+                width=0.7,
+                center=0.4,
+                top=1.3,
+                top_speed=1.0,
+                track=0.57,
+                acceleration_curve=0.5,
+                proximity=SENSORS,
+            )
+            answer = link.query(session, keys.join(name), encode(robot), timeout=20.0)[0]
+            if not answer.ok:
+                raise SystemExit(answer.data.decode())
+            joined = msgspec.json.decode(answer.data, type=Joined)
+            publisher = link.declare(session, keys.actions(name), CHANNELS["actions"])
+            self._answers[key] = (publisher, f'"Session":"{joined.session}","LeftMotor":0.2,"RightMotor":0.21')
+
+    def serve(self) -> None:
+        """Answer for ever."""
+        take, read, answers = self._arrived.get, self._read.decode, self._answers
+        while True:
+            sample = take()
+            head = read(sample.payload.to_bytes())
+            publisher, rest = answers[str(sample.key_expr)]
+            publisher.put(f'{{"Run":"{head.run}","Tick":{head.tick},{rest}}}'.encode())
+
+
+def main() -> None:
+    """Join, say so, and answer until standard input ends."""
+    address, world, chairs, sessions = sys.argv[1], sys.argv[2], int(sys.argv[3]), int(sys.argv[4])
+    keys = Keys(world)
+    share = chairs // sessions
+    for number in range(sessions):
+        session = link.open_session(link.Link(connect=(address,)), threading.Event())
+        assert session is not None
+        some = Chairs(session, keys, range(number * share, (number + 1) * share))
+        threading.Thread(target=some.serve, daemon=True).start()
+    print("ready", flush=True)
+    sys.stdin.read()
+    # Sessions with callbacks hang at exit; nothing here is worth a clean end.
+    sys.stdout.flush()
+    import os
+
+    os._exit(0)
+
+
+if __name__ == "__main__":
+    main()

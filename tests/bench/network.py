@@ -1,0 +1,116 @@
+"""Whole processes on the network: late ticks and CPU in real time, ticks a second in lockstep."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from tests.bench.rows import Row
+from tests.bench.sink import endpoint
+
+from intellwheels_maps.hospital import hospital
+from intellwheels_schemas import link
+from intellwheels_schemas.codec import decode
+from intellwheels_schemas.files import write_file
+from intellwheels_schemas.keys import Keys
+from intellwheels_schemas.messages import Clock
+
+WORLD = "bench"
+DEADLINE = 120.0
+
+
+@contextmanager
+def process(*words: str) -> Iterator[subprocess.Popen[str]]:
+    """Run a module of Python in its own process group and end it."""
+    child = subprocess.Popen(
+        [sys.executable, "-m", *words],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.DEVNULL,
+        text=True,
+        start_new_session=True,
+    )
+    try:
+        yield child
+    finally:
+        os.killpg(child.pid, signal.SIGTERM)
+        try:
+            child.wait(10.0)
+        except subprocess.TimeoutExpired:
+            os.killpg(child.pid, signal.SIGKILL)
+            child.wait()
+        for stream in (child.stdin, child.stdout):
+            assert stream is not None
+            stream.close()
+
+
+def wait_for(child: subprocess.Popen[str], word: str) -> None:
+    """Read the child's lines until one begins with the word."""
+    assert child.stdout is not None
+    for line in child.stdout:
+        if line.startswith(word):
+            return
+    raise RuntimeError(f"expected a line '{word}' of {child.args}, got the end")
+
+
+def cpu_of(pid: int) -> float:
+    """Return the CPU seconds a process has used."""
+    numbers = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()
+    return (int(numbers[11]) + int(numbers[12])) / os.sysconf("SC_CLK_TCK")
+
+
+def measure(server: str, pace: str, chairs: int, sessions: int, seconds: float) -> tuple[float, int, float, float]:
+    """Return ticks a second, late ticks, CPU share of the simulator and ticks, over so many seconds."""
+    address = endpoint()
+    with tempfile.TemporaryDirectory() as folder:
+        floor = Path(folder) / "hospital.xml"
+        floor.write_text(write_file(hospital(1)))
+        words = [server, "--map", str(floor), "--world", WORLD, "--listen", address, "--pace", pace]
+        if pace == "lockstep":
+            words += ["--miss", "elastic"]
+        names = ",".join(f"a{k:04d}" for k in range(chairs))
+        with (
+            process(*words, "--expect", names) as simulator,
+            process("tests.bench.chairs", address, WORLD, str(chairs), str(sessions)) as fleet,
+        ):
+            wait_for(simulator, "ready")
+            wait_for(fleet, "ready")
+            session = link.open_session(link.Link(connect=(address,)), threading.Event())
+            assert session is not None
+            with session:
+                threading.Event().wait(1.0)  # the first ticks are not the rule
+                first, begun, cpu = _clock(session), time.monotonic(), cpu_of(simulator.pid)
+                threading.Event().wait(seconds)
+                last, ended, spent = _clock(session), time.monotonic(), cpu_of(simulator.pid) - cpu
+    span = ended - begun
+    ticks = last.tick - first.tick
+    return ticks / span, last.late - first.late, spent / span, float(ticks)
+
+
+def _clock(session: object) -> Clock:
+    answer = link.query(session, Keys(WORLD).clock)[0]  # type: ignore[arg-type]
+    return decode(Clock, answer.data, strict=False)
+
+
+def bench(*, seconds: float = 60.0, lockstep_seconds: float = 10.0, small: bool = False) -> list[Row]:
+    """Return the rows."""
+    rows = []
+    for chairs, sessions in ((2, 1),) if small else ((20, 20), (100, 20)):
+        _, late, cpu, ticks = measure("intellwheels_server", "realtime", chairs, sessions, seconds)
+        case = f"{chairs} chairs, {sessions} sessions, 20 Hz"
+        rows.append(Row("network", case, "late ticks", 100.0 * late / ticks, "%", "<= 0.1"))
+        rows.append(Row("network", case, "CPU of the simulator", 100.0 * cpu, "% of a core"))
+    for chairs in (1,) if small else (4, 20):
+        goal = {4: ">= 2000", 20: ">= 1000"}.get(chairs, "")
+        for name, server in (("drop, put again", "intellwheels_server"), ("block", "tests.bench.blocking_server")):
+            rate, *_ = measure(server, "lockstep", chairs, chairs, lockstep_seconds)
+            rows.append(Row("lockstep", f"{chairs} agents, {name}", "rate", rate, "ticks/s", goal))
+    return rows

@@ -1,0 +1,189 @@
+"""What a tick costs the simulator, body by body: receive, decode, step, sense, encode, put.
+
+A hospital floor of 140 x 60 m, made by the generator with a fixed seed; bodies of 1.2 x 0.7 m with 8 cones of 30
+degrees and 4 m, driving about at random.
+"""
+
+from __future__ import annotations
+
+import random
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Callable
+
+from tests.bench.rows import Row
+from tests.bench.sink import endpoint
+
+from intellwheels_maps.hospital import hospital
+from intellwheels_schemas import link
+from intellwheels_schemas.channels import CHANNELS
+from intellwheels_schemas.codec import Encoding, decode, encode
+from intellwheels_schemas.keys import Keys
+from intellwheels_schemas.messages import Actions, Proximity, Robot
+from intellwheels_server.inputs import Inputs, Join
+from intellwheels_server.sensors import sense
+from intellwheels_server.sensors.kind import View
+from intellwheels_server.world import Setup, State, advance, apply, begin, measures
+
+SENSORS = tuple(
+    Proximity(id=f"s{k}", x=0.6, y=0.0, z=0.4, direction_deg=45.0 * k, cone_deg=30.0, max_range=4.0) for k in range(8)
+)
+GOALS = {1: "<= 10", 10: "<= 2", 100: "<= 1.5", 1000: "<= 2.3"}
+
+
+def hospital_world(bodies: int) -> State:
+    """Return a world with so many bodies at places of the hospital."""
+    floor = hospital(1)
+    assert floor.grid is not None
+    spots = list(floor.grid.position)
+    random.Random(1).shuffle(spots)
+    joins = [
+        Join(
+            agent=f"a{k:04d}",
+            robot=Robot(
+                kind="wheelchair",
+                length=1.2,
+                width=0.7,
+                center=0.4,
+                top=1.3,
+                top_speed=1.0,
+                track=0.57,
+                acceleration_curve=0.5,
+                place=spots[k].name,
+                proximity=SENSORS,
+            ),
+        )
+        for k in range(bodies)
+    ]
+    state, outputs = apply(begin(Setup(floor=floor), "0" * 16), joins)
+    assert all(outcome.code == "ok" for outcome in outputs.outcomes)
+    return state
+
+
+def commands(state: State, seed: int = 1) -> list[dict[str, Actions]]:
+    """Return 20 ticks of powers for everybody, to be repeated."""
+    draw = random.Random(seed)
+    return [
+        {
+            name: Actions(
+                run=state.run,
+                session="0" * 16,
+                tick=0,
+                seq=0,
+                left_motor=draw.uniform(-0.2, 1.0),
+                right_motor=draw.uniform(-0.2, 1.0),
+            )
+            for name in state.names
+        }
+        for _ in range(20)
+    ]
+
+
+def best(work: Callable[[], object], times: int, rounds: int = 5) -> float:
+    """Return the seconds of one call in the quickest round: what is slower is the machine's noise."""
+    found = []
+    for _ in range(rounds):
+        start = time.perf_counter()
+        for _ in range(times):
+            work()
+        found.append((time.perf_counter() - start) / times)
+    return min(found)
+
+
+def bench(sizes: tuple[int, ...] = (1, 10, 100, 1000), *, quick: bool = False) -> list[Row]:
+    """Return the rows, µs a body and tick."""
+    rows = []
+    for count in sizes:
+        times = max(2, (200 if quick else 4000) // count)
+        rows.extend(_of(count, times))
+    return rows
+
+
+def _of(count: int, times: int) -> list[Row]:
+    state = hospital_world(count)
+    powers = commands(state)
+    for k in range(20):
+        state, _ = advance(state, Inputs(actions=powers[k]))
+    held = [state]
+
+    def move() -> None:
+        held[0], _ = advance(held[0], Inputs(actions=powers[held[0].tick % 20]))
+
+    whole = best(move, times)
+    state = held[0]
+    view = View(state.numbers, state.fleet.bodies.parts, state.fleet.bodies.part_start, state.walls)
+    sensing = best(lambda: sense(state.fleet.plan, view, state.tick, state.samples), times)
+    packed = [encode(action) for action in powers[0].values()]
+    decoding = best(lambda: [decode(Actions, data) for data in packed], times)
+    encoding = best(lambda: [encode(measures(state, name)) for name in state.names], max(2, times // 5))
+    xml = best(lambda: [encode(measures(state, name), Encoding.XML) for name in state.names], max(2, times // 20))
+    putting, receiving = _network(state, packed, max(2, times // 5))
+    case = f"{count} bodies"
+    share = 1e6 / count
+    return [
+        Row("tick", case, "receive", receiving * share, "µs/body"),
+        Row("tick", case, "decode", decoding * share, "µs/body"),
+        Row("tick", case, "step", (whole - sensing) * share, "µs/body"),
+        Row("tick", case, "sense", sensing * share, "µs/body"),
+        Row("tick", case, "step and sense", whole * share, "µs/body", GOALS.get(count, "")),
+        Row("tick", case, "encode JSON", encoding * share, "µs/body"),
+        Row("tick", case, "encode XML", xml * share, "µs/body"),
+        Row("tick", case, "put", putting * share, "µs/body"),
+    ]
+
+
+def _network(state: State, packed: list[bytes], times: int) -> tuple[float, float]:
+    """Return the seconds in which this process puts to everybody, and in which it takes what everybody sent.
+
+    Receiving is this process's CPU time, callbacks and inbox together, while another process sends.
+    """
+    keys = Keys("bench")
+    stop = threading.Event()
+    address = endpoint()
+    inbox = link.Inbox(room=1 << 20)
+    session = link.open_session(link.Link(listen=(address,)), stop)
+    assert session is not None
+    with session, session.declare_subscriber(keys.every_in, inbox.on_sample):
+        child = subprocess.Popen(
+            [sys.executable, "-m", "tests.bench.sink", address, str(len(packed)), str(times)],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            text=True,
+        )
+        assert child.stdin is not None
+        assert child.stdout is not None
+        try:
+            assert child.stdout.readline() == "ready\n"
+            publishers = [
+                link.declare(session, keys.measures(f"a{k:04d}"), CHANNELS["measures"]) for k in range(len(packed))
+            ]
+            payloads = [encode(measures(state, name)) for name in state.names]
+
+            def put() -> None:
+                for publisher, payload in zip(publishers, payloads, strict=True):
+                    publisher.put(payload)
+
+            put()
+            putting = best(put, times, rounds=3)
+            child.stdin.write("send\n")
+            child.stdin.flush()
+            start = time.process_time()
+            assert child.stdout.readline() == "sent\n"
+            taken = 0
+            deadline = time.monotonic() + 20.0
+            while taken < times * len(packed) and time.monotonic() < deadline:
+                inbox.wait(0.2)
+                found = len(inbox.take())
+                taken += found
+                if not found:
+                    break
+            receiving = (time.process_time() - start) / max(1, taken) * len(packed)
+            for publisher in publishers:
+                publisher.undeclare()
+        finally:
+            child.stdin.close()
+            child.wait(20.0)
+            child.stdout.close()
+    return putting, receiving
