@@ -44,12 +44,14 @@ from intellwheels_schemas.messages import (
     Refused,
     Robot,
 )
+from intellwheels_schemas.rules import joins_barrier
 
 RETRY: Final = 1.0
 """Seconds between tries to join."""
 TOKEN_RETRY: Final = 0.1
 """Seconds until the next try when the simulator has not seen our token yet: it is on its way."""
 
+_NOTHING = Actions()
 _TEXT = re.compile(TEXT_PATTERN)
 
 
@@ -149,6 +151,7 @@ class Harness:
         self.errors = 0
         self._agent = robot.name or ""
         self._acts = robot.role != "body"
+        self._awaited = joins_barrier(robot)
         self._request = encode(robot, encoding)
         self._make = make
         self._options = dict(options or {})
@@ -156,6 +159,7 @@ class Harness:
         self._fetch_map = fetch_map or _no_map
         self._simulator = simulator
         self._retry_for = retry_for
+        self._erred: dict[str, int] = {}
         self._since = 0.0
         self._asked = -math.inf
         self._gone = False
@@ -277,6 +281,10 @@ class Harness:
         if not came:
             return outputs
         newest = came[-1]
+        if newest.run != self._run and self.phase is Phase.ASKING:
+            # The simulator is another; our session with it is on its way.
+            self._early = payloads[-1]
+            return outputs
         if newest.run != self._run:
             outputs.append(Tell(f"run agent={self._agent} run={newest.run}"))
             self._begin(newest.run)
@@ -301,6 +309,9 @@ class Harness:
             return [Put(self._answer)]
         if not self._acts:
             # Of a simulated body the mind is somebody else's, and its actions are awaited.
+            return []
+        if answer == _NOTHING and not self._awaited:
+            # Would only come late to a tick that waits for others.
             return []
         left, right, say = answer.left_motor, answer.right_motor, answer.say
         self._answer = encode(
@@ -371,7 +382,11 @@ class Harness:
             self.phase = Phase.SEEKING
             # An error that was on its way while we joined must not make us ask without end.
             self.deadline = max(now, self._asked + RETRY)
-        return [Note(f"erred code={error.code} tick={error.tick} text={error.text!r}")]
+        count = self._erred[error.code] = self._erred.get(error.code, 0) + 1
+        # The first, the tenth, the hundredth: what goes wrong each tick must not fill the log.
+        if str(count).strip("0") != "1":
+            return []
+        return [Note(f"erred code={error.code} count={count} tick={error.tick} text={error.text!r}")]
 
     def powered(self, payload: Payload) -> list[Output]:
         """Take the `Power` a real chair must give."""

@@ -12,7 +12,6 @@ from dataclasses import dataclass
 from intellwheels_schemas.messages import Proximity, ProximityReading, Robot, Sensors
 from intellwheels_schemas.rules import parts_of
 
-
 BESIDE = math.pi / 2.0
 """Radians: straight to the side."""
 
@@ -66,7 +65,8 @@ class Surroundings:
             for sensor in robot.proximity
             if sensor.mount == "body"
         }
-        self._clear()
+        self.left = self.right = self.back = self._gap = math.inf
+        self.front_left = self.front_right = self.back_left = self.back_right = math.inf
 
     def update(self, sensors: Sensors | None) -> None:
         """Take the readings of a tick. A sensor that failed, or is not there yet, is left out."""

@@ -283,7 +283,7 @@ class Conductor:
         times += [waiting.until for waiting in self._waiting]
         if self._bridges and self._stands():
             times.append(self._idle_power_at)
-        if self._pending and self._may_change():
+        if (self._pending and self._may_change()) or (self._held and self._may_begin()):
             return now
         if not self._stands():
             if not self._lockstep:
@@ -578,7 +578,7 @@ class Conductor:
         if barrier and self.options.pace == "free" and not self.options.open_loop:
             raise RequestRefusedError(
                 "value",
-                "Robot.Barrier: expected false, as this simulation runs free and waits for nobody (--open-loop allows it)",
+                "Robot.Barrier: expected false, as this run is free and waits for nobody (--open-loop allows it)",
             )
         seat = Seat(
             agent=agent,

@@ -72,7 +72,7 @@ class Network:
                 return
         once = link.declare(self._session, self._keys.out(agent, kind), CHANNELS[kind], encoding)
         once.put(encode(message, encoding))
-        once.undeclare()
+        _undeclare(once)
 
     def welcome(self, agent: str, mind: Encoding, body: Encoding) -> None:
         """Declare what is put to this agent, unless it is declared so already."""
@@ -81,16 +81,16 @@ class Network:
         for kind, encoding in wanted.items():
             if kind not in publishers or publishers[kind][1] is not encoding:
                 if kind in publishers:
-                    publishers[kind][0].undeclare()
+                    _undeclare(publishers[kind][0])
                 key = self._keys.out(agent, kind)
                 publishers[kind] = (link.declare(self._session, key, CHANNELS[kind], encoding), encoding)
 
     def farewell(self, agent: str) -> None:
         """Undeclare what was put to this agent."""
         for publisher, _ in self._agents.pop(agent, {}).values():
-            publisher.undeclare()
+            _undeclare(publisher)
         if agent in self._bodies:
-            self._bodies.pop(agent).undeclare()
+            _undeclare(self._bodies.pop(agent))
 
     def body(self, agent: str, body: Body) -> None:
         """Put `body/<agent>`."""
@@ -321,6 +321,10 @@ def _loop(conductor: Conductor, post: Post, inbox: link.Inbox, stop: threading.E
         if inbox.dropped != dropped:
             note(f"dropped arrivals={inbox.dropped - dropped} why='more than can be read'")
             dropped = inbox.dropped
+
+
+def _undeclare(publisher: Any) -> None:
+    publisher.undeclare()  # has no types
 
 
 def tell(line: str) -> None:

@@ -140,22 +140,21 @@ def _edges(corners: Sequence[Point]) -> list[tuple[float, float, float, float, f
 
 
 def _thickness(piece: _Piece) -> float:
-    """Return the least distance through the piece between outer edges that face away from each other, inf if none do.
+    """Return the least width of the piece seen from an outer edge that another outer edge faces away from, else inf.
 
-    Edges along which a solid was cut lead to the next piece, and edges at a corner are not
-    passed through: neither makes a wall thin.
+    Edges along which a solid was cut lead to the next piece, and what has open sides only on
+    one side is not passed through: neither makes a wall thin.
     """
     edges = _edges(piece.corners)
-    count = len(edges)
-    least = math.inf
-    for i in range(count):
-        for j in range(i + 1, count):
-            if piece.outer[i] and piece.outer[j] and edges[i][2] * edges[j][2] + edges[i][3] * edges[j][3] < 0.0:
-                for near, far in ((i, j), (j, i)):
-                    _, _, nx, ny, offset = edges[near]
-                    ends = (piece.corners[far], piece.corners[(far + 1) % count])
-                    least = min(least, max(offset - (nx * x + ny * y) for x, y in ends))
-    return least
+    outer = [edge for edge, is_outer in zip(edges, piece.outer, strict=True) if is_outer]
+    return min(
+        (
+            max(offset - (nx * x + ny * y) for x, y in piece.corners)
+            for _, _, nx, ny, offset in outer
+            if any(nx * other[2] + ny * other[3] < 0.0 for other in outer)
+        ),
+        default=math.inf,
+    )
 
 
 def _orientation(a: Point, b: Point, c: Point) -> int:

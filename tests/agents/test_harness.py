@@ -280,8 +280,23 @@ def test_errors_just_after_a_join_do_not_make_it_join_without_end(mind: Recorder
 
 def test_other_errors_are_noted(mind: Recorder) -> None:
     harness = at_work(mind)
-    assert harness.erred(error("late"), 1.0) == [Note("erred code=late tick=3 text='words'")]
+    assert harness.erred(error("late"), 1.0) == [Note("erred code=late count=1 tick=3 text='words'")]
     assert harness.phase is Phase.JOINED
+
+
+def test_an_error_of_every_tick_does_not_fill_the_log(mind: Recorder) -> None:
+    harness = at_work(mind)
+    noted = [harness.erred(error("late"), 1.0) for _ in range(100)]
+    assert [index for index, notes in enumerate(noted, 1) if notes] == [1, 10, 100]
+    assert harness.errors == 100
+
+
+@pytest.mark.parametrize(("barrier", "answered"), [(True, ["Put"]), (False, [])])
+def test_an_empty_answer_is_put_only_by_whom_a_lockstep_awaits(barrier: bool, answered: list[str]) -> None:
+    harness = Harness(msgspec.structs.replace(ROBOT, barrier=barrier), Recorder(Actions()).make)
+    harness.start(0.0)
+    harness.accepted(joined())
+    assert kinds(harness.measured([measures(0)])) == answered
 
 
 def test_a_simulator_that_comes_back_is_joined_again_and_the_old_run_keeps_its_mind(mind: Recorder) -> None:
@@ -301,6 +316,16 @@ def test_a_simulator_that_was_started_anew_gets_a_fresh_mind(mind: Recorder) -> 
     harness.accepted(joined(OTHER_RUN, OTHER_SESSION))
     assert put(harness.measured([measures(0, OTHER_RUN)])).tick == 0
     assert len(mind.contexts) == 2
+
+
+def test_a_new_run_that_overtakes_the_reply_waits_for_the_new_session(mind: Recorder) -> None:
+    harness = at_work(mind)
+    harness.absent(2.0)
+    harness.present(3.0)
+    assert harness.measured([measures(4, OTHER_RUN)]) == []
+    outputs = harness.accepted(joined(OTHER_RUN, OTHER_SESSION))
+    assert kinds(outputs) == ["Tell", "Put"]
+    assert (put(outputs).tick, put(outputs).session) == (4, OTHER_SESSION)
 
 
 def test_a_simulator_that_stays_away_is_given_up_in_time(mind: Recorder) -> None:

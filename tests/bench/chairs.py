@@ -5,9 +5,11 @@ python -m tests.bench.chairs ENDPOINT WORLD CHAIRS SESSIONS
 
 from __future__ import annotations
 
+import os
 import queue
 import sys
 import threading
+import traceback
 
 import msgspec
 import zenoh
@@ -84,12 +86,13 @@ def main() -> None:
         threading.Thread(target=some.serve, daemon=True).start()
     print("ready", flush=True)
     sys.stdin.read()
-    # Sessions with callbacks hang at exit; nothing here is worth a clean end.
-    sys.stdout.flush()
-    import os
-
-    os._exit(0)
 
 
 if __name__ == "__main__":
-    main()
+    try:
+        main()
+    finally:
+        # Sessions with callbacks hang at exit; nothing here is worth a clean end.
+        traceback.print_exc()
+        sys.stdout.flush()
+        os._exit(0)

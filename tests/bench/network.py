@@ -10,7 +10,7 @@ import tempfile
 import threading
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 
 from tests.bench.rows import Row
@@ -77,11 +77,10 @@ def measure(server: str, pace: str, chairs: int, sessions: int, seconds: float) 
         if pace == "lockstep":
             words += ["--miss", "elastic"]
         names = ",".join(f"a{k:04d}" for k in range(chairs))
-        with (
-            process(*words, "--expect", names) as simulator,
-            process("tests.bench.chairs", address, WORLD, str(chairs), str(sessions)) as fleet,
-        ):
+        with ExitStack() as stack:
+            simulator = stack.enter_context(process(*words, "--expect", names))
             wait_for(simulator, "ready")
+            fleet = stack.enter_context(process("tests.bench.chairs", address, WORLD, str(chairs), str(sessions)))
             wait_for(fleet, "ready")
             session = link.open_session(link.Link(connect=(address,)), threading.Event())
             assert session is not None

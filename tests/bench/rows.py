@@ -73,6 +73,5 @@ def show(rows: list[Row]) -> None:
     width = [max(len(getattr(row, name)) for row in rows) for name in ("bench", "case", "figure")]
     for row in rows:
         goal = f"   goal {row.goal}" if row.goal else ""
-        print(
-            f"{row.bench:{width[0]}}  {row.case:{width[1]}}  {row.figure:{width[2]}}  {row.value:10.4g} {row.unit}{goal}"
-        )
+        head = f"{row.bench:{width[0]}}  {row.case:{width[1]}}  {row.figure:{width[2]}}"
+        print(f"{head}  {row.value:10.4g} {row.unit}{goal}")

@@ -26,7 +26,7 @@ def main() -> None:
     keys = Keys("bench")
     session = link.open_session(link.Link(connect=(address,)), threading.Event())
     assert session is not None
-    with session, session.declare_subscriber(keys.out("*", "measures"), lambda _sample: None):
+    with session, session.declare_subscriber(f"{keys.prefix}out/*/measures", lambda _sample: None):
         publishers = [link.declare(session, keys.actions(f"a{k:04d}"), CHANNELS["actions"]) for k in range(count)]
         payload = encode(
             Actions(run="0" * 16, session="0" * 16, tick=1, seq=1, left_motor=0.512345678, right_motor=0.412345678)

@@ -95,14 +95,26 @@ def test_door_is_the_leaf_of_the_paper_with_two_sensors_on_each_side_of_its_fram
     assert document.anchored
     assert document.top_speed > 0
     assert {sensor.mount for sensor in document.proximity} == {"start"}
-    sides = [math.copysign(1, sensor.y) for sensor in document.proximity]
+    outward = [sensor for sensor in document.proximity if sensor.y]
+    sides = [math.copysign(1, sensor.y) for sensor in outward]
     assert (sides.count(1), sides.count(-1)) == (2, 2)
-    assert all(sensor.direction_deg == math.copysign(90, sensor.y) for sensor in document.proximity)
+    assert all(sensor.direction_deg == math.copysign(90, sensor.y) for sensor in outward)
+
+
+def test_door_looks_from_jamb_to_jamb_too() -> None:
+    """Two people's width fits between the cones that look outward, in the plane of the leaf."""
+    [across] = [sensor for sensor in robot("door").proximity if not sensor.y]
+    assert across.direction_deg == 0.0
+    # From 0.01 m beyond the free edge to the other jamb, 1.06 m away.
+    assert (across.x, across.min_range) == (-1.0, 0.0)
+    assert across.max_range > 1.06
 
 
 def test_door_sensors_see_the_corridor_wall_no_nearer_than_the_design_says() -> None:
     """A 30 degree cone at y = +-0.3 meets the wall at 1.2 m from 3.48 m on (SIMULATION, doors)."""
     for sensor in robot("door").proximity:
+        if not sensor.y:
+            continue
         y = -0.49 - sensor.x  # the hinge at (6, -0.49) looks towards -y
         assert abs(y) == pytest.approx(0.3)
         assert (1.2 - abs(y)) / math.sin(math.radians(sensor.cone_deg / 2)) == pytest.approx(3.48, abs=0.005)

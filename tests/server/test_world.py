@@ -6,7 +6,18 @@ import pytest
 from tests.server.worlds import RUN, box_wall, cart, do, floor_of, run, world
 
 import intellwheels_server.world
-from intellwheels_schemas.messages import Actions, Compass, Encoders, End, Event, Place, Position, Proximity, Reach, Timeout
+from intellwheels_schemas.messages import (
+    Actions,
+    Compass,
+    Encoders,
+    End,
+    Event,
+    Place,
+    Position,
+    Proximity,
+    Reach,
+    Timeout,
+)
 from intellwheels_server.inputs import GoOn, Inputs, Join, Restart, TakeBody
 from intellwheels_server.kernels.rows import HEADING, X, Y
 from intellwheels_server.world import advance, apply, digest, entities, measures

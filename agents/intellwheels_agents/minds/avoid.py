@@ -13,7 +13,7 @@ from __future__ import annotations
 from intellwheels_agents.chair import powers
 from intellwheels_agents.mind import Context
 from intellwheels_agents.options import OptionError
-from intellwheels_agents.surroundings import Surroundings
+from intellwheels_agents.surroundings import Surroundings, outline
 from intellwheels_schemas.messages import Actions, Measures
 
 TURN_RATE = 0.8
@@ -37,13 +37,19 @@ class Mind:
             raise OptionError(f"option stop: expected less than clear ({self._clear:g}), got {self._stop:g}")
         self._around = Surroundings(context.robot)
         self._turning = 0.0
+        # A long back swings wider.
+        self._tail = SWING * max(1.0, outline(context.robot).back / 0.5)
 
     def decide(self, measures: Measures) -> Actions:
         """Return the powers for what is seen now."""
         around = self._around
         around.update(measures.sensors)
         ahead = around.gap
-        blocked = min(around.front_left, around.front_right) < CORNER or ahead < self._stop * (1.5 if self._turning else 1.0) or measures.collision
+        blocked = (
+            min(around.front_left, around.front_right) < CORNER
+            or ahead < self._stop * (1.5 if self._turning else 1.0)
+            or measures.collision
+        )
         if blocked:
             return self._turn_in_place()
         self._turning = 0.0
@@ -64,7 +70,7 @@ class Mind:
         swing = self._swing(side)
         if swing > 0.0:
             return self._actions(0.0, side * swing * TURN_RATE)
-        if around.back > SWING:
+        if min(around.back, around.back_left, around.back_right) > SWING:
             return self._actions(-0.2 * self._speed, 0.0)
         # Caught on all sides; turning slowly may still free it.
         return self._actions(0.0, side * 0.2 * TURN_RATE)
@@ -72,10 +78,9 @@ class Mind:
     def _swing(self, side: float) -> float:
         """Return the share of the turn rate for which there is room: a front corner swings to, the back away."""
         around = self._around
-        front, back = (
-            (around.front_left, around.back_right) if side > 0.0 else (around.front_right, around.back_left)
-        )
-        return min(1.0, max(0.0, (min(front, back) - SWING) / SWING))
+        front, back = (around.front_left, around.back_right) if side > 0.0 else (around.front_right, around.back_left)
+        room = min(front - SWING, (back - self._tail) * SWING / self._tail)
+        return min(1.0, max(0.0, room / SWING))
 
     def _actions(self, speed: float, turn_rate: float) -> Actions:
         left, right = powers(self._robot, speed, turn_rate)

@@ -589,7 +589,7 @@ def resolve(
                 and _overlap(parts, part_start, shape, pieces, links, edges, cells, frame, outcome, i) <= TOLERANCE
             ):
                 outcome[LICENCE, i] = 0.0
-    return used
+    return int(used)
 
 
 # ---------------------------------------------------------------- being put somewhere

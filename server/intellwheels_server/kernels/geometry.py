@@ -33,6 +33,9 @@ from intellwheels_server.kernels.arrays import (
 )
 from intellwheels_server.kernels.elementary import sincos, wrap
 
+# Depths along two axes that differ by less are one, m: the rounding of coordinates of some kilometres.
+_PARALLEL = 1e-12
+
 
 @njit(cache=True, error_model="numpy")
 def arc(x: float, y: float, heading: float, travel: float, turn: float) -> tuple[float, float, float, float, float]:
@@ -332,15 +335,19 @@ def piece_contact(
         v = dy * c - dx * s
         low_u, high_u = min(low_u, u), max(high_u, u)
         low_v, high_v = min(low_v, v), max(high_v, v)
+    # Along a side of the box that is parallel to a wall both say the same but for rounding: then the wall speaks.
+    rival = least - _PARALLEL
     of_wall = True
-    if high_u + hl < least:
-        least, normal_x, normal_y, of_wall = high_u + hl, c, s, False
-    if hl - low_u < least:
-        least, normal_x, normal_y, of_wall = hl - low_u, -c, -s, False
-    if high_v + hw < least:
-        least, normal_x, normal_y, of_wall = high_v + hw, -s, c, False
-    if hw - low_v < least:
-        least, normal_x, normal_y, of_wall = hw - low_v, s, -c, False
+    if high_u + hl < rival:
+        rival, normal_x, normal_y, of_wall = high_u + hl, c, s, False
+    if hl - low_u < rival:
+        rival, normal_x, normal_y, of_wall = hl - low_u, -c, -s, False
+    if high_v + hw < rival:
+        rival, normal_x, normal_y, of_wall = high_v + hw, -s, c, False
+    if hw - low_v < rival:
+        rival, normal_x, normal_y, of_wall = hw - low_v, s, -c, False
+    least = min(least, high_u + hl, hl - low_u)
+    least = min(least, high_v + hw, hw - low_v)
     if of_wall:
         px, py = _deepest_point(-normal_x, -normal_y, x, y, c, s, hl, hw)
         return least, normal_x, normal_y, px, py

@@ -232,7 +232,6 @@ def body_excess(
     parts: Floats, index: Ints, old: Floats, others_at: Floats, i: int, x: float, y: float, c: float, s: float, j: int
 ) -> tuple[float, float]:
     """Return by how much body i would be too deep in body j, m, not above 0 if it may stand; how far to leave, m."""
-    # One way out: at each return numba would count references to every array.
     excess = leave = 0.0
     dx, dy = others_at[j, SPOT_X] - x, others_at[j, SPOT_Y] - y
     reach = old[i, SPOT_RADIUS] + old[j, SPOT_RADIUS]

@@ -91,6 +91,15 @@ def test_it_never_closes_while_somebody_stands_there() -> None:
     assert doorway.run(30.0, CHAIR) == pytest.approx(90.0, abs=1.0)
 
 
+def test_it_never_closes_while_somebody_stands_in_the_opening_itself() -> None:
+    doorway = door()
+    doorway.run(1.0)
+    doorway.run(5.0, CHAIR)
+    # Between the cones that look outward, in the plane of the leaf.
+    assert doorway.run(30.0, box(-0.15, 0.3, 0.15, 0.7)) == pytest.approx(90.0, abs=1.0)
+    assert doorway.run(11.0) == pytest.approx(0.0, abs=1.0)
+
+
 def test_it_opens_again_when_somebody_comes_while_it_closes() -> None:
     doorway = door()
     doorway.run(1.0)

@@ -1,0 +1,37 @@
+import csv
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from tests.bench.rows import HEAD, Row, append, show
+
+
+def test_rows_are_appended_below_one_head(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    row = Row("tick", "1 bodies", "step", 1.23456, "µs/body", "<= 10")
+    append([row], tmp_path / "rows.csv")
+    append([row, row], tmp_path / "rows.csv")
+    rows = list(csv.reader((tmp_path / "rows.csv").read_text().splitlines()))
+    assert tuple(rows[0]) == HEAD
+    assert [line[3:] for line in rows[1:]] == [["tick", "1 bodies", "step", "1.235", "µs/body", "<= 10"]] * 3
+    show([row])
+    assert "1.235 µs/body   goal <= 10" in capsys.readouterr().out
+
+
+def test_benchmarks_run_and_say_every_share_of_a_tick(tmp_path: Path) -> None:
+    file = tmp_path / "rows.csv"
+    done = subprocess.run(
+        [sys.executable, "-m", "tests.bench", "--quick", "--csv", str(file)],
+        cwd=Path(__file__).parents[2],
+        capture_output=True,
+        text=True,
+        timeout=180,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    rows = list(csv.DictReader(file.read_text().splitlines()))
+    shares = {row["figure"] for row in rows if row["bench"] == "tick"}
+    assert {"receive", "decode", "step", "sense", "encode JSON", "put"} <= shares
+    assert all(float(row["value"]) > 0.0 for row in rows if row["figure"] != "late ticks")
+    assert {row["bench"] for row in rows} == {"tick", "network", "lockstep"}
