@@ -5,11 +5,11 @@ from __future__ import annotations
 import math
 
 import pytest
-from tests.agents.kinematics import Body
 
 from intellwheels_agents.chair import Odometry, powers, wrapped
 from intellwheels_maps import robot
 from intellwheels_schemas.messages import Actions, CompassReading, EncodersReading, Position, Sensors
+from tests.agents.kinematics import Body
 
 CHAIR = robot("intellwheels")
 

@@ -9,7 +9,6 @@ from collections.abc import Iterator
 
 import pytest
 import zenoh
-from tests.agents.kinematics import PARAMETERS, PLACES
 
 from intellwheels_agents.equipment import joining
 from intellwheels_agents.mind import Context
@@ -29,6 +28,7 @@ from intellwheels_schemas.messages import (
     Result,
     Robot,
 )
+from tests.agents.kinematics import PARAMETERS, PLACES
 
 RUN, SESSION = "a" * 16, "b" * 16
 KEYS = Keys("main")

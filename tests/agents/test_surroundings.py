@@ -5,11 +5,11 @@ from __future__ import annotations
 import math
 
 import pytest
-from tests.agents.kinematics import Body, box
 
 from intellwheels_agents.surroundings import Surroundings, outline
 from intellwheels_maps import robot
 from intellwheels_schemas.messages import ProximityReading, Robot, Sensors, Status
+from tests.agents.kinematics import Body, box
 
 CHAIR = robot("rear-wheel")
 

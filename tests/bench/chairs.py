@@ -13,7 +13,6 @@ import traceback
 
 import msgspec
 import zenoh
-from tests.bench.tick import SENSORS
 
 from intellwheels_schemas import link
 from intellwheels_schemas.channels import CHANNELS
@@ -21,6 +20,7 @@ from intellwheels_schemas.codec import encode
 from intellwheels_schemas.keys import Keys
 from intellwheels_schemas.messages import Joined, Robot
 from intellwheels_schemas.names import new_hex
+from tests.bench.tick import SENSORS
 
 
 class Head(msgspec.Struct, rename="pascal"):

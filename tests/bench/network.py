@@ -13,15 +13,14 @@ from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
 
-from tests.bench.rows import Row
-from tests.bench.sink import endpoint
-
 from intellwheels_maps.hospital import hospital
 from intellwheels_schemas import link
 from intellwheels_schemas.codec import decode
 from intellwheels_schemas.files import write_file
 from intellwheels_schemas.keys import Keys
 from intellwheels_schemas.messages import Clock
+from tests.bench.rows import Row
+from tests.bench.sink import endpoint
 
 WORLD = "bench"
 DEADLINE = 120.0

@@ -13,9 +13,6 @@ import threading
 import time
 from collections.abc import Callable
 
-from tests.bench.rows import Row
-from tests.bench.sink import endpoint
-
 from intellwheels_maps.hospital import hospital
 from intellwheels_schemas import link
 from intellwheels_schemas.channels import CHANNELS
@@ -26,6 +23,8 @@ from intellwheels_server.inputs import Inputs, Join
 from intellwheels_server.sensors import sense
 from intellwheels_server.sensors.kind import View
 from intellwheels_server.world import Setup, State, advance, apply, begin, measures
+from tests.bench.rows import Row
+from tests.bench.sink import endpoint
 
 SENSORS = tuple(
     Proximity(id=f"s{k}", x=0.6, y=0.0, z=0.4, direction_deg=45.0 * k, cone_deg=30.0, max_range=4.0) for k in range(8)

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+
 from tests.e2e.stage import run
 
 
@@ -46,9 +47,15 @@ def test_table_was_never_moved(first: dict[str, Any]) -> None:
     assert (table["path"], table["turned"]) == (0.0, 0.0)
 
 
-def test_door_opened(first: dict[str, Any]) -> None:
+def test_door_opened_for_what_its_sensors_saw_and_closed_again(folder: Path, first: dict[str, Any]) -> None:
     (door,) = [row for row in first["agents"] if row["name"] == "door"]
     assert math.degrees(door["turned"]) > 80.0
+    lines = [json.loads(line) for line in (folder / "run.log").read_text().splitlines()]
+    acts = [line.get("Inputs", {}).get("Actions", {}) for line in lines[1:]]
+    says = {name: [act[name]["Say"] for act in acts if "Say" in act.get(name, {})] for name in ("door", "chair1")}
+    assert says["door"] == ["door closed", "door opening", "door open", "door closing", "door closed"]
+    # Nobody told it: what opened it was what it saw.
+    assert says["chair1"] == []
 
 
 def test_log_of_the_run_is_run_again_to_the_same_hashes(folder: Path, first: dict[str, Any]) -> None:

@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+
 from tests.e2e.minds import SLOW_ONCE, STUCK, write
 from tests.e2e.stage import DEADLINE, Peer, Stage, children_of, is_gone, resident
 

@@ -2,10 +2,11 @@ from __future__ import annotations
 
 import pytest
 
-from intellwheels_server.barrier import FIRST_REPEAT, Barrier
+from intellwheels_server.barrier import FIRST_REPEAT, Answer, Barrier
 from intellwheels_server.inputs import Verdict
 
-ONE, TWO = ("one", "actions"), ("two", "actions")
+ONE: Answer = ("one", "actions")
+TWO: Answer = ("two", "actions")
 
 
 def elastic() -> Barrier:

@@ -2,7 +2,6 @@ from typing import get_args
 
 import msgspec
 import pytest
-from tests.server.worlds import box_wall, cart, do, run, world
 
 from intellwheels_schemas.messages import Position, Robot
 from intellwheels_server.inputs import (
@@ -19,6 +18,7 @@ from intellwheels_server.inputs import (
 )
 from intellwheels_server.kernels.rows import HEADING, LEFT_SPEED, LICENCE, X, Y
 from intellwheels_server.world import State, apply, digest, measures
+from tests.server.worlds import box_wall, cart, do, run, world
 
 
 def codes(state: State, *changes: Change) -> tuple[State, list[str]]:

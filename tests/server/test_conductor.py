@@ -131,7 +131,7 @@ class Stage:
     def work(self, seconds: float = 0.0) -> None:
         """Let time pass, doing what is due when it is due."""
         until = self.now + seconds
-        for _ in range(100_000):
+        for _ in range(20_000 if seconds else 200):
             self.conductor.work(self.now)
             due = self.conductor.due(self.now)
             if due > until or self.conductor.exit is not None:
@@ -493,7 +493,7 @@ def test_a_lost_token_removes_the_body_after_the_grace_time() -> None:
     stage.work(2.9)
     assert stage.conductor.state.names == ("chair1",)
     stage.work(0.2)
-    assert stage.conductor.state.names == ()
+    assert len(stage.conductor.state.names) == 0
     assert [code for code in stage.events() if code != "timeout"] == ["joined", "lost", "left"]
 
 

@@ -1,8 +1,8 @@
 import pytest
-from tests.server.worlds import box_wall, cart, run, world
 
 from intellwheels_server.kernels.rows import CONTACTS
 from intellwheels_server.world import entities, measures
+from tests.server.worlds import box_wall, cart, run, world
 
 
 def test_running_into_a_wall_is_one_episode_with_its_point_normal_and_closing_speed() -> None:
@@ -59,9 +59,8 @@ def test_touching_again_within_the_pause_counts_once_and_after_it_twice() -> Non
 
 
 def test_episode_of_a_body_that_left_is_forgotten() -> None:
-    from tests.server.worlds import do
-
     from intellwheels_server.inputs import Depart
+    from tests.server.worlds import do
 
     state = world({"a": cart(), "b": cart(1.1)})
     state, _ = run(state, 5, {"a": (1.0, 1.0)})

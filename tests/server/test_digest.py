@@ -3,10 +3,10 @@ import struct
 
 import msgspec
 import numpy as np
-from tests.server.worlds import box_wall, cart, floor_of, run, world
 
 from intellwheels_server.kernels.rows import FLAG_ROWS, NUMBER_ROWS, Y
 from intellwheels_server.world import digest, map_hash
+from tests.server.worlds import box_wall, cart, floor_of, run, world
 
 
 def test_hash_is_blake2b_64_over_tick_numbers_and_flags_of_each_body_in_turn() -> None:

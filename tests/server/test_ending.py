@@ -1,9 +1,9 @@
 import pytest
-from tests.server.worlds import cart, floor_of, world
 
 from intellwheels_schemas.errors import RequestRefusedError
 from intellwheels_schemas.messages import End, Place, Reach, Timeout
 from intellwheels_server.ending import end_reason
+from tests.server.worlds import cart, floor_of, world
 
 FLOOR = floor_of((), (Place(name="here", x=0.3, y=0.4), Place(name="there", x=9.0, y=0.0)))
 

@@ -1,5 +1,4 @@
 import pytest
-from tests.server.worlds import cart, floor_of
 
 from intellwheels_schemas.errors import RequestRefusedError
 from intellwheels_schemas.messages import Part, Robot
@@ -7,6 +6,7 @@ from intellwheels_server.fleet import assemble, figure_of
 from intellwheels_server.kernels.arrays import ANCHORED, HELD, KEY
 from intellwheels_server.kernels.motion import ACCELERATION, KEPT, TOP_SPEED, TRACK
 from intellwheels_server.state import Setup
+from tests.server.worlds import cart, floor_of
 
 
 def test_figure_is_the_robot_as_accepted() -> None:

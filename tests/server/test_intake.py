@@ -1,12 +1,12 @@
 import math
 
 import pytest
-from tests.server.worlds import cart, do, run, world
 
 from intellwheels_schemas.messages import Actions, Goal, Pose, UserInput
 from intellwheels_server.inputs import Inputs, Said, TakeBody, Verdict
 from intellwheels_server.kernels.rows import HEADING, SPEED, TURN_RATE, X, Y
 from intellwheels_server.world import State, advance, entities, measures
+from tests.server.worlds import cart, do, run, world
 
 
 def act(state: State, **actions: Actions) -> State:

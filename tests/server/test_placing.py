@@ -1,7 +1,6 @@
 import math
 
 import pytest
-from tests.server.worlds import box_wall, cart, floor_of
 
 from intellwheels_schemas.errors import RequestRefusedError
 from intellwheels_schemas.messages import Map, Place, Position, Robot
@@ -9,6 +8,7 @@ from intellwheels_server.fleet import figure_of
 from intellwheels_server.floor import walls_of
 from intellwheels_server.placing import Crowd, place, places_for, position_of
 from intellwheels_server.state import Setup
+from tests.server.worlds import box_wall, cart, floor_of
 
 PLACES = (
     Place(name="bed", x=0.0, y=0.0, kinds=("bed",)),

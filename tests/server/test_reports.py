@@ -1,9 +1,9 @@
 import pytest
-from tests.server.worlds import cart, run, world
 
 from intellwheels_schemas.messages import Actions
 from intellwheels_server.inputs import Inputs
 from intellwheels_server.world import advance, entities, measures, power_in_force
+from tests.server.worlds import cart, run, world
 
 
 def test_power_in_force_is_the_command_and_then_nothing_once_it_is_too_old() -> None:

@@ -3,7 +3,6 @@ import doctest
 import msgspec
 import numpy as np
 import pytest
-from tests.server.worlds import RUN, box_wall, cart, do, floor_of, run, world
 
 import intellwheels_server.world
 from intellwheels_schemas.messages import (
@@ -21,6 +20,7 @@ from intellwheels_schemas.messages import (
 from intellwheels_server.inputs import GoOn, Inputs, Join, Restart, TakeBody
 from intellwheels_server.kernels.rows import HEADING, X, Y
 from intellwheels_server.world import advance, apply, digest, entities, measures
+from tests.server.worlds import RUN, box_wall, cart, do, floor_of, run, world
 
 
 def test_example_of_the_documentation_holds() -> None:

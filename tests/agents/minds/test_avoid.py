@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import pytest
-from tests.agents.kinematics import PERIOD, Body, box, context
 
 from intellwheels_agents.minds.avoid import Mind
 from intellwheels_agents.options import OptionError
 from intellwheels_maps import robot
+from tests.agents.kinematics import PERIOD, Body, box, context
 
 
 @pytest.mark.parametrize("name", ["rear-wheel", "mid-wheel", "front-wheel", "intellwheels"])

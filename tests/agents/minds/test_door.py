@@ -5,11 +5,11 @@ from __future__ import annotations
 import math
 
 import pytest
-from tests.agents.kinematics import PERIOD, Body, Segment, box, context
 
 from intellwheels_agents.minds.door import Mind
 from intellwheels_maps import robot
 from intellwheels_schemas.messages import Heard
+from tests.agents.kinematics import PERIOD, Body, Segment, box, context
 
 LEAF = robot("door")
 JAMBS = box(-0.05, -3.0, 0.05, -0.06) + box(-0.05, 1.04, 0.05, 3.0) + box(-9.0, -3.0, 9.0, 3.0)

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import pytest
-from tests.agents.kinematics import RUN, context
 
 from intellwheels_agents.minds.drive import Mind
 from intellwheels_agents.options import OptionError
 from intellwheels_schemas.messages import Measures, Robot
+from tests.agents.kinematics import RUN, context
 
 ROBOT = Robot(top_speed=1.0)
 

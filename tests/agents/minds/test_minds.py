@@ -5,11 +5,11 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from tests.agents.kinematics import RUN, context
 
 from intellwheels_agents import minds
 from intellwheels_agents.options import OptionError, Options
 from intellwheels_schemas.messages import Actions, Measures, Robot
+from tests.agents.kinematics import RUN, context
 
 
 def test_the_shipped_minds() -> None:

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from tests.agents.kinematics import RUN, context
-
 from intellwheels_agents.minds.table import Mind
 from intellwheels_schemas.messages import Actions, Measures, Robot
+from tests.agents.kinematics import RUN, context
 
 
 def test_a_table_does_nothing_at_all() -> None:

@@ -7,12 +7,12 @@ from itertools import pairwise
 
 import msgspec
 import pytest
-from tests.agents.kinematics import Body, Segment, box, context, run
 
 from intellwheels_agents.minds.waypoints import Mind, equip
 from intellwheels_agents.options import OptionError, Options
 from intellwheels_maps import robot
 from intellwheels_schemas.messages import Robot
+from tests.agents.kinematics import Body, Segment, box, context, run
 
 CHAIRS = ["rear-wheel", "mid-wheel", "front-wheel", "intellwheels"]
 

@@ -1,10 +1,10 @@
 """What becomes of arcs when something is in the way: each figure and promise of SIMULATION.md, "Contact"."""
 
 import math
+from typing import Any
 
 import numpy as np
 import pytest
-from tests.server.kernels.crowds import CHAIR, LEAF, TABLE, TWO_PART_CHAIR, Floor, order_matters, random_floor, steer
 
 from intellwheels_server.kernels import contact
 from intellwheels_server.kernels.arrays import (
@@ -31,7 +31,19 @@ from intellwheels_server.kernels.arrays import (
 )
 from intellwheels_server.kernels.geometry import arc
 from intellwheels_server.kernels.motion import drive, lag
+from intellwheels_server.kernels.standing import A_WALL
 from intellwheels_server.walls import Line, Solid, walls_from
+from tests.server.kernels.crowds import (
+    CHAIR,
+    LEAF,
+    RESOLVE,
+    TABLE,
+    TWO_PART_CHAIR,
+    Floor,
+    order_matters,
+    random_floor,
+    steer,
+)
 
 # The wall's face is the line x = 2.
 WALL = walls_from([Solid([(2.0, -20.0), (3.0, -20.0), (3.0, 20.0), (2.0, 20.0)], 0.0, 2.5)])
@@ -360,7 +372,7 @@ def test_hit_of_a_wall_says_where() -> None:
     floor.drive(0, 0.06, 0.0)
     floor.tick()
     (hit,), (numbers,) = floor.hits, floor.hit_numbers
-    assert hit[[HIT_BODY, HIT_OTHER, HIT_WALL, HIT_PART, HIT_WHO]].tolist() == [0, contact.A_WALL, 0, 0, 1]
+    assert hit[[HIT_BODY, HIT_OTHER, HIT_WALL, HIT_PART, HIT_WHO]].tolist() == [0, A_WALL, 0, 0, 1]
     assert numbers[[HIT_X, HIT_NORMAL_X, HIT_CLOSING]].tolist() == pytest.approx([2.0, -1.0, 0.06], abs=0.011)
     assert numbers[HIT_Y] == pytest.approx(0.4)
     assert numbers[HIT_DEPTH] == pytest.approx(0.01)
@@ -426,11 +438,11 @@ def test_room_for_hits_changes_nothing_but_what_is_written_down() -> None:
     for _ in range(30):
         floor.tick()
     flags, outcome = floor.flags.copy(), floor.outcome.copy()
-    args = (*floor.bodies, *floor.walls, floor.pose, floor.twist, floor.licence, floor.tick_number)
+    args = (*floor.blocks, floor.pose, floor.twist, floor.licence, floor.tick_number)
     found = []
     for room in (0, 1, 64):
         hits, numbers = np.zeros((room, 6), dtype=np.int64), np.zeros((room, 6))
-        found.append((contact.resolve(*args, outcome, flags, hits, numbers), outcome.tobytes(), flags.tobytes()))
+        found.append((RESOLVE(*args, outcome, flags, hits, numbers), outcome.tobytes(), flags.tobytes()))
     assert found[0][0] > 1
     assert len(set(found)) == 1
 
@@ -458,8 +470,9 @@ def test_real_chair_put_into_another_is_written_down() -> None:
         WALL,
     )
     hits, numbers = np.zeros((4, 6), dtype=np.int64), np.zeros((4, 6))
-    used = contact.overlaps(*floor.bodies, *floor.walls, floor.pose, np.array([0], dtype=np.int64), hits, numbers)
-    assert hits[:used, [HIT_BODY, HIT_OTHER, HIT_WALL]].tolist() == [[0, contact.A_WALL, 0], [0, 1, -1]]
+    overlaps: Any = contact.overlaps
+    used = overlaps(*floor.blocks, floor.pose, np.array([0], dtype=np.int64), hits, numbers)
+    assert hits[:used, [HIT_BODY, HIT_OTHER, HIT_WALL]].tolist() == [[0, A_WALL, 0], [0, 1, -1]]
     assert numbers[:used, HIT_DEPTH].tolist() == pytest.approx([0.05, 0.1])
     assert numbers[:used, HIT_NORMAL_X].tolist() == [-1.0, 1.0]
 

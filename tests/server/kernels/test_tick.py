@@ -1,9 +1,9 @@
 import pytest
-from tests.server.worlds import box_wall, cart, run, world
 
 from intellwheels_schemas.messages import Encoders
 from intellwheels_server.kernels.rows import LEFT_SPEED, LEFT_TRAVEL, RIGHT_TRAVEL, SPEED, TURN_RATE, X
 from intellwheels_server.world import measures
+from tests.server.worlds import box_wall, cart, run, world
 
 
 def test_speed_and_turn_rate_are_what_came_about_not_what_was_wanted() -> None:

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from tests.server.worlds import box_wall, cart, run, world
-
 from intellwheels_schemas.messages import Bumper
 from intellwheels_server.world import State, measures
+from tests.server.worlds import box_wall, cart, run, world
 
 
 def _pressed(state: State, agent: str = "a") -> bool:

@@ -6,10 +6,10 @@ import math
 
 import numpy as np
 import pytest
-from tests.server.worlds import cart, run, world
 
 from intellwheels_schemas.messages import Compass
 from intellwheels_server.world import State, measures
+from tests.server.worlds import cart, run, world
 
 
 def _heading(state: State, agent: str = "a") -> float:

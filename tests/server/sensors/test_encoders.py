@@ -5,10 +5,9 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from tests.server.worlds import cart, run, world
-
 from intellwheels_schemas.messages import Encoders
 from intellwheels_server.world import State, measures
+from tests.server.worlds import cart, run, world
 
 # 1000 ticks a metre.
 _WHEELS: dict[str, Any] = {

@@ -5,12 +5,12 @@ from __future__ import annotations
 import math
 
 import pytest
-from tests.server.worlds import box_wall, cart, run, world
 
 from intellwheels_schemas.errors import RequestRefusedError
 from intellwheels_schemas.messages import Part, Position, Proximity, Robot
 from intellwheels_server.sensors.proximity import ProximityKind, unit_vector
 from intellwheels_server.world import State, measures
+from tests.server.worlds import box_wall, cart, run, world
 
 # The paper's example: a top from 0.69 to 0.72 m on four legs of 5 cm.
 _TABLE = Robot(

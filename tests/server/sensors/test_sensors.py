@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import pytest
-from tests.server.worlds import cart, do, run, world
 
 from intellwheels_schemas.errors import RequestRefusedError
 from intellwheels_schemas.messages import GPS, Compass, Encoders, Ground, Lidar, Proximity, Record, Robot, Truth
 from intellwheels_server.inputs import Depart, Join
 from intellwheels_server.sensors import check_sensors
 from intellwheels_server.world import State, measures
+from tests.server.worlds import cart, do, run, world
 
 
 def _late(every: int = 1, latency: int = 0) -> Encoders:

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import pytest
-from tests.server.worlds import cart, run, world
 
 from intellwheels_schemas.messages import Truth
 from intellwheels_server.kernels.rows import HEADING, X, Y
 from intellwheels_server.world import measures
+from tests.server.worlds import cart, run, world
 
 
 def test_truth_is_the_pose_to_the_bit_and_the_twist_of_the_last_step() -> None:
