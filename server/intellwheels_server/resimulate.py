@@ -17,7 +17,7 @@ class Finding:
     Attributes:
         ticks: Steps that were made.
         tick: Where the run is.
-        hash: The hash there.
+        hash: The hash after the last step, which is the one a run that ended told; who left after it does not count.
         cut: Whether the last line was cut and dropped.
         differs: In words, the first tick whose hash differs, or None.
     """
@@ -43,10 +43,10 @@ def resimulate(path: Path, progress: Callable[[int], None] = lambda _ticks: None
     with path.open("rb") as file:
         header = read_header(file, str(path))
         state = begin(header.world_setup(), header.run)
-        steps, found = 0, digest(state)
+        steps, last = 0, digest(state)
         for number, line in enumerate(read_lines(file, str(path)), start=2):
             if line is None:
-                return Finding(steps, state.tick, found, cut=True)
+                return Finding(steps, state.tick, last, cut=True)
             if line.stepped and line.tick != state.tick:
                 raise LogError(f"{path}:{number}: expected tick {state.tick}, got {line.tick}")
             if line.stepped:
@@ -57,7 +57,9 @@ def resimulate(path: Path, progress: Callable[[int], None] = lambda _ticks: None
             else:
                 state, _ = apply(state, line.inputs.changes)
             found = digest(state)
+            if line.stepped:
+                last = found
             if found != line.hash:
                 text = f"tick {line.tick} of run {state.run} (line {number}): expected hash {line.hash}, got {found}"
                 return Finding(steps, state.tick, found, differs=text)
-    return Finding(steps, state.tick, found)
+    return Finding(steps, state.tick, last)

@@ -37,7 +37,7 @@ class Chairs:
         self._arrived: queue.SimpleQueue[zenoh.Sample] = queue.SimpleQueue()
         self._read = msgspec.json.Decoder(Head)
         self._answers: dict[str, tuple[zenoh.Publisher, str]] = {}
-        self._held: list[object] = []
+        self._held: list[object] = [session]  # else it is closed, and its chairs leave
         for number in numbers:
             name = f"a{number:04d}"
             key = keys.measures(name)
