@@ -9,6 +9,7 @@ from typing import Final, Self
 
 from rich.console import Console
 from rich.status import Status
+from rich.text import Text
 
 from intellwheels_experiments.record import Record
 from intellwheels_schemas.messages import Map, Scene
@@ -52,10 +53,15 @@ class Progress:
         """Show a line that stays."""
         self._console.print(text, markup=False, highlight=False, soft_wrap=True)
 
+    def doing(self, text: str) -> None:
+        """Show what is going on just now, where a line can live."""
+        if self._status is not None:
+            self._status.update(Text(f"{self._scene.name}: {text}"))
+
     def follow(self, record: Record) -> None:
         """Show how far the run is; cheap enough to be called ten times a second."""
         if self._status is not None:
-            self._status.update(f"{self._scene.name}: {describe(record, self._goals)}")
+            self.doing(describe(record, self._goals))
         elif time.monotonic() >= self._next:
             self._next = time.monotonic() + PLAIN_EVERY
             self.say(f"progress {describe(record, self._goals)}")

@@ -18,7 +18,7 @@ from intellwheels_experiments.judge import Row, Verdict
 Finish: TypeAlias = Literal["ended", "missed", "died", "interrupted", "overtime"]
 
 _DISTRIBUTIONS: Final = ("intellwheels", "eclipse-zenoh", "msgspec", "numpy", "numba")
-_HEADS: Final = ("agent", "mind", "robot", "place", "reached", "distance", "contacts", "path at least", "turned")
+_HEADS: Final = ("agent", "mind", "robot", "place", "there", "distance", "contacts", "path", "turned")
 
 
 class Result(msgspec.Struct, frozen=True, kw_only=True):
@@ -78,10 +78,10 @@ def show(result: Result, console: Console) -> None:
     """Print the result: a table on a terminal, plain lines elsewhere."""
     if console.is_terminal:
         console.print(_table(result))
-        console.print(Text(_figures(result)))
+        console.print(Text(_figures(result)), soft_wrap=True)
         for sentence in result.failed:
-            console.print(Text(sentence, style="red"))
-        console.print(Text(_headline(result), style="bold green" if result.held else "bold red"))
+            console.print(Text(sentence, style="red"), soft_wrap=True)
+        console.print(Text(_headline(result), style="bold green" if result.held else "bold red"), soft_wrap=True)
         return
     for line in lines(result):
         # Not the console's print: it would wrap and colour what a script reads.
@@ -132,9 +132,10 @@ def _cells(row: Row) -> tuple[str, ...]:
 
 
 def _table(result: Result) -> Table:
-    table = Table(box=box.SIMPLE_HEAD, title=f"{result.scene}, seed {result.seed}, {result.pace}", title_justify="left")
+    title = Text(f"{result.scene}, seed {result.seed}, {result.pace}")
+    table = Table(box=box.SIMPLE_HEAD, title=title, title_justify="left", padding=0)
     for index, head in enumerate(_HEADS):
-        table.add_column(head, justify="left" if index < 5 else "right")
+        table.add_column(head, justify="left" if index < 5 else "right", no_wrap=True)
     for row in result.agents:
         style = "red" if row.reached is False or not row.seen else None
         cells = _cells(row)

@@ -78,6 +78,7 @@ def perform(
                         watch.complete(record)
             except ConnectionError as error:
                 finish = _Finished("interrupted" if stop.is_set() else "died", str(error))
+        progress.doing("ending the processes")
         # The agents first: they leave in words, which needs somebody to hear them.
         children.end([child for child in children.living if child != SERVER])
         children.end([child for child in children.living if child == SERVER], grace=5.0)

@@ -154,8 +154,6 @@ def check_robot(robot: Robot, where: str = "Robot") -> None:
         low, high = getattr(sensor, "min_range", None), getattr(sensor, "max_range", None)
         if low is not None and high is not None and not low < high:
             raise _wrong(f"{place}.MaxRange", f"more than MinRange {shown(low)}", shown(high))
-        if robot.type == "real" and getattr(sensor, "mount", "body") == "start":
-            raise _wrong(f"{place}.Mount", "body for a real robot", shown("start"))
         if robot.type != "real" and sensor.source == "real":
             raise _wrong(f"{place}.Source", "simulated for a simulated robot", shown("real"))
 

@@ -552,8 +552,6 @@ REFUSED: Final = (
           "Robot.AccelerationCurve"),
     Wrong("Robot-far.json", b'{"Length":1.0,"Width":1.0,"Position":{"X":10000.5,"Y":0.0,"Heading":0.0}}', "value",
           "Robot.Position.X"),
-    Wrong("Robot-real-mount.xml", _robot(_proximity(Mount="start"), 'Type="real" Length="1" Width="1"'),
-          "value", "Robot.Proximity[0].Mount"),
     Wrong("Robot-user-input.xml", _robot("", 'UserInput="drive steer" Length="1" Width="1"'),
           "value", "Robot.UserInput[1]"),
     # Readings and poses.

@@ -86,6 +86,7 @@ class Draft:
         self.flags = {name: state.flags[:, i].copy() for i, name in enumerate(state.names)}
         self.manners = dict(state.manners)
         self.user = dict(state.user)
+        self.forwarded = dict(state.forwarded)
         self.heard = list(state.heard)
         self.episodes = state.episodes
         self.event_count = state.event_count
@@ -142,6 +143,7 @@ class Draft:
         del self.figures[name], self.numbers[name], self.flags[name]
         self.manners.pop(name, None)
         self.user.pop(name, None)
+        self.forwarded.pop(name, None)
         self.episodes = self.episodes[(self.episodes[:, 0] != key) & (self.episodes[:, 1] != key)]
         if self._crowd is not None:
             self._crowd.remove(name)
@@ -168,6 +170,7 @@ class Draft:
             episodes=self.episodes,
             manners=self.manners,
             user=self.user,
+            forwarded=self.forwarded,
             heard=tuple(self.heard),
             event_count=self.event_count,
             revision=self.revision,
@@ -370,7 +373,7 @@ def _restart(one: do.Restart, draft: Draft) -> Outcome:
     halted = {name: flags[HALTED] for name, flags in draft.flags.items()}
     draft.run, draft.tick, draft.setup, draft.walls = one.run, 0, setup, walls
     draft.figures, draft.numbers, draft.flags = {}, {}, {}
-    draft.manners, draft.user, draft.heard = {}, {}, []
+    draft.manners, draft.user, draft.forwarded, draft.heard = {}, {}, {}, []
     draft.episodes, draft.event_count = no_episodes(), 0
     draft.revision += one.map is not None
     draft.ended = draft.end_waived = False

@@ -7,7 +7,8 @@ from collections.abc import Mapping
 
 import msgspec
 
-from intellwheels_schemas.messages import Actions, EventCode, Pose, UserInput
+from intellwheels_schemas.messages import Actions, EventCode, Pose, Sensors, UserInput
+from intellwheels_schemas.rules import SENSOR_KINDS, sensors_of
 from intellwheels_server.inputs import Inputs, Verdict
 from intellwheels_server.kernels.arrays import Floats, Ints
 from intellwheels_server.kernels.elementary import cos, sin
@@ -139,6 +140,22 @@ def enter_poses(state: State, poses: Mapping[str, Pose], numbers: Floats, flags:
         flags[POSE_AGE, i] = 0
         moved.append(i)
     return moved
+
+
+def enter_forwarded(state: State, poses: Mapping[str, Pose]) -> dict[str, Sensors]:
+    """Return the last readings of each real body's own sensors: those it declared with `Source` real, no others."""
+    forwarded = state.forwarded
+    for name, pose in poses.items():
+        figure = state.fleet.figures.get(name)
+        if pose.sensors is None or figure is None or not figure.held:
+            continue
+        own = {sensor.id for _, _, sensor in sensors_of(figure.robot) if sensor.source == "real"}
+        kept = {
+            field: tuple(reading for reading in getattr(pose.sensors, field) if reading.id in own)
+            for field in SENSOR_KINDS
+        }
+        forwarded = {**forwarded, name: Sensors(**kept)}
+    return forwarded
 
 
 def enter_verdicts(

@@ -5,7 +5,8 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from intellwheels_schemas.messages import Entity, Heard, Measures, MotorState, PowerInForce
+from intellwheels_schemas.messages import Entity, Heard, Measures, MotorState, PowerInForce, Sensors
+from intellwheels_schemas.rules import SENSOR_KINDS
 from intellwheels_server.kernels.rows import (
     COLLISION,
     CONTACTS,
@@ -47,10 +48,19 @@ def measures(state: State, agent: str) -> Measures:
         time=state.time,
         collision=bool(state.flags[COLLISION, i]),
         contact=bool(state.numbers[TOUCHING, i]),
-        sensors=readings(fleet.plan, state.samples, state.tick, i),
+        sensors=_sensors(state, agent, i),
         message=_heard(state, agent, i) if state.heard else (),
         user_input=state.user.get(agent) if figure.wants_user else None,
     )
+
+
+def _sensors(state: State, agent: str, i: int) -> Sensors | None:
+    """Return the readings of the simulated sensors and, after them, those that a real body forwarded."""
+    virtual = readings(state.fleet.plan, state.samples, state.tick, i)
+    real = state.forwarded.get(agent)
+    if virtual is None or real is None:
+        return virtual or real
+    return Sensors(**{field: getattr(virtual, field) + getattr(real, field) for field in SENSOR_KINDS})
 
 
 def _heard(state: State, agent: str, i: int) -> tuple[Heard, ...]:

@@ -31,7 +31,7 @@ from intellwheels_server.conductor import Conductor, Options, Recorder
 from intellwheels_server.inputs import Inputs
 from intellwheels_server.log import Line, Log
 
-KEYS_KNOWN: Final = 20_000
+KEYS_KNOWN: Final = 4_096
 """Keys whose parts are remembered."""
 TOPICS: Final[dict[str, Topic]] = {topic: topic for topic in get_args(Topic)}
 SHUTDOWN: Final = 0.1

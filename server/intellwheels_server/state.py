@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import msgspec
 import numpy as np
 
-from intellwheels_schemas.messages import End, Goal, Map, UserInput
+from intellwheels_schemas.messages import End, Goal, Map, Sensors, UserInput
 from intellwheels_server.kernels.arrays import Floats, Ints, Walls
 
 if TYPE_CHECKING:
@@ -82,6 +82,7 @@ class State(msgspec.Struct, frozen=True, kw_only=True):
         episodes: int64[e, 3], contacts that go on.
         manners: What agents say of themselves, by name.
         user: The last input of each body's user, by name.
+        forwarded: The last readings of each real body's own sensors, by name.
         heard: What was said in the last step.
         event_count: Events of this run so far; the next event's number.
         revision: How often the map was changed.
@@ -100,6 +101,7 @@ class State(msgspec.Struct, frozen=True, kw_only=True):
     episodes: Ints
     manners: dict[str, Manner] = {}
     user: dict[str, UserInput] = {}
+    forwarded: dict[str, Sensors] = {}
     heard: tuple[Utterance, ...] = ()
     event_count: int = 0
     revision: int = 0

@@ -11,7 +11,16 @@ from intellwheels_server.contacts import follow
 from intellwheels_server.digest import digest
 from intellwheels_server.ending import end_reason
 from intellwheels_server.inputs import Inputs
-from intellwheels_server.intake import Happening, enter_actions, enter_poses, enter_user, enter_verdicts, hush, words_of
+from intellwheels_server.intake import (
+    Happening,
+    enter_actions,
+    enter_forwarded,
+    enter_poses,
+    enter_user,
+    enter_verdicts,
+    hush,
+    words_of,
+)
 from intellwheels_server.kernels.arrays import Ints
 from intellwheels_server.kernels.command import NOW_SILENT, NOW_STALE, NOW_TIMED_OUT
 from intellwheels_server.kernels.rows import LEFT_COMMAND, RIGHT_COMMAND, SILENT, STALE, TIMED_OUT
@@ -42,8 +51,9 @@ def step(state: State, inputs: Inputs) -> tuple[State, tuple[Event, ...], bool]:
     numbers, flags = state.numbers.copy(), state.flags.copy()
     manners, said = enter_actions(state, inputs.actions, numbers, flags)
     user = enter_user(state, inputs.user_input, numbers, flags) if inputs.user_input else state.user
-    reported = _NOBODY
+    reported, forwarded = _NOBODY, state.forwarded
     if inputs.poses:
+        forwarded = enter_forwarded(state, inputs.poses)
         reported = np.array(sorted(enter_poses(state, inputs.poses, numbers, flags)), dtype=np.int64)
     happenings: list[Happening] = []
     if inputs.verdicts:
@@ -102,6 +112,7 @@ def step(state: State, inputs: Inputs) -> tuple[State, tuple[Event, ...], bool]:
         episodes=episodes,
         manners=manners,
         user=user,
+        forwarded=forwarded,
         heard=tuple(words_of(state, inputs, said)) if said or inputs.says else (),
         event_count=state.event_count + len(events),
         revision=state.revision,

@@ -8,9 +8,11 @@ import threading
 import time
 from pathlib import Path
 
+from msgspec import structs
+
 from intellwheels_maps import floor, robot
-from intellwheels_schemas.messages import Actions
-from intellwheels_server.inputs import Inputs, Join
+from intellwheels_schemas.messages import Actions, Position, Truth
+from intellwheels_server.inputs import Inputs, Join, TeleportBody
 from intellwheels_server.kernel_cache import is_cold
 from intellwheels_server.world import Setup, advance, apply, begin, digest, entities, measures
 
@@ -23,7 +25,7 @@ def warm() -> None:
     if not is_cold(Path(os.environ["NUMBA_CACHE_DIR"])):
         _exercise()
         return
-    print("compiling kernels: once, about 20 s", file=sys.stderr, flush=True)  # noqa: T201 - what a person waits for
+    print("compiling kernels: once, about 30 s", file=sys.stderr, flush=True)  # noqa: T201 - what a person waits for
     began = time.monotonic()
     done = threading.Event()
     watcher = threading.Thread(target=_show, args=(began, done), name="warming", daemon=True)
@@ -42,13 +44,22 @@ def _show(began: float, done: threading.Event) -> None:
 
 
 def _exercise() -> None:
-    """Two chairs side by side for a few ticks: motion, contact, sensing, digest."""
-    state = begin(Setup(floor=floor("room")), run="0" * 16)
-    chair = robot("rear-wheel")
-    state, _ = apply(state, [Join(agent=name, robot=chair) for name in ("one", "two")])
+    """Two chairs and a table for a few ticks: motion, sensing, contact of bodies and walls, episodes, digest."""
+    state = begin(Setup(floor=floor("room"), truth=True), run="0" * 16)
+    chair = structs.replace(robot("rear-wheel"), truth=(Truth(id="truth"),))
+    joins = [Join(agent=name, robot=chair) for name in ("one", "two")]
+    state, _ = apply(state, [*joins, Join(agent="three", robot=robot("table"))])
+    drive = {name: Actions(left_motor=1.0, right_motor=0.9) for name in ("one", "two")}
     for _ in range(3):
-        drive = {name: Actions(left_motor=0.5, right_motor=0.25) for name in state.names}
         state, _ = advance(state, Inputs(actions=drive))
+    at = state.fleet.figures["two"].start
+    # Into the other one, and beyond the wall: what may only happen by decree happens here.
+    into = TeleportBody(agent="one", position=Position(x=at.x + 0.5, y=at.y, heading=0.5), force=True)
+    beyond = TeleportBody(agent="two", position=Position(x=0.0, y=at.y, heading=3.0), force=True)
+    for change in (into, beyond):
+        state, _ = apply(state, [change])
+        for _ in range(12):
+            state, _ = advance(state, Inputs(actions=drive))
     for name in state.names:
         measures(state, name)
     entities(state)

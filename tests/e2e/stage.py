@@ -81,6 +81,7 @@ class Stage:
     Attributes:
         world: The world's name.
         endpoint: Where its simulator listens.
+        simulator: The child that is the newest simulator.
         folder: For whatever files a test needs; the logs are in it.
     """
 
@@ -92,11 +93,14 @@ class Stage:
         self._lines: dict[str, deque[str]] = {}
         self._exits: dict[str, int] = {}
         self._started = 0
+        self.simulator = "server"
 
     def __enter__(self) -> Self:
         return self
 
     def __exit__(self, *_: object) -> None:
+        # How they end in words is tested where it matters.
+        self.children.end(self.children.living, grace=0.0)
         self.children.close()
 
     def start(self, child: str, module: str, *words: str) -> str:
@@ -111,6 +115,7 @@ class Stage:
     def server(self, *words: str, ready: bool = True) -> str:
         """Start a simulator, and wait until it is ready."""
         child = self.start("server", "intellwheels_server", "--listen", self.endpoint, "--world", self.world, *words)
+        self.simulator = child
         if ready:
             self.line(child, "ready")
         return child
@@ -275,12 +280,12 @@ class Peer:
                     return event
             return None
 
-        return self.stage.wait(found, f"event {code} of {agent}", timeout, unless="server")
+        return self.stage.wait(found, f"event {code} of {agent}", timeout, unless=self.stage.simulator)
 
     def clock(self) -> dict[str, Any]:
         """Wait for a clock from now on and return it."""
         self._clocks.clear()
-        return dict(self.stage.wait(lambda: _newest(self._clocks), "clock", unless="server"))
+        return dict(self.stage.wait(lambda: _newest(self._clocks), "clock", unless=self.stage.simulator))
 
     def tick(self, at_least: int) -> dict[str, Any]:
         """Wait until the run is so far; return the clock."""
@@ -289,7 +294,7 @@ class Peer:
             clock = _newest(self._clocks)
             return clock if clock and clock["Tick"] >= at_least else None
 
-        return self.stage.wait(found, f"tick {at_least}", unless="server")
+        return self.stage.wait(found, f"tick {at_least}", unless=self.stage.simulator)
 
     def ticks_on(self, ticks: int = 5) -> None:
         """Wait until the run went on by so many ticks."""
@@ -306,7 +311,7 @@ class Peer:
             entity = self.entities().get(name)
             return entity if entity is not None and like(entity) else None
 
-        return self.stage.wait(found, f"state of {name}", unless="server")
+        return self.stage.wait(found, f"state of {name}", unless=self.stage.simulator)
 
     def errors(self, agent: str) -> deque[Any]:
         """Return the errors that will be sent to an agent from now on."""
@@ -322,7 +327,7 @@ class Peer:
                     return dict(error)
             return None
 
-        return self.stage.wait(found, f"error {code}", unless="server")
+        return self.stage.wait(found, f"error {code}", unless=self.stage.simulator)
 
 
 def _newest(heard: Sequence[Any]) -> dict[str, Any] | None:

@@ -65,6 +65,9 @@ def flood(peer: Peer, count: int, chance: random.Random) -> None:
         agent = chance.choice(("chair1", "stranger", f"n{number}"))
         key = chance.choice(keys).format(agent=agent)
         peer.put(key, mutated(chance.choice(documents), chance), chance.choice(ENCODINGS))
+        if number % 500 == 499:
+            # An answer comes behind what was put before: what waits to be read would hide what is kept.
+            peer.ask("clock")
 
 
 def questions(count: int, chance: random.Random) -> Iterator[tuple[str, bytes, str]]:
@@ -102,20 +105,16 @@ def test_memory_does_not_grow_with_messages_of_strangers(stage: Stage) -> None:
     server = stage.server("--map", "room", "--pace", "realtime")
     stage.agent("chair1", "drive")
     chance = random.Random(2)
-    grown = []
+    sizes = []
     with stage.peer() as peer:
-        for _ in range(4):
-            before = resident(stage.pid(server))
+        for _ in range(5):
             flood(peer, ROUND, chance)
-            # All that was put before this reply is out of the inbox.
-            peer.ctl("say", Text="done")
             peer.ticks_on(5)
-            grown.append(resident(stage.pid(server)) - before)
-        peer.ticks_on(20)
+            sizes.append(resident(stage.pid(server)))
     assert "Traceback" not in stage.log(server)
-    # The allocator takes memory in steps of its own: what grows with messages grows in every round.
-    assert min(grown[1:]) < ALLOWED, [size / ALLOWED for size in grown]
-    assert sum(grown[1:]) < 3 * ALLOWED, [size / ALLOWED for size in grown]
+    # What grows with messages grows in every round; the allocator grows in steps, so the mean is looked at.
+    grown = (sizes[-1] - sizes[0]) / (len(sizes) - 1)
+    assert grown < ALLOWED, [size / ALLOWED for size in sizes]
 
 
 def test_complaints_say_where_and_what(stage: Stage) -> None:

@@ -2,7 +2,7 @@ import math
 
 import pytest
 
-from intellwheels_schemas.messages import Actions, Goal, Pose, UserInput
+from intellwheels_schemas.messages import Actions, Goal, Pose, Proximity, ProximityReading, Sensors, UserInput
 from intellwheels_server.inputs import Inputs, Said, TakeBody, Verdict
 from intellwheels_server.kernels.rows import HEADING, SPEED, TURN_RATE, X, Y
 from intellwheels_server.world import State, advance, entities, measures
@@ -128,6 +128,32 @@ def test_real_chair_that_falls_silent_is_stale_by_simulated_time_and_fresh_again
     state, outputs = advance(state, pose)
     assert [event.code for event in outputs.events] == ["fresh"]
     assert entities(state)[0].state == "drive"
+
+
+def test_real_chair_s_own_sensors_reach_its_mind_beside_the_virtual_ones_and_no_others_do() -> None:
+    def sonar(name: str, source: str) -> Proximity:
+        return Proximity(
+            id=name,
+            x=0.5,
+            y=0.0,
+            z=0.4,
+            direction_deg=0.0,
+            cone_deg=30.0,
+            max_range=4.0,
+            source=source,  # type: ignore[arg-type]
+        )
+
+    state = world({"a": cart(type="real", proximity=(sonar("virtual", "simulated"), sonar("own", "real")))})
+    readings = (ProximityReading(id="own", value=1.5), ProximityReading(id="virtual", value=0.1))
+    pose = Pose(x=0.0, y=0.0, heading=0.0, sensors=Sensors(proximity=readings))
+    for inputs in (Inputs(poses={"a": pose}), Inputs()):
+        state, _ = advance(state, inputs)
+        sensors = measures(state, "a").sensors
+        assert sensors is not None
+        assert [(one.id, one.value, one.status) for one in sensors.proximity] == [
+            ("virtual", None, "none"),
+            ("own", 1.5, "ok"),
+        ]
 
 
 @pytest.mark.parametrize(

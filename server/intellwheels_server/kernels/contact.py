@@ -496,6 +496,7 @@ def resolve(
         outcome[LICENCE, i] = licence[i]
         for k in range(4):
             flags[k, i] = 0
+    # A plain 0 is a type of its own to numba, which would then compile what takes it twice.
     used = hits.shape[0] - hits.shape[0]
     if moves:
         motion = reach[_MOTION]
@@ -721,7 +722,7 @@ def overlaps(
     asked = np.zeros(n, dtype=np.int64)
     for i in who:
         asked[i] = 1
-    used = 0
+    used = hits.shape[0] - hits.shape[0]  # as in `resolve`
     for i in who:
         x, y, c, s = spots[i, SPOT_X], spots[i, SPOT_Y], spots[i, SPOT_C], spots[i, SPOT_S]
         found = _walls_at(pieces, cells, frame, shape, pose, i)
@@ -748,7 +749,7 @@ def overlaps(
                 hits, hit_numbers, used,
             )  # fmt: skip
             used += 1
-    return used
+    return int(used)
 
 
 @njit(cache=True, error_model="numpy")

@@ -205,26 +205,19 @@ def wall_excess(
     """Return by how much body i would be too deep in a wall, m, not above 0 if it may stand.
 
     Returns:
-        The excess; how far to leave, m; the partner.
+        The excess; how far to leave, m; the partner, if there is an excess.
     """
     first, end, radius = index[i, OF_PARTS], index[i + 1, OF_PARTS], old[i, SPOT_RADIUS]
     wall0, wall1 = index[i, OF_WALLS], index[i + 1, OF_WALLS]
-    excess = leave = was = 0.0
-    partner = NOBODY
-    floor = TOLERANCE
-    # First as it would be, then, if that is too deep, as it was.
-    for again in range(2):
-        depth, piece = deepest_piece(
-            parts, first, end, radius, pieces, links, edges, around, wall0, wall1, x, y, c, s, floor
-        )
-        if again == 0:
-            if piece < 0:
-                break
-            was, partner, floor = depth, A_WALL - piece, 0.0
-            x, y, c, s = old[i, SPOT_X], old[i, SPOT_Y], old[i, SPOT_C], old[i, SPOT_S]
-        else:
-            excess, leave = _allowed(was, depth, old[i, SPOT_LICENCE])
-    return excess, leave, partner
+    excess = leave = 0.0
+    new, piece = deepest_piece(
+        parts, first, end, radius, pieces, links, edges, around, wall0, wall1, x, y, c, s, TOLERANCE
+    )
+    if piece >= 0:
+        x, y, c, s = old[i, SPOT_X], old[i, SPOT_Y], old[i, SPOT_C], old[i, SPOT_S]
+        was, _ = deepest_piece(parts, first, end, radius, pieces, links, edges, around, wall0, wall1, x, y, c, s, 0.0)
+        excess, leave = _allowed(new, was, old[i, SPOT_LICENCE])
+    return excess, leave, A_WALL - piece
 
 
 @njit(cache=True, error_model="numpy")

@@ -110,7 +110,7 @@ def tick_all(
 
     outcome = np.empty((6, count))
     marks_out = np.empty((4, count), dtype=np.int64)
-    room = _ROOM
+    room = _ROOM + count
     while True:
         hits = np.empty((room, 6), dtype=np.int64)
         hit_numbers = np.empty((room, 6))

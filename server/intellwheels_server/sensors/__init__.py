@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -70,8 +70,7 @@ def check_sensors(robot: Robot, *, truth: bool) -> None:
         kind.check(where, declaration, robot)
 
 
-@dataclass(frozen=True, slots=True)
-class _Place:
+class _Place(NamedTuple):
     """A sensor, and where its samples are among those of its body."""
 
     kind: Kind
@@ -213,16 +212,21 @@ def readings(plan: SensorPlan, samples: Floats, tick: int, body: int) -> Sensors
         return None
     values = samples[fitting.begin : fitting.end].tolist()
     found: dict[str, list[Record]] = {}
-    for place in fitting.places:
-        kind, declaration = place.kind, place.declaration
-        age = tick - declaration.latency - fitting.joined
-        if age < 0:
-            continue
-        number, rest = divmod(age, declaration.every)
-        at = place.first + number % place.depth * kind.width
-        late = declaration.latency + rest
-        reading = kind.reading(declaration, tick - late if late else None, values[at : at + kind.width])
-        found.setdefault(kind.field, []).append(reading)
+    for kind, declaration, first, depth in fitting.places:
+        at, sampled = first, None
+        if depth > 1 or declaration.every > 1:
+            age = tick - declaration.latency - fitting.joined
+            if age < 0:
+                continue
+            number, rest = divmod(age, declaration.every)
+            at += number % depth * kind.width
+            late = declaration.latency + rest
+            sampled = tick - late if late else None
+        reading = kind.reading(declaration, sampled, values[at : at + kind.width])
+        if kind.field in found:
+            found[kind.field].append(reading)
+        else:
+            found[kind.field] = [reading]
     if not found:
         return None
     # Each kind makes readings of its own class.
