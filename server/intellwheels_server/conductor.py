@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import partial
-from typing import Any, Final, Protocol, TypeVar
+from typing import Any, Final, Protocol
 
 import msgspec
 
@@ -89,8 +89,6 @@ STALE_AFTER: Final = 0.3
 """Seconds without a pose, or three cycles if they are longer, after which a real body is stale."""
 TOKEN_WAIT: Final = 0.3
 """Seconds a join waits for its token, which travels apart from it."""
-
-_M = TypeVar("_M", bound=Record)
 
 
 class Outlet(Protocol):
@@ -325,7 +323,9 @@ class Conductor:
         kind = put.kind
         if kind in ("actions", "pose") and self._open and self._barrier.repeats(agent, kind, put.data):
             return
-        if not self._gate.admit(agent, self.state.tick, now):
+        # A user who floods must not use up what the agent itself may send; no agent's name has a slash.
+        sender = agent if kind != "user" else f"user/{agent}"
+        if not self._gate.admit(sender, self.state.tick, now):
             self._complain(agent, Fault("too-many", f"{kind}: expected fewer messages a second"), now)
             return
         if put.size > len(put.data):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import subprocess
 import sys
 import threading
 import time
@@ -14,7 +15,10 @@ from intellwheels_maps import floor, robot
 from intellwheels_schemas.messages import Actions, Position, Truth
 from intellwheels_server.inputs import Inputs, Join, TeleportBody
 from intellwheels_server.kernel_cache import is_cold
-from intellwheels_server.world import Setup, advance, apply, begin, digest, entities, measures
+from intellwheels_server.world import Setup, State, advance, apply, begin, digest, entities, measures
+
+HELPER_TIMEOUT = 120.0
+"""Seconds the second process may take to compile its half."""
 
 
 def warm() -> None:
@@ -31,6 +35,7 @@ def warm() -> None:
     watcher = threading.Thread(target=_show, args=(began, done), name="warming", daemon=True)
     watcher.start()
     try:
+        _compile_in_two()
         _exercise()
     finally:
         done.set()
@@ -41,6 +46,35 @@ def warm() -> None:
 def _show(began: float, done: threading.Event) -> None:
     while not done.wait(3.0):
         print(f"compiling kernels: {time.monotonic() - began:.0f} s so far", file=sys.stderr, flush=True)  # noqa: T201
+
+
+def _compile_in_two() -> None:
+    """Fill the cache with the two largest kernels at once: numba compiles on one core a process.
+
+    A helper that fails is no loss: what it did not compile is compiled afterwards.
+    """
+    program = "from intellwheels_server import warming; warming.join()"
+    helper = subprocess.Popen(
+        [sys.executable, "-c", program],
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.DEVNULL,
+    )
+    try:
+        advance(begin(Setup(floor=floor("room")), run="0" * 16), Inputs())
+        helper.wait(HELPER_TIMEOUT)
+    except subprocess.TimeoutExpired:
+        pass
+    finally:
+        helper.kill()
+        helper.wait()
+
+
+def join() -> State:
+    """Return a world that somebody has just joined: compiles placing and sensing, not stepping."""
+    state = begin(Setup(floor=floor("room"), truth=True), run="0" * 16)
+    chair = structs.replace(robot("rear-wheel"), truth=(Truth(id="truth"),))
+    return apply(state, [Join(agent="one", robot=chair)])[0]
 
 
 def _exercise() -> None:

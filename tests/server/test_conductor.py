@@ -535,6 +535,15 @@ def test_a_flood_is_told_and_bounded() -> None:
     assert stage.errors("chair1")[-1].suppressed > 4000
 
 
+def test_a_flood_of_user_input_leaves_the_agent_its_voice() -> None:
+    stage = Stage()
+    stage.join("chair1")
+    for number in range(1000):
+        stage.put("chair1", UserInput(seq=number), "user")
+    stage.act("chair1", 0.5, 0.5)
+    assert stage.tick == 1
+
+
 def test_a_mind_joins_the_body_of_another_process() -> None:
     stage = Stage()
     mind = Robot(role="mind")
