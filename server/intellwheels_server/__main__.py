@@ -13,7 +13,7 @@ from intellwheels_schemas.link import Link, add_link_options, link_of
 from intellwheels_schemas.messages import Map, Scene
 from intellwheels_schemas.names import check_name
 from intellwheels_schemas.process import add_process_options, stop_on_signals
-from intellwheels_server.conductor import Options
+from intellwheels_server.desk import Options
 from intellwheels_server.log import LogError
 from intellwheels_server.resimulate import resimulate
 from intellwheels_server.world import Setup

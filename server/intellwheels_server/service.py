@@ -27,7 +27,8 @@ from intellwheels_schemas.messages import Body, Clock, Event, Load, Map, MapInfo
 from intellwheels_schemas.process import SLICE
 from intellwheels_server.admission import new_hex
 from intellwheels_server.arrival import Arrival, Ask, Put, PutKind, Token, Topic
-from intellwheels_server.conductor import Conductor, Options, Recorder
+from intellwheels_server.conductor import Conductor
+from intellwheels_server.desk import Options, Recorder
 from intellwheels_server.inputs import Inputs
 from intellwheels_server.log import Line, Log
 

@@ -45,7 +45,8 @@ from intellwheels_schemas.messages import (
 )
 from intellwheels_server import world
 from intellwheels_server.arrival import Ask, Put, PutKind, Token, Topic
-from intellwheels_server.conductor import Conductor, Options
+from intellwheels_server.conductor import Conductor
+from intellwheels_server.desk import Options
 from intellwheels_server.inputs import Inputs
 from intellwheels_server.log import Line, Log
 from intellwheels_server.resimulate import resimulate
@@ -180,10 +181,10 @@ class Stage:
 
     def join_two(self, **more: Any) -> None:
         """Join chair1 and chair2 at one tick: paused, so that the first one's barrier does not open between."""
-        self.conductor._paused = True
+        self.conductor._desk.paused = True
         self.join("chair1")
         self.join("chair2", instance="b" * 16, **more)
-        self.conductor._paused = False
+        self.conductor._desk.paused = False
         self.work()
 
     def try_join(
