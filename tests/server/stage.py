@@ -1,0 +1,218 @@
+"""A service without a network, driven by hand: what arrives and what time it is are the test's to say."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import msgspec
+
+from intellwheels_maps import floor, robot
+from intellwheels_schemas.codec import Encoding, encode
+from intellwheels_schemas.errors import WireError
+from intellwheels_schemas.messages import (
+    Actions,
+    Body,
+    Clock,
+    End,
+    Error,
+    Event,
+    Joined,
+    Load,
+    Map,
+    MapInfo,
+    Measures,
+    Record,
+    Result,
+    Robot,
+    Role,
+    WorldState,
+)
+from intellwheels_server import world
+from intellwheels_server.arrival import Ask, Put, PutKind, Token, Topic
+from intellwheels_server.conductor import Conductor
+from intellwheels_server.desk import Options
+from intellwheels_server.inputs import Inputs
+from intellwheels_server.log import Line, Log
+
+RUN = "0123456789abcdef"
+JSON = Encoding.JSON
+
+
+class Stage:
+    """A conductor, its clock, and all that came out."""
+
+    def __init__(
+        self, *, strict: bool | None = None, log: Path | None = None, end: End | None = None, **options: Any
+    ) -> None:
+        pace = options.setdefault("pace", "lockstep")
+        strict = pace == "lockstep" if strict is None else strict
+        setup = world.Setup(floor=floor("room"), strict=strict, end=end, truth=True)
+        options.setdefault("deadline", 10.0 if strict else 1.0)
+        self.now = 100.0
+        self.sent: list[tuple[str, str, Record, Encoding]] = []
+        self.lines: list[str] = []
+        self.notes: list[str] = []
+        self.sessions: dict[str, str] = {}
+        self.log = Log(log, setup, RUN) if log else None
+        self.conductor = Conductor(
+            Options(world="main", setup=setup, **options),
+            self,
+            self._floor_of,
+            lambda: 1.8e9 + self.now,
+            record=self._record if log else None,
+            run=RUN,
+        )
+        self.conductor.begin()
+        self.work()
+
+    # ------------------------------------------------------------ the outlet
+
+    def agent(self, agent: str, kind: str, message: Record, encoding: Encoding) -> None:
+        encode(message, encoding)
+        self.sent.append((agent, kind, message, encoding))
+
+    def welcome(self, agent: str, mind: Encoding, body: Encoding) -> None:
+        self.sent.append((agent, "welcome", Robot(), mind))
+
+    def farewell(self, agent: str) -> None:
+        self.sent.append((agent, "farewell", Robot(), JSON))
+
+    def body(self, agent: str, body: Body) -> None:
+        self.sent.append((agent, "body", body, JSON))
+
+    def state(self, state: WorldState) -> None:
+        self.sent.append(("", "state", state, JSON))
+
+    def event(self, event: Event) -> None:
+        self.sent.append(("", "event", event, JSON))
+
+    def clock(self, clock: Clock) -> None:
+        encode(clock)
+        self.sent.append(("", "clock", clock, JSON))
+
+    def map(self, info: MapInfo) -> None:
+        self.sent.append(("", "map", info, JSON))
+
+    def tell(self, line: str) -> None:
+        self.lines.append(line)
+
+    def note(self, line: str) -> None:
+        self.notes.append(line)
+
+    def _floor_of(self, load: Load) -> Map:
+        if load.map is not None:
+            return load.map
+        if load.name != "corner":
+            raise WireError("value", f"no floor {load.name}")
+        return floor("corner")
+
+    def _record(self, tick: int, inputs: Inputs, digest: str, *, stepped: bool) -> None:
+        assert self.log is not None
+        self.log.write(Line(tick=tick, inputs=inputs, hash=digest, stepped=stepped), self.now)
+
+    # ------------------------------------------------------------ what happens
+
+    def work(self, seconds: float = 0.0) -> None:
+        """Let time pass, doing what is due when it is due."""
+        until = self.now + seconds
+        for _ in range(20_000 if seconds else 200):
+            self.conductor.work(self.now)
+            due = self.conductor.due(self.now)
+            if due > until or self.conductor.exit is not None:
+                break
+            self.now = max(self.now, due)
+            if due <= self.now and seconds == 0.0 and self._still():
+                break
+        self.now = until
+
+    def _still(self) -> bool:
+        tick = self.conductor.state.tick
+        self.conductor.work(self.now)
+        return self.conductor.state.tick == tick and self.conductor.due(self.now) >= self.now
+
+    def token(self, agent: str, role: Role = "both", instance: str = "a" * 16, *, present: bool = True) -> None:
+        self.conductor.take(Token(agent, role, instance, present), self.now)
+        self.work()
+
+    def ask(self, topic: Topic, name: str, message: Record | bytes = b"", **more: Any) -> list[tuple[Record, bool]]:
+        """Ask, work, and return what was replied so far; the list grows when replies come later."""
+        replies: list[tuple[Record, bool]] = []
+        encoding = more.pop("encoding", JSON)
+        data = message if isinstance(message, bytes) else encode(message, encoding)
+
+        def send(reply: Record, reply_encoding: Encoding, ok: bool, _name: str | None) -> None:
+            encode(reply, reply_encoding)
+            replies.append((reply, ok))
+
+        self.conductor.take(Ask(topic, name, data, encoding.value, send, lambda: None, **more), self.now)
+        self.work()
+        return replies
+
+    def result(self, verb: str, message: Record | bytes = b"") -> Result:
+        replies = self.ask("ctl", verb, message)
+        assert len(replies) == 1, replies
+        reply = replies[0][0]
+        assert isinstance(reply, Result)
+        return reply
+
+    def join(self, agent: str, kind: str | Robot = "rear-wheel", instance: str = "a" * 16, **more: Any) -> Joined:
+        reply, ok = self.try_join(agent, kind, instance, **more)
+        assert ok, reply
+        assert isinstance(reply, Joined)
+        self.sessions[agent] = reply.session
+        return reply
+
+    def join_two(self, **more: Any) -> None:
+        """Join chair1 and chair2 at one tick: paused, so that the first one's barrier does not open between."""
+        self.conductor._desk.paused = True
+        self.join("chair1")
+        self.join("chair2", instance="b" * 16, **more)
+        self.conductor._desk.paused = False
+        self.work()
+
+    def try_join(
+        self, agent: str, kind: str | Robot = "rear-wheel", instance: str = "a" * 16, **more: Any
+    ) -> tuple[Record, bool]:
+        encoding = more.pop("encoding", JSON)
+        parameters = more.pop("parameters", {})
+        wanted = robot(kind) if isinstance(kind, str) else kind
+        wanted = msgspec.structs.replace(wanted, name=agent, instance=instance, format=None, **more)
+        self.token(agent, wanted.role, instance)
+        replies = self.ask("join", agent, wanted, encoding=encoding, parameters=parameters)
+        assert len(replies) == 1, replies
+        return replies[0]
+
+    def put(self, agent: str, message: Record | bytes, kind: PutKind = "actions", encoding: str = JSON.value) -> None:
+        data = message if isinstance(message, bytes) else encode(message)
+        self.conductor.take(Put(agent, kind, data, encoding), self.now)
+        self.work()
+
+    def act(self, agent: str, left: float | None = None, right: float | None = None, **more: Any) -> None:
+        """Answer the current tick as the harness does."""
+        state = self.conductor.state
+        more.setdefault("tick", state.tick)
+        actions = Actions(run=state.run, session=self.sessions[agent], left_motor=left, right_motor=right, **more)
+        self.put(agent, actions)
+
+    # ------------------------------------------------------------ what came out
+
+    @property
+    def tick(self) -> int:
+        return self.conductor.state.tick
+
+    def of(self, kind: str, agent: str = "") -> list[Any]:
+        return [message for to, what, message, _ in self.sent if what == kind and to == agent]
+
+    def measures(self, agent: str) -> list[Measures]:
+        return self.of("measures", agent)
+
+    def errors(self, agent: str) -> list[Error]:
+        return self.of("error", agent)
+
+    def events(self) -> list[str]:
+        return [event.code for event in self.of("event")]
+
+
+def real(**more: Any) -> Robot:
+    return msgspec.structs.replace(robot("rear-wheel"), type="real", **more)

@@ -1,0 +1,134 @@
+from __future__ import annotations
+
+from intellwheels_schemas.messages import (
+    Actions,
+    Pose,
+    Say,
+    UserInput,
+)
+from tests.server.stage import Stage, real
+
+
+def test_an_answer_counts_once_and_the_same_bytes_are_silent() -> None:
+    stage = Stage()
+    stage.join_two()
+    stage.act("chair1", 0.1, 0.1, seq=1)
+    stage.act("chair1", 0.1, 0.1, seq=1)
+    assert stage.errors("chair1") == []
+    stage.act("chair1", 0.2, 0.2, seq=2)
+    assert [(e.code, e.seq) for e in stage.errors("chair1")] == [("answered", 2)]
+
+
+def test_a_second_answer_to_measures_put_twice_is_silent_after_the_barrier_too() -> None:
+    stage = Stage()
+    stage.join("chair1")
+    stage.act("chair1", tick=0)
+    stage.act("chair1", tick=0)
+    assert stage.tick == 1
+    assert stage.errors("chair1") == []
+
+
+def test_old_and_future_ticks_and_old_runs_are_told() -> None:
+    stage = Stage()
+    stage.join("chair1")
+    for _ in range(3):
+        stage.act("chair1", 0.1, 0.1)
+    stage.act("chair1", 0.2, 0.2, tick=1)
+    stage.act("chair1", 0.2, 0.2, tick=7)
+    stage.put("chair1", Actions(run="f" * 16, tick=3))
+    assert [e.code for e in stage.errors("chair1")] == ["late", "early", "late"]
+    assert stage.tick == 3
+
+
+def test_the_papers_form_counts_for_the_current_tick() -> None:
+    stage = Stage()
+    stage.join("chair1")
+    stage.put(
+        "chair1", b'<Actions LeftMotor="0.5" RightMotor="0.4"><Say><![CDATA[follow me]]></Say></Actions>', encoding=""
+    )
+    assert stage.tick == 1
+
+
+def test_who_has_not_joined_is_told_a_few_times() -> None:
+    stage = Stage()
+    for number in range(50):
+        stage.put("ghost", Actions(seq=number))
+    assert {e.code for e in stage.errors("ghost")} == {"not-joined"}
+    assert len(stage.errors("ghost")) <= 10
+
+
+def test_a_flood_is_told_and_bounded() -> None:
+    stage = Stage()
+    stage.join_two()
+    for number in range(5000):
+        stage.put("chair1", Actions(seq=number))
+    assert len(stage.errors("chair1")) <= 20
+    stage.work(1.0)
+    stage.put("chair1", b"rubbish")
+    assert stage.errors("chair1")[-1].suppressed > 4000
+
+
+def test_a_flood_of_user_input_leaves_the_agent_its_voice() -> None:
+    stage = Stage()
+    stage.join("chair1")
+    for number in range(1000):
+        stage.put("chair1", UserInput(seq=number), "user")
+    stage.act("chair1", 0.5, 0.5)
+    assert stage.tick == 1
+
+
+def test_newest_wins_for_who_is_not_awaited() -> None:
+    stage = Stage(pace="realtime")
+    stage.join("chair1")
+    stage.act("chair1", 1.0, 1.0, seq=2)
+    stage.act("chair1", -1.0, -1.0, seq=1)
+    stage.work(0.3)
+    assert stage.of("state")[-1].entity[0].speed > 0.0
+
+
+def test_user_input_rides_in_the_measures_of_who_declares_it() -> None:
+    stage = Stage(pace="realtime", strict=False)
+    stage.join("chair1", user_input=("drive",))
+    stage.put("chair1", UserInput(forward=0.5, turn=0.1, seq=3), "user")
+    stage.work(0.06)
+    heard = stage.measures("chair1")[-1].user_input
+    assert heard is not None
+    assert (heard.forward, heard.turn) == (0.5, 0.1)
+    stage.work(0.5)
+    heard = stage.measures("chair1")[-1].user_input
+    assert heard is None or heard.forward == 0.0
+
+
+def test_words_are_heard_in_the_next_measures_in_any_encoding() -> None:
+    stage = Stage()
+    stage.join_two()
+    for data, encoding in ((b"hello", "text/plain"), (b'<Say Seq="2"><![CDATA[hello]]></Say>', "application/xml")):
+        stage.put("chair1", data, "say", encoding)
+        stage.act("chair1", seq=stage.tick)
+        stage.act("chair2", seq=stage.tick)
+        assert [(h.sender, h.text) for h in stage.measures("chair2")[-1].message] == [("chair1", "hello")]
+
+
+def test_a_long_say_is_told_and_the_motors_count() -> None:
+    stage = Stage()
+    stage.join("chair1")
+    stage.act("chair1", 0.5, 0.5, say="x" * 101)
+    assert stage.errors("chair1")[-1].code == "too-long"
+    assert stage.tick == 1
+    stage.put("chair1", Say(text="y" * 101), "say")
+    assert stage.errors("chair1")[-1].where == "Say"
+
+
+def test_a_real_chair_needs_its_session() -> None:
+    stage = Stage(pace="realtime", strict=False)
+    stage.join("chair1", real())
+    stage.put("chair1", Pose(x=2.0, y=2.0, heading=0.0), "pose")
+    stage.put("chair1", Actions(left_motor=1.0))
+    assert [e.code for e in stage.errors("chair1")] == ["session", "session"]
+
+
+def test_a_simulated_chair_reports_no_pose() -> None:
+    stage = Stage(pace="realtime", strict=False)
+    stage.join("chair1")
+    stage.put("chair1", Pose(x=2.0, y=2.0, heading=0.0), "pose")
+    assert [e.code for e in stage.errors("chair1")] == ["role"]
