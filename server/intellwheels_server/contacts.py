@@ -21,7 +21,7 @@ from intellwheels_server.kernels.arrays import (
     Ints,
 )
 from intellwheels_server.kernels.episodes import merge_episodes
-from intellwheels_server.kernels.rows import CONTACTS, WALL_KEY
+from intellwheels_server.kernels.rows import CONTACTS, MOST_SPEED, WALL_KEY
 from intellwheels_server.kernels.tick import pair_keys
 from intellwheels_server.state import State
 
@@ -66,10 +66,8 @@ def _contact(state: State, hit: list[int], numbers: list[float], number: int) ->
     x, y, speed = numbers[HIT_X], numbers[HIT_Y], numbers[HIT_CLOSING] / state.setup.period
     normal_x, normal_y = numbers[HIT_NORMAL_X], numbers[HIT_NORMAL_Y]
     body, part, other_part = hit[HIT_BODY], hit[HIT_PART], hit[HIT_OTHER_PART]
-    start = state.fleet.bodies.part_start
     if hit[HIT_WALL] >= 0:
         other = "wall"
-        part -= int(start[body])
         other_part = hit[HIT_WALL]
     else:
         second = hit[HIT_OTHER]
@@ -78,7 +76,6 @@ def _contact(state: State, hit: list[int], numbers: list[float], number: int) ->
             body, second, part, other_part = second, body, other_part, part
             normal_x, normal_y = -normal_x, -normal_y
         other = names[second]
-        part, other_part = part - int(start[body]), other_part - int(start[second])
     return Event(
         run=state.run,
         tick=state.tick + 1,
@@ -92,7 +89,7 @@ def _contact(state: State, hit: list[int], numbers: list[float], number: int) ->
         y=round(y, 6),
         normal_x=_unit(normal_x),
         normal_y=_unit(normal_y),
-        speed=round(speed, 6),
+        speed=round(min(max(speed, -MOST_SPEED), MOST_SPEED), 6),
     )
 
 

@@ -17,6 +17,8 @@ from intellwheels_server.kernels.rows import (
     HALTED,
     HEADING,
     LEFT_COMMAND,
+    MOST_SPEED,
+    MOST_TURN_RATE,
     POSE_AGE,
     RESTED,
     RIGHT_COMMAND,
@@ -134,8 +136,9 @@ def enter_poses(state: State, poses: Mapping[str, Pose], numbers: Floats, flags:
         gone = (int(flags[POSE_AGE, i]) + 1) * period
         distance = math.sqrt(dx * dx + dy * dy)
         forward = dx * cos(heading) + dy * sin(heading)
-        numbers[SPEED, i] = (distance if forward >= 0.0 else -distance) / gone
-        numbers[TURN_RATE, i] = turn / gone
+        speed = min(distance / gone, MOST_SPEED)
+        numbers[SPEED, i] = speed if forward >= 0.0 else -speed
+        numbers[TURN_RATE, i] = min(max(turn / gone, -MOST_TURN_RATE), MOST_TURN_RATE)
         numbers[X, i], numbers[Y, i], numbers[HEADING, i] = pose.x, pose.y, heading
         flags[POSE_AGE, i] = 0
         moved.append(i)

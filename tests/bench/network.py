@@ -57,7 +57,7 @@ def wait_for(child: subprocess.Popen[str], word: str) -> None:
     for line in child.stdout:
         if line.startswith(word):
             return
-    raise RuntimeError(f"expected a line '{word}' of {child.args}, got the end")
+    raise RuntimeError(f"expected a line '{word}' of {child.args!r}, got the end")
 
 
 def cpu_of(pid: int) -> float:

@@ -179,8 +179,6 @@ def _network(state: State, packed: list[bytes], times: int) -> tuple[float, floa
                 if not found:
                     break
             receiving = (time.process_time() - start) / max(1, taken) * len(packed)
-            for publisher in publishers:
-                publisher.undeclare()
         finally:
             child.stdin.close()
             child.wait(20.0)

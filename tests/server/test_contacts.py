@@ -1,5 +1,6 @@
 import pytest
 
+from intellwheels_schemas.messages import Part
 from intellwheels_server.kernels.rows import CONTACTS
 from intellwheels_server.world import entities, measures
 from tests.server.worlds import box_wall, cart, run, world
@@ -82,3 +83,16 @@ def test_real_chair_moved_into_another_flags_both_and_pushes_nobody() -> None:
     # What it was put into can leave.
     state, _ = run(state, 20, {"b": (0.5, 0.5)})
     assert entities(state)[1].x == pytest.approx(3.5)
+
+
+def test_parts_are_counted_from_each_body_s_first() -> None:
+    parts = (
+        Part(x=-0.5, y=0.0, length=0.4, width=0.4, bottom=0.0, top=1.0),
+        Part(x=0.5, y=0.0, length=0.4, width=0.4, bottom=0.0, top=1.0),
+    )
+    two = cart(0.0, length=None, width=None, center=None, top=None, part=parts)
+    other = cart(2.0, length=None, width=None, center=None, top=None, part=parts)
+    state = world({"a": two, "b": other}, [box_wall(3.0, -1.0, 4.0, 1.0)])
+    _, events = run(state, 40, {"a": (1.0, 1.0), "b": (0.5, 0.5)})
+    found = {(event.agent, event.other): (event.part, event.other_part) for event in events if event.code == "contact"}
+    assert found == {("b", "wall"): (1, 0), ("a", "b"): (1, 0)}

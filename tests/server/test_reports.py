@@ -1,6 +1,7 @@
 import pytest
 
-from intellwheels_schemas.messages import Actions
+from intellwheels_schemas.codec import decode, encode
+from intellwheels_schemas.messages import Actions, Pose, WorldState
 from intellwheels_server.inputs import Inputs
 from intellwheels_server.world import advance, entities, measures, power_in_force
 from tests.server.worlds import cart, run, world
@@ -43,3 +44,12 @@ def test_what_has_no_motors_times_never_out() -> None:
 def test_who_is_not_here_has_no_measures() -> None:
     with pytest.raises(KeyError):
         measures(world(), "a")
+
+
+def test_pose_that_jumps_is_told_with_a_speed_the_wire_can_carry() -> None:
+    state = world({"a": cart(type="real")})
+    state, _ = advance(state, Inputs(poses={"a": Pose(x=10_000.0, y=-10_000.0, heading=3.0)}))
+    (entity,) = entities(state)
+    message = WorldState(run=state.run, tick=state.tick, time=state.time, entity=(entity,))
+    assert decode(WorldState, encode(message)) == message
+    assert abs(entity.speed) == 100.0

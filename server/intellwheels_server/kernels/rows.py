@@ -8,9 +8,9 @@ Y = 1
 HEADING = 2
 """Heading in (-pi, pi], rad."""
 SPEED = 3
-"""Travel along the heading in the last tick over its period, m/s."""
+"""Travel along the heading in the last tick over its period, m/s, within `MOST_SPEED`."""
 TURN_RATE = 4
-"""Turn in the last tick over its period, rad/s."""
+"""Turn in the last tick over its period, rad/s, within `MOST_TURN_RATE`."""
 LEFT_TRAVEL = 5
 """Way the left wheel rolled since joining, m."""
 RIGHT_TRAVEL = 6
@@ -36,6 +36,10 @@ USER_TURN = 15
 LICENCE = 16
 """Depth up to which the body may overlap, because it was put there, m."""
 NUMBER_ROWS = 17
+
+MOST_SPEED = 100.0
+MOST_TURN_RATE = 1000.0
+"""Bounds of the wire, m/s and rad/s: a real chair's pose may jump, and a short period makes any turn fast."""
 
 # Rows of flags, int64[FLAG_ROWS, n].
 COLLISION = 0

@@ -25,13 +25,16 @@ from intellwheels_server.kernels.arrays import COLLISION as HIT_SOMETHING
 from intellwheels_server.kernels.arrays import LICENCE as END_LICENCE
 from intellwheels_server.kernels.command import REAL, SLIP, noisy_powers, powers
 from intellwheels_server.kernels.contact import decree, overlaps, resolve
-from intellwheels_server.kernels.motion import TRACK, drive
+from intellwheels_server.kernels.geometry import arc
+from intellwheels_server.kernels.motion import LEFT, RIGHT, TRACK, drive
 from intellwheels_server.kernels.rows import (
     COLLISION,
     HEADING,
     LEFT_SPEED,
     LEFT_TRAVEL,
     LICENCE,
+    MOST_SPEED,
+    MOST_TURN_RATE,
     RIGHT_SPEED,
     RIGHT_TRAVEL,
     SPEED,
@@ -43,6 +46,24 @@ from intellwheels_server.kernels.rows import (
 )
 
 _ROOM = 16
+
+
+# Beyond it no message could say where a body is, m.
+_WORLD_EDGE = 10_000.0
+
+
+@njit(cache=True, error_model="numpy")
+def _hold_inside(pose: Floats, wheels: Floats, twist: Floats) -> None:
+    """Take their travel from bodies whose arc would lead beyond the edge of the world; they may turn and come back."""
+    for i in range(pose.shape[1]):
+        reach = abs(twist[TRAVEL, i])
+        if abs(pose[X, i]) + reach > _WORLD_EDGE or abs(pose[Y, i]) + reach > _WORLD_EDGE:
+            x, y, _, _, _ = arc(pose[X, i], pose[Y, i], pose[HEADING, i], twist[TRAVEL, i], twist[TURN, i])
+            if abs(x) > _WORLD_EDGE or abs(y) > _WORLD_EDGE:
+                twist[TRAVEL, i] = 0.0
+                mean = 0.5 * (wheels[LEFT, i] + wheels[RIGHT, i])
+                wheels[LEFT, i] -= mean
+                wheels[RIGHT, i] -= mean
 
 
 @njit(cache=True, error_model="numpy")
@@ -107,6 +128,7 @@ def tick_all(
     twist = np.empty((2, count))
     wheels = numbers[LEFT_SPEED : RIGHT_SPEED + 1]
     drive(motors, wheels, power, period, twist, wheels)
+    _hold_inside(pose, wheels, twist)
 
     outcome = np.empty((6, count))
     marks_out = np.empty((4, count), dtype=np.int64)
@@ -138,8 +160,8 @@ def tick_all(
         numbers[HEADING, i] = outcome[END_HEADING, i]
         forward = outcome[FORWARD, i]
         turned = outcome[TURNED, i]
-        numbers[SPEED, i] = forward / period
-        numbers[TURN_RATE, i] = turned / period
+        numbers[SPEED, i] = min(max(forward / period, -MOST_SPEED), MOST_SPEED)
+        numbers[TURN_RATE, i] = min(max(turned / period, -MOST_TURN_RATE), MOST_TURN_RATE)
         if marks_out[BLOCKED, i] != 0 and flaws[SLIP, i] > 0.0:
             forward += flaws[SLIP, i] * (twist[TRAVEL, i] - forward)
             turned += flaws[SLIP, i] * (twist[TURN, i] - turned)

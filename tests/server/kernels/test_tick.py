@@ -1,7 +1,7 @@
 import pytest
 
 from intellwheels_schemas.messages import Encoders
-from intellwheels_server.kernels.rows import LEFT_SPEED, LEFT_TRAVEL, RIGHT_TRAVEL, SPEED, TURN_RATE, X
+from intellwheels_server.kernels.rows import LEFT_SPEED, LEFT_TRAVEL, RIGHT_TRAVEL, SPEED, TURN_RATE, X, Y
 from intellwheels_server.world import measures
 from tests.server.worlds import box_wall, cart, run, world
 
@@ -37,3 +37,13 @@ def test_more_pairs_than_there_was_room_for_are_all_found() -> None:
     state = world(robots, [box_wall(0.5, -1.0, 1.0, 40.0)])
     state, events = run(state, 1, dict.fromkeys(robots, (1.0, 1.0)))
     assert sorted(event.agent or "" for event in events if event.other == "wall") == sorted(robots)
+
+
+def test_nobody_drives_beyond_the_edge_of_the_world_and_all_can_come_back() -> None:
+    state = world({"a": cart(9_999.9, -9_999.9), "b": cart(0.0, 9_999.9, heading=1.5)})
+    state, _ = run(state, 40, {"a": (1.0, 1.0), "b": (1.0, 1.0)})
+    assert state.numbers[X].max() <= 10_000.0
+    assert abs(state.numbers[Y]).max() <= 10_000.0
+    assert state.numbers[LEFT_SPEED, 0] == 0.0
+    state, _ = run(state, 40, {"a": (-1.0, -1.0)})
+    assert state.numbers[X, 0] < 9_999.0
