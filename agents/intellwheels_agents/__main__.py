@@ -5,10 +5,11 @@ from __future__ import annotations
 import argparse
 import math
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 from intellwheels_agents import minds
 from intellwheels_agents.equipment import equipped, joining, split_options
+from intellwheels_agents.harness import NAME_TAKEN
 from intellwheels_agents.network import run_agent
 from intellwheels_agents.options import OptionError, Options
 from intellwheels_maps import robot as robot_file
@@ -35,6 +36,7 @@ On standard output: `joined agent=chair1 run=... tick=...`, `run agent=chair1 ru
 """
 DEFAULT_ROBOTS = {"door": "door", "table": "table"}
 DEFAULT_ROBOT = "intellwheels"
+MOST_COPIES = 99
 
 
 def parser() -> argparse.ArgumentParser:
@@ -53,6 +55,11 @@ def parser() -> argparse.ArgumentParser:
         "--robot",
         metavar="NAME|FILE",
         help=f"the body: a shipped robot or a robot file (default: {DEFAULT_ROBOT}; for a door or table its own)",
+    )
+    result.add_argument(
+        "--numbered",
+        action="store_true",
+        help="when the name is taken, be NAME-2, NAME-3 and so on, at a free place: for several copies of one command",
     )
     result.add_argument("--place", metavar="PLACE", help="a place of the map to start at (default: the first free)")
     result.add_argument(
@@ -90,29 +97,36 @@ def main(arguments: Sequence[str] | None = None) -> int:
         source = minds.find(options.mind)
         of_robot, of_mind = split_options(_pairs(options.option))
         where = link_of(options)
-        robot = joining(
-            _body(options, source, of_robot, of_mind),
-            agent=check_agent(options.name or _name_of(options.mind), "--name"),
-            role=options.role,
-            instance=new_hex(),
-            place=options.place,
-            barrier=False if options.no_barrier else None,
-        )
-        return run_agent(
-            robot,
-            source.make,
-            of_mind,
-            where=where,
-            encoding=Encoding.XML if options.encoding == "xml" else Encoding.JSON,
-            retry_for=options.retry_for,
-            stop=stop,
-        )
+        name = check_agent(options.name or _name_of(options.mind), "--name")
+        body = _body(options, source, of_robot, of_mind)
+        code = NAME_TAKEN
+        for agent, place in _names(name, options.place, options.numbered):
+            robot = joining(
+                body,
+                agent=check_agent(agent, "--name"),
+                role=options.role,
+                instance=new_hex(),
+                place=place,
+                barrier=False if options.no_barrier else None,
+            )
+            code = run_agent(
+                robot,
+                source.make,
+                of_mind,
+                where=where,
+                encoding=Encoding.XML if options.encoding == "xml" else Encoding.JSON,
+                retry_for=options.retry_for,
+                stop=stop,
+            )
+            if code != NAME_TAKEN:
+                break
     except (OptionError, WireError) as error:
         print(f"iw-agent: {error}", file=sys.stderr)
         return 2
     except ConnectionError as error:
         print(f"iw-agent: {error}", file=sys.stderr)
         return 1
+    return 1 if code == NAME_TAKEN else code
 
 
 def _body(
@@ -136,6 +150,14 @@ def _pairs(given: Sequence[str]) -> dict[str, str]:
             raise OptionError(f"--option: expected each name once, got {name!r} twice")
         pairs[name] = value
     return pairs
+
+
+def _names(name: str, place: str | None, numbered: bool) -> Iterator[tuple[str, str | None]]:
+    """Yield the names to try and the place to ask for with each."""
+    yield name, place
+    if numbered:
+        for number in range(2, MOST_COPIES + 1):
+            yield f"{name}-{number}", None
 
 
 def _name_of(mind: str) -> str:

@@ -111,6 +111,10 @@ Output: TypeAlias = Ask | Put | Depart | Tell | Note | End
 Payload: TypeAlias = tuple[bytes, Encoding]
 
 
+NAME_TAKEN = 4
+"""What a run ends with, instead of 1, when another agent had the name before this one was ever here."""
+
+
 class Harness:
     """One agent's side of the contract.
 
@@ -217,7 +221,8 @@ class Harness:
         except WireError as error:
             return self._over(1, f"the refusal of join cannot be read: {error.text}")
         if refused.code not in ("no-body", "no-token"):
-            return self._over(1, f"refused ({refused.code}): {refused.text}")
+            taken = refused.code == "already-here" and self._joined is None
+            return self._over(NAME_TAKEN if taken else 1, f"refused ({refused.code}): {refused.text}")
         soon = refused.code == "no-token"
         return self._later(now, TOKEN_RETRY if soon else RETRY, f"refused ({refused.code}): {refused.text}")
 

@@ -11,7 +11,7 @@ import json
 import threading
 import time
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final, NamedTuple
@@ -191,6 +191,40 @@ def open_session(
         while not stop.is_set() and (left := _until(began + TRY_EVERY, deadline)) > 0:
             stop.wait(min(left, _SLICE))
     return None
+
+
+def router_settings(listen: Sequence[str]) -> str:
+    """Return the configuration of a router for this contract, as JSON: `iw-router` and `zenohd -c` take it alike.
+
+    Args:
+        listen: Endpoints, such as `tcp/0.0.0.0:7447`.
+    """
+    nested: dict[str, Any] = {}
+    settings = {**_SETTINGS, "mode": "router", "listen/endpoints": list(listen), "scouting/gossip/enabled": False}
+    for key, value in settings.items():
+        *path, last = key.split("/")
+        place = nested
+        for part in path:
+            place = place.setdefault(part, {})
+        place[last] = value
+    return json.dumps(nested, indent=2) + "\n"
+
+
+def open_router(listen: Sequence[str]) -> zenoh.Session:
+    """Return a session that is a router: whoever connects to it meets all others that do. Close it in a `with`.
+
+    Raises:
+        ConnectionError: In words: an endpoint is none, or its port is taken.
+    """
+    zenoh.init_log_from_env_or("off")
+    try:
+        config = zenoh.Config.from_json5(router_settings(listen))
+        config.insert_json5("listen/exit_on_failure", "true")
+        config.insert_json5("listen/timeout_ms", "0")
+        return zenoh.open(config)
+    except (zenoh.ZError, ValueError) as error:
+        why = "it is taken" if "in use" in str(error) else _reason(error)
+        raise ConnectionError(f"cannot listen at {', '.join(listen)}: {why}") from None
 
 
 def _until(moment: float, deadline: float | None) -> float:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import hashlib
 import os
+import shutil
 import sys
 import tempfile
 from importlib import resources
@@ -15,6 +16,8 @@ from importlib.resources.abc import Traversable
 from pathlib import Path
 
 _VARIABLE = "NUMBA_CACHE_DIR"
+BAKED = "INTELLWHEELS_KERNELS"
+"""Names a folder of kernels compiled when an image was built. Numba wants to write where it reads: they are copied."""
 
 
 def choose() -> Path:
@@ -25,6 +28,9 @@ def choose() -> Path:
     """
     wanted = os.environ.get(_VARIABLE)
     folder = Path(wanted) if wanted else _first_writable()
+    baked = os.environ.get(BAKED)
+    if baked and not wanted and is_cold(folder):
+        shutil.copytree(baked, folder, dirs_exist_ok=True)
     os.environ[_VARIABLE] = str(folder)
     loaded = sys.modules.get("numba")
     if loaded is not None:  # imported by the user's program before us

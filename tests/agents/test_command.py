@@ -7,6 +7,10 @@ import sys
 
 import pytest
 
+from intellwheels_agents import __main__ as command
+from intellwheels_agents.harness import NAME_TAKEN
+from intellwheels_schemas.messages import Robot
+
 
 def iw_agent(*arguments: str) -> subprocess.CompletedProcess[str]:
     return subprocess.run(
@@ -50,3 +54,20 @@ def test_no_simulator_is_said_and_given_up_with_exit_1() -> None:
     ended = iw_agent("drive", "--connect", "tcp/127.0.0.1:1", "--retry-for", "0.5")
     assert ended.returncode == 1
     assert "nobody answers at tcp/127.0.0.1:1" in ended.stderr
+
+
+def test_copies_of_one_command_take_the_next_free_name_and_place(monkeypatch: pytest.MonkeyPatch) -> None:
+    asked: list[tuple[str | None, str | None]] = []
+
+    def run_agent(robot: Robot, *_: object, **__: object) -> int:
+        asked.append((robot.name, robot.place))
+        return NAME_TAKEN if len(asked) < 3 else 0
+
+    monkeypatch.setattr(command, "run_agent", run_agent)
+    assert command.main(["drive", "--name", "chair", "--place", "start1", "--numbered"]) == 0
+    assert asked == [("chair", "start1"), ("chair-2", None), ("chair-3", None)]
+
+
+def test_taken_name_ends_with_exit_1(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(command, "run_agent", lambda *_, **__: NAME_TAKEN)
+    assert command.main(["drive", "--name", "chair"]) == 1

@@ -68,3 +68,19 @@ def test_package_imports_where_nothing_can_be_written_but_the_temporary_folder(t
     )
     assert (done.stdout.strip(), done.returncode) == ("0.0", 0), done.stderr
     assert any(tmp_path.rglob("*.nbc"))
+
+
+def test_kernels_of_an_image_are_copied_to_where_they_can_be_written(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    baked = tmp_path / "baked" / "kernels_1"
+    baked.mkdir(parents=True)
+    (baked / "x.nbc").write_bytes(b"code")
+    monkeypatch.setenv("HOME", str(tmp_path))
+    monkeypatch.setenv(kernel_cache.BAKED, str(tmp_path / "baked"))
+    folder = kernel_cache.choose()
+    assert (folder / "kernels_1" / "x.nbc").read_bytes() == b"code"
+    # What was compiled since is not overwritten.
+    (folder / "kernels_1" / "x.nbc").write_bytes(b"newer")
+    monkeypatch.delenv("NUMBA_CACHE_DIR")
+    assert (kernel_cache.choose() / "kernels_1" / "x.nbc").read_bytes() == b"newer"

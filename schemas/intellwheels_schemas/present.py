@@ -1,0 +1,50 @@
+"""Whether somebody is there: `python -m intellwheels_schemas.present [--agent NAME]`, for health checks and scripts.
+
+Exit code 0: the simulator of the world, or the agent, holds its liveliness token; 1: not; 2: wrong usage.
+With `--router` only that somebody answers at the endpoint.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import threading
+from collections.abc import Sequence
+
+from intellwheels_schemas import link
+from intellwheels_schemas.errors import WireError
+from intellwheels_schemas.keys import Keys
+
+TIMEOUT = 3.0
+"""Seconds to wait for an endpoint to answer."""
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Look once and return the exit code."""
+    parser = argparse.ArgumentParser(prog="python -m intellwheels_schemas.present", description=__doc__)
+    parser.add_argument("--agent", metavar="NAME", help="look for an agent (default: for the simulator)")
+    parser.add_argument("--router", action="store_true", help="only whether the endpoint answers")
+    link.add_link_options(parser)
+    options = parser.parse_args(arguments)
+    try:
+        route = link.link_of(options)
+        keys = Keys(route.world)
+        wanted = keys.alive if options.agent is None else keys.tokens(options.agent)
+        session = link.open_session(route, threading.Event(), timeout=TIMEOUT)
+    except WireError as error:
+        print(f"present: {error.text}", file=sys.stderr)
+        return 2
+    except ConnectionError as error:
+        print(f"present: {error}", file=sys.stderr)
+        return 1
+    if session is None:
+        return 1
+    with session:
+        if options.router or link.tokens(session, wanted):
+            return 0
+    print(f"present: nobody holds {wanted} at {route.where()}", file=sys.stderr)
+    return 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())

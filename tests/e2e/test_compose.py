@@ -1,0 +1,168 @@
+"""The composition: Figure 6 again, each agent in a container of its own."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import signal
+import subprocess
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+import yaml
+
+from intellwheels_maps import scene
+from tests.e2e.stage import Peer, Stage, free_port
+
+ROOT = Path(__file__).parents[2]
+WORLD = "composed"
+BASE = os.environ.get("BASE_IMAGE", "python:3.12-slim")
+
+
+def composition() -> dict[str, Any]:
+    loaded = yaml.safe_load((ROOT / "docker-compose.yml").read_text())
+    assert isinstance(loaded, dict)
+    return loaded
+
+
+def options_of(words: list[str], name: str) -> list[str]:
+    return [words[k + 1] for k, word in enumerate(words) if word == name]
+
+
+def test_cast_of_the_composition_is_that_of_the_scene() -> None:
+    services = composition()["services"]
+    cast = {}
+    for service in services.values():
+        if service.get("entrypoint", [""])[0] == "iw-agent":
+            words = service["command"]
+            (name,) = options_of(words, "--name")
+            pairs = dict(option.split("=", 1) for option in options_of(words, "--option"))
+            cast[name] = (
+                service["entrypoint"][1], options_of(words, "--robot")[0], options_of(words, "--place")[0], pairs
+            )  # fmt: skip
+    wanted = {
+        one.name: (one.mind, one.robot, one.place, {option.name: option.value for option in one.option})
+        for one in scene("figure6").cast
+    }
+    assert cast == wanted
+    assert options_of(services["simulator"]["command"], "--scene") == ["figure6"]
+
+
+def test_services_are_those_of_the_documents_and_reachable_from_this_machine_only() -> None:
+    services = composition()["services"]
+    assert set(services) == {"router", "simulator", "door", "table", "chair", "chair-rear", "chair-mid"}
+    ports = [port for service in services.values() for port in service.get("ports", [])]
+    assert ports == ["${BIND:-127.0.0.1}:${PORT:-7447}:7447"]
+    assert all(service["init"] and service["read_only"] for service in services.values())
+
+
+def why_not() -> str | None:
+    """Return why no composition can be started here, or None."""
+    if shutil.which("docker") is None:
+        return "no docker command here"
+    for words, why in (
+        (["docker", "info"], "no docker engine answers here"),
+        (["docker", "compose", "version"], "docker has no compose plugin here"),
+    ):
+        if subprocess.run(words, capture_output=True, timeout=30, check=False).returncode != 0:
+            return why
+    found = subprocess.run(["docker", "image", "inspect", BASE], capture_output=True, timeout=30, check=False)
+    if found.returncode != 0 and "BASE_IMAGE" in os.environ:
+        return f"no image {BASE} here"
+    if found.returncode != 0:
+        pulled = subprocess.run(["docker", "pull", "-q", BASE], capture_output=True, timeout=300, check=False)
+        return None if pulled.returncode == 0 else f"no image {BASE} here, and no registry gives it"
+    return None
+
+
+class Composed:
+    """A composition of its own name, port and world."""
+
+    def __init__(self, stage: Stage) -> None:
+        self.stage = stage
+        port = free_port()
+        stage.endpoint = f"tcp/127.0.0.1:{port}"
+        self.environment = {
+            **os.environ, "PORT": str(port), "WORLD": stage.world, "BASE_IMAGE": BASE, "BUILD_NETWORK": "host",
+            "COMPOSE_PROJECT_NAME": f"iw-test-{os.getpid()}",
+        }  # fmt: skip
+
+    def __call__(self, *words: str, timeout: float = 120.0) -> str:
+        done = subprocess.run(
+            ["docker", "compose", *words],
+            cwd=ROOT,
+            env=self.environment,
+            capture_output=True,
+            text=True,
+            timeout=timeout,
+            check=False,
+        )
+        assert done.returncode == 0, done.stdout + done.stderr + self.logs()
+        return done.stdout
+
+    def logs(self) -> str:
+        found = subprocess.run(
+            ["docker", "compose", "logs", "--no-color", "--tail", "30"],
+            cwd=ROOT,
+            env=self.environment,
+            capture_output=True,
+            text=True,
+            timeout=60.0,
+            check=False,
+        )
+        return found.stdout
+
+    def kill(self, service: str) -> None:
+        """Kill all that runs in a container, as a crash would; docker starts it again."""
+        self("exec", "-T", service, "sh", "-c", "kill -9 -1 || true")
+
+
+@pytest.fixture
+def composed(tmp_path: Path) -> Iterator[Composed]:
+    reason = why_not()
+    if reason is not None:
+        if os.environ.get("REQUIRE_DOCKER"):
+            pytest.fail(reason)
+        pytest.skip(reason)
+    with Stage(tmp_path, WORLD) as stage:
+        compose = Composed(stage)
+        try:
+            yield compose
+        finally:
+            compose("down", "--timeout", "3", "--remove-orphans")
+
+
+def all_there(peer: Peer, *names: str) -> None:
+    for name in names:
+        peer.entity(name, lambda _: True)
+
+
+@pytest.mark.docker
+def test_figure_6_in_containers_from_building_to_down(composed: Composed) -> None:
+    composed("build", "router", timeout=600.0)
+    composed("up", "--detach", "--wait", timeout=180.0)
+    cast = ("chair1", "chair2", "chair3", "door", "table")
+    with composed.stage.peer() as peer:
+        ended = peer.event("ended", timeout=120.0)
+        assert str(ended["Text"]).startswith("reached")
+        composed("up", "--detach", "--wait", "--scale", "chair=5", "--no-recreate", timeout=180.0)
+        all_there(peer, *cast, "chair3-2", "chair3-3", "chair3-4", "chair3-5")
+        composed.stage.agent("host", "drive", "--place", "start1")
+        all_there(peer, "host")
+        composed.stage.signal("host", signal.SIGTERM)  # chair1 will want its start again
+        assert composed.stage.exit("host") == 0
+        run = peer.clock()["Run"]
+        composed.kill("simulator")
+        composed.stage.wait(lambda: _again(peer, run, cast), "a new run with everybody in it", timeout=90.0)
+    composed.kill("router")
+    composed("up", "--detach", "--wait", "--no-recreate", timeout=180.0)
+    with composed.stage.peer() as peer:
+        all_there(peer, *cast)
+
+
+def _again(peer: Peer, run: str, names: tuple[str, ...]) -> bool | None:
+    """Return True once another run has all of these in it; while the simulator is away nobody answers."""
+    clocks = peer.ask("clock")
+    return True if clocks and clocks[0]["Run"] != run and set(names) <= set(peer.entities()) else None
