@@ -45,6 +45,13 @@ class Path:
         self.length = self._starts[-1]
         self.done = 0.0
 
+    def extend(self, point: Point) -> None:
+        """Add a point at the end, unless it is the last one."""
+        if math.dist(point, self._points[-1]) > 1e-6:
+            self._starts.append(self._starts[-1] + math.dist(point, self._points[-1]))
+            self._points.append(point)
+            self.length = self._starts[-1]
+
     @property
     def end(self) -> Point:
         """The last point."""

@@ -46,3 +46,14 @@ def test_the_next_sharp_corner_or_the_end() -> None:
     path = Path(HOOK)
     assert path.to_corner(math.radians(30.0)) == pytest.approx(4.0)
     assert path.to_corner(math.radians(100.0)) == pytest.approx(7.0)
+
+
+def test_path_grows_at_its_end() -> None:
+    path = Path([(0.0, 0.0), (1.0, 0.0)])
+    path.extend((1.0, 0.0))
+    assert path.length == 1.0
+    path.extend((1.0, 2.0))
+    assert (path.length, path.end) == (3.0, (1.0, 2.0))
+    path.update(1.0, 0.0)
+    path.update(1.0, 0.5)
+    assert path.done == pytest.approx(1.5)

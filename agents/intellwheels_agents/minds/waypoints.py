@@ -6,6 +6,7 @@
     within   metres from the end that count as there (default 0.1)
     stop     metres it keeps from what stands in its way (default 0.5)
     patience seconds it waits after the way became free again (default 1.0)
+    lead     true: say each point that is reached, for those who follow (default: false)
     truth    true: know the true pose by a truth sensor, which the simulation must allow (default: own odometry)
 
 Pure pursuit on its own odometry, from encoders and compass. It slows down for what could be in its way and
@@ -18,23 +19,20 @@ import math
 
 import msgspec
 
-from intellwheels_agents.chair import Odometry, powers, wrapped
+from intellwheels_agents.chair import Odometry, powers
 from intellwheels_agents.mind import Context
 from intellwheels_agents.options import OptionError, Options
 from intellwheels_agents.path import Path, Point
+from intellwheels_agents.pilot import CREEP, Pilot, braking
 from intellwheels_agents.surroundings import Surroundings
 from intellwheels_schemas.messages import Actions, Goal, Measures, Robot, Truth
 
-TURN_RATE = 0.8
-"""Radians a second at most."""
-TURN_IN_PLACE = math.radians(50.0)
-"""When the target lies further to the side than this the chair turns before it drives."""
 CORNER = math.radians(30.0)
 """A sharper corner is one where what stands straight ahead is not in the way."""
-BRAKING = 0.35
-"""Metres a second squared: gentle to who sits in the chair."""
-CREEP = 0.05
-"""Metres a second: the least that is worth moving."""
+SAY_EVERY = 0.3
+"""Metres between two points that a leader says."""
+HEARTBEAT = 1.0
+"""Seconds between two says of a leader that stands: who hears nothing stops."""
 
 
 def equip(robot: Robot, options: Options) -> Robot:
@@ -61,13 +59,29 @@ class Mind:
         self._path = _path(context)
         self._around = Surroundings(robot)
         self._free_at = 0.0
-        self._turning = False
+        self._pilot = Pilot(self._speed)
+        self._leads = options.flag("lead")
+        self._said: tuple[float, float, float] | None = None
         self._arrived = self._path is None
         self._goal = None if self._path is None else Goal(x=self._path.end[0], y=self._path.end[1])
 
     def decide(self, measures: Measures) -> Actions:
-        """Return the powers that keep to the path."""
+        """Return the powers that keep to the path, and for a leader where it is."""
         self._locate(measures)
+        actions = self._drive(measures)
+        return actions if not self._leads else msgspec.structs.replace(actions, say=self._point(measures.time))
+
+    def _point(self, time: float) -> str | None:
+        """Return where a leader is, for those who follow, when it is time to say so."""
+        x, y = self._pose.x, self._pose.y
+        if self._said is not None:
+            said_x, said_y, said_at = self._said
+            if math.dist((x, y), (said_x, said_y)) < SAY_EVERY and time - said_at < HEARTBEAT:
+                return None
+        self._said = (x, y, time)
+        return f"at {x:.3f} {y:.3f}"
+
+    def _drive(self, measures: Measures) -> Actions:
         self._around.update(measures.sensors)
         path, pose = self._path, self._pose
         if path is None or self._arrived:
@@ -91,23 +105,14 @@ class Mind:
             self._pose.x, self._pose.y, self._pose.heading = reading.x, reading.y, reading.heading
 
     def _steer(self, path: Path, time: float) -> tuple[float, float, str]:
-        pose = self._pose
-        reach = max(0.45, 0.9 * self._speed)
-        target_x, target_y = path.ahead(reach)
-        dx, dy = target_x - pose.x, target_y - pose.y
-        bearing = wrapped(math.atan2(dy, dx) - pose.heading)
-        # Two thresholds, or it would begin to drive and to turn by turns.
-        self._turning = abs(bearing) > (TURN_IN_PLACE / 3.0 if self._turning else TURN_IN_PLACE)
-        if self._turning:
-            return 0.0, _limited(2.0 * bearing, TURN_RATE), "autonomous"
-        curvature = 2.0 * math.sin(bearing) / max(math.hypot(dx, dy), 1e-3)
-        speed = min(self._speed, TURN_RATE / max(abs(curvature), 1e-6), _braking(path.left - self._within / 2.0))
-        speed = max(speed, CREEP)
+        steering = self._pilot.steer(path, self._pose, path.left - self._within / 2.0)
+        if steering.turns:
+            return 0.0, steering.turn_rate, "autonomous"
         allowed = self._allowed(path, time)
         if allowed < CREEP:
             return 0.0, 0.0, "waiting"
-        speed = min(speed, allowed)
-        return speed, speed * curvature, "autonomous"
+        speed = min(steering.speed, allowed)
+        return speed, speed * steering.curvature, "autonomous"
 
     def _allowed(self, path: Path, time: float) -> float:
         """Return the speed that what is ahead allows, in m/s."""
@@ -117,15 +122,7 @@ class Mind:
         if room <= 0.0:
             self._free_at = time + self._patience
             return 0.0
-        return _braking(room) if time >= self._free_at else 0.0
-
-
-def _braking(distance: float) -> float:
-    return math.sqrt(2.0 * BRAKING * max(distance, 0.0))
-
-
-def _limited(value: float, most: float) -> float:
-    return min(max(value, -most), most)
+        return braking(room) if time >= self._free_at else 0.0
 
 
 def _path(context: Context) -> Path | None:

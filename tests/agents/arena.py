@@ -1,0 +1,123 @@
+"""Minds in the real world, in one process: what a run in strict lockstep would be, without its processes."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+import msgspec
+
+from intellwheels_agents import minds
+from intellwheels_agents.equipment import equipped, split_options
+from intellwheels_agents.mind import Bridge, Context, Mind
+from intellwheels_agents.options import Options
+from intellwheels_maps import floor, robot
+from intellwheels_schemas.messages import Actions, Event, Parameters, Scene
+from intellwheels_server.inputs import Inputs, Join
+from intellwheels_server.kernels.rows import HEADING, SPEED, X, Y
+from intellwheels_server.world import Setup, State, advance, apply, begin, measures
+
+RUN = "0123456789abcdef"
+
+
+@dataclass
+class Player:
+    """An agent of an arena."""
+
+    name: str
+    mind: Mind | Bridge
+    muted: bool = False
+
+
+class Arena:
+    """A world and the minds in it.
+
+    Attributes:
+        state: The world.
+        events: All that happened.
+        paths: Where each body was at each tick, (x, y, heading), tick 0 first.
+        said: What each said, with its tick.
+    """
+
+    def __init__(self, floor_name: str, seed: str = "1", period: float = 0.05) -> None:
+        self.setup = Setup(floor=floor(floor_name), seed=seed, period=period, strict=True, truth=True)
+        self.state: State = begin(self.setup, RUN)
+        self.players: dict[str, Player] = {}
+        self.events: list[Event] = []
+        self.paths: dict[str, list[tuple[float, float, float]]] = {}
+        self.said: dict[str, list[tuple[int, str]]] = {}
+
+    @classmethod
+    def of(cls, scene: Scene, seed: str | None = None) -> Arena:
+        """Return the arena of a scene, all of its cast in it."""
+        arena = cls(scene.map, scene.seed if seed is None else seed, scene.period)
+        for one in scene.cast:
+            arena.join(one.name, one.mind, one.robot, one.place, {each.name: each.value for each in one.option})
+        return arena
+
+    def join(
+        self, name: str, mind: str, body: str, place: str | None, options: Mapping[str, str] | None = None
+    ) -> Player:
+        """Put an agent in."""
+        of_robot, of_mind = split_options(dict(options or {}))
+        source = minds.find(mind)
+        document = source.equip(equipped(robot(body), of_robot), Options(of_mind))
+        wanted = msgspec.structs.replace(document, format=None, place=place)
+        self.state, outputs = apply(self.state, [Join(agent=name, robot=wanted)])
+        (outcome,) = outputs.outcomes
+        assert outcome.code == "ok", outcome.text
+        assert outcome.robot is not None
+        assert outcome.position is not None
+        context = Context(
+            agent=name,
+            robot=outcome.robot,
+            position=outcome.position,
+            parameters=Parameters(
+                world="arena", period=self.setup.period, pace="lockstep", say_limit=100,
+                say_range=8.0, command_timeout=0.5, grace=3.0,
+            ),
+            options=Options(of_mind),
+            fetch_map=lambda: self.setup.floor,
+        )  # fmt: skip
+        player = self.players[name] = Player(name, source.make(context))
+        self.paths[name] = [self._pose(name)]
+        self.said[name] = []
+        return player
+
+    def _pose(self, name: str) -> tuple[float, float, float]:
+        x, y, heading = self.state.numbers[[X, Y, HEADING], self.state.fleet.index[name]].tolist()
+        return x, y, heading
+
+    def speed(self, name: str) -> float:
+        """Return how fast a body moves, m/s."""
+        return float(self.state.numbers[SPEED, self.state.fleet.index[name]])
+
+    def step(self) -> None:
+        """Let everybody decide once, and the world take a step."""
+        actions: dict[str, Actions] = {}
+        for name, player in self.players.items():
+            answer = player.mind.decide(measures(self.state, name))
+            assert isinstance(answer, Actions)
+            if player.muted:
+                answer = Actions(left_motor=answer.left_motor, right_motor=answer.right_motor)
+            if answer.say is not None:
+                self.said[name].append((self.state.tick, answer.say))
+            actions[name] = answer
+        self.state, outputs = advance(self.state, Inputs(actions=actions))
+        self.events.extend(outputs.events)
+        for name in self.players:
+            self.paths[name].append(self._pose(name))
+
+    def run(self, seconds: float, until: Callable[[Arena], bool] = lambda _: False) -> float:
+        """Step for so long, or until something is so; return the simulated time it took."""
+        began = self.state.tick
+        for _ in range(math.ceil(seconds / self.setup.period)):
+            if until(self):
+                break
+            self.step()
+        return (self.state.tick - began) * self.setup.period
+
+    def contacts(self) -> list[Event]:
+        """Return the contacts there were."""
+        return [event for event in self.events if event.code == "contact"]
