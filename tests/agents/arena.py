@@ -13,7 +13,7 @@ from intellwheels_agents.equipment import equipped, split_options
 from intellwheels_agents.mind import Bridge, Context, Mind
 from intellwheels_agents.options import Options
 from intellwheels_maps import floor, robot
-from intellwheels_schemas.messages import Actions, Event, Parameters, Scene
+from intellwheels_schemas.messages import Actions, Event, Parameters, Position, Scene
 from intellwheels_server.inputs import Inputs, Join
 from intellwheels_server.kernels.rows import HEADING, SPEED, X, Y
 from intellwheels_server.world import Setup, State, advance, apply, begin, measures
@@ -57,13 +57,19 @@ class Arena:
         return arena
 
     def join(
-        self, name: str, mind: str, body: str, place: str | None, options: Mapping[str, str] | None = None
+        self,
+        name: str,
+        mind: str,
+        body: str,
+        place: str | None,
+        options: Mapping[str, str] | None = None,
+        position: Position | None = None,
     ) -> Player:
-        """Put an agent in."""
+        """Put an agent in, at a place of the floor or at a position."""
         of_robot, of_mind = split_options(dict(options or {}))
         source = minds.find(mind)
         document = source.equip(equipped(robot(body), of_robot), Options(of_mind))
-        wanted = msgspec.structs.replace(document, format=None, place=place)
+        wanted = msgspec.structs.replace(document, format=None, place=place, position=position)
         self.state, outputs = apply(self.state, [Join(agent=name, robot=wanted)])
         (outcome,) = outputs.outcomes
         assert outcome.code == "ok", outcome.text
