@@ -5,11 +5,11 @@ from __future__ import annotations
 import argparse
 import math
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 
 from intellwheels_agents import minds
 from intellwheels_agents.equipment import equipped, joining, split_options
-from intellwheels_agents.harness import NAME_TAKEN
+from intellwheels_agents.harness import NAME_TAKEN, PLACE_TAKEN
 from intellwheels_agents.network import run_agent
 from intellwheels_agents.options import OptionError, Options
 from intellwheels_maps import robot as robot_file
@@ -59,9 +59,14 @@ def parser() -> argparse.ArgumentParser:
     result.add_argument(
         "--numbered",
         action="store_true",
-        help="when the name is taken, be NAME-2, NAME-3 and so on, at a free place: for several copies of one command",
+        help="when the name is taken, be NAME-2, NAME-3 and so on: for several copies of one command",
     )
-    result.add_argument("--place", metavar="PLACE", help="a place of the map to start at (default: the first free)")
+    result.add_argument(
+        "--place",
+        action="append",
+        metavar="PLACE",
+        help="a place of the map to start at; of several the first that is free (default: any that is free)",
+    )
     result.add_argument(
         "--role", choices=("both", "body", "mind"), default="both", help="what this process is (default: both)"
     )
@@ -99,8 +104,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
         where = link_of(options)
         name = check_agent(options.name or _name_of(options.mind), "--name")
         body = _body(options, source, of_robot, of_mind)
-        code = NAME_TAKEN
-        for agent, place in _names(name, options.place, options.numbered):
+        encoding = Encoding.XML if options.encoding == "xml" else Encoding.JSON
+
+        def run(agent: str, place: str | None) -> int:
             robot = joining(
                 body,
                 agent=check_agent(agent, "--name"),
@@ -109,24 +115,17 @@ def main(arguments: Sequence[str] | None = None) -> int:
                 place=place,
                 barrier=False if options.no_barrier else None,
             )
-            code = run_agent(
-                robot,
-                source.make,
-                of_mind,
-                where=where,
-                encoding=Encoding.XML if options.encoding == "xml" else Encoding.JSON,
-                retry_for=options.retry_for,
-                stop=stop,
+            return run_agent(
+                robot, source.make, of_mind, where=where, encoding=encoding, retry_for=options.retry_for, stop=stop
             )
-            if code != NAME_TAKEN:
-                break
+
+        return _run_where_free(run, _names(name, options.numbered), iter(options.place or [None]))
     except (OptionError, WireError) as error:
         print(f"iw-agent: {error}", file=sys.stderr)
         return 2
     except ConnectionError as error:
         print(f"iw-agent: {error}", file=sys.stderr)
         return 1
-    return 1 if code == NAME_TAKEN else code
 
 
 def _body(
@@ -152,12 +151,28 @@ def _pairs(given: Sequence[str]) -> dict[str, str]:
     return pairs
 
 
-def _names(name: str, place: str | None, numbered: bool) -> Iterator[tuple[str, str | None]]:
-    """Yield the names to try and the place to ask for with each."""
-    yield name, place
+def _run_where_free(run: Callable[[str, str | None], int], names: Iterator[str], places: Iterator[str | None]) -> int:
+    """Run under the first name and at the first place that nobody has, and return the exit code."""
+    name, place = next(names), next(places)
+    while True:
+        code = run(name, place)
+        try:
+            if code == NAME_TAKEN:
+                name = next(names)
+            elif code == PLACE_TAKEN:
+                place = next(places)
+            else:
+                return code
+        except StopIteration:
+            return 1
+
+
+def _names(name: str, numbered: bool) -> Iterator[str]:
+    """Yield the names to try."""
+    yield name
     if numbered:
         for number in range(2, MOST_COPIES + 1):
-            yield f"{name}-{number}", None
+            yield f"{name}-{number}"
 
 
 def _name_of(mind: str) -> str:

@@ -112,7 +112,9 @@ Payload: TypeAlias = tuple[bytes, Encoding]
 
 
 NAME_TAKEN = 4
-"""What a run ends with, instead of 1, when another agent had the name before this one was ever here."""
+PLACE_TAKEN = 5
+"""What a run ends with, instead of 1, when another had the name, or stood at the place, before it was ever here."""
+_TAKEN = {"already-here": NAME_TAKEN, "overlaps": PLACE_TAKEN}
 
 
 class Harness:
@@ -221,8 +223,9 @@ class Harness:
         except WireError as error:
             return self._over(1, f"the refusal of join cannot be read: {error.text}")
         if refused.code not in ("no-body", "no-token"):
-            taken = refused.code == "already-here" and self._joined is None
-            return self._over(NAME_TAKEN if taken else 1, f"refused ({refused.code}): {refused.text}")
+            never_here = self._joined is None
+            code = _TAKEN.get(refused.code, 1) if never_here else 1
+            return self._over(code, f"refused ({refused.code}): {refused.text}")
         soon = refused.code == "no-token"
         return self._later(now, TOKEN_RETRY if soon else RETRY, f"refused ({refused.code}): {refused.text}")
 

@@ -13,7 +13,7 @@ from intellwheels_agents.equipment import equipped, split_options
 from intellwheels_agents.mind import Bridge, Context, Mind
 from intellwheels_agents.options import Options
 from intellwheels_maps import floor, robot
-from intellwheels_schemas.messages import Actions, Event, Parameters, Position, Scene
+from intellwheels_schemas.messages import Actions, Event, Map, Parameters, Position, Scene
 from intellwheels_server.inputs import Inputs, Join
 from intellwheels_server.kernels.rows import HEADING, SPEED, X, Y
 from intellwheels_server.world import Setup, State, advance, apply, begin, measures
@@ -40,8 +40,9 @@ class Arena:
         said: What each said, with its tick.
     """
 
-    def __init__(self, floor_name: str, seed: str = "1", period: float = 0.05) -> None:
-        self.setup = Setup(floor=floor(floor_name), seed=seed, period=period, strict=True, truth=True)
+    def __init__(self, ground: str | Map, seed: str = "1", period: float = 0.05) -> None:
+        document = floor(ground) if isinstance(ground, str) else ground
+        self.setup = Setup(floor=document, seed=seed, period=period, strict=True, truth=True)
         self.state: State = begin(self.setup, RUN)
         self.players: dict[str, Player] = {}
         self.events: list[Event] = []

@@ -8,7 +8,7 @@ import sys
 import pytest
 
 from intellwheels_agents import __main__ as command
-from intellwheels_agents.harness import NAME_TAKEN
+from intellwheels_agents.harness import NAME_TAKEN, PLACE_TAKEN
 from intellwheels_schemas.messages import Robot
 
 
@@ -65,7 +65,23 @@ def test_copies_of_one_command_take_the_next_free_name_and_place(monkeypatch: py
 
     monkeypatch.setattr(command, "run_agent", run_agent)
     assert command.main(["drive", "--name", "chair", "--place", "start1", "--numbered"]) == 0
-    assert asked == [("chair", "start1"), ("chair-2", None), ("chair-3", None)]
+    assert asked == [("chair", "start1"), ("chair-2", "start1"), ("chair-3", "start1")]
+
+
+@pytest.mark.parametrize(("free", "code"), [("spare2", 0), ("none", 1)])
+def test_of_several_places_the_first_that_is_free_is_taken(
+    monkeypatch: pytest.MonkeyPatch, free: str, code: int
+) -> None:
+    asked: list[str | None] = []
+
+    def run_agent(robot: Robot, *_: object, **__: object) -> int:
+        asked.append(robot.place)
+        return 0 if robot.place == free else PLACE_TAKEN
+
+    monkeypatch.setattr(command, "run_agent", run_agent)
+    places = ["--place", "start1", "--place", "spare1", "--place", "spare2"]
+    assert command.main(["drive", "--name", "chair", *places]) == code
+    assert asked == ["start1", "spare1", "spare2"]
 
 
 def test_taken_name_ends_with_exit_1(monkeypatch: pytest.MonkeyPatch) -> None:

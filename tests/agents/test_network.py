@@ -11,6 +11,7 @@ import pytest
 import zenoh
 
 from intellwheels_agents.equipment import joining
+from intellwheels_agents.harness import PLACE_TAKEN
 from intellwheels_agents.mind import Context
 from intellwheels_agents.network import run_agent
 from intellwheels_agents.options import OptionError
@@ -155,7 +156,7 @@ def test_a_refusal_ends_it_with_the_simulators_words(
 ) -> None:
     simulator.reply = Refused(code="overlaps", text="bed1 is taken")
     agent = Agent(link.Link(connect=(endpoint,)))
-    assert agent.result.get(timeout=DEADLINE) == 1
+    assert agent.result.get(timeout=DEADLINE) == PLACE_TAKEN
     agent.thread.join(DEADLINE)
     assert "refused (overlaps): bed1 is taken" in capsys.readouterr().err
 
