@@ -1,6 +1,8 @@
+import msgspec
 import pytest
 
-from intellwheels_schemas.messages import Part
+from intellwheels_maps import robot
+from intellwheels_schemas.messages import Part, Position
 from intellwheels_server.kernels.rows import CONTACTS
 from intellwheels_server.world import entities, measures
 from tests.server.worlds import box_wall, cart, run, world
@@ -96,3 +98,20 @@ def test_parts_are_counted_from_each_body_s_first() -> None:
     _, events = run(state, 40, {"a": (1.0, 1.0), "b": (0.5, 0.5)})
     found = {(event.agent, event.other): (event.part, event.other_part) for event in events if event.code == "contact"}
     assert found == {("b", "wall"): (1, 0), ("a", "b"): (1, 0)}
+
+
+def test_upper_body_of_a_chair_hits_a_table_s_top_under_which_its_base_has_gone() -> None:
+    chair = msgspec.structs.replace(robot("rear-wheel"), position=Position(x=0.0, y=0.0, heading=0.0))
+    table = msgspec.structs.replace(robot("table"), position=Position(x=4.0, y=0.0, heading=0.0))
+    state = world({"chair": chair, "table": table})
+    state, events = run(state, 120, {"chair": (0.5, 0.5)})
+    (event,) = [event for event in events if event.code == "contact"]
+    base, upper = chair.part
+    top = table.part[event.other_part or 0]
+    assert (event.agent, event.other, event.part) == ("chair", "table", 1)
+    assert (top.bottom, top.top) == (0.69, 0.72)
+    x = entities(state)[0].x
+    edge = 4.0 + top.x - top.length / 2
+    # The base is as far under the top as the upper body stands behind it.
+    assert x + upper.x + upper.length / 2 == pytest.approx(edge, abs=1e-6)
+    assert x + base.x + base.length / 2 > edge + 0.1
