@@ -85,7 +85,15 @@ class Barrier:
         return "first"
 
     def repeats(self, agent: str, kind: AnswerKind, data: bytes) -> bool:
-        """Return whether these very bytes were the answer to this tick or the one before: measures were put twice."""
+        """Return whether these very bytes are the answer to this tick already: measures were put twice."""
+        return self._answers.get((agent, kind)) == data
+
+    def repeats_late(self, agent: str, kind: AnswerKind, data: bytes) -> bool:
+        """Return whether a late message is, to the byte, the last answer that counted: measures were put twice.
+
+        Of messages that name no tick this must not be asked: equal bytes are then the answer to one tick after
+        the other.
+        """
         key = (agent, kind)
         return self._answers.get(key) == data or self._before.get(key) == data
 
@@ -126,8 +134,13 @@ class Barrier:
         """Await this answer no more in this tick: its member has left."""
         self._awaited.discard((agent, kind))
 
+    def renew(self, agent: str) -> None:
+        """Begin anew with an agent that joins in a body which stays: without misses, and no longer at rest."""
+        self.revive(agent)
+        self._misses.pop(agent, None)
+
     def forget(self, agent: str) -> None:
-        """Forget misses and rest of an agent that is gone or came anew."""
+        """Forget misses and rest of an agent whose body is gone."""
         self._misses.pop(agent, None)
         self._rested.discard(agent)
 

@@ -35,6 +35,9 @@ from intellwheels_server.kernels.rows import HEADING, X, Y
 TOKEN_WAIT: Final = 0.3
 """Seconds a join waits for its token, which travels apart from it."""
 
+MOST_WAITING: Final = 256
+"""Joins that may wait so; a flood of more is refused at once, and who means it tries again."""
+
 _REFUSED: Final[dict[ErrorCode, RefusedCode]] = {
     "field": "field",
     "value": "value",
@@ -76,9 +79,13 @@ def _recheck_waiting(desk: Desk) -> None:
 
 def expire(desk: Desk, now: float) -> None:
     """Do what is due by the clock: joins whose token did not come, seats whose grace is over, leases."""
+    if desk.waiting and desk.waiting[0].until <= now:
+        _recheck_waiting(desk)
+    # Without its token a join is refused, which changes nothing and waits for no barrier: a flood of them must not
+    # pile up at one.
     for waiting in [w for w in desk.waiting if w.until <= now]:
         desk.waiting.remove(waiting)
-        desk.later(partial(_join, desk, waiting.ask, waiting.robot, waiting.encoding))
+        _join(desk, waiting.ask, waiting.robot, waiting.encoding, now)
     for seat in desk.roster.lost(now, desk.options.grace):
         seat.absent_since = None  # once is enough
         if desk.strict and desk.lockstep and seat.answers() and not desk.stands():
@@ -107,7 +114,10 @@ def ask_join(desk: Desk, ask: Ask, now: float) -> None:
         ask.refuse(Refused(code=_REFUSED.get(error.code, "value"), text=error.text[:1000]))
         return
     if not _has_token(desk, ask.name, robot):
-        desk.waiting.append(Waiting(ask, robot, encoding, now + TOKEN_WAIT))
+        if len(desk.waiting) < MOST_WAITING:
+            desk.waiting.append(Waiting(ask, robot, encoding, now + TOKEN_WAIT))
+        else:
+            _join(desk, ask, robot, encoding, now)
         return
     desk.later(partial(_join, desk, ask, robot, encoding))
 
@@ -165,9 +175,10 @@ def _admit(desk: Desk, agent: str, robot: Robot, encoding: Encoding, shown: str 
     )
     position = _embody(desk, seat, held, kept, now)
     desk.roster.sit(seat)
-    desk.barrier.forget(agent)
+    desk.barrier.renew(agent)
     if real and seat.embodies:
-        desk.bridges[agent] = Bridge(at=now)
+        # That of a body which stays knows what the world was told of it, such as that it is stale.
+        desk.bridges.setdefault(agent, Bridge(at=now))
     _reseat(desk, agent)
     desk.out.note(f"joined agent={agent} role={seat.role} tick={desk.state.tick}")
     if desk.open and desk.lockstep:
@@ -197,7 +208,10 @@ def _embody(desk: Desk, seat: Seat, held: Seat | None, kept: bool, now: float) -
     others = [seat for seat in desk.roster.seats(agent) if seat.role == "mind" and seat is not held]
     if held is not None and agent in desk.state.fleet.figures:
         desk.apply(Depart(agent=agent, role=held.role, lost=held.absent_since is not None), now)
-        desk.tray.forget(agent)
+        if held.embodies:
+            forget_body(desk, agent)
+        else:
+            desk.tray.forget(agent)
     outcome = desk.apply(Join(agent=agent, robot=_as_joined(seat.robot, agent)), now)
     if outcome.code != "ok":
         if held is not None:
@@ -250,7 +264,8 @@ def ask_leave(desk: Desk, ask: Ask) -> None:
         ask.reply(desk.result("not-found", f"agent '{ask.name}': {why}"))
         return
     # The body last: without it its mind is gone too.
-    for seat in sorted(leaving, key=lambda seat: seat.embodies):
+    leaving.sort(key=lambda seat: seat.embodies)
+    for seat in leaving:
         let_go(desk, seat, ask if seat is leaving[-1] else None)
 
 

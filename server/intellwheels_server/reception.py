@@ -58,6 +58,8 @@ def _take_actions(desk: Desk, agent: str, actions: Actions, data: bytes, now: fl
     if fault is None:
         fault = check_time(actions.run, actions.tick, desk.state.run, desk.state.tick, "Actions")
         if fault is not None and fault.code == "late" and actions.run in (None, desk.state.run):
+            if desk.barrier.repeats_late(agent, "actions", data):
+                return None
             desk.barrier.revive(agent)
     if fault is not None or seat is None:
         return fault._replace(seq=actions.seq) if fault else None
@@ -81,6 +83,8 @@ def _take_pose(desk: Desk, agent: str, pose: Pose, data: bytes, now: float) -> F
     if fault is None:
         fault = check_time(pose.run, pose.tick, desk.state.run, desk.state.tick, "Pose")
         if fault is not None and fault.code == "late" and pose.run in (None, desk.state.run):
+            if desk.barrier.repeats_late(agent, "pose", data):
+                return None
             desk.barrier.revive(agent)
             # A bridge that is a cycle behind still says where its chair is.
             if not desk.lockstep and pose.tick is not None and desk.state.tick - pose.tick <= 1:

@@ -138,7 +138,7 @@ class Post:
     def __init__(self, keys: Keys) -> None:
         self._keys = keys
         # Whoever writes a key writes it again: its parts are looked up. Bounded, for keys are strangers' words.
-        self._known: dict[str, tuple[str, PutKind] | None] = {}
+        self._known: dict[str, tuple[str, PutKind]] = {}
 
     def open(self, arrival: link.Arrival) -> Arrival | None:
         """Return what an arrival is, or None when it is nothing to us."""
@@ -163,6 +163,8 @@ class Post:
             found = (put.agent, put.kind)
         elif (user := self._keys.parse_user(key)) is not None:
             found = (user, "user")
+        if found is None:
+            return None  # not remembered: keys of strangers may be 64 kB long
         if len(self._known) >= KEYS_KNOWN:
             self._known.clear()
         self._known[key] = found

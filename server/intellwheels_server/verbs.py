@@ -193,6 +193,8 @@ def _do_delete(desk: Desk, ask: Ask, message: Any, now: float) -> None:
         membership.forget_body(desk, delete.agent)
         if seats:
             membership.dismiss(desk, seats[0])
+        else:
+            desk.out.farewell(delete.agent)
     _reply_outcome(desk, ask, outcome)
 
 

@@ -35,9 +35,12 @@ def test_an_answer_to_the_tick_before_is_known_by_its_bytes() -> None:
     barrier = elastic()
     barrier.answer("one", "actions", b"a")
     barrier.open([ONE, TWO], 0.1)
-    assert barrier.repeats("one", "actions", b"a")
-    assert not barrier.repeats("one", "actions", b"b")
+    assert barrier.repeats_late("one", "actions", b"a")
+    assert not barrier.repeats_late("one", "actions", b"b")
+    assert not barrier.repeats("one", "actions", b"a")
     assert not barrier.complete(0.1)
+    barrier.answer("one", "actions", b"a")
+    assert barrier.repeats("one", "actions", b"a")
 
 
 def test_unanswered_measures_are_put_again_after_20_ms_then_twice_as_long() -> None:

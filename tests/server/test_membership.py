@@ -10,10 +10,14 @@ from intellwheels_schemas.messages import (
     Joined,
     Leave,
     Measures,
+    Pose,
     Refused,
     Result,
     Robot,
+    Take,
 )
+from intellwheels_server.kernels.rows import X
+from intellwheels_server.membership import MOST_WAITING
 from tests.server.stage import Stage, real
 
 
@@ -179,3 +183,89 @@ def test_real_hardware_is_refused_where_time_is_not_real() -> None:
         assert isinstance(refused, Refused)
         assert refused.code == "real-in-lockstep"
     assert Stage().try_join("chair1", real(hardware="simulated"))[1]
+
+
+def test_a_successor_in_a_body_at_rest_moves_it_again() -> None:
+    stage = Stage(strict=False)
+    stage.join("chair1")
+    stage.work(3.5)
+    assert "rested" in stage.events()
+    stage.token("chair1", present=False)
+    stage.result("pause")
+    start = stage.join("chair1", instance="b" * 16).position
+    stage.result("resume")
+    for _ in range(20):
+        stage.act("chair1", 0.5, 0.5)
+    assert stage.events()[-1] == "back"
+    assert stage.conductor.state.numbers[X, 0] > start.x + 0.1
+
+
+def test_a_new_mind_in_a_body_at_rest_moves_it_again() -> None:
+    stage = Stage(strict=False)
+    stage.join("chair1", role="body", barrier=False)
+    stage.result("pause")
+    start = stage.join("chair1", Robot(role="mind"), "b" * 16).position
+    stage.result("resume")
+    stage.work(3.5)
+    assert "rested" in stage.events()
+    stage.token("chair1", "mind", "b" * 16, present=False)
+    stage.work(5.0)
+    assert "left" in stage.events()
+    stage.result("pause")
+    stage.join("chair1", Robot(role="mind"), "c" * 16)
+    stage.result("resume")
+    for _ in range(20):
+        stage.act("chair1", 0.5, 0.5)
+    assert stage.events()[-2:] == ["resumed", "back"]
+    assert stage.conductor.state.numbers[X, 0] > start.x + 0.1
+
+
+def test_a_stale_bridge_that_joins_again_is_fresh_with_its_first_pose() -> None:
+    stage = Stage(strict=False, pace="realtime")
+    stage.join("chair1", real(), role="body")
+    stage.work(1.0)
+    session = stage.join("chair1", real(), role="body").session
+    stage.work(0.2)
+    assert [code for code in stage.events() if code in ("stale", "fresh")] == ["stale"]
+    stage.put("chair1", Pose(session=session, x=2.0, y=2.0, heading=0.0), "pose")
+    stage.work(0.2)
+    assert [code for code in stage.events() if code in ("stale", "fresh")] == ["stale", "fresh"]
+
+
+def test_a_simulated_successor_of_a_real_chair_has_no_bridge_that_could_be_silent() -> None:
+    stage = Stage(strict=False, pace="realtime")
+    stage.join("chair1", real())
+    stage.token("chair1", present=False)
+    stage.join("chair1", instance="b" * 16)
+    stage.work(1.0)
+    assert "stale" not in stage.events()
+
+
+def test_a_lease_ends_with_the_body_it_was_taken_on() -> None:
+    stage = Stage(strict=False, pace="realtime")
+    stage.join("chair1")
+    lease = stage.result("take", Take(agent="chair1", seconds=10.0)).lease
+    stage.token("chair1", present=False)
+    stage.join("chair1", "mid-wheel", "b" * 16)
+    assert stage.result("take", Take(agent="chair1", lease=lease, seconds=10.0)).code == "incorrect-state"
+
+
+def test_a_leave_of_both_roles_is_answered_when_both_are_gone() -> None:
+    stage = Stage(strict=False, pace="realtime")
+    stage.join("chair1", role="body")
+    stage.join("chair1", Robot(role="mind"), "b" * 16)
+    result = stage.ask("leave", "chair1")[0][0]
+    assert isinstance(result, Result)
+    assert stage.conductor.state.names == ()
+    assert result.hash == stage.conductor.digest()
+
+
+def test_joins_without_token_are_refused_while_a_barrier_is_open() -> None:
+    stage = Stage()
+    stage.join("chair1")
+    wanted = msgspec.structs.replace(robot("rear-wheel"), instance="a" * 16, format=None)
+    replies = [stage.ask("join", f"n{number}", wanted) for number in range(MOST_WAITING + 5)]
+    assert [bool(reply) for reply in replies] == [False] * MOST_WAITING + [True] * 5
+    stage.work(0.5)
+    assert stage.tick == 0
+    assert {reply.code for ((reply, _),) in replies if isinstance(reply, Refused)} == {"no-token"}

@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+import pytest
+
 from intellwheels_schemas.messages import (
     Actions,
     Pose,
@@ -132,3 +134,16 @@ def test_a_simulated_chair_reports_no_pose() -> None:
     stage.join("chair1")
     stage.put("chair1", Pose(x=2.0, y=2.0, heading=0.0), "pose")
     assert [e.code for e in stage.errors("chair1")] == ["role"]
+
+
+@pytest.mark.parametrize(
+    "data", [b'{"LeftMotor":0.5,"RightMotor":0.4}', b'<Actions LeftMotor="0.5" RightMotor="0.4"/>']
+)
+def test_the_papers_form_answers_tick_after_tick_with_the_same_bytes(data: bytes) -> None:
+    stage = Stage()
+    stage.join("chair1")
+    for tick in range(5):
+        assert stage.tick == tick
+        stage.put("chair1", data, encoding="")
+    assert stage.tick == 5
+    assert stage.errors("chair1") == []

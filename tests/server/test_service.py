@@ -36,6 +36,8 @@ from intellwheels_schemas.messages import (
     Take,
     WorldState,
 )
+from intellwheels_server.arrival import Put
+from intellwheels_server.service import Post
 
 DEADLINE = 20.0
 KEYS = Keys("main")
@@ -325,3 +327,11 @@ def test_help_shows_how_to_begin(capsys: pytest.CaptureFixture[str]) -> None:
     shown = capsys.readouterr().out
     assert "iw-server --scene figure6 --log run.jsonl" in shown
     assert "--resimulate" in shown
+
+
+def test_keys_that_are_nobodys_are_not_remembered() -> None:
+    post = Post(Keys("main"))
+    for number in range(10):
+        assert post.open(link.Put(f"iw/v1/main/in/{'x' * 60_000}{number}/actions", b"{}", "")) is None
+    assert post.open(link.Put("iw/v1/main/in/chair1/actions", b"{}", "")) == Put("chair1", "actions", b"{}", "")
+    assert list(post._known) == ["iw/v1/main/in/chair1/actions"]

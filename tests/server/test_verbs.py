@@ -5,11 +5,13 @@ import pytest
 
 from intellwheels_maps import robot
 from intellwheels_schemas.messages import (
+    Delete,
     Load,
     Map,
     Position,
     Reset,
     Result,
+    Robot,
     Spawn,
     Speed,
     Step,
@@ -181,3 +183,12 @@ def test_a_lease_is_renewed_and_freed_by_its_holder_only() -> None:
     assert stage.result("take", Take(agent="chair1", lease=lease, seconds=0.0)).code == "ok"
     assert stage.events().count("released") == 1
     assert stage.result("take", Take(agent="chair9")).code == "not-found"
+
+
+def test_nothing_is_kept_for_a_spawned_body_that_was_deleted() -> None:
+    stage = Stage()
+    stage.result("pause")
+    box = Robot(name="box1", length=0.5, width=0.5, top=1.0)
+    assert stage.result("spawn", Spawn(robot=box, position=Position(x=2.0, y=2.0, heading=0.0))).code == "ok"
+    assert stage.result("delete", Delete(agent="box1")).code == "ok"
+    assert stage.sent[-1][:2] == ("box1", "farewell")
