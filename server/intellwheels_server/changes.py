@@ -20,18 +20,18 @@ from intellwheels_server.fleet import Figure, Fleet, assemble, figure_of
 from intellwheels_server.floor import walls_of
 from intellwheels_server.kernels.arrays import Floats, Ints
 from intellwheels_server.kernels.rows import (
-    COMMAND_AGE,
     FLAG_ROWS,
     HALTED,
     HEADING,
     LICENCE,
     NUMBER_ROWS,
+    POSE_AGE,
     SILENT,
     TAKEN,
     X,
     Y,
 )
-from intellwheels_server.placing import Crowd, place
+from intellwheels_server.placing import TOUCH, Crowd, in_range, place
 from intellwheels_server.sensors import sense
 from intellwheels_server.sensors.kind import View
 from intellwheels_server.state import Setup, State, Utterance, no_episodes
@@ -87,7 +87,8 @@ class Draft:
         self.manners = dict(state.manners)
         self.user = dict(state.user)
         self.forwarded = dict(state.forwarded)
-        self.heard = list(state.heard)
+        self.heard = state.heard
+        self.spoken = state.spoken
         self.episodes = state.episodes
         self.event_count = state.event_count
         self.revision = state.revision
@@ -95,6 +96,7 @@ class Draft:
         self.end_waived = state.end_waived
         self.events: list[Event] = []
         self.bodies_changed = False
+        self.arrived: set[str] = set()
         self.restarted = False
         self._crowd: Crowd | None = None
 
@@ -131,10 +133,12 @@ class Draft:
         numbers[X], numbers[Y], numbers[HEADING] = position.x, position.y, position.heading
         flags = np.zeros(FLAG_ROWS, dtype=np.int64)
         flags[SILENT] = 1
+        flags[POSE_AGE] = 1 if figure.held else 0  # where it joined counts as its pose of this tick
         self.figures[name] = figure
         self.numbers[name] = numbers
         self.flags[name] = flags
         self.bodies_changed = True
+        self.arrived.add(name)
         self.crowd.add(name, figure, position.x, position.y, position.heading)
 
     def remove(self, name: str) -> None:
@@ -155,7 +159,7 @@ class Draft:
         numbers, flags, samples = self.state.numbers, self.state.flags, self.state.samples
         if self.bodies_changed or self.restarted:
             old = None if self.restarted else self.state
-            fleet, samples = assemble(self.figures, self.setup, self.tick, old)
+            fleet, samples = assemble(self.figures, self.setup, self.tick, old, self.arrived)
         numbers, flags = _columns(fleet, self.numbers, self.flags)
         view = View(numbers, fleet.bodies.parts, fleet.bodies.part_start, self.walls)
         return State(
@@ -171,7 +175,8 @@ class Draft:
             manners=self.manners,
             user=self.user,
             forwarded=self.forwarded,
-            heard=tuple(self.heard),
+            heard=self.heard,
+            spoken=self.spoken,
             event_count=self.event_count,
             revision=self.revision,
             ended=self.ended,
@@ -287,7 +292,7 @@ def _teleport(one: do.TeleportBody, draft: Draft) -> Outcome:
         return _not_found(one.agent)
     if figure.held:
         return Outcome(code="failed", text=f"agent '{one.agent}' is a real chair: only its bridge says where it is")
-    crowd, at = draft.crowd, one.position
+    crowd, at = draft.crowd, in_range(one.position)
     before = draft.numbers[one.agent]
     crowd.add(one.agent, figure, at.x, at.y, at.heading)
     obstacle = None if one.force else crowd.in_the_way(one.agent)
@@ -310,7 +315,6 @@ def _take(one: do.TakeBody, draft: Draft) -> Outcome:
     flags = draft.flags[one.agent]
     if flags[TAKEN] != int(one.on):
         flags[TAKEN] = int(one.on)
-        flags[COMMAND_AGE] = 0 if not one.on else flags[COMMAND_AGE]
         draft.event("taken" if one.on else "released", one.agent)
     return Outcome()
 
@@ -319,7 +323,7 @@ def _take(one: do.TakeBody, draft: Draft) -> Outcome:
 def _speech(one: do.Speech, draft: Draft) -> Outcome:
     if one.to is not None and one.to not in draft.figures:
         return _not_found(one.to)
-    draft.heard.append(Utterance(sender=OPERATOR, text=one.text, tick=draft.tick, to=one.to))
+    draft.spoken = (*draft.spoken, Utterance(sender=OPERATOR, text=one.text, tick=draft.tick, to=one.to))
     return Outcome()
 
 
@@ -338,7 +342,10 @@ def _go_on(_one: do.GoOn, draft: Draft) -> Outcome:
 
 @_act.register
 def _restart(one: do.Restart, draft: Draft) -> Outcome:
-    """Begin again; bodies go where they started, or on another floor where there is room for their kind."""
+    """Begin again; bodies go where they started, or on another floor where there is room for their kind.
+
+    Who joined later may have started where another had left: then both stand there, and either may leave.
+    """
     old = draft.setup
     setup = Setup(
         floor=one.map or old.floor,
@@ -363,17 +370,20 @@ def _restart(one: do.Restart, draft: Draft) -> Outcome:
     crowd = Crowd(walls, setup.floor)
     placed: list[tuple[str, Figure, Position]] = []
     for name in sorted(figures):
-        try:
-            position = place(figures[name], setup.floor, crowd, None if one.map is not None else starts[name])
-        except RequestRefusedError as refusal:
-            return Outcome(code="failed", refused=refusal.code, text=refusal.text)
+        position = starts[name]
+        if one.map is not None:
+            try:
+                position = place(figures[name], setup.floor, crowd)
+            except RequestRefusedError as refusal:
+                return Outcome(code="failed", refused=refusal.code, text=refusal.text)
         figure = msgspec.structs.replace(figures[name], start=position, mind_input=minds[name])
         crowd.add(name, figure, position.x, position.y, position.heading)
         placed.append((name, figure, position))
     halted = {name: flags[HALTED] for name, flags in draft.flags.items()}
     draft.run, draft.tick, draft.setup, draft.walls = one.run, 0, setup, walls
     draft.figures, draft.numbers, draft.flags = {}, {}, {}
-    draft.manners, draft.user, draft.forwarded, draft.heard = {}, {}, {}, []
+    draft.manners, draft.user, draft.forwarded = {}, {}, {}
+    draft.heard = draft.spoken = ()
     draft.episodes, draft.event_count = no_episodes(), 0
     draft.revision += one.map is not None
     draft.ended = draft.end_waived = False
@@ -381,6 +391,9 @@ def _restart(one: do.Restart, draft: Draft) -> Outcome:
     for name, figure, position in placed:
         draft.put(name, figure, position)
         draft.flags[name][HALTED] = halted[name]
+    for name, _, _ in placed:
+        depth = crowd.depth_at(name)
+        draft.numbers[name][LICENCE] = depth if depth > TOUCH else 0.0
     draft.event("loaded" if one.map is not None else "reset", text=setup.floor.name if one.map is not None else None)
     return Outcome()
 

@@ -21,7 +21,7 @@ from intellwheels_server.kernels.arrays import (
     Ints,
 )
 from intellwheels_server.kernels.episodes import merge_episodes
-from intellwheels_server.kernels.rows import CONTACTS, MOST_SPEED, WALL_KEY
+from intellwheels_server.kernels.rows import CONTACTS, MOST_SPEED, WALL_KEY, WORLD_EDGE
 from intellwheels_server.kernels.tick import pair_keys
 from intellwheels_server.state import State
 
@@ -85,8 +85,8 @@ def _contact(state: State, hit: list[int], numbers: list[float], number: int) ->
         other=other,
         part=part,
         other_part=other_part,
-        x=round(x, 6),
-        y=round(y, 6),
+        x=_inside(x),
+        y=_inside(y),
         normal_x=_unit(normal_x),
         normal_y=_unit(normal_y),
         speed=round(min(max(speed, -MOST_SPEED), MOST_SPEED), 6),
@@ -99,6 +99,11 @@ def _parted(state: State, first: int, second: int, number: int) -> Event:
     if other is not None and other != "wall" and agent is not None and other < agent:
         agent, other = other, agent
     return Event(run=state.run, tick=state.tick + 1, number=number, code="parted", agent=agent, other=other)
+
+
+def _inside(value: float) -> float:
+    """Return a coordinate the wire can carry: who stands at the edge of the world touches beyond it."""
+    return round(min(max(value, -WORLD_EDGE), WORLD_EDGE), 6)
 
 
 def _unit(value: float) -> float:

@@ -6,6 +6,7 @@ A figure is one body as accepted; a fleet is all of them, sorted by name, as arr
 from __future__ import annotations
 
 import math
+from collections.abc import Set
 from typing import TYPE_CHECKING
 
 import msgspec
@@ -116,7 +117,9 @@ def figure_of(name: str, robot: Robot, setup: Setup) -> Figure:
     )
 
 
-def assemble(figures: dict[str, Figure], setup: Setup, tick: int, old: State | None) -> tuple[Fleet, Floats]:
+def assemble(
+    figures: dict[str, Figure], setup: Setup, tick: int, old: State | None, arrived: Set[str] = frozenset()
+) -> tuple[Fleet, Floats]:
     """Return the fleet of these figures and room for its sensors' samples.
 
     Args:
@@ -124,6 +127,7 @@ def assemble(figures: dict[str, Figure], setup: Setup, tick: int, old: State | N
         setup: For the seed and the period.
         tick: Tick at which sensors that are new take their first sample.
         old: The state whose samples are kept for bodies that stay, or None to begin anew.
+        arrived: Who came, even if a body of that name was here before.
     """
     names = tuple(sorted(figures))
     ordered = [figures[name] for name in names]
@@ -133,6 +137,7 @@ def assemble(figures: dict[str, Figure], setup: Setup, tick: int, old: State | N
         setup.seed,
         tick,
         None if old is None else (old.fleet.plan, old.samples),
+        arrived,
     )
     fleet = Fleet(
         names=names,

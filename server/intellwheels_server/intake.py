@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from typing import Any
 
 import msgspec
 
@@ -133,7 +134,7 @@ def enter_poses(state: State, poses: Mapping[str, Pose], numbers: Floats, flags:
         heading = math.pi if heading == -math.pi else heading
         dx, dy = pose.x - float(numbers[X, i]), pose.y - float(numbers[Y, i])
         turn = math.remainder(heading - float(numbers[HEADING, i]), math.tau)
-        gone = (int(flags[POSE_AGE, i]) + 1) * period
+        gone = max(int(flags[POSE_AGE, i]), 1) * period
         distance = math.sqrt(dx * dx + dy * dy)
         forward = dx * cos(heading) + dy * sin(heading)
         speed = min(distance / gone, MOST_SPEED)
@@ -154,11 +155,18 @@ def enter_forwarded(state: State, poses: Mapping[str, Pose]) -> dict[str, Sensor
             continue
         own = {sensor.id for _, _, sensor in sensors_of(figure.robot) if sensor.source == "real"}
         kept = {
-            field: tuple(reading for reading in getattr(pose.sensors, field) if reading.id in own)
+            field: tuple(
+                _stamped(reading, state.tick + 1) for reading in getattr(pose.sensors, field) if reading.id in own
+            )
             for field in SENSOR_KINDS
         }
         forwarded = {**forwarded, name: Sensors(**kept)}
     return forwarded
+
+
+def _stamped(reading: Any, tick: int) -> Any:
+    """Return a reading with the tick it was sampled at, which it need not say while it is new."""
+    return msgspec.structs.replace(reading, tick=tick) if reading.tick is None else reading
 
 
 def enter_verdicts(
@@ -181,11 +189,15 @@ def enter_verdicts(
     return happenings, user
 
 
-def words_of(state: State, inputs: Inputs, said: list[Utterance]) -> list[Utterance]:
-    """Return all that was said in the step, one say an agent, in the order of names."""
+def words_of(state: State, inputs: Inputs, said: list[Utterance], numbers: Floats) -> tuple[Utterance, ...]:
+    """Return all that agents said in the step, one say each, in the order of names, from where they are after it."""
     known = {words.sender for words in said}
     for words in inputs.says:
         if words.agent in state.fleet.index and words.agent not in known:
             said.append(Utterance(sender=words.agent, text=words.text, tick=state.tick, seq=words.seq))
             known.add(words.agent)
-    return sorted(said, key=lambda words: words.sender)
+    placed = []
+    for one in sorted(said, key=lambda one: one.sender):
+        i = state.fleet.index[one.sender]
+        placed.append(msgspec.structs.replace(one, at=(float(numbers[X, i]), float(numbers[Y, i]))))
+    return tuple(placed)

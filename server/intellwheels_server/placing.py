@@ -5,12 +5,14 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
+import msgspec
 import numpy as np
 
 from intellwheels_schemas.errors import RequestRefusedError
 from intellwheels_schemas.messages import Map, Place, Position
 from intellwheels_server.floor import wall_words
 from intellwheels_server.kernels.arrays import Floats, Ints, Walls, part_rows, radius_of
+from intellwheels_server.kernels.elementary import wrap
 from intellwheels_server.kernels.obstruct import deepest_body, deepest_wall
 
 if TYPE_CHECKING:
@@ -86,8 +88,8 @@ class Crowd:
         return self._arrays
 
 
-def place(figure: Figure, floor: Map, crowd: Crowd, known: Position | None = None) -> Position:
-    """Return where a body goes: where it was known to start, its Place, its Position, or the first free place.
+def place(figure: Figure, floor: Map, crowd: Crowd) -> Position:
+    """Return where a body goes: its Place, its Position, or the first free place.
 
     A real body is where it is, so nothing is in its way.
 
@@ -95,12 +97,13 @@ def place(figure: Figure, floor: Map, crowd: Crowd, known: Position | None = Non
         RequestRefusedError: `no-place`, there is no such place or none is free; `overlaps`, something stands there.
     """
     robot = figure.robot
-    wanted = known
-    if wanted is None and robot.place is not None:
+    wanted = None
+    if robot.place is not None:
         wanted = position_of(place_named(floor, robot.place))
     if wanted is None:
         wanted = robot.position
     if wanted is not None:
+        wanted = in_range(wanted)
         obstacle = None if figure.held else crowd.would_hit(figure, wanted)
         if obstacle is not None:
             raise RequestRefusedError("overlaps", f"agent '{figure.name}' would overlap {obstacle} {_where(figure)}")
@@ -139,6 +142,11 @@ def position_of(spot: Place) -> Position:
     """Return the place's pose, its heading in (-pi, pi]."""
     degrees = math.remainder(spot.heading_deg, 360.0)
     return Position(x=spot.x, y=spot.y, heading=math.radians(180.0 if degrees == -180.0 else degrees))
+
+
+def in_range(position: Position) -> Position:
+    """Return the pose with its heading in (-pi, pi]: on the wire it may be up to a turn away."""
+    return msgspec.structs.replace(position, heading=wrap(position.heading))
 
 
 def _where(figure: Figure) -> str:

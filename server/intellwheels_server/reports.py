@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
-from typing import Final
+from typing import Any, Final
+
+import msgspec
 
 from intellwheels_schemas.messages import Entity, Heard, Measures, MotorState, PowerInForce, Sensors
 from intellwheels_schemas.rules import SENSOR_KINDS
@@ -58,9 +60,21 @@ def _sensors(state: State, agent: str, i: int) -> Sensors | None:
     """Return the readings of the simulated sensors and, after them, those that a real body forwarded."""
     virtual = readings(state.fleet.plan, state.samples, state.tick, i)
     real = state.forwarded.get(agent)
-    if virtual is None or real is None:
-        return virtual or real
-    return Sensors(**{field: getattr(virtual, field) + getattr(real, field) for field in SENSOR_KINDS})
+    if real is None:
+        return virtual
+    none = Sensors()
+    return Sensors(
+        **{
+            field: getattr(virtual or none, field)
+            + tuple(_unstamped(reading, state.tick) for reading in getattr(real, field))
+            for field in SENSOR_KINDS
+        }
+    )
+
+
+def _unstamped(reading: Any, tick: int) -> Any:
+    """Return a reading as it is told at a tick: without its own tick where that is this one."""
+    return msgspec.structs.replace(reading, tick=None) if reading.tick == tick else reading
 
 
 def _heard(state: State, agent: str, i: int) -> tuple[Heard, ...]:
@@ -75,12 +89,11 @@ def _heard(state: State, agent: str, i: int) -> tuple[Heard, ...]:
 
 
 def _distance(state: State, words: Utterance, i: int) -> float:
-    """Return how far the speaker is, 0 for an operator, inf for who has left."""
-    j = state.fleet.index.get(words.sender)
-    if j is None:
-        return 0.0 if words.sender == "operator" else math.inf
-    dx = float(state.numbers[X, i] - state.numbers[X, j])
-    dy = float(state.numbers[Y, i] - state.numbers[Y, j])
+    """Return how far away the words were spoken, 0 for an operator's."""
+    if words.at is None:
+        return 0.0
+    dx = float(state.numbers[X, i]) - words.at[0]
+    dy = float(state.numbers[Y, i]) - words.at[1]
     return math.sqrt(dx * dx + dy * dy)
 
 
@@ -100,7 +113,7 @@ def entities(state: State) -> tuple[Entity, ...]:
                 name=name,
                 x=x[i],
                 y=y[i],
-                heading=heading[i],
+                heading=_shown_heading(heading[i]),
                 speed=speed[i],
                 turn_rate=turn_rate[i],
                 collision=bool(flags[COLLISION][i]),
@@ -113,6 +126,11 @@ def entities(state: State) -> tuple[Entity, ...]:
             )
         )
     return tuple(found)
+
+
+def _shown_heading(rounded: float) -> float:
+    """Return a rounded heading in (-pi, pi], which rounding may have left by less than 1e-6."""
+    return rounded if -math.pi < rounded <= math.pi else math.pi
 
 
 def power_in_force(state: State, agent: str) -> PowerInForce:

@@ -55,9 +55,10 @@ class Manner(msgspec.Struct, frozen=True):
 
 
 class Utterance(msgspec.Struct, frozen=True):
-    """Words that are heard in the measures of this tick; `to` one agent or to all in range of `sender`.
+    """Words that are heard in the measures of this tick; `to` one agent or to all in range.
 
-    Without a body of its own the sender is an operator, heard everywhere.
+    `at` is where the speaker was when they were heard first, m, so that who leaves is still heard; without a place
+    the sender is an operator, heard everywhere.
     """
 
     sender: str
@@ -65,6 +66,7 @@ class Utterance(msgspec.Struct, frozen=True):
     tick: int
     seq: int | None = None
     to: str | None = None
+    at: tuple[float, float] | None = None
 
 
 class State(msgspec.Struct, frozen=True, kw_only=True):
@@ -84,6 +86,7 @@ class State(msgspec.Struct, frozen=True, kw_only=True):
         user: The last input of each body's user, by name.
         forwarded: The last readings of each real body's own sensors, by name.
         heard: What was said in the last step.
+        spoken: What operators said at this tick; heard at the next.
         event_count: Events of this run so far; the next event's number.
         revision: How often the map was changed.
         ended: Whether the end condition is met; no further step then.
@@ -103,6 +106,7 @@ class State(msgspec.Struct, frozen=True, kw_only=True):
     user: dict[str, UserInput] = {}
     forwarded: dict[str, Sensors] = {}
     heard: tuple[Utterance, ...] = ()
+    spoken: tuple[Utterance, ...] = ()
     event_count: int = 0
     revision: int = 0
     ended: bool = False

@@ -113,7 +113,7 @@ def step(state: State, inputs: Inputs) -> tuple[State, tuple[Event, ...], bool]:
         manners=manners,
         user=user,
         forwarded=forwarded,
-        heard=tuple(words_of(state, inputs, said)) if said or inputs.says else (),
+        heard=state.spoken + (words_of(state, inputs, said, numbers) if said or inputs.says else ()),
         event_count=state.event_count + len(events),
         revision=state.revision,
         end_waived=state.end_waived,

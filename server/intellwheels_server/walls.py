@@ -25,10 +25,18 @@ __all__ = ["Line", "Solid", "Walls", "walls_from"]
 
 Point: TypeAlias = tuple[float, float]
 
+# Corners nearer to each other than contact can tell make no edge, m.
+_SHORTEST = 1e-9
+# (3 + 16 e) e with e = 2^-53; products below the second may have lost digits to underflow.
+_SURE = 3.3306690738754716e-16
+_NO_UNDERFLOW = 1e-290
+
 # Cells of about the size of a chair's surroundings: a search looks at four or so.
 _CELL = 1.0
 # A floor that needs more cells gets larger ones.
 _MOST_CELLS = 1 << 16
+# So does one whose pieces lie in more cells than this, all in all: a slanting wall lies in all of its bounding box.
+_MOST_ITEMS = 1 << 20
 
 
 @dataclass(frozen=True)
@@ -90,11 +98,12 @@ def walls_from(walls: Sequence[Solid | Line]) -> Walls:
         found = _solid_pieces(where, wall) if isinstance(wall, Solid) else _line_pieces(where, wall)
         for piece in found:
             first = len(edges)
-            edges.extend(_edges(piece.corners))
+            sides = _edges(where, piece.corners)
+            edges.extend(sides)
             links.append((first, len(edges), index))
             xs = [x for x, _ in piece.corners]
             ys = [y for _, y in piece.corners]
-            pieces.append([min(xs), min(ys), max(xs), max(ys), wall.bottom, wall.top, _thickness(piece)])
+            pieces.append([min(xs), min(ys), max(xs), max(ys), wall.bottom, wall.top, _thickness(piece, sides)])
     piece_block = np.array(pieces, dtype=np.float64).reshape(-1, 7)
     frame, columns, rows = _frame(piece_block)
     return Walls(
@@ -121,31 +130,40 @@ def _frame(pieces: Floats) -> tuple[tuple[float, float, float], int, int]:
     x0, y0 = float(pieces[:, 0].min()), float(pieces[:, 1].min())
     width, height = float(pieces[:, 2].max()) - x0, float(pieces[:, 3].max()) - y0
     size = _CELL
-    while (int(width / size) + 1) * (int(height / size) + 1) > _MOST_CELLS:
+    while (int(width / size) + 1) * (int(height / size) + 1) > _MOST_CELLS or _items(pieces, size) > _MOST_ITEMS:
         size *= 2.0
     return (x0, y0, size), int(width / size) + 1, int(height / size) + 1
+
+
+def _items(pieces: Floats, size: float) -> float:
+    """Return in about how many cells of a size the pieces lie, all in all, beyond one each."""
+    spans = ((pieces[:, 2] - pieces[:, 0]) / size + 1.0) * ((pieces[:, 3] - pieces[:, 1]) / size + 1.0)
+    return float(spans.sum()) - len(pieces)
 
 
 # ---------------------------------------------------------------- convex polygons
 
 
-def _edges(corners: Sequence[Point]) -> list[tuple[float, float, float, float, float]]:
+def _edges(where: str, corners: Sequence[Point]) -> list[tuple[float, float, float, float, float]]:
     rows = []
     for (x, y), (x2, y2) in zip(corners, [*corners[1:], corners[0]], strict=True):
         dx, dy = x2 - x, y2 - y
         length = math.sqrt(dx * dx + dy * dy)
+        if length < _SHORTEST:
+            raise ValueError(
+                f"{where}: expected corners at least {_SHORTEST:g} m apart, got ({x}, {y}) and ({x2}, {y2})"
+            )
         nx, ny = dy / length, -dx / length
         rows.append((x, y, nx, ny, nx * x + ny * y))
     return rows
 
 
-def _thickness(piece: _Piece) -> float:
+def _thickness(piece: _Piece, edges: Sequence[tuple[float, float, float, float, float]]) -> float:
     """Return the least width of the piece seen from an outer edge that another outer edge faces away from, else inf.
 
     Edges along which a solid was cut lead to the next piece, and what has open sides only on
     one side is not passed through: neither makes a wall thin.
     """
-    edges = _edges(piece.corners)
     outer = [edge for edge, is_outer in zip(edges, piece.outer, strict=True) if is_outer]
     return min(
         (
@@ -158,7 +176,15 @@ def _thickness(piece: _Piece) -> float:
 
 
 def _orientation(a: Point, b: Point, c: Point) -> int:
-    """Return 1 if a, b, c turn left, -1 if right, 0 if they are in line. Exact."""
+    """Return 1 if a, b, c turn left, -1 if right, 0 if they are in line. Exact.
+
+    Source:
+        Shewchuk, Adaptive precision floating-point arithmetic, 1997: when the rounded product's sign is sure.
+    """
+    one, other = (b[0] - a[0]) * (c[1] - a[1]), (b[1] - a[1]) * (c[0] - a[0])
+    size = abs(one) + abs(other)
+    if abs(one - other) > _SURE * size and size > _NO_UNDERFLOW:
+        return 1 if one > other else -1
     ax, ay = Fraction(a[0]), Fraction(a[1])
     cross = (Fraction(b[0]) - ax) * (Fraction(c[1]) - ay) - (Fraction(b[1]) - ay) * (Fraction(c[0]) - ax)
     return (cross > 0) - (cross < 0)
@@ -222,8 +248,14 @@ def _is_ear(ring: list[Point], left: list[int], before: int, tip: int, after: in
     a, b, c = ring[before], ring[tip], ring[after]
     if _orientation(a, b, c) <= 0:
         return False
+    x0, x1 = min(a[0], b[0], c[0]), max(a[0], b[0], c[0])
+    y0, y1 = min(a[1], b[1], c[1]), max(a[1], b[1], c[1])
     return not any(
-        _orientation(a, b, p) >= 0 and _orientation(b, c, p) >= 0 and _orientation(c, a, p) >= 0
+        x0 <= p[0] <= x1
+        and y0 <= p[1] <= y1
+        and _orientation(a, b, p) >= 0
+        and _orientation(b, c, p) >= 0
+        and _orientation(c, a, p) >= 0
         for p in (ring[i] for i in left if i not in {before, tip, after})
     )
 
@@ -272,13 +304,15 @@ def _line_pieces(where: str, wall: Line) -> list[_Piece]:
     corners = [(float(x), float(y)) for x, y in wall.corners]
     if len(corners) < 2:
         raise ValueError(f"{where}: a line needs at least 2 corners, got {len(corners)}")
-    if not (math.isfinite(wall.thickness) and wall.thickness > 0.0):
-        raise ValueError(f"{where}: expected a thickness above 0 m, got {wall.thickness:g}")
+    if not (math.isfinite(wall.thickness) and wall.thickness >= _SHORTEST):
+        raise ValueError(f"{where}: expected a thickness of at least {_SHORTEST:g} m, got {wall.thickness:g}")
     half = wall.thickness / 2.0
     steps = list(pairwise(corners))
     for k, (a, b) in enumerate(steps):
         if a == b:
             raise ValueError(f"{where}: expected corners that differ, got {a} twice, at {k} and {k + 1}")
+        if max(abs(b[0] - a[0]), abs(b[1] - a[1])) < _SHORTEST:
+            raise ValueError(f"{where}: expected corners at least {_SHORTEST:g} m apart, got {a} and {b}")
     boxes = [_box_along(a, b, half) for a, b in steps]
     joints = list(pairwise(steps))
     if len(steps) > 2 and corners[0] == corners[-1]:
@@ -305,8 +339,8 @@ def _joint(before: tuple[Point, Point], after: tuple[Point, Point], half: float)
     ux, uy = _direction(*before)
     vx, vy = _direction(*after)
     cross, dot = ux * vy - uy * vx, ux * vx + uy * vy
-    # A turn of less than this leaves a gap thinner than the tolerance of contact; back on itself there is none.
-    if abs(cross) < 1e-9:
+    # A turn of less leaves a gap thinner than the tolerance of contact; back on itself there is none.
+    if half * abs(cross) < _SHORTEST:
         return None
     side = 1.0 if cross > 0.0 else -1.0
     x, y = after[0]

@@ -1,9 +1,10 @@
+import math
 from typing import get_args
 
 import msgspec
 import pytest
 
-from intellwheels_schemas.messages import Position, Robot
+from intellwheels_schemas.messages import Encoders, Position, Robot
 from intellwheels_server.inputs import (
     Change,
     DeleteBody,
@@ -11,6 +12,7 @@ from intellwheels_server.inputs import (
     GoOn,
     Join,
     Note,
+    Restart,
     SpawnBody,
     Speech,
     TakeBody,
@@ -98,6 +100,40 @@ def test_teleported_body_is_there_at_once_and_keeps_its_speed() -> None:
     assert [event.code for event in events] == ["teleported"]
     assert state.numbers[[X, Y, HEADING], 0].tolist() == [5.0, 6.0, 1.0]
     assert state.numbers[LEFT_SPEED, 0] == 1.0
+    state, outcome, _ = do(state, TeleportBody(agent="a", position=Position(x=5.0, y=6.0, heading=6.0)))
+    assert outcome.position is not None
+    assert state.numbers[HEADING, 0] == outcome.position.heading == pytest.approx(6.0 - math.tau, abs=1e-15)
+
+
+def test_command_that_timed_out_while_the_body_was_taken_does_not_come_back() -> None:
+    state, _ = run(world({"a": cart()}), 1, {"a": (1.0, 1.0)})
+    state, _ = run(state, 20)
+    where = state.numbers[X, 0]
+    state, _, _ = do(state, TakeBody(agent="a"))
+    state, _ = run(state, 20)
+    state, _, _ = do(state, TakeBody(agent="a", on=False))
+    state, _ = run(state, 20)
+    assert state.numbers[X, 0] == where
+
+
+def test_who_leaves_and_comes_back_at_one_tick_has_new_sensors() -> None:
+    robot = cart(encoders=(Encoders(id="wheels", latency=5),))
+    state, _ = run(world({"a": robot}), 20, {"a": (1.0, 1.0)})
+    assert measures(state, "a").sensors is not None
+    state, _ = apply(state, [Depart(agent="a"), Join(agent="a", robot=robot)])
+    assert measures(state, "a").sensors is None
+
+
+def test_reset_puts_two_that_started_at_one_place_there_and_both_can_leave() -> None:
+    state, _ = run(world({"b": cart()}, command_timeout=10.0), 60, {"b": (1.0, 1.0)})
+    state, _, _ = do(state, Join(agent="a", robot=cart()))
+    state, outcome, _ = do(state, Restart(run="1" * 16, seed="2"))
+    assert outcome.code == "ok", outcome.text
+    assert state.numbers[X].tolist() == [0.0, 0.0]
+    assert state.numbers[LICENCE].tolist() == pytest.approx([0.6, 0.6])
+    state, _ = run(state, 60, {"a": (-1.0, -1.0), "b": (1.0, 1.0)})
+    assert state.numbers[X].tolist() == pytest.approx([-3.0, 3.0])
+    assert state.numbers[LICENCE].tolist() == [0.0, 0.0]
 
 
 def test_teleport_into_something_is_refused_with_the_reason_and_changes_nothing() -> None:
@@ -154,6 +190,9 @@ def test_change_to_nobody_is_not_found(change: Change) -> None:
 def test_operator_is_heard_everywhere_or_by_one() -> None:
     state = world({"a": cart(), "b": cart(100.0)})
     state, _ = apply(state, [Speech(text="all"), Speech(text="only b", to="b")])
+    # The measures of this tick may be out already: who speaks between two ticks is heard at the next.
+    assert measures(state, "b").message == ()
+    state, _ = run(state, 1)
     heard = {name: [(one.sender, one.text, one.distance) for one in measures(state, name).message] for name in "ab"}
     assert heard == {"a": [("operator", "all", 0.0)], "b": [("operator", "all", 0.0), ("operator", "only b", 0.0)]}
     state, _ = run(state, 1)

@@ -2,7 +2,8 @@ import msgspec
 import pytest
 
 from intellwheels_maps import robot
-from intellwheels_schemas.messages import Part, Position
+from intellwheels_schemas.codec import decode, encode
+from intellwheels_schemas.messages import Event, Part, Position
 from intellwheels_server.kernels.rows import CONTACTS
 from intellwheels_server.world import entities, measures
 from tests.server.worlds import box_wall, cart, run, world
@@ -115,3 +116,11 @@ def test_upper_body_of_a_chair_hits_a_table_s_top_under_which_its_base_has_gone(
     # The base is as far under the top as the upper body stands behind it.
     assert x + upper.x + upper.length / 2 == pytest.approx(edge, abs=1e-6)
     assert x + base.x + base.length / 2 > edge + 0.1
+
+
+def test_touch_beyond_the_edge_of_the_world_is_told_at_the_edge() -> None:
+    state = world({"a": cart(10_000.0), "b": cart(10_000.0, 0.7, heading=0.1)})
+    _, events = run(state, 5, {"b": (0.5, -0.5)})
+    event = next(event for event in events if event.code == "contact")
+    assert event.x == 10_000.0
+    assert decode(Event, encode(event)) == event

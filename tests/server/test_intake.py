@@ -3,7 +3,7 @@ import math
 import pytest
 
 from intellwheels_schemas.messages import Actions, Goal, Pose, Proximity, ProximityReading, Sensors, UserInput
-from intellwheels_server.inputs import Inputs, Said, TakeBody, Verdict
+from intellwheels_server.inputs import Depart, Inputs, Said, TakeBody, Verdict
 from intellwheels_server.kernels.rows import HEADING, SPEED, TURN_RATE, X, Y
 from intellwheels_server.world import State, advance, entities, measures
 from tests.server.worlds import cart, do, run, world
@@ -105,6 +105,24 @@ def test_pose_of_a_real_chair_is_its_place_in_the_next_state() -> None:
     assert state.numbers[X, 1] == 9.0
 
 
+def test_speed_of_a_real_chair_is_over_the_time_since_its_last_pose() -> None:
+    state = world({"a": cart(type="real")})
+    x = 0.0
+    for silent in (0, 0, 2, 0):
+        for _ in range(silent):
+            state, _ = advance(state, Inputs())
+        x += 0.04 * (silent + 1)
+        state, _ = advance(state, Inputs(poses={"a": Pose(x=x, y=0.0, heading=0.0)}))
+        assert state.numbers[SPEED, 0] == pytest.approx(0.8)
+
+
+def test_last_words_of_who_leaves_are_heard_from_where_they_were_spoken() -> None:
+    state = world({"a": cart(), "b": cart(3.0)})
+    state = act(state, a=Actions(say="bye"))
+    state, _, _ = do(state, Depart(agent="a"))
+    assert [(one.sender, one.distance) for one in measures(state, "b").message] == [("a", 3.0)]
+
+
 def test_heading_of_a_pose_is_brought_into_its_range() -> None:
     state = world({"a": cart(type="real")})
     for given, kept in [(3 * math.pi / 2, -math.pi / 2), (-math.pi, math.pi), (2 * math.pi, 0.0)]:
@@ -150,9 +168,10 @@ def test_real_chair_s_own_sensors_reach_its_mind_beside_the_virtual_ones_and_no_
         state, _ = advance(state, inputs)
         sensors = measures(state, "a").sensors
         assert sensors is not None
-        assert [(one.id, one.value, one.status) for one in sensors.proximity] == [
-            ("virtual", None, "none"),
-            ("own", 1.5, "ok"),
+        # What the bridge has not told anew was sampled when it told it.
+        assert [(one.id, one.value, one.status, one.tick) for one in sensors.proximity] == [
+            ("virtual", None, "none", None),
+            ("own", 1.5, "ok", None if inputs.poses else 1),
         ]
 
 

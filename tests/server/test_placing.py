@@ -17,9 +17,9 @@ PLACES = (
 )
 
 
-def put(robot: Robot, floor: Map, crowd: Crowd | None = None, known: Position | None = None) -> Position:
+def put(robot: Robot, floor: Map, crowd: Crowd | None = None) -> Position:
     figure = figure_of("a", robot, Setup(floor=floor))
-    return place(figure, floor, crowd or Crowd(walls_of(floor), floor), known)
+    return place(figure, floor, crowd or Crowd(walls_of(floor), floor))
 
 
 def crowd_with(floor: Map, *positions: tuple[float, float]) -> Crowd:
@@ -74,9 +74,9 @@ def test_real_chair_is_where_it_is() -> None:
     assert put(cart(type="real"), floor).x == 0.0
 
 
-def test_known_start_comes_first() -> None:
-    known = Position(x=3.0, y=3.0, heading=1.0)
-    assert put(cart(place="second"), floor_of((), PLACES), known=known) == known
+def test_heading_asked_for_is_brought_into_its_range() -> None:
+    assert put(cart(heading=6.0), floor_of()).heading == pytest.approx(6.0 - 2 * math.pi, abs=1e-15)
+    assert put(cart(heading=-math.pi), floor_of()).heading == math.pi
 
 
 def test_places_without_kinds_are_for_any() -> None:

@@ -1,3 +1,5 @@
+import math
+
 import pytest
 
 from intellwheels_schemas.codec import decode, encode
@@ -53,3 +55,8 @@ def test_pose_that_jumps_is_told_with_a_speed_the_wire_can_carry() -> None:
     message = WorldState(run=state.run, tick=state.tick, time=state.time, entity=(entity,))
     assert decode(WorldState, encode(message)) == message
     assert abs(entity.speed) == 100.0
+
+
+def test_heading_is_told_in_its_range_though_it_is_rounded() -> None:
+    for heading in (math.pi, -math.pi + 1e-9):
+        assert entities(world({"a": cart(heading=heading)}))[0].heading == math.pi

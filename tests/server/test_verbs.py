@@ -129,13 +129,24 @@ def test_what_is_not_there_yet_is_unsupported(verb: str) -> None:
     assert Stage().result(verb, data).code == "unsupported"
 
 
-def test_an_operators_words_are_heard_at_once() -> None:
+def test_an_operators_words_are_heard_at_the_tick_after_them() -> None:
     stage = Stage()
     stage.join("chair1")
     replies = stage.ask("ctl", "say", b'{"Text":"stop please"}')
     stage.act("chair1")
+    stage.act("chair1")
     assert isinstance(replies[0][0], Result)
     assert [(h.sender, h.text) for h in stage.measures("chair1")[-1].message] == [("operator", "stop please")]
+
+
+def test_an_operators_words_are_heard_once_in_real_time_too() -> None:
+    stage = Stage(pace="realtime")
+    stage.join("chair1")
+    stage.work(0.2)
+    stage.result("say", b'{"Text":"stop please"}')
+    stage.work(0.2)
+    heard = [h.text for told in stage.measures("chair1") for h in told.message]
+    assert heard == ["stop please"]
 
 
 def test_quit_ends_with_0() -> None:

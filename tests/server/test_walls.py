@@ -155,9 +155,17 @@ def test_large_floor_gets_larger_cells() -> None:
         (Solid([(0, 0), (1, 1), (1, 0)], 2, 1), "wall 0: expected a top above its bottom, got bottom 2 and top 1"),
         (Line([(0, 0)], 0.1, 0, 1), "wall 0: a line needs at least 2 corners, got 1"),
         (Line([(0, 0), (0, 0)], 0.1, 0, 1), "wall 0: expected corners that differ, got "),
-        (Line([(0, 0), (1, 0)], 0.0, 0, 1), "wall 0: expected a thickness above 0 m, got 0"),
+        (Line([(0, 0), (1, 0)], 0.0, 0, 1), "wall 0: expected a thickness of at least 1e-09 m, got 0"),
+        (Line([(1, 0), (1, 1)], 1e-20, 0, 1), "wall 0: expected a thickness of at least 1e-09 m, got 1e-20"),
+        (Line([(0, 0), (1e-200, 0)], 0.1, 0, 1), "wall 0: expected corners at least 1e-09 m apart, got "),
+        (Solid([(0, 0), (1, 0), (1, 1e-200)], 0, 1), "wall 0: expected corners at least 1e-09 m apart, got "),
     ],
 )
 def test_wall_that_is_none_is_refused_in_words(wall: Solid | Line, words: str) -> None:
     with pytest.raises(ValueError, match=words[:-1] if words.endswith(" ") else f"^{words}$"):
         walls_from([wall])
+
+
+def test_long_slanting_walls_do_not_fill_a_grid_of_small_cells() -> None:
+    walls = walls_from([Line([(0.0, 0.0), (9_000.0 + k, 9_000.0)], 0.1, 0.0, 2.5) for k in range(200)])
+    assert len(walls.cells) < 1 << 21

@@ -69,6 +69,7 @@ from intellwheels_server.kernels.standing import (
     SPOT_X,
     SPOT_Y,
     TOLERANCE,
+    beyond_edge,
     contact_of,
     copy_spot,
     deepest_piece,
@@ -262,6 +263,9 @@ def _settle(
                 parts, pieces, links, edges, index, around, old,
                 i, proposal[i, SPOT_X], proposal[i, SPOT_Y], proposal[i, SPOT_C], proposal[i, SPOT_S],
             )  # fmt: skip
+            # Sliding and turning away from what is in the way may lead beyond the edge, though the arc did not.
+            if beyond_edge(proposal[i, SPOT_X], proposal[i, SPOT_Y]):
+                status[_NOTED, i] = 1
             if excess > 0.0:
                 status[_NOTED, i] = 1
                 if flags[COLLISION, i] & _WALL_KNOWN == 0:

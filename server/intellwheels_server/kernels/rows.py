@@ -37,6 +37,8 @@ LICENCE = 16
 """Depth up to which the body may overlap, because it was put there, m."""
 NUMBER_ROWS = 17
 
+WORLD_EDGE = 10_000.0
+"""Beyond it, on either axis, no message could say where a body is, m."""
 MOST_SPEED = 100.0
 MOST_TURN_RATE = 1000.0
 """Bounds of the wire, m/s and rad/s: a real chair's pose may jump, and a short period makes any turn fast."""

@@ -34,6 +34,7 @@ from intellwheels_server.kernels.arrays import (
 from intellwheels_server.kernels.elementary import sincos
 from intellwheels_server.kernels.geometry import body_contact, body_depth, piece_contact, piece_depth
 from intellwheels_server.kernels.neighbours import piece_apart
+from intellwheels_server.kernels.rows import WORLD_EDGE
 
 # Depth up to which things touch and do not overlap, m: a thousand times the rounding of a floor of 10 km.
 TOLERANCE = 1e-9
@@ -62,6 +63,12 @@ def set_spot(spots: Floats, i: int, x: float, y: float, heading: float, c: float
     spots[i, SPOT_H] = heading
     spots[i, SPOT_C] = c
     spots[i, SPOT_S] = s
+
+
+@njit(cache=True, error_model="numpy")
+def beyond_edge(x: float, y: float) -> bool:
+    """Return whether a place is one that no message could name."""
+    return abs(x) > WORLD_EDGE or abs(y) > WORLD_EDGE
 
 
 @njit(cache=True, error_model="numpy")
@@ -306,7 +313,7 @@ def slide(
         last = push == _MOST_PUSHES or most <= 0.0
         excess, leave, partner = _worst(parts, pieces, links, edges, index, around, old, ref, i, x, y, c, s, last)
         if excess <= 0.0:
-            return True, x, y
+            return not beyond_edge(x, y), x, y
         leave += _CLEARANCE
         moved += leave
         if last or moved > most:

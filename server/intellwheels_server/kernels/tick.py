@@ -41,6 +41,7 @@ from intellwheels_server.kernels.rows import (
     TOUCHING,
     TURN_RATE,
     WALL_KEY,
+    WORLD_EDGE,
     X,
     Y,
 )
@@ -48,18 +49,14 @@ from intellwheels_server.kernels.rows import (
 _ROOM = 16
 
 
-# Beyond it no message could say where a body is, m.
-_WORLD_EDGE = 10_000.0
-
-
 @njit(cache=True, error_model="numpy")
 def _hold_inside(pose: Floats, wheels: Floats, twist: Floats) -> None:
     """Take their travel from bodies whose arc would lead beyond the edge of the world; they may turn and come back."""
     for i in range(pose.shape[1]):
         reach = abs(twist[TRAVEL, i])
-        if abs(pose[X, i]) + reach > _WORLD_EDGE or abs(pose[Y, i]) + reach > _WORLD_EDGE:
+        if abs(pose[X, i]) + reach > WORLD_EDGE or abs(pose[Y, i]) + reach > WORLD_EDGE:
             x, y, _, _, _ = arc(pose[X, i], pose[Y, i], pose[HEADING, i], twist[TRAVEL, i], twist[TURN, i])
-            if abs(x) > _WORLD_EDGE or abs(y) > _WORLD_EDGE:
+            if abs(x) > WORLD_EDGE or abs(y) > WORLD_EDGE:
                 twist[TRAVEL, i] = 0.0
                 mean = 0.5 * (wheels[LEFT, i] + wheels[RIGHT, i])
                 wheels[LEFT, i] -= mean

@@ -9,7 +9,7 @@ A new kind of sensor is a file here and a line in `KINDS`.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Sequence, Set
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -61,12 +61,16 @@ def check_sensors(robot: Robot, *, truth: bool) -> None:
     """
     for name, index, declaration in sensors_of(robot):
         where = f"Robot.{name}[{index}]"
+        if isinstance(declaration, Truth) and not truth:
+            raise RequestRefusedError("truth", f"{where}: truth sensors are not allowed in this simulation")
+        if robot.type == "real" and getattr(declaration, "mount", "body") == "start":
+            raise RequestRefusedError("mount", f"{where}.Mount: expected body for a real robot, got 'start'")
+        if declaration.source == "real":  # the bridge reads it
+            continue
         kind = KINDS.get(type(declaration))
         if kind is None:
             names = ", ".join(known.__name__ for known in KINDS)
             raise RequestRefusedError("field", f"{where}: expected one of {names}; {name} is not simulated yet")
-        if isinstance(declaration, Truth) and not truth:
-            raise RequestRefusedError("truth", f"{where}: truth sensors are not allowed in this simulation")
         kind.check(where, declaration, robot)
 
 
@@ -105,7 +109,11 @@ class SensorPlan:
 
 
 def plan_sensors(
-    bodies: Sequence[tuple[Robot, Position]], seed: str, tick: int, before: tuple[SensorPlan, Floats] | None
+    bodies: Sequence[tuple[Robot, Position]],
+    seed: str,
+    tick: int,
+    before: tuple[SensorPlan, Floats] | None,
+    arrived: Set[str] = frozenset(),
 ) -> tuple[SensorPlan, Floats]:
     """Return the sensors of all bodies, ready to be sampled, and room for their samples.
 
@@ -118,6 +126,7 @@ def plan_sensors(
         seed: The run's seed.
         tick: Tick at which sensors that are new take their first sample.
         before: The plan until now and its samples, which bodies that stay go on with; None begins anew.
+        arrived: Names of bodies that are new, though one of that name was here before.
 
     Returns:
         The plan, and its samples, float64[...].
@@ -128,7 +137,7 @@ def plan_sensors(
     fitted: dict[Kind, list[tuple[Fitted, list[int]]]] = {}
     size = 0
     for body, (robot, start) in enumerate(bodies):
-        old = stayed.get(robot.name)
+        old = None if robot.name in arrived else stayed.get(robot.name)
         stays = old is not None and old.robot == robot and old.start == start
         joined = old.joined if old is not None and stays else tick
         begin = size

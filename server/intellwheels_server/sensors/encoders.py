@@ -9,11 +9,14 @@ from dataclasses import dataclass
 import numpy as np
 from numba import njit
 
-from intellwheels_schemas.messages import Encoders, EncodersReading, Robot
+from intellwheels_schemas.messages import MAX_INTEGER, Encoders, EncodersReading, Robot
 from intellwheels_server.kernels.arrays import Floats, Ints
 from intellwheels_server.kernels.rows import LEFT_TRAVEL, RIGHT_TRAVEL
 from intellwheels_server.kernels.timetable import BODY, due_slot
 from intellwheels_server.sensors.kind import Fitted, View
+
+# The largest count of the wire; a wheel of a nanometre would soon be beyond.
+_MOST = float(MAX_INTEGER)
 
 
 @njit(cache=True, error_model="numpy")
@@ -24,8 +27,10 @@ def _take(tick: int, numbers: Floats, ticks_per_metre: Floats, timetable: Ints, 
             continue
         body = timetable[sensor, BODY]
         # Rounded, not cut: a wheel that is back where it was within rounding counts what it counted there.
-        samples[slot] = np.floor(numbers[LEFT_TRAVEL, body] * ticks_per_metre[sensor] + 0.5)
-        samples[slot + 1] = np.floor(numbers[RIGHT_TRAVEL, body] * ticks_per_metre[sensor] + 0.5)
+        left = np.floor(numbers[LEFT_TRAVEL, body] * ticks_per_metre[sensor] + 0.5)
+        right = np.floor(numbers[RIGHT_TRAVEL, body] * ticks_per_metre[sensor] + 0.5)
+        samples[slot] = min(max(left, -_MOST), _MOST)
+        samples[slot + 1] = min(max(right, -_MOST), _MOST)
 
 
 @dataclass(frozen=True)
@@ -52,7 +57,7 @@ class EncodersKind:
     def compile(self, fitted: Sequence[Fitted], timetable: Ints) -> EncodersBlock:
         """Return the block."""
         robots = [sensor.robot for sensor in fitted]
-        ticks = [robot.encoder_ticks / (math.pi * robot.wheel_diameter) for robot in robots]
+        ticks = [min(robot.encoder_ticks / (math.pi * robot.wheel_diameter), _MOST) for robot in robots]
         return EncodersBlock(np.array(ticks, dtype=np.float64), timetable)
 
     def reading(self, declaration: Encoders, tick: int | None, sample: Sequence[float]) -> EncodersReading:

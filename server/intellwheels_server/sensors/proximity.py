@@ -68,13 +68,11 @@ class ProximityKind:
     field = "proximity"
     width = SAMPLE_WIDTH
 
-    def check(self, where: str, declaration: Proximity, robot: Robot) -> None:
-        """Refuse models that are not simulated yet, and sensors of real bodies that are fixed in the world."""
+    def check(self, where: str, declaration: Proximity, robot: Robot) -> None:  # noqa: ARG002 - as `Kind` has it
+        """Refuse models that are not simulated yet."""
         if declaration.model != "ideal":
             text = f"{where}.Model: expected ideal, got '{declaration.model}', which is not simulated yet"
             raise RequestRefusedError("value", text)
-        if declaration.mount == "start" and robot.type == "real":
-            raise RequestRefusedError("mount", f"{where}.Mount: expected body for a real robot, got 'start'")
 
     def compile(self, fitted: Sequence[Fitted], timetable: Ints) -> ProximityBlock:
         """Return the block; sensors of one body and one mount share a station."""

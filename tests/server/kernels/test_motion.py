@@ -146,3 +146,17 @@ def test_right_wheel_faster_turns_left() -> None:
     assert y > 0.0
     assert heading > 0.0
     assert (LEFT, RIGHT) == (0, 1)
+
+
+def test_wheel_that_hardly_obeys_at_all_hardly_moves_whatever_the_cycle() -> None:
+    for period in (0.001, 0.05, 1.0):
+        for a in (1.0 - 2.0**-53, 1.0 - 1e-12):
+            kept, settling = lag(a, period)
+            speed, travel = wheel_cycle(0.0, 1.0, kept, settling, INF, 1.0, period)
+            assert 0.0 <= travel <= 1e-9
+            assert 0.0 <= speed <= 1e-9
+
+
+def test_spin_of_a_chair_is_not_cut_short_by_a_long_cycle() -> None:
+    _, _, heading = driven(0.0, 1.0, [(-1.0, 1.0, 1.0)])
+    assert heading == pytest.approx(2.0 / 0.572 - 2.0 * math.pi)

@@ -1,9 +1,12 @@
+import random
+
 import pytest
 
 from intellwheels_schemas.messages import Encoders
+from intellwheels_server.inputs import Join
 from intellwheels_server.kernels.rows import LEFT_SPEED, LEFT_TRAVEL, RIGHT_TRAVEL, SPEED, TURN_RATE, X, Y
 from intellwheels_server.world import measures
-from tests.server.worlds import box_wall, cart, run, world
+from tests.server.worlds import box_wall, cart, do, run, world
 
 
 def test_speed_and_turn_rate_are_what_came_about_not_what_was_wanted() -> None:
@@ -47,3 +50,17 @@ def test_nobody_drives_beyond_the_edge_of_the_world_and_all_can_come_back() -> N
     assert state.numbers[LEFT_SPEED, 0] == 0.0
     state, _ = run(state, 40, {"a": (-1.0, -1.0)})
     assert state.numbers[X, 0] < 9_999.0
+
+
+def test_nobody_is_led_beyond_the_edge_by_what_is_in_the_way() -> None:
+    draw = random.Random(1)
+    names = [f"b{k}" for k in range(6)]
+    for _ in range(12):
+        walls = [box_wall(9990.0, 9995.0, 9999.9, 9996.0), box_wall(9998.0, 9980.0, 10_000.0, 9981.0)]
+        state = world(walls=walls, period=1.0, command_timeout=100.0)
+        for name in names:
+            x, y, heading = draw.uniform(9994.0, 10_000.0), draw.uniform(9982.0, 9994.0), draw.uniform(-3.0, 3.0)
+            state, _, _ = do(state, Join(agent=name, robot=cart(x, y, heading, top_speed=5.0)))
+        for _ in range(20):
+            state, _ = run(state, 1, {name: (draw.uniform(-0.3, 1.0), draw.uniform(-0.3, 1.0)) for name in names})
+            assert state.numbers[[X, Y]].max() <= 10_000.0

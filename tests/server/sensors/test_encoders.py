@@ -5,7 +5,8 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from intellwheels_schemas.messages import Encoders
+from intellwheels_schemas.codec import decode, encode
+from intellwheels_schemas.messages import Encoders, Measures
 from intellwheels_server.world import State, measures
 from tests.server.worlds import cart, run, world
 
@@ -40,3 +41,12 @@ def test_turning_left_rolls_the_left_wheel_back_and_the_right_one_forward() -> N
     left, right = _counts(state)
     assert left == -right
     assert right == round(0.25 * _PER_METRE)
+
+
+def test_counts_stay_within_what_the_wire_can_carry_whatever_the_wheel() -> None:
+    for diameter in (1e-9, 1e-300, 5e-324):
+        state = world({"a": cart(wheel_diameter=diameter, encoder_ticks=1_000_000, encoders=(Encoders(id="w"),))})
+        for power in (-1.0, 1.0):
+            state, _ = run(state, 40, {"a": (power, power)})
+            told = measures(state, "a")
+            assert decode(Measures, encode(told)) == told

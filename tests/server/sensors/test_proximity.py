@@ -8,6 +8,7 @@ import pytest
 
 from intellwheels_schemas.errors import RequestRefusedError
 from intellwheels_schemas.messages import Part, Position, Proximity, Robot
+from intellwheels_server.sensors import check_sensors
 from intellwheels_server.sensors.proximity import ProximityKind, unit_vector
 from intellwheels_server.world import State, measures
 from tests.server.worlds import box_wall, cart, run, world
@@ -90,5 +91,5 @@ def test_model_that_is_not_simulated_yet_is_refused() -> None:
 
 def test_real_robot_has_no_sensor_that_is_fixed_in_the_world() -> None:
     with pytest.raises(RequestRefusedError, match=r"Mount: expected body for a real robot, got 'start'") as refused:
-        ProximityKind().check("Robot.Proximity[0]", _eye(mount="start"), Robot(type="real"))
+        check_sensors(Robot(type="real", proximity=(_eye(mount="start"),)), truth=False)
     assert refused.value.code == "mount"

@@ -120,3 +120,10 @@ def test_truth_is_refused_where_it_is_not_allowed() -> None:
         check_sensors(robot, truth=False)
     assert refused.value.code == "truth"
     check_sensors(robot, truth=True)
+
+
+def test_real_sensor_of_any_kind_and_model_is_let_in_since_its_bridge_reads_it() -> None:
+    sonar = Proximity(
+        id="s", x=0.0, y=0.0, z=0.4, direction_deg=0.0, cone_deg=30.0, max_range=4.0, source="real", model="sonar"
+    )
+    check_sensors(Robot(type="real", gps=(GPS(id="g", source="real"),), proximity=(sonar,)), truth=False)
