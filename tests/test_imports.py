@@ -32,8 +32,9 @@ KNOWS_ZENOH = {
     "server/intellwheels_server/service.py",
     "agents/intellwheels_agents/network.py",
     "agents/intellwheels_experiments/watch.py",
+    "agents/intellwheels_experiments/check/network.py",
 }
-"""The files that talk to the network, one a room."""
+"""The files that talk to the network, one a room, and the stand of `iw-check-agent`."""
 
 # The entries of the checkout that a user sees; papers and dot files beside the rooms.
 TOP_LEVEL = {
@@ -59,7 +60,7 @@ def imported(path: Path) -> Iterator[str]:
 
 
 FILES = list(sources())
-COMMANDS = {"intellwheels_schemas.present", "intellwheels_server.router"}
+COMMANDS = {"intellwheels_schemas.present", "intellwheels_server.router", "intellwheels_experiments.check.__main__"}
 """Commands that are files of their own."""
 
 

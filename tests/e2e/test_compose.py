@@ -84,9 +84,10 @@ class Composed:
         self.stage = stage
         port = free_port()
         stage.endpoint = f"tcp/127.0.0.1:{port}"
+        project = f"iw-test-{os.getpid()}"  # two runs of the suite at once are none of each other's business
         self.environment = {
             **os.environ, "PORT": str(port), "WORLD": stage.world, "BASE_IMAGE": BASE, "BUILD_NETWORK": "host",
-            "COMPOSE_PROJECT_NAME": f"iw-test-{os.getpid()}",
+            "COMPOSE_PROJECT_NAME": project, "IMAGE": project,
         }  # fmt: skip
 
     def __call__(self, *words: str, timeout: float = 120.0) -> str:
@@ -115,8 +116,16 @@ class Composed:
         return found.stdout
 
     def kill(self, service: str) -> None:
-        """Kill all that runs in a container, as a crash would; docker starts it again."""
+        """Kill all that runs in a container, as a crash would, and wait until docker has started it again."""
+        before = self.restarts(service)
         self("exec", "-T", service, "sh", "-c", "kill -9 -1 || true")
+        self.stage.wait(lambda: self.restarts(service) > before or None, f"another start of {service}")
+
+    def restarts(self, service: str) -> int:
+        """Return how often docker has started a container of a service again."""
+        container = self("ps", "--all", "--quiet", service).strip()
+        words = ["docker", "inspect", "--format", "{{.RestartCount}}", container]
+        return int(subprocess.run(words, capture_output=True, text=True, timeout=30.0, check=True).stdout)
 
 
 @pytest.fixture
@@ -131,7 +140,8 @@ def composed(tmp_path: Path) -> Iterator[Composed]:
         try:
             yield compose
         finally:
-            compose("down", "--timeout", "3", "--remove-orphans")
+            # The image too: layers stay in the builder's cache, but each run would leave one without a name.
+            compose("down", "--timeout", "3", "--remove-orphans", "--rmi", "all")
 
 
 def all_there(peer: Peer, *names: str) -> None:
@@ -144,22 +154,25 @@ def test_figure_6_in_containers_from_building_to_down(composed: Composed) -> Non
     composed("build", "router", timeout=600.0)
     composed("up", "--detach", "--wait", timeout=180.0)
     cast = ("chair1", "chair2", "chair3", "door", "table")
+    copies = ("chair3-2", "chair3-3", "chair3-4", "chair3-5")
+    five = ("up", "--detach", "--wait", "--scale", "chair=5", "--no-recreate")
+    assert "compiling kernels" not in composed("logs", "simulator")  # the image brings them
     with composed.stage.peer() as peer:
         ended = peer.event("ended", timeout=120.0)
         assert str(ended["Text"]).startswith("reached")
-        composed("up", "--detach", "--wait", "--scale", "chair=5", "--no-recreate", timeout=180.0)
-        all_there(peer, *cast, "chair3-2", "chair3-3", "chair3-4", "chair3-5")
+        composed(*five, timeout=180.0)
+        all_there(peer, *cast, *copies)
         composed.stage.agent("host", "drive", "--place", "start1")
         all_there(peer, "host")
         composed.stage.signal("host", signal.SIGTERM)  # chair1 will want its start again
         assert composed.stage.exit("host") == 0
         run = peer.clock()["Run"]
         composed.kill("simulator")
-        composed.stage.wait(lambda: _again(peer, run, cast), "a new run with everybody in it", timeout=90.0)
+        composed.stage.wait(lambda: _again(peer, run, (*cast, *copies)), "a new run with everybody in it", timeout=90.0)
     composed.kill("router")
-    composed("up", "--detach", "--wait", "--no-recreate", timeout=180.0)
+    composed(*five, timeout=180.0)
     with composed.stage.peer() as peer:
-        all_there(peer, *cast)
+        all_there(peer, *cast, *copies)
 
 
 def _again(peer: Peer, run: str, names: tuple[str, ...]) -> bool | None:

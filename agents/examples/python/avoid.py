@@ -1,9 +1,11 @@
-"""A chair that keeps out of the way, without the harness: zenoh and JSON are all it needs. Usage: avoid.py [NAME]."""
+"""A chair that keeps out of the way; zenoh and JSON are all it needs. Usage: avoid.py [NAME [ENDPOINT]]."""
 
 import json
 import queue
 import secrets
 import sys
+import time
+from typing import Any
 
 import zenoh
 
@@ -15,13 +17,48 @@ PROXIMITY = [{"Id": eye, "DirectionDeg": angle, **EYE} for eye, angle in EYES.it
 BODY = {"Length": 1.1, "Width": 0.6, "Center": 0.4, "TopSpeed": 1.0, "Track": 0.57}
 ROBOT = {"Kind": "wheelchair", "Instance": INSTANCE, **BODY, "Proximity": PROXIMITY}
 
-config = zenoh.Config()
-config.insert_json5("mode", '"client"')
-config.insert_json5("connect/endpoints", json.dumps(sys.argv[2:3] or ["tcp/127.0.0.1:7447"]))
+
+def connect() -> zenoh.Session:
+    """Return a session, once somebody answers."""
+    endpoints = sys.argv[2:3] or ["tcp/127.0.0.1:7447"]
+    settings = {"mode": "client", "connect": {"endpoints": endpoints}, "scouting": {"multicast": {"enabled": False}}}
+    config = zenoh.Config.from_json5(json.dumps(settings))
+    while True:
+        try:
+            return zenoh.open(config)
+        except zenoh.ZError:
+            time.sleep(1.0)
+
+
+def join(session: zenoh.Session) -> str:
+    """Return our session with the simulator, or nothing when there is none."""
+    for reply in session.get(f"{KEY}/join/{NAME}", payload=json.dumps(ROBOT), encoding=JSON, timeout=12.0):
+        if reply.ok is not None:
+            return str(json.loads(reply.ok.payload.to_bytes())["Session"])
+        if reply.err is not None and str(reply.err.encoding).startswith("application/json"):
+            refused = json.loads(reply.err.payload.to_bytes())
+            if refused["Code"] != "no-token":
+                sys.exit(refused["Text"])
+            time.sleep(0.2)  # our token is on its way
+            return join(session)
+    return ""
+
+
+def drive(measures: dict[str, Any]) -> dict[str, float]:
+    """Return the powers for what is seen."""
+    # Without a Value the reading is `none`, nothing within 3 m, or `near`, touching.
+    readings = {reading["Id"]: reading for reading in measures["Sensors"]["Proximity"]}
+    see = {eye: r.get("Value", 0.0 if r.get("Status") == "near" else 3.0) for eye, r in readings.items()}
+    free = min(see.values())
+    forward = min(0.5, 0.5 * (free - 0.5)) if free > 0.5 else 0.0
+    turn = 0.15 * (see["left"] - see["right"]) if free > 0.5 else 0.3
+    return {"LeftMotor": forward - turn, "RightMotor": forward + turn}
+
+
 arrived: queue.SimpleQueue[zenoh.Sample] = queue.SimpleQueue()
 with (
-    zenoh.open(config) as session,
-    session.declare_subscriber(f"{KEY}/out/{NAME}/measures", arrived.put),
+    connect() as session,
+    session.declare_subscriber(f"{KEY}/out/{NAME}/*", arrived.put),
     session.liveliness().declare_token(f"{KEY}/in/{NAME}/alive/both/{INSTANCE}"),
     session.declare_publisher(
         f"{KEY}/in/{NAME}/actions",
@@ -29,22 +66,22 @@ with (
         congestion_control=zenoh.CongestionControl.DROP,
         priority=zenoh.Priority.INTERACTIVE_HIGH,
     ) as actions,
+    # The simulator's own token: it is there now, or comes, and comes back after a restart. Each time we join.
+    session.liveliness().declare_subscriber(f"{KEY}/alive", arrived.put, history=True),
 ):
-    reply = next(iter(session.get(f"{KEY}/join/{NAME}", payload=json.dumps(ROBOT), encoding=JSON)), None)
-    answer = None if reply is None else reply.ok or reply.err
-    if reply is None or answer is None:
-        sys.exit("no simulator there, or not allowed")
-    joined = json.loads(answer.payload.to_bytes())
-    if reply.ok is None:
-        sys.exit(joined["Text"])
+    ours, run, tick = "", "", 0
     while True:
-        measures = json.loads(arrived.get(timeout=30.0).payload.to_bytes())
-        # Without a Value the reading is `none`, nothing within 3 m, or `near`, touching.
-        readings = {reading["Id"]: reading for reading in measures["Sensors"]["Proximity"]}
-        see = {eye: r.get("Value", 0.0 if r.get("Status") == "near" else 3.0) for eye, r in readings.items()}
-        free = min(see.values())
-        forward = min(0.5, 0.5 * (free - 0.5)) if free > 0.5 else 0.0
-        turn = 0.25 * (see["left"] - see["right"]) if free > 0.5 else 0.3
-        powers = {"LeftMotor": forward - turn, "RightMotor": forward + turn}
-        said = {"Run": measures["Run"], "Session": joined["Session"], "Tick": measures["Tick"], "Seq": measures["Tick"]}
-        actions.put(json.dumps(said | {name: min(max(power, -1.0), 1.0) for name, power in powers.items()}))
+        sample = arrived.get()
+        kind = str(sample.key_expr).rpartition("/")[2]
+        if kind == "alive":
+            ours = join(session) if sample.kind == zenoh.SampleKind.PUT else ""
+            continue
+        message = json.loads(sample.payload.to_bytes())
+        if kind == "error":
+            sys.stderr.write(message["Text"] + "\n")
+            if message["Code"] in ("not-joined", "session"):
+                ours = join(session)
+        elif kind == "measures" and ours and (message["Run"] != run or message["Tick"] >= tick):
+            run, tick = message["Run"], message["Tick"]
+            said = {"Run": run, "Session": ours, "Tick": tick, "Seq": tick}
+            actions.put(json.dumps(said | drive(message)))

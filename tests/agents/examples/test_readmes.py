@@ -1,0 +1,19 @@
+"""Each example's page: three commands, and how to check it."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+
+EXAMPLES = Path(__file__).parents[3] / "agents" / "examples"
+
+
+@pytest.mark.parametrize("language", sorted(path.name for path in EXAMPLES.iterdir()))
+def test_page_of_an_example_has_three_commands_and_the_check(language: str) -> None:
+    page = (EXAMPLES / language / "README.md").read_text(encoding="utf-8")
+    (block,) = re.findall(r"```sh\n(.*?)```", page, re.DOTALL)
+    assert len(block.splitlines()) == 3
+    assert "iw-check-agent" in page
+    assert "schemas/FIRST-AGENT.md" in page
