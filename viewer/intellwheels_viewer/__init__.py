@@ -1,0 +1,1 @@
+"""The viewer: a page in which a run is seen and steered."""
