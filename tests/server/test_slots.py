@@ -127,7 +127,7 @@ def test_who_came_after_the_save_is_told_to_join_again() -> None:
     replies = stage.ask("join", "chair2", msgspec.structs.replace(robot("rear-wheel"), format=None, instance="b" * 16))
     drive(stage, 1)
     assert replies[0][1]
-    assert stage.conductor.state.names == ("chair1", "chair2")
+    assert "chair2" in stage.conductor.state.names
 
 
 def test_the_body_of_who_left_after_the_save_stands_and_is_its_own_again() -> None:
