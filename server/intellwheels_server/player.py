@@ -153,7 +153,7 @@ class Player:
         desk, before, state = self._desk, self._desk.state, place.state
         self._place = place
         self._played.last = self._last(state.run)
-        self._played.over = place.position >= len(self._recording)
+        self._played.over = place.position >= self._recording.end
         desk.state = state
         desk.cadence.note()
         if state.run != before.run or state.setup.floor is not before.setup.floor:

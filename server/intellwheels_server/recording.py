@@ -80,6 +80,7 @@ class Recording:
         header: Its first line.
         cut: Whether its last line was cut and dropped.
         differs: In words, the first tick whose hash is not the recorded one, or None.
+        end: The last position there is to show: who left after the last step, as all do in the end, is shown still.
 
     Args:
         path: The log; it is read again as one moves about.
@@ -99,6 +100,7 @@ class Recording:
         self._keyframes = Keyframes()
         self.cut = False
         self.differs: str | None = None
+        self.end = 0
         try:
             self.header = read_header(self._file, self._name)
             self._spans = [Span(self.header.run, 0)]
@@ -126,6 +128,9 @@ class Recording:
             self._ticks.append(state.tick)
             if state.run != self._spans[-1].run:
                 self._spans.append(Span(state.run, position))
+                self.end = position
+            if line.stepped:
+                self.end = position
             self._keyframes.offer(position, state)
             for event in outputs.events:
                 self._events.setdefault(event.run, []).append(event)
@@ -136,10 +141,6 @@ class Recording:
                 progress(position)
 
     # ------------------------------------------------------------ what there is
-
-    def __len__(self) -> int:
-        """Return the number of lines after the header."""
-        return len(self._offsets)
 
     @property
     def runs(self) -> tuple[str, ...]:
@@ -186,7 +187,7 @@ class Recording:
 
     def _settle(self, position: int, state: State, events: tuple[Event, ...]) -> Place:
         """Make the changes of this tick, up to its step or to where another run begins."""
-        while position < len(self):
+        while position < self.end:
             line = self._line(position)
             if not line.stepped and self._span(position + 1) != self._span(position):
                 break
@@ -202,7 +203,7 @@ class Recording:
 
     def _bounds(self, run: str) -> tuple[int, int] | None:
         """Return the first and the last position of a run."""
-        for span, following in zip(self._spans, [*self._spans[1:], Span("", len(self) + 1)], strict=True):
+        for span, following in zip(self._spans, [*self._spans[1:], Span("", self.end + 1)], strict=True):
             if span.run == run:
                 return span.first, following.first - 1
         return None

@@ -9,7 +9,7 @@ import pytest
 
 from intellwheels_maps import floor, robot
 from intellwheels_schemas.messages import Actions
-from intellwheels_server.inputs import Inputs, Join
+from intellwheels_server.inputs import Depart, Inputs, Join
 from intellwheels_server.log import Line, Log, LogError, read_lines
 from intellwheels_server.recording import Keyframes, Place, Recording
 from intellwheels_server.world import Setup, advance, begin, digest
@@ -50,7 +50,7 @@ def test_going_on_from_the_beginning_shows_every_tick_of_every_run_once(tmp_path
     recording = Recording(tmp_path / "log")
     place = recording.go_to(recording.runs[0], 0)
     shown = [place]
-    while place.position < len(recording):
+    while place.position < recording.end:
         place = recording.go_on(place)
         shown.append(place)
     assert [(one.state.run, one.state.tick) for one in shown] == [(one.run, one.tick) for one in seen]
@@ -110,7 +110,7 @@ def test_a_cut_last_line_is_dropped_and_a_hash_that_differs_is_said(tmp_path: Pa
     lines[2] = msgspec.json.encode(msgspec.structs.replace(line, hash="f" * 16)) + b"\n"
     path.write_bytes(b"".join(lines)[:-9])
     recording = Recording(path)
-    assert (len(recording), recording.cut) == (4, True)
+    assert (recording.end, recording.cut) == (4, True)
     assert (recording.differs or "").startswith(f"tick 1 of run {RUN} (line 3): expected hash ffffffffffffffff, got ")
     recording.close()
 
@@ -127,11 +127,23 @@ def test_what_is_no_log_is_an_error_in_words(tmp_path: Path) -> None:
         Recording(path)
 
 
+def test_who_leaves_after_the_last_step_is_shown_at_the_end(tmp_path: Path) -> None:
+    path = tmp_path / "log"
+    hashes = written(path, 5)
+    gone = Line(tick=5, inputs=Inputs(changes=(Depart(agent="one"),)), hash="f" * 16, stepped=False)
+    path.write_bytes(path.read_bytes() + msgspec.json.encode(gone) + b"\n")
+    recording = Recording(path)
+    place = recording.go_on(recording.go_to(RUN, 4))
+    assert (place.position, place.state.names, digest(place.state)) == (recording.end, ("one",), hashes[5])
+    assert recording.go_to(RUN, 5).state.names == ("one",)
+    recording.close()
+
+
 def test_a_log_without_lines_is_at_its_end(tmp_path: Path) -> None:
     Log(tmp_path / "log", Setup(floor=floor("room")), RUN).close()
     recording = Recording(tmp_path / "log")
     assert recording.go_to(RUN, 0) == Place(0, recording.go_to(RUN, 0).state)
-    assert len(recording) == 0
+    assert recording.end == 0
     recording.close()
     with (tmp_path / "log").open("rb") as file:
         file.readline()
