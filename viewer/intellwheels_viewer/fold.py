@@ -22,8 +22,6 @@ class Fold:
     """What is known of one world.
 
     Attributes:
-        lacks_map: Whether another map than the known one was announced.
-        lacks: Agents in the state whose bodies are not known.
         wants_events_since: The number of the oldest event that was not seen; None when none is missing.
     """
 
@@ -33,7 +31,8 @@ class Fold:
         self._clock: Clock | None = None
         self._floor: Map | None = None
         self._info: MapInfo | None = None
-        self._known_map: tuple[str, int] | None = None
+        self._floor_of = ("", "")
+        self._revision = -1
         self._bodies: dict[str, Body] = {}
         self._parts: dict[int, WorldState] = {}
         self._state_at = (-1, 0.0)
@@ -49,7 +48,7 @@ class Fold:
     @property
     def lacks_map(self) -> bool:
         """Whether the map that is in use is not known."""
-        return self._info is not None and (self._info.hash, self._info.revision) != self._known_map
+        return bool(self._run) and self._floor_of != (self._run, "" if self._info is None else self._info.hash)
 
     @property
     def lacks(self) -> frozenset[str]:
@@ -106,8 +105,10 @@ class Fold:
 
     def on_floor(self, floor: Map) -> None:
         """Take the map itself, the one of the newest word."""
-        self._floor = floor
-        self._known_map = None if self._info is None else (self._info.hash, self._info.revision)
+        self._floor_of = (self._run, "" if self._info is None else self._info.hash)
+        if floor != self._floor:
+            self._floor = floor
+            self._revision += 1
 
     def on_body(self, body: Body) -> None:
         """Take a body."""
@@ -141,7 +142,7 @@ class Fold:
             time=self._state_at[1],
             clock=self._clock,
             floor=self._floor,
-            revision=-1 if self._known_map is None else self._known_map[1],
+            revision=self._revision,
             bodies={name: body for name, body in self._bodies.items() if name in here},
             entities=tuple(entity for entity in self._entities if entity.name in self._bodies),
             events=tuple(self._events[number] for number in sorted(self._events)),
@@ -170,7 +171,7 @@ class Fold:
         self._bodies, self._measures, self._history, self._saying = {}, {}, {}, {}
         self._events, self._next_event, self.wants_events_since = {}, 0, 0
         self._words.clear()
-        self._known_map = None
+        self._info = None
         return True
 
     def _is_played_back(self, tick: int, newest: int) -> bool:

@@ -55,7 +55,7 @@ class Seen:
         endpoint: Where the viewer looks for them.
         run, tick, time: Of the newest state, in seconds.
         clock, floor, bodies, entities: The newest of each; bodies by agent, entities in the order of the state.
-        revision: Of the map; another floor has another.
+        revision: Of the floor, counted by the viewer; another floor has another.
         events: The newest, oldest first, at most `EVENTS_KEPT`.
         measures: By agent, of those whose measures are watched.
         words: What was said in this run, newest last, at most `EVENTS_KEPT`.

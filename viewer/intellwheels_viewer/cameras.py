@@ -1,0 +1,203 @@
+"""One browser's camera: free, plan, follow or first person.
+
+The pure part says where a camera must stand; the class moves one browser's. What a page reports are the user's moves
+and, late, echoes of ours; who has moved the view by hand keeps it.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from collections.abc import Iterable
+from typing import Final, Literal, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+import viser
+
+from intellwheels_schemas.messages import Entity, Map
+
+Mode = Literal["free", "plan", "follow", "first"]
+Vector = npt.NDArray[np.float64]
+
+FOV: Final = math.radians(42.0)
+PLAN_FOV: Final = math.radians(8.0)
+"""Nearly parallel lines of sight: viser has no orthographic camera."""
+FIRST_FOV: Final = math.radians(70.0)
+STEEP: Final = math.radians(58.0)
+"""Of the first view, below the horizontal."""
+EYES: Final = 1.2
+"""Height of the eyes of who sits in a chair, in metres."""
+TALLEST: Final = 1.6
+"""What stands on the floor with its name above, in metres."""
+MARGIN: Final = 0.06
+"""Of the picture, left free at each edge."""
+_ECHO: Final = 1e-3  # metres; a page reports in float32
+
+
+class View(NamedTuple):
+    """Where a camera stands and looks."""
+
+    position: Vector
+    look_at: Vector
+    fov: float
+
+
+def corners_of(floor: Map) -> Vector:
+    """Return the eight corners of what a first view must show, in metres, shape (8, 3)."""
+    points = [(c.x, c.y) for wall in floor.wall for c in wall.corner]
+    points += [(c.x, c.y) for zone in floor.zone for c in zone.corner]
+    points += [(c.x, c.y) for thing in floor.obstacle for c in thing.corner]
+    points += [(place.x, place.y) for place in (() if floor.grid is None else floor.grid.position)]
+    if not points:
+        points = [(-5.0, -5.0), (5.0, 5.0)]
+    low, high = np.min(points, axis=0), np.max(points, axis=0)
+    return np.array([(x, y, z) for x in (low[0], high[0]) for y in (low[1], high[1]) for z in (0.0, TALLEST)])
+
+
+def fit(points: Vector, steep: float, fov: float, aspect: float) -> View:
+    """Return the nearest view from the south that shows all points, as steep as is said.
+
+    Args:
+        points: In metres, shape (n, 3).
+        steep: Angle below the horizontal, in radians, in (0, pi/2).
+        fov: Vertical field of view, in radians.
+        aspect: Width of the picture over its height.
+    """
+    ahead = np.array([0.0, math.cos(steep), -math.sin(steep)])
+    up = np.array([0.0, math.sin(steep), math.cos(steep)])
+    right = np.array([1.0, 0.0, 0.0])
+    tall = math.tan(fov / 2) * (1.0 - 2.0 * MARGIN)
+    wide = tall * aspect
+    # A point at depth d is in the picture when |across| <= d wide and |above| <= d tall: four planes. With the camera
+    # at -s on each axis the tightest pair of each axis gives the shift and the distance that both of it need.
+    across, above, depth = points @ right, points @ up, points @ ahead
+    left, far_right = np.max(-across - depth * wide), np.max(across - depth * wide)
+    low, high = np.max(-above - depth * tall), np.max(above - depth * tall)
+    shift_x, shift_y = (far_right - left) / 2, (high - low) / 2
+    back = max((left + far_right) / (2 * wide), (low + high) / (2 * tall))
+    position = right * shift_x + up * shift_y - ahead * back
+    to_floor = position[2] / math.sin(steep)
+    return View(position, position + ahead * to_floor, fov)
+
+
+def plan_of(points: Vector, aspect: float) -> View:
+    """Return the view from above. A thousandth off the vertical: exactly vertical turns the picture."""
+    return fit(points * np.array([1.0, 1.0, 0.0]), math.pi / 2 - 1e-3, PLAN_FOV, aspect)
+
+
+def first_person(entity: Entity) -> View:
+    """Return what who sits in a chair sees."""
+    cos, sin = math.cos(entity.heading), math.sin(entity.heading)
+    eyes = np.array([entity.x + 0.05 * cos, entity.y + 0.05 * sin, EYES])
+    return View(eyes, eyes + np.array([4.0 * cos, 4.0 * sin, -0.9]), FIRST_FOV)
+
+
+def behind(entity: Entity) -> View:
+    """Return where following begins: behind a body and above it."""
+    at = np.array([entity.x, entity.y, 0.6])
+    cos, sin = math.cos(entity.heading), math.sin(entity.heading)
+    return View(at + np.array([-4.2 * cos, -4.2 * sin, 3.4]), at, FOV)
+
+
+def on_floor(origin: Iterable[float], direction: Iterable[float]) -> tuple[float, float] | None:
+    """Return where a ray meets the floor, in metres; None where it does not, or farther than anything is."""
+    (ox, oy, oz), (dx, dy, dz) = origin, direction
+    if dz >= -1e-9 or oz <= 0.0:
+        return None
+    along = -oz / dz
+    x, y = ox + along * dx, oy + along * dy
+    return (x, y) if max(abs(x), abs(y)) < 1e4 else None  # what a coordinate may be
+
+
+class Camera:
+    """A browser's camera.
+
+    Args:
+        client: The browser.
+    """
+
+    def __init__(self, client: viser.ClientHandle) -> None:
+        self._client = client
+        self.mode: Mode = "free"
+        self._corners: Vector | None = None
+        self._aspect = 0.0
+        self._by_hand = False
+        self._written: deque[Vector] = deque(maxlen=64)
+        self._offset: Vector | None = None
+        self._target: Vector | None = None
+
+        @client.camera.on_update
+        async def _(_: viser.CameraHandle) -> None:
+            self._reported()
+
+    def frame(self, floor: Map) -> None:
+        """Show another floor whole, in the free view and in the plan."""
+        self._corners = corners_of(floor)
+        self._by_hand = False
+        self._fit()
+
+    def choose(self, mode: Mode, entity: Entity | None) -> None:
+        """Look in another way; following and first person need somebody."""
+        self.mode = mode if entity is not None or mode in ("free", "plan") else "free"
+        self._by_hand = False
+        self._offset = self._target = None
+        if self.mode in ("free", "plan"):
+            self._fit()
+        elif entity is not None:
+            self.follow(entity)
+
+    def follow(self, entity: Entity) -> None:
+        """Go on with a body that is followed, once per drawn tick."""
+        if self.mode == "first":
+            self._write(first_person(entity), near=0.06)
+        elif self.mode == "follow":
+            view = behind(entity)
+            if self._offset is None:
+                self._offset = view.position - view.look_at
+            if self._target is None or not np.allclose(self._target, view.look_at, atol=1e-6):
+                self._target = view.look_at
+                self._write(View(view.look_at + self._offset, view.look_at, FOV))
+
+    def _reported(self) -> None:
+        """Take what the page says of its camera."""
+        camera = self._client.camera
+        position, look_at = np.array(camera.position), np.array(camera.look_at)
+        if camera.aspect > 0 and abs(camera.aspect - self._aspect) > 1e-3:  # less is no other window
+            self._aspect = camera.aspect
+            if not self._by_hand:
+                self._fit()
+                return
+        if any(np.linalg.norm(position - written) < _ECHO for written in self._written):
+            return
+        if self.mode == "follow":
+            # The rig moves with the body; what is left of a report is the user's orbit.
+            self._offset = position - look_at
+        elif self.mode != "first":
+            self._by_hand = True
+            down = (look_at - position)[2] / max(float(np.linalg.norm(look_at - position)), 1e-9)
+            if self.mode == "plan" and down > -0.999:  # an orbit, no longer a plan
+                self.mode = "free"
+                camera.fov = FOV
+
+    def _fit(self) -> None:
+        if self._corners is None or self.mode not in ("free", "plan"):
+            return
+        aspect = self._aspect or 1.6
+        view = plan_of(self._corners, aspect) if self.mode == "plan" else fit(self._corners, STEEP, FOV, aspect)
+        self._write(view, near=0.9 if self.mode == "plan" else 0.1)
+
+    def _write(self, view: View, near: float = 0.1) -> None:
+        camera = self._client.camera
+        self._written.append(view.position)
+        try:
+            with self._client.atomic():
+                # In this order: setting the position drags the point looked at along.
+                camera.position = view.position
+                camera.look_at = view.look_at
+                camera.fov = view.fov
+                camera.near = near
+                camera.far = 3000.0
+        except AssertionError:
+            # The page has not said its first word; `frame` is asked for again when it has.
+            self._written.pop()

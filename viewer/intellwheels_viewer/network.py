@@ -1,0 +1,307 @@
+"""The viewer on the network. The only file of the viewer that knows zenoh.
+
+Zenoh's threads put what arrives into an inbox; `pour`, called by the drawing thread, folds it. Questions block, so
+they are asked on threads of their own: a page's wish on the page's worker, what is missing on one of this file.
+"""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections import deque
+from collections.abc import Callable, Collection
+from dataclasses import dataclass, field
+from functools import partial
+from typing import TYPE_CHECKING, Any, Final, TypeVar
+
+from intellwheels_schemas.channels import CHANNELS
+from intellwheels_schemas.codec import decode, encode, encoding_of
+from intellwheels_schemas.errors import WireError
+from intellwheels_schemas.keys import EVERY_ALIVE, Keys, Verb, parse_alive
+from intellwheels_schemas.link import (
+    Answer,
+    Inbox,
+    Link,
+    Presence,
+    Put,
+    declare,
+    open_session,
+    query,
+    watch_tokens,
+)
+from intellwheels_schemas.messages import (
+    Body,
+    Clock,
+    Event,
+    Events,
+    Map,
+    MapInfo,
+    Measures,
+    Record,
+    Result,
+    UserInput,
+    WorldState,
+)
+from intellwheels_viewer.fold import Fold
+from intellwheels_viewer.seen import Phase, Seen
+
+if TYPE_CHECKING:
+    import zenoh
+
+SILENCE: Final = 3.0
+"""Seconds without a clock after which a simulator whose token is there is called silent; it sends two a second at least."""
+ANSWER_LIMIT: Final = 3.0
+"""Seconds a simulator has to answer a wish."""
+FETCH_EVERY: Final = 1.0
+"""Seconds between two askings for what is missing."""
+WATCHED_MOST: Final = 32
+"""Agents whose measures are subscribed one by one; beyond it a wildcard costs less than the declarations."""
+
+_M = TypeVar("_M", bound=Record)
+
+
+class Refusal(Exception):  # noqa: N818  # what a user asked for was refused: no error of ours
+    """A wish was not granted; the text says why, for people."""
+
+
+@dataclass
+class _World:
+    """One world's subscriptions, and what is known of it."""
+
+    name: str
+    keys: Keys
+    inbox: Inbox = field(default_factory=Inbox)
+    answers: deque[tuple[type[Record], Answer]] = field(default_factory=deque)
+    fold: Fold = field(default_factory=Fold)
+    subscribers: list[zenoh.Subscriber[None]] = field(default_factory=list)
+    watched: dict[str, zenoh.Subscriber[None]] = field(default_factory=dict)
+    users: dict[str, zenoh.Publisher] = field(default_factory=dict)
+    heard: float = 0.0
+    asked: float = 0.0
+    asking: bool = False
+
+    def close(self) -> None:
+        for subscriber in (*self.subscribers, *self.watched.values()):
+            subscriber.undeclare()  # type: ignore[no-untyped-call]
+        for publisher in self.users.values():
+            publisher.undeclare()  # type: ignore[no-untyped-call]
+
+
+class Network:
+    """The link to a simulator, kept up for as long as the viewer runs.
+
+    Args:
+        link: Where; `link.world` is watched first.
+        stop: Set when the viewer must end.
+        chosen: Whether `link.world` is the one that is wanted; else the only one there is is taken.
+    """
+
+    def __init__(self, link: Link, stop: threading.Event, *, chosen: bool = True) -> None:
+        self._link, self._stop = link, stop
+        self._wanted = link.world if chosen else ""
+        self._session: zenoh.Session | None = None
+        self._alive: dict[str, bool] = {}
+        self._presence = Inbox()
+        self._tokens: zenoh.Subscriber[None] | None = None
+        self._world: _World | None = None
+        self._was_there = False
+        self._lock = threading.Lock()
+        self._opener = threading.Thread(target=self._open, name="link", daemon=True)
+
+    def start(self) -> None:
+        """Begin to look for a simulator."""
+        self._opener.start()
+
+    def close(self) -> None:
+        """Hear nothing further."""
+        with self._lock:
+            session, self._session = self._session, None
+            if self._world is not None and session is not None:
+                self._world.close()
+            self._world = None
+            if self._tokens is not None:
+                self._tokens.undeclare()  # type: ignore[no-untyped-call]
+            if session is not None:
+                session.close()  # type: ignore[no-untyped-call]
+
+    def choose(self, world: str) -> None:
+        """Watch another world."""
+        self._wanted = world
+
+    # ------------------------------------------------------------ in, on the drawing thread
+
+    def pour(self) -> Seen:
+        """Fold what arrived since the last time, ask for what is missing, and return what is known."""
+        now = time.monotonic()
+        for arrival in self._presence.take():
+            if isinstance(arrival, Presence) and (name := parse_alive(arrival.key)) is not None:
+                self._alive[name] = arrival.alive
+        worlds = tuple(sorted(name for name, alive in self._alive.items() if alive))
+        self._follow(worlds)
+        world = self._world
+        if world is None:
+            return Seen(phase=self._phase(worlds, now), worlds=worlds, endpoint=self._link.where(), world=self._wanted)
+        self._fold(world, now)
+        self._fetch(world, now)
+        return world.fold.seen(self._phase(worlds, now), world.name, worlds, self._link.where())
+
+    def watch(self, agents: Collection[str]) -> None:
+        """Hear the measures of these agents, and of no others."""
+        world, session = self._world, self._session
+        if world is None or session is None:
+            return
+        wanted = {"*"} if len(agents) > WATCHED_MOST else set(agents)
+        for name in world.watched.keys() - wanted:
+            world.watched.pop(name).undeclare()  # type: ignore[no-untyped-call]
+            world.fold.forget([name])
+        for name in wanted - world.watched.keys():
+            key = f"{world.keys.prefix}out/*/measures" if name == "*" else world.keys.measures(name)
+            world.watched[name] = session.declare_subscriber(key, world.inbox.on_sample)
+
+    @property
+    def quiet(self) -> float:
+        """Seconds since the last clock."""
+        return 0.0 if self._world is None else time.monotonic() - self._world.heard
+
+    def _phase(self, worlds: tuple[str, ...], now: float) -> Phase:
+        session = self._session
+        if session is None or not (session.info.routers_zid() or session.info.peers_zid()):
+            return "no-router"
+        world = self._world
+        if world is None or not self._was_there:
+            return "choose" if worlds and self._wanted not in worlds else "no-world"
+        if world.name not in worlds:
+            return "gone"
+        return "silent" if now - world.heard > SILENCE else "live"
+
+    def _follow(self, worlds: tuple[str, ...]) -> None:
+        """Watch the world that is wanted, once it is there; the only one when none is."""
+        session = self._session
+        wanted = self._wanted
+        if not wanted and len(worlds) == 1:
+            wanted = self._wanted = worlds[0]
+        if session is None or not wanted or (self._world is not None and self._world.name == wanted):
+            self._was_there = self._was_there or wanted in worlds
+            return
+        if self._world is not None:
+            self._world.close()
+        world = _World(wanted, Keys(wanted))
+        keys = world.keys
+        for key in (keys.map, keys.event, keys.clock, keys.every_state, keys.every_body):
+            world.subscribers.append(session.declare_subscriber(key, world.inbox.on_sample))
+        self._was_there = wanted in worlds
+        self._world = world
+
+    def _fold(self, world: _World, now: float) -> None:
+        keys, fold = world.keys, world.fold
+        takes: dict[type[Record], Callable[[Any], None]] = {
+            Clock: fold.on_clock, Map: fold.on_floor, Body: fold.on_body, WorldState: fold.on_state,
+            Events: fold.on_events,
+        }  # fmt: skip
+        while world.answers:
+            kind, answer = world.answers.popleft()
+            _give(kind, answer, takes[kind])
+        arrivals = [arrival for arrival in world.inbox.take() if isinstance(arrival, Put)]
+        # Of what is put each tick only the newest is decoded; that keeps a slow viewer from falling behind.
+        newest = {arrival.key: index for index, arrival in enumerate(arrivals)}
+        for index, put in enumerate(arrivals):
+            if put.key == keys.event:
+                _give(Event, put, fold.on_event)
+            elif put.key == keys.map:
+                _give(MapInfo, put, fold.on_map_info)
+            elif keys.parse_body(put.key) is not None:
+                _give(Body, put, fold.on_body)
+            elif newest[put.key] != index:
+                continue
+            elif put.key == keys.clock:
+                world.heard = now
+                _give(Clock, put, fold.on_clock)
+            elif keys.parse_state(put.key) is not None:
+                _give(WorldState, put, fold.on_state)
+            elif (out := keys.parse_out(put.key)) is not None and out.kind == "measures":
+                _give(Measures, put, partial(fold.on_measures, out.agent))
+
+    # ------------------------------------------------------------ what is missing
+
+    def _fetch(self, world: _World, now: float) -> None:
+        fold = world.fold
+        lacks = fold.lacks_map or fold.lacks or fold.wants_events_since is not None or world.asked == 0.0
+        if world.asking or not lacks or now - world.asked < FETCH_EVERY or world.name not in self._alive:
+            return
+        world.asking, world.asked = True, now
+        threading.Thread(target=self._ask_for, args=(world,), name="fetch", daemon=True).start()
+
+    def _ask_for(self, world: _World) -> None:
+        """Ask for all that a late comer missed, and put the answers where the drawing thread finds them."""
+        keys, session = world.keys, self._session
+        since = world.fold.wants_events_since or 0
+        wanted: tuple[tuple[str, type[Record]], ...] = (
+            (keys.clock, Clock), (keys.map, Map), (keys.every_body, Body), (keys.every_state, WorldState),
+            (f"{keys.event}?since={since}", Events),
+        )  # fmt: skip
+        try:
+            for selector, kind in wanted:
+                if session is not None:
+                    answers = query(session, selector, timeout=ANSWER_LIMIT, stop=self._stop)
+                    world.answers.extend((kind, answer) for answer in answers if answer.ok)
+        except ConnectionError:
+            pass  # It is asked for again.
+        finally:
+            world.asking = False
+
+    # ------------------------------------------------------------ out, on any thread
+
+    def ask(self, verb: Verb, wish: Record) -> Result:
+        """Ask the simulator for something and return what it answered. Waits; not for the drawing thread.
+
+        Raises:
+            Refusal: It was refused, nobody answers, or this viewer may not ask.
+        """
+        session, world = self._session, self._world
+        if session is None or world is None:
+            raise Refusal(f"No simulator at {self._link.where()}")
+        try:
+            answer = query(session, world.keys.ctl(verb), encode(wish), timeout=ANSWER_LIMIT, stop=self._stop)[0]
+        except (ConnectionError, WireError) as error:
+            if isinstance(error, WireError):
+                raise Refusal(error.text) from None
+            there = self._alive.get(world.name, False)
+            words = "You may look, not steer: nobody answers this wish" if there else "The simulator is not there"
+            raise Refusal(words) from None
+        try:
+            result = decode(Result, answer.data, encoding_of(answer.encoding, answer.data), strict=False)
+        except WireError as error:
+            raise Refusal(f"The simulator's answer cannot be read: {error.text}") from None
+        if not answer.ok or result.code != "ok":
+            raise Refusal(result.text or f"{verb}: {result.code}")
+        return result
+
+    def put_user(self, agent: str, wish: UserInput) -> None:
+        """Put what a person wants; it never waits and is never repeated."""
+        with self._lock:
+            session, world = self._session, self._world
+            if session is None or world is None:
+                return
+            publisher = world.users.get(agent)
+            if publisher is None:
+                publisher = world.users[agent] = declare(session, world.keys.user(agent), CHANNELS["user"])
+            publisher.put(encode(wish))
+
+    # ------------------------------------------------------------ the session
+
+    def _open(self) -> None:
+        session = open_session(self._link, self._stop)
+        if session is None:
+            return
+        with self._lock:
+            self._tokens = watch_tokens(session, EVERY_ALIVE, self._presence)
+            self._session = session
+
+
+def _give(kind: type[_M], put: Put | Answer, take: Callable[[_M], None]) -> None:
+    try:
+        message = decode(kind, put.data, encoding_of(put.encoding, put.data), strict=False)
+    except WireError:
+        # In a world others may write too what cannot be read is nobody's.
+        return
+    take(message)
