@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Mapping, Sequence
 from typing import Final
@@ -47,7 +48,7 @@ def segments(histories: Mapping[str, Sequence[Sample]], now: float, colours: pal
     for name, history in histories.items():
         rgb = colours.rgb(name)
         corners = trail(history, now)
-        for (ax, ay, age_a), (bx, by, age_b) in zip(corners, corners[1:], strict=False):
+        for (ax, ay, age_a), (bx, by, age_b) in itertools.pairwise(corners):
             points.append(((ax, ay, layers.TRAIL), (bx, by, layers.TRAIL)))
             tints.append((_faded(rgb, age_a), _faded(rgb, age_b)))
     return np.array(points, np.float32).reshape(-1, 2, 3), np.array(tints, np.float32).reshape(-1, 2, 3)
