@@ -5,6 +5,7 @@ The floor of figure6 with five bodies in the states that the drawings tell apart
 
 from __future__ import annotations
 
+import base64
 import math
 import sys
 import time
@@ -18,16 +19,24 @@ import viser
 from playwright.sync_api import Page, sync_playwright
 
 from intellwheels_maps import library
-from intellwheels_schemas.messages import Body, Entity, Goal, Position
+from intellwheels_schemas.messages import Body, Entity, Event, Goal, Measures, Position, ProximityReading, Sensors
 from intellwheels_viewer.drawings.bodies import Bodies
+from intellwheels_viewer.drawings.contacts import Contacts
 from intellwheels_viewer.drawings.floor import Floor
+from intellwheels_viewer.drawings.ghosts import Ghost, Ghosts
+from intellwheels_viewer.drawings.goals import Goals
+from intellwheels_viewer.drawings.labels import Labels
+from intellwheels_viewer.drawings.trails import Trails
 from intellwheels_viewer.drawings.walls import Walls
+from intellwheels_viewer.drawings.wedges import Wedges
 from intellwheels_viewer.palette import Colours
+from intellwheels_viewer.seen import Sample, Words
 
 FLAGS = [
     "--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader",
     "--disable-dev-shm-usage", "--hide-scrollbars", "--force-color-profile=srgb",
 ]  # fmt: skip
+PICTURE = "() => { window.__viserMutable.requestRender(); return window.__viserMutable.canvas.toDataURL('image/png'); }"
 RUN = "0" * 16
 VIEWS = {
     "free": ((6.5, -3.6, 12.5), (6.5, 3.6, 0.0), 50),
@@ -68,6 +77,31 @@ def cast() -> tuple[dict[str, Body], list[Entity]]:
     return bodies, entities
 
 
+CONTACT = Event(run=RUN, tick=1, number=0, code="contact", agent="chair3", x=5.25, y=2.3)
+VALUES = {"front": 2.9, "front-left": 1.2, "left": 0.42, "back-left": 0.3, "back": 1.0, "back-right": 3.1}
+
+
+def measures(bodies: dict[str, Body]) -> dict[str, Measures]:
+    seen = {}
+    for name, each in bodies.items():
+        readings = []
+        for sensor in each.robot.proximity:
+            if sensor.id == "right":
+                readings.append(ProximityReading(id=sensor.id, status="none"))
+            elif sensor.id == "front-right":
+                readings.append(ProximityReading(id=sensor.id, status="fault"))
+            else:
+                readings.append(ProximityReading(id=sensor.id, value=VALUES.get(sensor.id, 1.1)))
+        seen[name] = Measures(run=RUN, tick=0, time=0.0, sensors=Sensors(proximity=tuple(readings)))
+    return seen
+
+
+def histories() -> dict[str, list[Sample]]:
+    times = [0.2 * index for index in range(101)]
+    curve = [Sample(t, 7.4 + 0.2 * (20 - t), 6.6 - 0.9 * math.sin((20 - t) / 4), 0.0, 0.3) for t in times]
+    return {"chair2": [s for s in curve if s.x < 8.6]}
+
+
 def light(server: viser.ViserServer) -> None:
     scene = server.scene
     scene.configure_environment_map(None)
@@ -86,7 +120,13 @@ def draw(server: viser.ViserServer) -> None:
     with server.atomic():
         Floor(server.scene).show(floor)
         Walls(server.scene).show(floor)
-        Bodies(server.scene).show(bodies, entities, colours, {"chair2x"}, "chair1")
+        Bodies(server.scene).show(bodies, entities, colours, {"ghost"}, "chair1")
+        Wedges(server.scene).show(bodies, entities, measures(bodies), {"chair1", "chair2", "door"})
+        Trails(server.scene).show(histories(), 20.0, colours)
+        Goals(server.scene).show(entities, colours)
+        Contacts(server.scene).show([CONTACT], 4, 0.05)
+        Labels(server.scene).show(bodies, entities, [Words("chair2", 19.0, "I wait for you")], 20.0)
+        Ghosts(server.scene).show({"drag": Ghost(bodies["chair3"].robot, 2.6, 1.0, 0.4, colours.rgb("chair3"))})
 
 
 def shoot(page: Page, port: int, view: str, path: Path) -> None:
@@ -114,7 +154,7 @@ def shoot(page: Page, port: int, view: str, path: Path) -> None:
         page.wait_for_timeout(100)
     path.parent.mkdir(parents=True, exist_ok=True)
     page.wait_for_timeout(300)
-    page.locator("canvas").first.screenshot(path=path)
+    path.write_bytes(base64.b64decode(page.evaluate(PICTURE).split(",")[1]))
 
 
 def main(arguments: Sequence[str]) -> None:

@@ -50,8 +50,8 @@ class Title:
 def extent(floor: Map) -> tuple[float, float, float, float]:
     """Return the least and largest x, then y, of all that a map has; of an empty one, ten metres around the origin."""
     points = [corner for wall in floor.wall for piece in wall_pieces(wall) for corner in piece]
-    for shape in (*floor.obstacle, *floor.zone):
-        points += [(corner.x, corner.y) for corner in shape.corner]
+    corners = [shape.corner for shape in floor.obstacle] + [zone.corner for zone in floor.zone]
+    points += [(corner.x, corner.y) for each in corners for corner in each]
     if floor.grid is not None:
         points += [(place.x, place.y) for place in floor.grid.position]
     return bounds(points) if points else (-5.0, 5.0, -5.0, 5.0)

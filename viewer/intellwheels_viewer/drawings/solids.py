@@ -6,6 +6,7 @@ a browser takes the mean of the faces around a vertex as its direction.
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
@@ -211,7 +212,7 @@ def _point(vector: npt.NDArray[np.float64]) -> Point:
 
 def pipe(points: Sequence[Point], radius: float, sides: int = 8) -> Solid:
     """Return a bent tube: a rod for each stretch."""
-    return join(rod(a, b, radius, sides) for a, b in zip(points, points[1:], strict=False))
+    return join(rod(a, b, radius, sides) for a, b in itertools.pairwise(points))
 
 
 def hoop(x: float, y: float, z: float, radius: float, thickness: float, sides: int = 24, around: int = 6) -> Solid:

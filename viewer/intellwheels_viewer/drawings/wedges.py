@@ -1,0 +1,262 @@
+"""What the distance sensors see: a fan as far as the reading, with a solid arc where the reading is.
+
+Five states that differ in shape as well as in hue: near, middle and far have an arc, "nothing seen" is a pale fan
+without one, "failed" a dashed outline without a fan. A sensor that is mounted on `start` stands where its body joined.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Final, Literal, TypeAlias
+
+import numpy as np
+import viser
+
+from intellwheels_schemas.messages import Body, Entity, Lidar, Measures, Proximity, ProximityReading
+from intellwheels_viewer import palette
+from intellwheels_viewer.drawings import layers
+from intellwheels_viewer.drawings.batch import Batch, quaternions
+from intellwheels_viewer.drawings.solids import Array, Solid, band, sheet
+
+State: TypeAlias = Literal["near", "middle", "far", "nothing", "failed"]
+
+NEAR: Final = 0.5
+"""Below so many metres a reading is near: a chair at 1 m/s has half a second."""
+MIDDLE: Final = 1.5
+"""Below so many metres it is in the middle."""
+ARC: Final = 0.03
+"""Thickness of the arc, in metres."""
+
+COLOURS: Final[Mapping[State, palette.RGB]] = {
+    "near": palette.NEAR,
+    "middle": palette.MIDDLE,
+    "far": palette.FAR,
+    "nothing": palette.NOTHING,
+    "failed": palette.FAILED,
+}
+OPACITIES: Final[Mapping[State, float]] = {"near": 0.42, "middle": 0.38, "far": 0.36, "nothing": 0.30, "failed": 0.0}
+_WORDS: Final[Mapping[State, str]] = {
+    "near": f"near, under {NEAR:g} m",
+    "middle": f"middle, under {MIDDLE:g} m",
+    "far": "far",
+    "nothing": "nothing seen",
+    "failed": "sensor failed",
+}
+_PIECE: Final = math.radians(10.0)
+# Transparent fans at one height flicker; so many heights are told apart.
+_LIFTS: Final = 64
+_LIFT: Final = 0.0002
+
+
+@dataclass(frozen=True)
+class Wedge:
+    """One sensor's reading on the floor.
+
+    Attributes:
+        x, y: Where the sensor is, in metres.
+        direction: Of the middle of its cone, in radians.
+        cone: The full angle, in radians.
+        reach: As far as it is drawn, in metres.
+        state: Which of the five.
+    """
+
+    x: float
+    y: float
+    direction: float
+    cone: float
+    reach: float
+    state: State
+
+
+def state_of(reading: ProximityReading) -> State:
+    """Return which of the five a reading is; what is nearer than the sensor can measure is near."""
+    if reading.status == "fault":
+        return "failed"
+    if reading.status == "near":
+        return "near"
+    if reading.status == "none" or reading.value is None:
+        return "nothing"
+    if reading.value < NEAR:
+        return "near"
+    return "middle" if reading.value < MIDDLE else "far"
+
+
+def mounted(sensor: Proximity | Lidar, body: Body, entity: Entity) -> tuple[float, float, float]:
+    """Return where a sensor is and its direction, in the world: from its body's pose, or from where that joined."""
+    start = body.robot.position
+    frame = start if sensor.mount == "start" and start is not None else entity
+    cos, sin = math.cos(frame.heading), math.sin(frame.heading)
+    return (
+        frame.x + sensor.x * cos - sensor.y * sin,
+        frame.y + sensor.x * sin + sensor.y * cos,
+        frame.heading + math.radians(sensor.direction_deg),
+    )
+
+
+def wedge(sensor: Proximity, reading: ProximityReading, body: Body, entity: Entity) -> Wedge:
+    """Return what is drawn of a reading."""
+    x, y, direction = mounted(sensor, body, entity)
+    state = state_of(reading)
+    if state in ("nothing", "failed"):
+        reach = sensor.max_range
+    else:
+        reach = sensor.min_range if reading.value is None else reading.value
+    return Wedge(x, y, direction, math.radians(sensor.cone_deg), max(reach, ARC), state)
+
+
+def wedges(
+    bodies: Mapping[str, Body], entities: Iterable[Entity], measures: Mapping[str, Measures], agents: Collection[str]
+) -> list[Wedge]:
+    """Return the wedges of some agents, in the order of the state; sensors without a reading have none."""
+    made = []
+    for entity in entities:
+        body, seen = bodies.get(entity.name), measures.get(entity.name)
+        if entity.name not in agents or body is None or seen is None or seen.sensors is None:
+            continue
+        readings = {reading.id: reading for reading in seen.sensors.proximity}
+        made += [
+            wedge(sensor, readings[sensor.id], body, entity) for sensor in body.robot.proximity if sensor.id in readings
+        ]
+    return made
+
+
+def fan(cone: float) -> Solid:
+    """Return a flat fan of radius 1 around x, `cone` radians wide."""
+    return band(0.0, 1.0, layers.WEDGE, -cone / 2, cone / 2, max(2, math.ceil(cone / (_PIECE / 2))))
+
+
+@dataclass(frozen=True)
+class Bars:
+    """N flat bars: middles (N, 3), headings (N,), sizes (N, 3) along and across, colours (N, 3) sRGB bytes."""
+
+    positions: Array
+    headings: Array
+    sizes: Array
+    colours: Array
+
+
+def bars(shown: Sequence[Wedge]) -> Bars:
+    """Return the arcs of what was seen, `ARC` thick with the reading at their outer edge, and the dashes of failures.
+
+    An arc is a bar for each ten degrees: at 4 m a bar's middle is 1.5 cm nearer than its ends.
+    """
+    rows: list[tuple[float, float, float, float, float, palette.RGB]] = []
+    for each in shown:
+        if each.state == "failed":
+            rows += _dashes(each)
+        elif each.state != "nothing":
+            rows += _arc(each, each.reach, range(_pieces(each)))
+    return Bars(
+        positions=np.array([(x, y, layers.ARC) for x, y, *_ in rows], np.float32).reshape(-1, 3),
+        headings=np.array([row[2] for row in rows], np.float32),
+        sizes=np.array([(row[3], row[4], 1.0) for row in rows], np.float32).reshape(-1, 3),
+        colours=np.array([row[5] for row in rows], np.float32).reshape(-1, 3),
+    )
+
+
+def _pieces(each: Wedge) -> int:
+    return max(1, math.ceil(each.cone / _PIECE - 1e-9))
+
+
+def _arc(
+    each: Wedge, reach: float, pieces: Iterable[int], share: float = 1.0
+) -> list[tuple[float, float, float, float, float, palette.RGB]]:
+    turn = each.cone / _pieces(each)
+    middle = reach - ARC / 2
+    # Bars that meet at an angle leave a notch outside unless they overlap by the thickness.
+    length = (2 * reach * math.tan(turn / 2)) * share
+    colour = COLOURS[each.state]
+    rows = []
+    for piece in pieces:
+        angle = each.direction - each.cone / 2 + turn * (piece + 0.5)
+        x, y = each.x + middle * math.cos(angle), each.y + middle * math.sin(angle)
+        rows.append((x, y, angle + math.pi / 2, length, ARC, colour))
+    return rows
+
+
+def _dashes(each: Wedge) -> list[tuple[float, float, float, float, float, palette.RGB]]:
+    """Return a dashed outline: dashes of 12 cm and gaps of 8 along both sides, and the arc with gaps."""
+    rows = []
+    for side in (-each.cone / 2, each.cone / 2):
+        angle = each.direction + side
+        for dash in range(math.floor(each.reach / 0.2)):
+            at = 0.2 * dash + 0.06
+            x, y = each.x + at * math.cos(angle), each.y + at * math.sin(angle)
+            rows.append((x, y, angle, 0.12, 0.02, COLOURS["failed"]))
+    return rows + [(*row[:4], 0.02, row[5]) for row in _arc(each, each.reach, range(_pieces(each)), 0.5)]
+
+
+def legend() -> str:
+    """Return the five states as HTML for a panel: a drawing and words for each, the near one first."""
+    rows = "".join(
+        f'<tr data-state="{state}"><td style="width:46px;padding:1px 8px 1px 0">{_icon(state)}</td>'
+        f'<td style="padding:1px 0">{words}</td></tr>'
+        for state, words in _WORDS.items()
+    )
+    return f'<table style="border-collapse:collapse;font-size:13px;line-height:1.4">{rows}</table>'
+
+
+def _icon(state: State) -> str:
+    colour = palette.hexadecimal(COLOURS[state])
+    reach = {"near": 16.0, "middle": 26.0}.get(state, 38.0)
+    x, y = 2 + reach * math.cos(math.radians(17)), reach * math.sin(math.radians(17))
+    path = f"M2 11 L{x:.1f} {11 - y:.1f} A{reach:g} {reach:g} 0 0 1 {x:.1f} {11 + y:.1f} Z"
+    if state == "failed":
+        shape = f'<path d="{path}" fill="none" stroke="currentColor" stroke-width="1.5" stroke-dasharray="4 3"/>'
+    else:
+        shape = f'<path d="{path}" fill="{colour}" fill-opacity="0.45"/>'
+        if state != "nothing":
+            arc = f"M{x:.1f} {11 - y:.1f} A{reach:g} {reach:g} 0 0 1 {x:.1f} {11 + y:.1f}"
+            shape += f'<path d="{arc}" fill="none" stroke="{colour}" stroke-width="3"/>'
+    return f'<svg width="44" height="22" viewBox="0 0 44 22" style="display:block">{shape}</svg>'
+
+
+class Wedges:
+    """The wedges in a scene: a batch of fans for each cone angle, and one of all bars."""
+
+    def __init__(self, scene: viser.SceneApi) -> None:
+        self._scene = scene
+        self._fans: dict[float, Batch] = {}
+        self._visible = True
+        square = sheet([(-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5)], 0.0)
+        self._bars = Batch(scene, "/wedges/bars", square)
+
+    def show(
+        self,
+        bodies: Mapping[str, Body],
+        entities: Iterable[Entity],
+        measures: Mapping[str, Measures],
+        agents: Collection[str],
+    ) -> None:
+        """Show the wedges of some agents.
+
+        Args:
+            bodies: Documents by agent.
+            entities: States.
+            measures: By agent; those of agents whose measures nobody watches are not there.
+            agents: Whose wedges are shown; a wedge is 35 bytes a tick and its arc 43 for each ten degrees.
+        """
+        shown = wedges(bodies, entities, measures, agents)
+        groups: dict[float, list[Wedge]] = {cone: [] for cone in self._fans}
+        for each in shown:
+            if each.state != "failed":
+                groups.setdefault(round(each.cone, 4), []).append(each)
+        for cone, group in groups.items():
+            self._fan(cone, group)
+        lines = bars(shown)
+        self._bars.show(lines.positions, quaternions(lines.headings), lines.colours, scales=lines.sizes)
+
+    def _fan(self, cone: float, group: Sequence[Wedge]) -> None:
+        if cone not in self._fans:
+            name = f"/wedges/fan-{math.degrees(cone):.4g}".replace(".", "-")
+            self._fans[cone] = Batch(self._scene, name, fan(cone), opacity=1.0, side="double")
+        lifts = [_LIFT * (index % _LIFTS) for index in range(len(group))]
+        self._fans[cone].show(
+            [(each.x, each.y, lift) for each, lift in zip(group, lifts, strict=True)],
+            quaternions([each.direction for each in group]),
+            [COLOURS[each.state] for each in group],
+            scales=[(each.reach, each.reach, 1.0) for each in group],
+            opacities=[OPACITIES[each.state] for each in group],
+        )
