@@ -31,7 +31,7 @@ _STATES: Final = {
 }
 _COLUMNS: Final = (
     '<colgroup><col><col style="width:46px"><col style="width:52px"><col style="width:54px"></colgroup>'
-    "<tr><th>agent</th><th>speed, m/s</th><th>nearest, m</th><th>contacts</th></tr>"
+    "<tr><th>agent</th><th>speed<br>m/s</th><th>nearest<br>m</th><th>contacts</th></tr>"
 )
 
 
@@ -60,7 +60,8 @@ def agents_html(seen: Seen, choices: Choices, handler: str = "") -> str:
     rows = "".join(_row(seen, entity, known.get(entity.name, Mark()), choices.selected) for entity in shown)
     rest = len(bodies) - len(shown)
     more = f'<div class="iw-small">and {rest} more: choose below</div>' if rest else ""
-    return block("agents", f"<table {handler}>{_COLUMNS}{rows}</table>{more}")
+    old = "" if seen.phase == "live" else "iw-old"
+    return block("agents", f"<table {handler}>{_COLUMNS}{rows}</table>{more}", classes=old)
 
 
 def words(entity: Entity, body: Body | None) -> str:
@@ -90,7 +91,7 @@ def _row(seen: Seen, entity: Entity, mark: Mark, selected: str | None) -> str:
     return (
         f'<tr class="{classes}" data-agent="{name}" data-testid="agent-{name}" data-state="{entity.state}">'
         f'<td><div class="iw-head">{swatch(mark)}<b class="iw-cut" title="{name}">{name}</b></div>'
-        f'<div class="iw-small">{html.escape(words(entity, seen.bodies.get(entity.name)))}</div></td>'
+        f'<div class="iw-small iw-wide">{html.escape(words(entity, seen.bodies.get(entity.name)))}</div></td>'
         f"<td><span>{figures.decimal(entity.speed)}</span></td>"
         f'<td><span class="{"iw-near" if distance is not None and tone(distance) == "near" else ""}">{near}</span></td>'
         f"<td>{_contacts(entity)}</td></tr>"

@@ -44,6 +44,17 @@ def chosen(group: viser.GuiButtonGroupHandle, call: Callable[[str], None]) -> No
     group.on_click(press)
 
 
+def disable(group: viser.GuiButtonGroupHandle, disabled: bool) -> None:
+    """Disable a group of buttons or enable it.
+
+    The page can, and a group may be made so; the handle's own setter refuses (viser 1.1.1).
+    """
+    props = group._impl.props
+    if props.disabled != disabled:  # type: ignore[attr-defined]
+        props.disabled = disabled  # type: ignore[attr-defined]
+        group._queue_update("disabled", disabled)
+
+
 def assign(handle: viser.GuiInputHandle[Value], value: Value) -> None:
     """Set a value; viser sends nothing for an equal one."""
     # viser's property has a setter that mypy does not find: another method stands between the two.

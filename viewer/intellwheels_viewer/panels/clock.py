@@ -10,7 +10,7 @@ import viser
 
 from intellwheels_schemas.messages import Clock
 from intellwheels_viewer.panels import figures
-from intellwheels_viewer.panels.callbacks import chosen, clicked
+from intellwheels_viewer.panels.callbacks import chosen, clicked, disable
 from intellwheels_viewer.panels.choices import Choices
 from intellwheels_viewer.panels.sheet import SHEET, block
 from intellwheels_viewer.panels.sheet import figures as large
@@ -37,7 +37,8 @@ def clock_html(seen: Seen) -> str:
     clock = seen.clock
     if clock is None:
         return block("clock", '<span class="iw-soft">No clock yet.</span>')
-    tone, word = _STATES[clock.state] if seen.phase == "live" else ("", "Last heard")
+    live = seen.phase == "live"
+    tone, word = _STATES[clock.state] if live else ("", "Last heard")
     return block(
         "clock",
         f'<div class="iw-head" data-state="{clock.state}"><i class="iw-dot {tone}"></i>'
@@ -50,6 +51,7 @@ def clock_html(seen: Seen) -> str:
             )
         ),
         f'<div class="iw-small">{_late(clock)}, {html.escape(_pace(clock))}</div>',
+        classes="" if live else "iw-old",
     )
 
 
@@ -104,10 +106,10 @@ class ClockPanel:
         self._resume = gui.add_button("Resume", icon=viser.Icon.PLAYER_PLAY, visible=False)
         self._step = gui.add_button_group("Step, ticks", STEPS, disabled=True)
         self._speed = gui.add_button_group("Speed, \u00d7", SPEEDS, disabled=True)
-        self._reset = gui.add_button("Reset", icon=viser.Icon.RESTORE, color="gray", disabled=True)
+        self._reset = gui.add_button_group("Begin anew", ("Reset",), disabled=True)
         clicked(self._pause, on_pause)
         clicked(self._resume, on_resume)
-        clicked(self._reset, on_reset)
+        chosen(self._reset, lambda _: on_reset())
         chosen(self._step, lambda word: on_step(int(word)))
         chosen(self._speed, lambda word: on_speed(float(word)))
 
@@ -117,7 +119,11 @@ class ClockPanel:
         clock = seen.clock
         able = choices.allowed and seen.phase == "live" and clock is not None
         halted = clock is not None and clock.state in {"paused", "ended"}
-        self._pause.visible, self._resume.visible = not halted, halted
-        for one in (self._pause, self._resume, self._step, self._reset):
-            one.disabled = not able
-        self._speed.disabled = not (able and clock is not None and clock.pace == "realtime")
+        # A log has its own, beside its time line.
+        log = seen.last_tick is not None
+        self._pause.visible, self._resume.visible = not halted and not log, halted and not log
+        self._speed.visible = self._reset.visible = not log
+        self._pause.disabled = self._resume.disabled = not able
+        disable(self._step, not able)
+        disable(self._reset, not able)
+        disable(self._speed, not (able and clock is not None and clock.pace == "realtime"))

@@ -23,6 +23,7 @@ RATE: Final = 10.0
 """Messages a second."""
 GENTLE: Final = 0.6
 """Share of full power of a key; with Shift it is full. The stick gives any."""
+EVERYBODY: Final = "Everybody"
 SAY_LIMIT: Final = 1000
 """Characters, the wire's bound; a simulation's own is lower, and its refusal is shown."""
 
@@ -36,6 +37,7 @@ const down = new Set();
 let stick = null, pointer = null, shift = false, timer = null, moving = false, n = 0;
 const clamp = v => Math.max(-1, Math.min(1, v));
 const wish = () => {
+  if (D.getElementById('iw-drive-off')) return [0, 0];
   if (stick) return stick;
   let f = 0, t = 0;
   for (const k of down) { f += KEYS[k][0]; t += KEYS[k][1]; }
@@ -68,21 +70,13 @@ const pull = e => {
   const r = Math.hypot(x, y);
   if (r > 1) { x /= r; y /= r; }
   stick = r < 0.12 ? [0, 0] : [y, -x];
-  beat();
+  if (!timer || r < 0.12) beat();
 };
 on('pointerdown', e => {
-  if (e.button || !(e.target.closest && e.target.closest('#iw-stick:not(.off)'))) return;
+  if (e.button || !(e.target.closest && e.target.closest('#iw-stick'))) return;
   pointer = e.pointerId; e.preventDefault(); pull(e);
 });
-on('pointermove', e => {
-  if (e.pointerId !== pointer) return;
-  const b = D.getElementById('iw-stick'), was = stick; if (!b) return release();
-  const q = b.getBoundingClientRect();
-  let x = (e.clientX - q.left - q.width / 2) / R, y = (q.top + q.height / 2 - e.clientY) / R;
-  const r = Math.hypot(x, y); if (r > 1) { x /= r; y /= r; }
-  stick = r < 0.12 ? [0, 0] : [y, -x];
-  if (!timer || !(stick[0] || stick[1])) beat();
-});
+on('pointermove', e => { if (e.pointerId === pointer) pull(e); });
 for (const type of ['pointerup', 'pointercancel'])
   on(type, e => { if (e.pointerId === pointer) release(); });
 on('blur', e => { if (e.target === W) release(); });
@@ -99,7 +93,7 @@ _STICK: Final = (
     '<div class="iw-knob" id="iw-knob"></div></div>'
     "<div>Drag the stick, or hold<br><code>I</code> forward<br><code>K</code> back<br><code>J</code> <code>L</code> "
     'turn<div class="iw-small">Shift for full power. Let go to stop.</div></div></div>'
-    '<div id="iw-no-keys" class="iw-small" hidden>Keys and stick do not work in this page: use the buttons below.</div>'
+    '<div id="iw-no-keys" class="iw-small" hidden>Keys and stick do not work in this page: tick Buttons.</div>'
 )
 
 
@@ -115,7 +109,9 @@ def drive_html(seen: Seen, choices: Choices) -> str:
         words = note(f"{choices.selected} has no motors to drive", "wait")
     else:
         words = note(f"You drive {choices.selected}", "good")
-    return block("drive", words)
+    # The page's handler looks for it: neither stick nor keys send while it is there.
+    off = "" if able(seen, choices) else '<i id="iw-drive-off" hidden></i>'
+    return block("drive", words, off)
 
 
 def able(seen: Seen, choices: Choices) -> bool:
@@ -157,20 +153,23 @@ class DrivePanel:
         self._on_stick, self._on_say = on_stick, on_say
         self._able, self._selected, self._count = False, None, 0  # type: bool, str | None, int
         updated(self._value, self._pulled)
-        with gui.add_folder("Buttons to hold", expand_by_default=False):
-            self._buttons = [
-                self._hold(gui.add_button(label, icon=icon, color="gray", disabled=True), forward, turn)
-                for label, icon, forward, turn in (
-                    ("Forward", viser.Icon.ARROW_UP, GENTLE, 0.0),
-                    ("Left", viser.Icon.ARROW_LEFT, 0.0, GENTLE),
-                    ("Right", viser.Icon.ARROW_RIGHT, 0.0, -GENTLE),
-                    ("Back", viser.Icon.ARROW_DOWN, -GENTLE, 0.0),
-                )
-            ]
-        self._text = gui.add_text("Say", "", disabled=True)
-        self._only = gui.add_checkbox("To it only", False, disabled=True)
-        self._say = gui.add_button("Say it", icon=viser.Icon.MESSAGE, color="gray", disabled=True)
+        self._wanted = gui.add_checkbox("Buttons", False, hint="Four buttons to hold, where keys and stick do not work")
+        self._buttons = [
+            self._hold(gui.add_button(label, icon=icon, color="gray", visible=False), forward, turn)
+            for label, icon, forward, turn in (
+                ("Forward", viser.Icon.ARROW_UP, GENTLE, 0.0),
+                ("Left", viser.Icon.ARROW_LEFT, 0.0, GENTLE),
+                ("Right", viser.Icon.ARROW_RIGHT, 0.0, -GENTLE),
+                ("Back", viser.Icon.ARROW_DOWN, -GENTLE, 0.0),
+            )
+        ]
+        updated(self._wanted, self._reveal)
+        with gui.add_form(None) as form:
+            self._text = gui.add_text("Say", "", disabled=True)
+            self._to: viser.GuiDropdownHandle[str] = gui.add_dropdown("To", (EVERYBODY,), disabled=True)
+            self._say = gui.add_button("Say it", icon=viser.Icon.MESSAGE, color="gray", disabled=True)
         clicked(self._say, self._said)
+        form.on_submit(self._submitted)
 
     def show(self, seen: Seen, choices: Choices) -> None:
         """Show who would be driven; the stick itself is left alone."""
@@ -179,8 +178,12 @@ class DrivePanel:
         for button in self._buttons:
             button.disabled = not self._able
         may_say = seen.phase == "live" and choices.allowed
-        self._text.disabled = self._say.disabled = not may_say
-        self._only.disabled = not (may_say and choices.selected is not None)
+        self._text.disabled = self._to.disabled = self._say.disabled = not may_say
+        to = (EVERYBODY,) if choices.selected is None else (EVERYBODY, choices.selected)
+        if to != self._to.options:
+            # Another one selected: words meant for the one before do not go to it.
+            self._to.options = to
+            assign(self._to, EVERYBODY)
 
     def _pulled(self, value: tuple[float, float, float]) -> None:
         if len(value) == 3:
@@ -199,8 +202,15 @@ class DrivePanel:
         self._count += 1
         self._on_stick(min(max(forward, -1.0), 1.0), min(max(turn, -1.0), 1.0), self._count)
 
+    def _reveal(self, wanted: bool) -> None:
+        for button in self._buttons:
+            button.visible = bool(wanted)
+
+    async def _submitted(self, _: viser.GuiEvent[viser.GuiFormHandle]) -> None:
+        self._said()
+
     def _said(self) -> None:
         text = self._text.value.strip()[:SAY_LIMIT]
         if text:
-            self._on_say(text, self._selected if self._only.value else None)
+            self._on_say(text, self._selected if self._to.value == self._selected else None)
             assign(self._text, "")

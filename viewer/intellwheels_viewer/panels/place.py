@@ -10,7 +10,7 @@ from typing import Final
 
 import viser
 
-from intellwheels_viewer.panels.callbacks import chosen, clicked, updated
+from intellwheels_viewer.panels.callbacks import chosen, clicked, disable, updated
 from intellwheels_viewer.panels.choices import Choices
 from intellwheels_viewer.panels.sheet import SHEET, block, note
 from intellwheels_viewer.seen import Seen
@@ -61,12 +61,15 @@ class PlacePanel:
     ) -> None:
         gui.add_html(SHEET)
         self._words = gui.add_html("")
-        self._palette = gui.add_button_group("Place", tuple(PALETTE), disabled=True)
+        # Two by two: four in a row are wider than a panel of 280 px.
+        self._things = gui.add_button_group("Place a thing", tuple(PALETTE)[:2], disabled=True)
+        self._bodies = gui.add_button_group("Place a body", tuple(PALETTE)[2:], disabled=True)
         self._turn = gui.add_slider("Heading, \u00b0", -180, 180, TURN_STEP, 0, marks=(), disabled=True)
         self._done = gui.add_button("Stop placing", icon=viser.Icon.X, color="gray", visible=False)
         self._by = gui.add_button_group("Turn, \u00b0", ("\u221290", "\u221215", "+15", "+90"), disabled=True)
         self._remove = gui.add_button("Remove", icon=viser.Icon.TRASH, color="red", disabled=True)
-        chosen(self._palette, on_choose)
+        chosen(self._things, on_choose)
+        chosen(self._bodies, on_choose)
         clicked(self._done, lambda: on_choose(None))
         clicked(self._remove, on_remove)
         chosen(self._by, lambda word: on_turn_selected(float(word.replace("\u2212", "-"))))
@@ -76,10 +79,12 @@ class PlacePanel:
         """Show what can be done now."""
         able = seen.phase == "live" and choices.allowed
         self._words.content = place_html(seen, choices)
-        self._palette.disabled = not able
+        disable(self._things, not able)
+        disable(self._bodies, not able)
         self._done.visible = choices.placing is not None
         self._turn.disabled = not (able and choices.placing is not None)
         here = choices.selected is not None and seen.entity(choices.selected) is not None
-        self._by.disabled = self._remove.disabled = not (able and here)
+        disable(self._by, not (able and here))
+        self._remove.disabled = not (able and here)
         # A button's label is text: markup in it is inert.
         self._remove.label = f"Remove {choices.selected}" if here else "Remove"

@@ -140,9 +140,11 @@ def _trail(samples: Sequence[Sample], now: float, mark: Mark, view: Frame) -> st
             last = beat
     if len(points) < 2:
         return ""
+    line = f'<polyline points="{_points(points)}" fill="none" stroke-linecap="round" stroke-linejoin="round" '
+    # Black on dark ground, white on light: a thin edge of ink shows either.
     return (
-        f'<polyline points="{_points(points)}" fill="none" stroke="{mark.css}" stroke-opacity=".7" '
-        f'stroke-width="{_n(view.pixel * 1.6)}" stroke-linecap="round" stroke-linejoin="round"/>'
+        f'{line}stroke="var(--iw-ink)" stroke-opacity=".3" stroke-width="{_n(view.pixel * 2.6)}"/>'
+        f'{line}stroke="{mark.css}" stroke-width="{_n(view.pixel * 1.6)}"/>'
     )
 
 

@@ -9,11 +9,10 @@ from typing import Final
 import viser
 
 from intellwheels_viewer.panels import figures
-from intellwheels_viewer.panels.callbacks import assign, chosen, clicked, updated
+from intellwheels_viewer.panels.callbacks import assign, chosen, clicked, disable, updated
 from intellwheels_viewer.panels.choices import Choices
 from intellwheels_viewer.panels.clock import SPEEDS
 from intellwheels_viewer.panels.sheet import SHEET, block
-from intellwheels_viewer.panels.sheet import figures as large
 from intellwheels_viewer.seen import Seen
 
 HANDS_ON: Final = 1.0
@@ -24,10 +23,9 @@ def playback_html(seen: Seen) -> str:
     """Return how far the log is played; nothing without one."""
     if seen.last_tick is None:
         return ""
-    end = figures.moment(seen.last_tick, seen)
+    times = f"{figures.moment(seen.tick, seen)} of {figures.moment(seen.last_tick, seen)} s"
     return block(
-        "playback",
-        large(((figures.moment(seen.tick, seen), "time, s"), (end, "of s"), (str(seen.last_tick), "last tick"))),
+        "playback", f'<b>Playing a log</b><div class="iw-small">{times}, tick {seen.tick} of {seen.last_tick}</div>'
     )
 
 
@@ -56,8 +54,8 @@ class PlaybackPanel:
         gui.add_html(SHEET)
         self._words = gui.add_html("", visible=False)
         self._line = gui.add_slider("Tick", 0, 1, 1, 0, marks=(), visible=False)
-        self._pause = gui.add_button("Pause the log", icon=viser.Icon.PLAYER_PAUSE, visible=False)
-        self._resume = gui.add_button("Play the log", icon=viser.Icon.PLAYER_PLAY, visible=False)
+        self._pause = gui.add_button("Pause", icon=viser.Icon.PLAYER_PAUSE, visible=False)
+        self._resume = gui.add_button("Play", icon=viser.Icon.PLAYER_PLAY, visible=False)
         self._speed = gui.add_button_group("Speed, \u00d7", SPEEDS, visible=False)
         self._now = now
         self._touched = -HANDS_ON
@@ -76,8 +74,9 @@ class PlaybackPanel:
         self._words.visible = self._line.visible = self._speed.visible = playing
         self._pause.visible, self._resume.visible = playing and not halted, playing and halted
         able = choices.allowed and seen.phase == "live"
-        for one in (self._line, self._pause, self._resume, self._speed):
+        for one in (self._line, self._pause, self._resume):
             one.disabled = not able
+        disable(self._speed, not able)
         if seen.last_tick is not None:
             self._last = seen.last_tick
             self._line.max = max(1, seen.last_tick)

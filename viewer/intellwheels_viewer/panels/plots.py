@@ -21,8 +21,8 @@ from intellwheels_viewer.seen import HISTORY, Sample
 
 LINES: Final = 8
 """A plot has always so many lines, so that another agent is other data only; more could not be told apart."""
-HEIGHT: Final = 132  # px, of the whole plot
-_TOP, _RIGHT, _AXIS = 8, 70, 22  # px: padding above, for the labels, and below for the axis of time
+HEIGHT: Final = 138  # px, of the whole plot
+_TOP, _RIGHT, _AXIS = 8, 90, 26  # px: padding above, for the labels, and below for the axis of time
 _ABOVE: Final = 11  # px from a plot's place to its canvas: viser's margin and border
 _LABEL: Final = 12  # px a label is high
 _RATE: Final = 10.0  # samples a second: half a pixel apart in a panel
@@ -129,7 +129,7 @@ def axes() -> tuple[Any, ...]:
     """Return uPlot's axes: 11 px figures, time in s before now, five values at most."""
     font = "11px system-ui, sans-serif"
     return (
-        {"font": font, "size": _AXIS, "space": 40, "ticks": {"show": False}},
+        {"font": font, "size": _AXIS, "gap": 8, "space": 40, "ticks": {"show": False}},
         {"font": font, "size": 34, "space": 26, "ticks": {"show": False}},
     )
 

@@ -46,7 +46,8 @@ vertical-align:bottom}
 .iw tr[data-agent]{cursor:pointer}.iw tr[data-agent]:hover td{background:var(--iw-tint)}
 .iw tr.chosen td,.iw tr.chosen:hover td{background:var(--iw-chosen)}
 .iw tr.chosen td:first-child{box-shadow:inset 3px 0 #e5cf00}
-.iw tr.stale td>*{opacity:.62}
+.iw tr.stale td>*,.iw-old,.iw-old b,.iw-old span{color:var(--iw-soft)}.iw tr.stale svg,.iw-old svg{opacity:.4}
+.iw-wide{width:200px;overflow:hidden;text-overflow:ellipsis;white-space:nowrap}
 .iw-group{padding-top:8px}
 .iw-log{list-style:none;margin:0;padding:0}
 .iw-log li{display:flex;gap:8px;padding:2px 0;border-top:1px solid var(--iw-line)}
@@ -56,7 +57,7 @@ vertical-align:bottom}
 margin:2px 0}
 .iw-note.bad{border-color:#d6232a}.iw-note.wait{border-color:#e08a00}.iw-note.good{border-color:#2f9e5b}
 .iw-over{position:relative;height:0;z-index:2;pointer-events:none}
-.iw-over span{position:absolute;right:12px;width:64px;font-size:11px;line-height:12px;white-space:nowrap;
+.iw-over span{position:absolute;right:12px;width:84px;font-size:11px;line-height:12px;white-space:nowrap;
 overflow:hidden;text-overflow:ellipsis;font-variant-numeric:tabular-nums}
 .iw-plan{position:relative;padding:2px 10px 0}.iw-plan svg{display:block;width:100%;height:auto;overflow:hidden}
 .iw-plan.over{height:0;z-index:2;padding-top:2px}.iw-plan [data-agent]{cursor:pointer}
@@ -65,12 +66,12 @@ overflow:hidden;text-overflow:ellipsis;font-variant-numeric:tabular-nums}
 .iw-stick{position:relative;flex:none;width:116px;height:116px;border-radius:50%;touch-action:none;cursor:grab;
 background:radial-gradient(circle,transparent 0 13%,var(--iw-tint) 13% 100%);border:1px solid var(--iw-line);
 user-select:none}
-.iw-stick.held{cursor:grabbing}
+.iw-stick:active{cursor:grabbing}
 .iw-stick u{position:absolute;font-size:11px;line-height:14px;text-decoration:none;color:var(--iw-soft);width:14px;
 text-align:center}
 .iw-knob{position:absolute;left:37px;top:37px;width:40px;height:40px;border-radius:50%;background:var(--iw-ink);
 opacity:.82;pointer-events:none}
-.iw-stick.off{opacity:.45;cursor:not-allowed}
+body:has(#iw-drive-off) .iw-drive{opacity:.5}body:has(#iw-drive-off) .iw-stick{cursor:not-allowed}
 """
 
 SHEET: Final = (
