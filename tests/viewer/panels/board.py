@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import shutil
+import threading
 import warnings
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any
 
@@ -37,6 +38,7 @@ class Board:
     def __init__(self, client: viser.ClientHandle, seen: Seen, choices: Choices) -> None:
         gui = client.gui
         self.calls: list[tuple[Any, ...]] = []
+        self.news = threading.Condition()
         side = gui.add_panel()
         with side.add_tab("Selected"):
             self.plan = PlanPanel(gui, self.note("select"))
@@ -71,7 +73,17 @@ class Board:
         self.show(seen, choices)
 
     def note(self, name: str) -> Any:
-        return lambda *arguments: self.calls.append((name, *arguments))
+        def call(*arguments: object) -> None:
+            with self.news:
+                self.calls.append((name, *arguments))
+                self.news.notify_all()
+
+        return call
+
+    def wait(self, there: Callable[[list[tuple[Any, ...]]], object], seconds: float = 10.0) -> None:
+        """Wait until the calls are as they should be."""
+        with self.news:
+            assert self.news.wait_for(lambda: there(self.calls), seconds), self.calls[-20:]
 
     def show(self, seen: Seen, choices: Choices) -> None:
         self.connection.show(seen, choices)
@@ -83,6 +95,23 @@ class Board:
         self.plan.show(seen, choices)
         self.drive.show(seen, choices)
         self.place.show(seen, choices)
+
+
+# Text below 11 px, and text wider than the place it has, unless it says so by an ellipsis.
+FAULTS = """() => {
+  const found = [];
+  const walk = document.createTreeWalker(document.body, NodeFilter.SHOW_TEXT);
+  while (walk.nextNode()) {
+    const text = walk.currentNode.textContent.trim(), at = walk.currentNode.parentElement;
+    if (!text || !at.checkVisibility() || at.closest('style,script,title')) continue;
+    const style = getComputedStyle(at), box = at.getBoundingClientRect();
+    if (!box.width) continue;
+    if (parseFloat(style.fontSize) < 11) found.push(`${style.fontSize}: ${text}`);
+    if (at.scrollWidth > at.clientWidth + 1 && style.display !== 'inline' && style.textOverflow !== 'ellipsis')
+      found.push(`cut ${at.scrollWidth} > ${at.clientWidth}: ${text}`);
+  }
+  return found;
+}"""
 
 
 @contextmanager

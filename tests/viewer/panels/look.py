@@ -9,23 +9,7 @@ from pathlib import Path
 from playwright.sync_api import Page
 
 from tests.viewer.panels import made_up
-from tests.viewer.panels.board import Board, browser, opened, served
-
-# Text below 11 px, and text wider than the place it has, unless it says so by an ellipsis.
-FAULTS = """() => {
-  const found = [];
-  const walk = document.createTreeWalker(document.body, NodeFilter.SHOW_TEXT);
-  while (walk.nextNode()) {
-    const text = walk.currentNode.textContent.trim(), at = walk.currentNode.parentElement;
-    if (!text || !at.checkVisibility() || at.closest('style,script,title')) continue;
-    const style = getComputedStyle(at), box = at.getBoundingClientRect();
-    if (!box.width) continue;
-    if (parseFloat(style.fontSize) < 11) found.push(`${style.fontSize}: ${text}`);
-    if (at.scrollWidth > at.clientWidth + 1 && style.display !== 'inline' && style.textOverflow !== 'ellipsis')
-      found.push(`cut ${at.scrollWidth} > ${at.clientWidth}: ${text}`);
-  }
-  return found;
-}"""
+from tests.viewer.panels.board import FAULTS, Board, browser, opened, served
 
 
 def main(folder: Path) -> None:

@@ -166,3 +166,34 @@ def choices() -> Choices:
 def nothing(phase: str, **changes: object) -> Seen:
     """A page without a run."""
     return replace(Seen(phase=phase, endpoint="tcp/127.0.0.1:7447"), **changes)  # type: ignore[arg-type]
+
+
+ATTACK = '<img src=x: onerror="window.hacked=1">\'`&'
+
+
+def hostile() -> Seen:
+    """A run all of whose texts are an attack, as if the wire's own patterns did not hold."""
+    from intellwheels_schemas.messages import Map
+
+    base = seen()
+    entity = Entity(name=ATTACK, x=1.0, y=1.0, heading=0.0, mode=ATTACK, say=ATTACK, contact=True)
+    body = replace_record(robot("chair2"), name=ATTACK, kind=ATTACK)
+    reading = Sensors(proximity=(ProximityReading(id=ATTACK, value=0.5),), ground=(GroundReading(id="g", zone=ATTACK),))
+    return replace(
+        base,
+        world=ATTACK,
+        worlds=(ATTACK, "main"),
+        endpoint=ATTACK,
+        clock=clock("waiting", waiting=(ATTACK,)),
+        floor=Map(format="iw.v1", name=ATTACK, title=ATTACK),
+        entities=(entity,),
+        bodies={ATTACK: Body(run=RUN, tick=0, robot=body)},
+        events=(Event(run=RUN, tick=1, number=1, code="contact", agent=ATTACK, other=ATTACK, text=ATTACK),),
+        words=(Words(ATTACK, 1.0, ATTACK),),
+        measures={ATTACK: Measures(run=RUN, tick=1, time=0.05, sensors=reading)},
+        history={ATTACK: base.history["chair1"]},
+    )
+
+
+def attacked() -> Choices:
+    return Choices(selected=ATTACK, colours={ATTACK: COLOURS[0]}, placing=ATTACK, refusal=ATTACK)

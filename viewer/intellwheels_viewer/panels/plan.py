@@ -7,7 +7,9 @@ panels' rate. The drawing has no text: the scale is written below it, at a size 
 from __future__ import annotations
 
 import html
-from collections.abc import Callable, Iterable, Sequence
+import math
+from bisect import bisect_left
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Final, NamedTuple
 
 import viser
@@ -23,10 +25,12 @@ from intellwheels_viewer.seen import Sample, Seen
 
 TRAIL: Final = 20.0
 """Simulated seconds of way shown behind an agent."""
+CROWD: Final = 60
+"""Bodies from which on each is drawn as its outline only."""
 _TRAIL_STEP: Final = 0.5  # s: closer points are not told apart in so small a drawing
 _MARGIN: Final = 0.3  # m around the walls
-_LEAST_SHAPE: Final = 2.6  # a view box is at most so many times wider than high
-_MOST_SHAPE: Final = 1.15  # and at least so many: the panel is for more than the plan
+_WIDEST: Final = 2.6  # a view box is at most so many times wider than high
+_HIGHEST: Final = 1.15  # and at least so many: the panel is for more than the plan
 _ACROSS: Final = 260.0  # px: about what a panel of 280 leaves, for lengths that are meant in pixels
 _BARS: Final = (0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0, 500.0, 1000.0)
 
@@ -58,7 +62,7 @@ def frame(floor: Map) -> Frame:
     points = [(corner.x, corner.y) for ring in rings for corner in ring] or [(-5.0, -5.0), (5.0, 5.0)]
     xs, ys = [x for x, _ in points], [y for _, y in points]
     across, down = max(xs) - min(xs) + 2 * _MARGIN, max(ys) - min(ys) + 2 * _MARGIN
-    wide, high = max(across, down * _MOST_SHAPE), max(down, across / _LEAST_SHAPE)
+    wide, high = max(across, down * _HIGHEST), max(down, across / _WIDEST)
     return Frame((min(xs) + max(xs) - wide) / 2, (min(ys) + max(ys) + high) / 2, wide, high)
 
 
@@ -79,22 +83,38 @@ def floor_svg(floor: Map) -> str:
 
 
 def bodies_svg(seen: Seen, choices: Choices, handler: str = "") -> str:
-    """Return the drawing of all bodies with trails, and a ring around the selected one."""
+    """Return the drawing of all bodies with trails, and a ring around the selected one.
+
+    Of more than `CROWD` bodies only the selected one is drawn with all it has; the others are outlines.
+    """
     if seen.floor is None:
         return ""
     view = frame(seen.floor)
     known = marks(choices.colours)
-    trails = "".join(
-        _trail(samples, seen.time, known.get(name, Mark()), view)
-        for name, samples in seen.history.items()
-        if name in known
-    )
     # The selected one last: it lies above the others.
     order = sorted(seen.entities, key=lambda entity: (entity.name == choices.selected, entity.name in known))
-    bodies = "".join(_body(seen, entity, known.get(entity.name), view, choices.selected) for entity in order)
-    return (
-        f'<div class="iw-plan over" data-testid="plan" {handler}><svg viewBox="{view.box}">{trails}{bodies}</svg></div>'
+    crowd = order if len(order) > CROWD else []
+    drawn = [entity for entity in order if not crowd or entity.name == choices.selected]
+    trails = (
+        _trail(seen.history.get(one.name, ()), seen.time, known[one.name], view) for one in drawn if one.name in known
     )
+    bodies = (_body(seen, entity, known.get(entity.name), view, choices.selected) for entity in drawn)
+    return (
+        f'<div class="iw-plan over" data-testid="plan" {handler}><svg viewBox="{view.box}">'
+        f"{_crowd(seen, crowd, known)}{''.join(trails)}{''.join(bodies)}</svg></div>"
+    )
+
+
+def _crowd(seen: Seen, entities: Sequence[Entity], known: Mapping[str, Mark]) -> str:
+    """Return one path a colour: a thousand bodies are then tens of kilobytes, not hundreds."""
+    paths: dict[str, list[str]] = {}
+    for entity in entities:
+        body = seen.bodies.get(entity.name)
+        if body is not None:
+            fill = known[entity.name].css if entity.name in known else "var(--iw-thing)"
+            corners = outline(footprint(body.robot), entity.x, entity.y, entity.heading)
+            paths.setdefault(fill, []).append(f"M{_points(corners)}z")
+    return "".join(f'<path d="{"".join(parts)}" fill="{fill}"/>' for fill, parts in paths.items())
 
 
 def _body(seen: Seen, entity: Entity, mark: Mark | None, view: Frame, selected: str | None) -> str:
@@ -132,12 +152,15 @@ def _ring(entity: Entity, radius: float, view: Frame) -> str:
 
 
 def _trail(samples: Sequence[Sample], now: float, mark: Mark, view: Frame) -> str:
-    points, last = [], -1
-    for sample in samples:
-        beat = int(sample.time / _TRAIL_STEP)
-        if now - sample.time <= TRAIL and beat != last:
-            points.append((sample.x, sample.y))
-            last = beat
+    points = []
+    # Beats of the clock, not of now: a corner of the line then stays where it is.
+    beat = math.floor(max(now - TRAIL, samples[0].time) / _TRAIL_STEP) + 1 if samples else 0
+    while samples and beat * _TRAIL_STEP <= samples[-1].time:
+        sample = samples[bisect_left(samples, beat * _TRAIL_STEP, key=lambda one: one.time)]
+        points.append((sample.x, sample.y))
+        beat += 1
+    if points:
+        points.append((samples[-1].x, samples[-1].y))
     if len(points) < 2:
         return ""
     line = f'<polyline points="{_points(points)}" fill="none" stroke-linecap="round" stroke-linejoin="round" '

@@ -25,7 +25,7 @@ HEIGHT: Final = 138  # px, of the whole plot
 _TOP, _RIGHT, _AXIS = 8, 90, 26  # px: padding above, for the labels, and below for the axis of time
 _ABOVE: Final = 11  # px from a plot's place to its canvas: viser's margin and border
 _LABEL: Final = 12  # px a label is high
-_RATE: Final = 10.0  # samples a second: half a pixel apart in a panel
+_RATE: Final = 5.0  # samples a second: about a pixel apart in a panel
 # On white and on viser's dark ground 3 : 1 or more: a canvas knows no theme.
 STROKES: Final = {"near": "#d23a6b", "middle": "#c2701a", "far": "#5488b0", "": "#5488b0"}
 
@@ -140,7 +140,7 @@ def padding() -> tuple[int, int, int, int]:
 
 
 def _thinned(samples: Sequence[Sample]) -> tuple[npt.NDArray[np.float64], list[Sample]]:
-    """Return the first sample of each tenth of a second and the newest, with their times before the newest."""
+    """Return the first sample of each fifth of a second and the newest, with their times before the newest."""
     kept: list[Sample] = []
     for sample in samples:
         if not kept or int(sample.time * _RATE) != int(kept[-1].time * _RATE):

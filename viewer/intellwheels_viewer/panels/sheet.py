@@ -16,7 +16,7 @@ _LIGHT: Final = (
     "--iw-wall:#3d4752;--iw-floor:#f4f5f6;--iw-thing:#b9c2cc"
 )
 _DARK: Final = (
-    "--iw-ink:#e6e9ed;--iw-soft:#a4acb6;--iw-line:#3a4048;--iw-tint:#2c3138;--iw-chosen:#4d4519;"
+    "--iw-ink:#e6e9ed;--iw-soft:#a4acb6;--iw-line:#3a4048;--iw-tint:#2c3138;--iw-chosen:#3b350f;"
     "--iw-red:#ff7b78;--iw-amber:#f0ad4e;--iw-green:#62c98d;--iw-near:#ff83a6;--iw-middle:#f3a35c;--iw-far:#92bddd;"
     "--iw-wall:#b4bdc8;--iw-floor:#2a2e34;--iw-thing:#6b7682"
 )
