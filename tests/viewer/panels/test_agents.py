@@ -1,0 +1,77 @@
+"""The table of bodies."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import replace
+
+import viser
+
+from intellwheels_schemas.messages import Entity
+from intellwheels_viewer.panels.agents import NOBODY, ROWS, AgentsPanel, agents_html, in_order, words
+from intellwheels_viewer.panels.choices import Choices
+from tests.viewer.panels import made_up
+from tests.viewer.panels.panel import Calls, enter
+
+
+def row(page: str, name: str) -> str:
+    found = re.search(rf'<tr class="[^"]*" data-agent="{name}".*?</tr>', page)
+    assert found is not None
+    return found[0]
+
+
+def test_a_row_has_all_that_is_known_of_an_agent() -> None:
+    page = agents_html(made_up.seen(), made_up.choices())
+    assert all(word in row(page, "chair2") for word in ("real", "follow-wall", "stale", ">0.72<", "#e69f00"))
+    assert all(word in row(page, "chair3") for word in ("simulated", "touches", ">12<", "iw-red"))
+    assert "taken over" in row(page, "chair5")
+
+
+def test_the_selected_row_is_marked_and_no_other() -> None:
+    page = agents_html(made_up.seen(), made_up.choices())
+    assert page.count('class="chosen') == 1
+    assert 'class="chosen' in row(page, "chair1")
+
+
+def test_agents_come_before_what_an_operator_put_there() -> None:
+    assert in_order(made_up.seen())[-1].name == "table1"
+    assert words(in_order(made_up.seen())[-1], made_up.seen().bodies["table1"]) == "table, placed"
+
+
+def test_no_agents_are_said_in_words() -> None:
+    assert "No agents yet" in agents_html(replace(made_up.seen(), entities=()), Choices())
+    assert "No agents yet" not in agents_html(made_up.nothing("no-router"), Choices())
+
+
+def test_words_of_a_peer_are_text() -> None:
+    page = agents_html(made_up.hostile(), made_up.attacked())
+    assert "<img" not in page
+    assert 'onerror="' not in page
+
+
+def test_a_crowd_is_cut_but_the_selected_one_is_there() -> None:
+    crowd = tuple(Entity(name=f"c{k}", x=0, y=0, heading=0) for k in range(300))
+    page = agents_html(replace(made_up.seen(), entities=crowd), Choices(selected="c299"))
+    assert page.count("<tr class") == ROWS + 1
+    assert "and 259 more" in page
+    assert 'data-agent="c299"' in page
+
+
+def test_list_and_table_select_who_is_there_only(gui: viser.GuiApi, calls: Calls) -> None:
+    panel = AgentsPanel(gui, calls.to("select"))
+    panel.show(made_up.seen(), made_up.choices())
+    for name in ("chair2", "stranger", NOBODY):
+        enter(panel._list, name)
+    enter(panel._pick._field, "chair3")
+    enter(panel._pick._field, "stranger")
+    assert calls == [("select", "chair2"), ("select", None), ("select", "chair3")]
+
+
+def test_the_list_follows_who_is_there_and_selected(gui: viser.GuiApi, calls: Calls) -> None:
+    panel = AgentsPanel(gui, calls.to("select"))
+    panel.show(made_up.seen(), made_up.choices())
+    assert panel._list.options == (NOBODY, *made_up.CHAIRS, "table1")
+    assert panel._list.value == "chair1"
+    panel.show(replace(made_up.seen(), entities=()), made_up.choices())
+    assert panel._list.value == NOBODY
+    assert calls == []

@@ -1,0 +1,95 @@
+"""The run's clock and its buttons."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+import viser
+
+from intellwheels_viewer.panels.choices import Choices
+from intellwheels_viewer.panels.clock import ClockPanel, clock_html
+from intellwheels_viewer.seen import Seen
+from tests.viewer.panels import made_up
+from tests.viewer.panels.panel import Calls, enter, press
+
+
+def at(state: str, **changes: object) -> Seen:
+    return replace(made_up.seen(), clock=made_up.clock(state, **changes))
+
+
+def panel(gui: viser.GuiApi, calls: Calls) -> ClockPanel:
+    return ClockPanel(
+        gui, on_pause=calls.to("pause"), on_resume=calls.to("resume"), on_step=calls.to("step"),
+        on_reset=calls.to("reset"), on_speed=calls.to("speed"),
+    )  # fmt: skip
+
+
+def test_a_run_shows_time_tick_factor_and_late_ticks() -> None:
+    page = clock_html(at("running"))
+    assert all(word in page for word in ("Running", ">84.35<", ">1687<", ">1.00<", "3 late ticks", "in real time"))
+
+
+@pytest.mark.parametrize("state", ["paused", "waiting", "ended"])
+def test_a_run_that_stands_says_so_in_place_of_a_factor(state: str) -> None:
+    page = clock_html(at(state))
+    assert f">{state}<" in page
+    assert "0.00" not in page
+
+
+def test_who_is_waited_for_is_named_but_not_all() -> None:
+    assert "Waiting for a, b, c and 2 more" in clock_html(at("waiting", waiting=("a", "b", "c", "d", "e")))
+
+
+def test_one_late_tick_and_none_are_written_as_spoken() -> None:
+    assert "1 late tick," in clock_html(at("running", late=1))
+    assert "no late ticks" in clock_html(at("running", late=0))
+
+
+def test_another_speed_is_shown() -> None:
+    assert "speed 0.5 \u00d7" in clock_html(at("running", speed=0.5))
+
+
+def test_words_of_a_peer_are_text() -> None:
+    assert "<img" not in clock_html(made_up.hostile())
+
+
+def test_buttons_call(gui: viser.GuiApi, calls: Calls) -> None:
+    shown = panel(gui, calls)
+    press(shown._pause)
+    press(shown._resume)
+    enter(shown._step, "10")
+    enter(shown._speed, "0.5")
+    enter(shown._reset, "Reset")
+    assert calls == [("pause",), ("resume",), ("step", 10), ("speed", 0.5), ("reset",)]
+
+
+def test_either_pause_or_resume_is_there(gui: viser.GuiApi, calls: Calls) -> None:
+    shown = panel(gui, calls)
+    shown.show(at("running"), Choices())
+    assert (shown._pause.visible, shown._resume.visible) == (True, False)
+    shown.show(at("paused"), Choices())
+    assert (shown._pause.visible, shown._resume.visible) == (False, True)
+
+
+def disabled(shown: ClockPanel) -> list[bool]:
+    groups = (shown._step, shown._speed, shown._reset)
+    return [shown._pause.disabled, *(group._impl.props.disabled for group in groups)]  # type: ignore[attr-defined]
+
+
+def test_what_cannot_act_is_disabled(gui: viser.GuiApi, calls: Calls) -> None:
+    shown = panel(gui, calls)
+    shown.show(at("running"), Choices())
+    assert disabled(shown) == [False] * 4
+    shown.show(at("running"), Choices(allowed=False))
+    assert disabled(shown) == [True] * 4
+    shown.show(replace(at("running"), phase="silent"), Choices())
+    assert disabled(shown) == [True] * 4
+    shown.show(at("running", pace="lockstep"), Choices())
+    assert disabled(shown) == [False, False, True, False]
+
+
+def test_a_log_has_its_buttons_beside_its_time_line(gui: viser.GuiApi, calls: Calls) -> None:
+    shown = panel(gui, calls)
+    shown.show(replace(at("running"), last_tick=2000), Choices())
+    assert not any(one.visible for one in (shown._pause, shown._resume, shown._speed, shown._reset))

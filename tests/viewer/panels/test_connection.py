@@ -1,0 +1,72 @@
+"""The connection's state in words."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import get_args
+
+import pytest
+import viser
+
+from intellwheels_viewer.panels.choices import Choices
+from intellwheels_viewer.panels.connection import NO_WORLD, ConnectionPanel, connection_html, state
+from intellwheels_viewer.seen import Phase, Seen
+from tests.viewer.panels import made_up
+from tests.viewer.panels.panel import Calls, enter
+
+
+@pytest.mark.parametrize("phase", get_args(Phase))
+def test_every_phase_has_words(phase: str) -> None:
+    tone, title, text = state(made_up.nothing(phase), Choices())
+    assert tone in {"good", "wait", "bad"}
+    assert title
+    assert text
+
+
+@pytest.mark.parametrize(
+    ("phase", "words"),
+    [
+        ("no-router", ["No router at tcp/127.0.0.1:7447", "<code>iw-router</code>"]),
+        ("no-world", ["No world is running", "<code>iw-run figure6</code>"]),
+        ("silent", ["Simulator silent for 7 s", "Last picture, greyed"]),
+        ("gone", ["World main has gone"]),
+    ],
+)
+def test_what_is_wrong_comes_with_what_to_do(phase: str, words: list[str]) -> None:
+    page = connection_html(made_up.nothing(phase, world="main"), Choices(quiet=7.2))
+    assert all(one in page for one in words)
+
+
+def test_who_may_only_look_is_told() -> None:
+    seen = made_up.seen()
+    assert "You may look, not steer" in connection_html(seen, Choices(allowed=False))
+    assert "You may look, not steer" not in connection_html(seen, Choices())
+
+
+def test_a_refusal_shows_its_reason() -> None:
+    page = connection_html(made_up.seen(), Choices(refusal="'table2' overlaps <wall>"))
+    assert "overlaps &lt;wall&gt;" in page
+
+
+def test_words_of_a_peer_are_text() -> None:
+    assert "<img" not in connection_html(made_up.hostile(), made_up.attacked())
+
+
+def test_worlds_are_offered_where_there_are_several(gui: viser.GuiApi, calls: Calls) -> None:
+    panel = ConnectionPanel(gui, calls.to("world"))
+    panel.show(replace(made_up.seen(), worlds=("main",)), Choices())
+    assert not panel._worlds.visible
+    panel.show(made_up.nothing("choose", worlds=("lab", "main")), Choices())
+    assert panel._worlds.visible
+    assert (panel._worlds.value, panel._worlds.options) == (NO_WORLD, (NO_WORLD, "lab", "main"))
+    panel.show(made_up.seen(), Choices())
+    assert (panel._worlds.value, panel._worlds.options) == ("main", ("lab", "main"))
+    assert calls == []
+
+
+def test_only_a_world_that_is_there_can_be_chosen(gui: viser.GuiApi, calls: Calls) -> None:
+    panel = ConnectionPanel(gui, calls.to("world"))
+    panel.show(Seen(phase="choose", worlds=("lab", "main")), Choices())
+    for world in ("elsewhere", NO_WORLD, "lab"):
+        enter(panel._worlds, world)
+    assert calls == [("world", "lab")]

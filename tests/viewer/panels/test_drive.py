@@ -1,0 +1,119 @@
+"""Driving by hand, as far as it goes without a page."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import pytest
+import viser
+
+from intellwheels_viewer.panels.choices import Choices
+from intellwheels_viewer.panels.drive import EVERYBODY, GENTLE, SAY_LIMIT, DrivePanel, able, drive_html, page_html
+from tests.viewer.panels import made_up
+from tests.viewer.panels.panel import Calls, enter, hold, press
+
+
+def panel(gui: viser.GuiApi, calls: Calls, choices: Choices | None = None) -> DrivePanel:
+    shown = DrivePanel(gui, on_stick=calls.to("stick"), on_say=calls.to("say"))
+    shown.show(made_up.seen(), choices or made_up.choices())
+    return shown
+
+
+def test_who_is_driven_or_why_nobody_is_said() -> None:
+    seen = made_up.seen()
+    assert "You drive chair1" in drive_html(seen, made_up.choices())
+    assert "Nothing selected" in drive_html(seen, Choices())
+    assert "table1 has no motors" in drive_html(seen, Choices(selected="table1"))
+    assert "You may look, not steer" in drive_html(seen, Choices(selected="chair1", allowed=False))
+    assert "No world" in drive_html(made_up.nothing("no-world"), Choices())
+
+
+def test_the_page_sends_nothing_while_nobody_can_be_driven() -> None:
+    assert "iw-drive-off" not in drive_html(made_up.seen(), made_up.choices())
+    for choices in (Choices(), Choices(selected="table1"), Choices(selected="chair1", allowed=False)):
+        assert "iw-drive-off" in drive_html(made_up.seen(), choices)
+        assert not able(made_up.seen(), choices)
+
+
+def test_words_of_a_peer_are_text() -> None:
+    assert "<img" not in drive_html(made_up.hostile(), made_up.attacked())
+
+
+def test_the_handler_stays_in_its_attribute() -> None:
+    page = page_html("some-id")
+    handler = page.split('onerror="')[1].split('"')[0]
+    assert "some-id" in handler
+    assert handler.endswith("})()\n")
+
+
+def test_each_message_is_passed_on_once_with_a_growing_count(gui: viser.GuiApi, calls: Calls) -> None:
+    shown = panel(gui, calls)
+    enter(shown._value, (0.5, -0.25, 1.0))
+    enter(shown._value, (0.5, -0.25, 2.0))
+    shown.show(made_up.seen(), made_up.choices())
+    enter(shown._value, (0.0, 0.0, 3.0))
+    assert calls == [("stick", 0.5, -0.25, 1), ("stick", 0.5, -0.25, 2), ("stick", 0.0, 0.0, 3)]
+
+
+@pytest.mark.parametrize("value", [(math.nan, 0.0, 1.0), (0.0, math.inf, 1.0), (1.0, 1.0), ()])
+def test_a_message_that_no_stick_sends_is_dropped(gui: viser.GuiApi, calls: Calls, value: tuple[float, ...]) -> None:
+    enter(panel(gui, calls)._value, value)
+    assert calls == []
+
+
+def test_power_is_bounded(gui: viser.GuiApi, calls: Calls) -> None:
+    enter(panel(gui, calls)._value, (99.0, -99.0, 1.0))
+    assert calls == [("stick", 1.0, -1.0, 1)]
+
+
+def test_nobody_is_driven_without_rights_whatever_a_page_sends(gui: viser.GuiApi, calls: Calls) -> None:
+    shown = panel(gui, calls, replace(made_up.choices(), allowed=False))
+    enter(shown._value, (1.0, 0.0, 1.0))
+    for button in shown._buttons:
+        assert button.disabled
+        hold(button)
+    assert calls == []
+
+
+def test_held_buttons_drive_each_its_way(gui: viser.GuiApi, calls: Calls) -> None:
+    shown = panel(gui, calls)
+    for button in shown._buttons:
+        hold(button)
+    assert [(forward, turn) for _, forward, turn, _ in calls] == [
+        (GENTLE, 0.0), (0.0, GENTLE), (0.0, -GENTLE), (-GENTLE, 0.0)
+    ]  # fmt: skip
+
+
+def test_buttons_are_there_when_wanted(gui: viser.GuiApi, calls: Calls) -> None:
+    shown = panel(gui, calls)
+    assert not any(button.visible for button in shown._buttons)
+    enter(shown._wanted, True)
+    assert all(button.visible for button in shown._buttons)
+
+
+def test_words_go_to_everybody_or_to_the_selected_one(gui: viser.GuiApi, calls: Calls) -> None:
+    shown = panel(gui, calls)
+    enter(shown._text, "  make way ")
+    press(shown._say)
+    assert shown._text.value == ""
+    press(shown._say)
+    enter(shown._text, "you")
+    enter(shown._to, "chair1")
+    press(shown._say)
+    assert calls == [("say", "make way", None), ("say", "you", "chair1")]
+
+
+def test_words_meant_for_one_do_not_go_to_the_next_selected(gui: viser.GuiApi, calls: Calls) -> None:
+    shown = panel(gui, calls)
+    enter(shown._to, "chair1")
+    shown.show(made_up.seen(), replace(made_up.choices(), selected="chair2"))
+    assert shown._to.options == (EVERYBODY, "chair2")
+    assert shown._to.value == EVERYBODY
+
+
+def test_words_longer_than_the_wire_takes_are_cut(gui: viser.GuiApi, calls: Calls) -> None:
+    shown = panel(gui, calls)
+    enter(shown._text, "a" * 5000)
+    press(shown._say)
+    assert len(calls[0][1]) == SAY_LIMIT

@@ -1,0 +1,50 @@
+"""The list of events."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import replace
+
+import viser
+
+from intellwheels_schemas.messages import Event
+from intellwheels_viewer.panels.events import SHOWN, EventsPanel, events_html
+from tests.viewer.panels import made_up
+
+
+def test_newest_first_with_times() -> None:
+    page = events_html(made_up.seen())
+    assert re.findall(r"<li data-code[^>]*><span>([\d.]+)<", page)[:3] == ["80.05", "65.00", "60.15"]
+
+
+def test_a_contact_is_red_and_nothing_else() -> None:
+    page = events_html(made_up.seen())
+    assert page.count("iw-red") == 2
+    assert '<span class="iw-red">chair1 hit chair3 at 0.11 m/s</span>' in page
+
+
+def test_another_run_begins_below_a_line() -> None:
+    page = events_html(made_up.seen())
+    assert page.count("the run before") == 1
+    assert page.index("the run before") < page.index("The run began anew")
+
+
+def test_a_long_list_is_cut_and_says_so() -> None:
+    many = tuple(Event(run=made_up.RUN, tick=k, number=k, code="late", agent="a") for k in range(SHOWN + 7))
+    page = events_html(replace(made_up.seen(), events=many))
+    assert page.count("<li") == SHOWN
+    assert "and 7 older" in page
+
+
+def test_no_events_are_said_in_words() -> None:
+    assert "Nothing has happened yet" in events_html(replace(made_up.seen(), events=()))
+
+
+def test_words_of_a_peer_are_text() -> None:
+    assert "<img" not in events_html(made_up.hostile())
+
+
+def test_panel_shows_the_list(gui: viser.GuiApi) -> None:
+    panel = EventsPanel(gui)
+    panel.show(made_up.seen())
+    assert panel._list.content == events_html(made_up.seen())

@@ -1,0 +1,174 @@
+"""The panels in a page: what a person sees is whole, what is pressed calls, and letting go stops."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+from typing import Any
+
+import pytest
+from playwright.sync_api import Page
+
+from intellwheels_viewer.panels.drive import GENTLE
+from tests.viewer.panels import made_up
+from tests.viewer.panels.board import FAULTS, Board, opened, served
+
+pytestmark = pytest.mark.browser
+TABS = ("Agents", "Drive", "Place", "Layers", "Events", "Selected")
+
+
+@pytest.fixture(scope="module")
+def shown(chromium: Any) -> Iterator[tuple[Page, Board]]:
+    with served(made_up.seen(), made_up.choices()) as (server, boards):
+        yield opened(chromium, server), boards[0]
+
+
+@pytest.fixture
+def page(shown: tuple[Page, Board]) -> Page:
+    shown[0].get_by_role("tab", name="Drive").click()
+    shown[0].wait_for_selector("[data-testid=stick]")
+    return shown[0]
+
+
+@pytest.fixture
+def board(shown: tuple[Page, Board]) -> Board:
+    shown[1].show(made_up.seen(), made_up.choices())
+    shown[1].calls.clear()
+    return shown[1]
+
+
+def held(calls: list[tuple[Any, ...]], forward: float, turn: float) -> int:
+    return sum(call[0] == "stick" and call[1:3] == pytest.approx((forward, turn)) for call in calls)
+
+
+def released(calls: list[tuple[Any, ...]]) -> bool:
+    return bool(calls) and calls[-1][:3] == ("stick", 0.0, 0.0)
+
+
+@pytest.mark.parametrize("theme", ["light", "dark"])
+def test_no_text_is_small_or_cut(chromium: Any, theme: str) -> None:
+    with served(made_up.seen(), made_up.choices(), dark=theme == "dark") as (server, _):
+        page = opened(chromium, server)
+        for tab in TABS:
+            page.get_by_role("tab", name=tab).click()
+            assert page.evaluate(FAULTS) == []
+        page.close()
+
+
+def test_no_word_of_a_peer_runs_as_script(chromium: Any) -> None:
+    with served(made_up.hostile(), made_up.attacked()) as (server, boards):
+        page = opened(chromium, server)
+        for tab in TABS:
+            page.get_by_role("tab", name=tab).click()
+        page.wait_for_function("document.body.innerText.includes('onerror')")
+        assert page.evaluate("window.hacked") is None
+        # It is a name like any other: its row selects it.
+        page.get_by_role("tab", name="Agents").click()
+        page.locator("tr[data-agent]").click()
+        boards[0].wait(lambda calls: ("select", made_up.ATTACK) in calls)
+        assert page.evaluate("window.hacked") is None
+        page.close()
+
+
+def test_a_key_drives_ten_times_a_second_until_it_is_released(page: Page, board: Board) -> None:
+    page.keyboard.down("i")
+    board.wait(lambda calls: held(calls, GENTLE, 0.0) >= 5)
+    page.keyboard.down("j")
+    board.wait(lambda calls: held(calls, GENTLE, GENTLE))
+    page.keyboard.up("i")
+    page.keyboard.up("j")
+    board.wait(released)
+    counts = [call[3] for call in board.calls]
+    assert counts == list(range(counts[0], counts[0] + len(counts)))
+
+
+def test_nothing_is_sent_after_the_release(page: Page, board: Board) -> None:
+    page.keyboard.press("k")
+    board.wait(released)
+    sent = len(board.calls)
+    # Three beats of the page's timer, by its own clock.
+    page.evaluate("() => new Promise(done => setTimeout(done, 350))")
+    assert len(board.calls) == sent
+
+
+@pytest.mark.parametrize("event", ["blur", "pagehide"])
+def test_a_page_that_is_left_stops(page: Page, board: Board, event: str) -> None:
+    page.keyboard.down("l")
+    board.wait(lambda calls: held(calls, 0.0, -GENTLE))
+    page.evaluate(f"window.dispatchEvent(new Event('{event}'))")
+    board.wait(released)
+    page.keyboard.up("l")
+
+
+def test_the_stick_drives_as_far_as_it_is_pulled_and_springs_back(page: Page, board: Board) -> None:
+    box = page.locator("[data-testid=stick]").bounding_box()
+    assert box is not None
+    x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+    page.mouse.move(x, y)
+    page.mouse.down()
+    page.mouse.move(x, y - 19, steps=3)
+    board.wait(lambda calls: held(calls, 0.5, 0.0) >= 3)
+    page.mouse.move(x - 500, y, steps=3)
+    board.wait(lambda calls: held(calls, 0.0, 1.0))
+    page.mouse.up()
+    board.wait(released)
+
+
+def test_typing_is_not_driving(page: Page, board: Board) -> None:
+    field = page.locator("form input:visible").first
+    field.fill("")
+    field.press_sequentially("jolly kilt")
+    field.press("Enter")
+    board.wait(lambda calls: ("say", "jolly kilt", None) in calls)
+    assert not any(call[0] == "stick" for call in board.calls)
+
+
+def test_keys_drive_while_another_tab_is_open(page: Page, board: Board) -> None:
+    page.get_by_role("tab", name="Layers").click()
+    page.keyboard.down("i")
+    board.wait(lambda calls: held(calls, GENTLE, 0.0) >= 2)
+    page.keyboard.up("i")
+    board.wait(released)
+
+
+def test_a_key_is_dead_while_nobody_is_selected(page: Page, board: Board) -> None:
+    board.show(made_up.seen(), replace(made_up.choices(), selected=None))
+    page.wait_for_selector("#iw-drive-off", state="attached")
+    page.keyboard.press("i")
+    page.get_by_role("button", name="Pause").click()
+    board.wait(lambda calls: ("pause",) in calls)
+    assert board.calls == [("pause",)]
+
+
+def test_a_row_selects_while_the_table_is_rewritten(page: Page, board: Board) -> None:
+    page.get_by_role("tab", name="Agents").click()
+    row = page.get_by_test_id("agent-chair3").bounding_box()
+    assert row is not None
+    page.mouse.move(row["x"] + 60, row["y"] + 10)
+    page.mouse.down()
+    board.show(replace(made_up.seen(), entities=made_up.seen().entities[:5]), made_up.choices())
+    page.wait_for_selector("[data-testid=agent-chair6]", state="detached")
+    page.mouse.up()
+    board.wait(lambda calls: ("select", "chair3") in calls)
+
+
+def test_a_body_in_the_plan_selects(page: Page, board: Board) -> None:
+    page.get_by_role("tab", name="Selected").click()
+    page.locator("[data-testid=plan] [data-agent=chair4]").click(force=True)
+    board.wait(lambda calls: ("select", "chair4") in calls)
+
+
+def test_disabled_groups_cannot_be_pressed(page: Page, board: Board) -> None:
+    board.show(made_up.seen(), replace(made_up.choices(), allowed=False))
+    page.wait_for_function("[...document.querySelectorAll('button')].find(b => b.innerText === 'Reset').disabled")
+
+
+def test_a_closed_page_sends_a_last_zero_and_then_nothing(chromium: Any) -> None:
+    with served(made_up.seen(), made_up.choices()) as (server, boards):
+        page = opened(chromium, server)
+        page.get_by_role("tab", name="Drive").click()
+        page.wait_for_selector("[data-testid=stick]")
+        page.keyboard.down("i")
+        boards[0].wait(lambda calls: held(calls, GENTLE, 0.0) >= 2)
+        page.close()
+        boards[0].wait(released)

@@ -1,0 +1,139 @@
+"""Who is there: a row a body, agents first. A row selects; so does the list below it."""
+
+from __future__ import annotations
+
+import html
+from collections.abc import Callable
+from typing import Final
+
+import viser
+
+from intellwheels_schemas.messages import Body, Entity
+from intellwheels_viewer.panels import figures
+from intellwheels_viewer.panels.callbacks import Pick, assign, updated
+from intellwheels_viewer.panels.choices import Choices
+from intellwheels_viewer.panels.marks import Mark, marks, swatch
+from intellwheels_viewer.panels.ranges import nearest, tone
+from intellwheels_viewer.panels.sheet import SHEET, block, note
+from intellwheels_viewer.seen import Seen
+
+ROWS: Final = 40
+"""A longer table is not read but searched, in the list."""
+NOBODY: Final = "Nobody"
+"""No agent is called so: names are small."""
+_STATES: Final = {
+    "drive": "",
+    "timeout": "no command",
+    "rested": "rests",
+    "paused": "paused",
+    "taken": "taken over",
+    "stale": "stale: pose is old",
+}
+_COLUMNS: Final = (
+    '<colgroup><col><col style="width:46px"><col style="width:52px"><col style="width:54px"></colgroup>'
+    "<tr><th>agent</th><th>speed<br>m/s</th><th>nearest<br>m</th><th>contacts</th></tr>"
+)
+
+
+def in_order(seen: Seen) -> list[Entity]:
+    """Return the bodies, those of agents before those that an operator put there."""
+    return sorted(seen.entities, key=lambda entity: not _is_agent(seen.bodies.get(entity.name)))
+
+
+def agents_html(seen: Seen, choices: Choices, handler: str = "") -> str:
+    """Return the table of bodies.
+
+    Args:
+        seen: The run.
+        choices: Whose row is selected, and the colours.
+        handler: An attribute of the table that makes its `data-agent` rows selectable.
+    """
+    if not seen.entities:
+        return block(
+            "agents", note("No agents yet: `iw-agent waypoints --name chair1`") if seen.phase == "live" else ""
+        )
+    known = marks(choices.colours)
+    bodies = in_order(seen)
+    shown = bodies[:ROWS]
+    if choices.selected not in {entity.name for entity in shown}:
+        shown = [*shown, *(entity for entity in bodies[ROWS:] if entity.name == choices.selected)]
+    rows = "".join(_row(seen, entity, known.get(entity.name, Mark()), choices.selected) for entity in shown)
+    rest = len(bodies) - len(shown)
+    more = f'<div class="iw-small">and {rest} more: choose below</div>' if rest else ""
+    old = "" if seen.phase == "live" else "iw-old"
+    return block("agents", f"<table {handler}>{_COLUMNS}{rows}</table>{more}", classes=old)
+
+
+def words(entity: Entity, body: Body | None) -> str:
+    """Return what kind of body it is and how it fares: real or simulated, its mode, why it does not drive."""
+    said = []
+    if body is not None:
+        said.append(body.robot.type if _is_agent(body) else f"{body.robot.kind}, placed")
+    if entity.mode:
+        said.append(entity.mode)
+    if _STATES[entity.state]:
+        said.append(_STATES[entity.state])
+    return ", ".join(said)
+
+
+def _is_agent(body: Body | None) -> bool:
+    # A body that an operator put there has no instance that joined as it.
+    return body is None or body.owner is not None
+
+
+def _row(seen: Seen, entity: Entity, mark: Mark, selected: str | None) -> str:
+    name = html.escape(entity.name)
+    classes = " ".join(
+        word for word, on in (("chosen", entity.name == selected), ("stale", entity.state == "stale")) if on
+    )
+    distance = nearest(seen, entity.name)
+    near = "\u2013" if distance is None else figures.decimal(distance)
+    return (
+        f'<tr class="{classes}" data-agent="{name}" data-testid="agent-{name}" data-state="{entity.state}">'
+        f'<td><div class="iw-head">{swatch(mark)}<b class="iw-cut" title="{name}">{name}</b></div>'
+        f'<div class="iw-small iw-wide">{html.escape(words(entity, seen.bodies.get(entity.name)))}</div></td>'
+        f"<td><span>{figures.decimal(entity.speed)}</span></td>"
+        f'<td><span class="{"iw-near" if distance is not None and tone(distance) == "near" else ""}">{near}</span></td>'
+        f"<td>{_contacts(entity)}</td></tr>"
+    )
+
+
+def _contacts(entity: Entity) -> str:
+    if entity.contact or entity.collision:
+        return f'<b class="iw-red">{entity.contacts}</b><div class="iw-small iw-red">touches</div>'
+    return f"<span>{entity.contacts}</span>"
+
+
+class AgentsPanel:
+    """The table, and a list of all names.
+
+    Args:
+        gui: Where the elements are made, in the container that is open.
+        on_select: Gets the name of a body that is there, or None for nobody.
+    """
+
+    def __init__(self, gui: viser.GuiApi, on_select: Callable[[str | None], None]) -> None:
+        gui.add_html(SHEET)
+        self._table = gui.add_html("")
+        self._list: viser.GuiDropdownHandle[str] = gui.add_dropdown("Selected", (NOBODY,))
+        self._known: frozenset[str] = frozenset()
+        self._on_select = on_select
+        self._pick = Pick(gui, self._selected)
+        updated(self._list, self._selected)
+
+    def show(self, seen: Seen, choices: Choices) -> None:
+        """Show who is there."""
+        self._table.content = agents_html(seen, choices, self._pick.attribute)
+        names = tuple(entity.name for entity in in_order(seen))
+        self._known = frozenset(names)
+        options = (NOBODY, *names)
+        if options != self._list.options:
+            self._list.options = options
+        assign(self._list, choices.selected if choices.selected in options else NOBODY)
+        self._list.visible = bool(names)
+
+    def _selected(self, name: str) -> None:
+        if name in self._known:
+            self._on_select(name)
+        elif name == NOBODY:
+            self._on_select(None)

@@ -1,0 +1,129 @@
+"""The run's clock and its buttons. A paused run has no real-time factor."""
+
+from __future__ import annotations
+
+import html
+from collections.abc import Callable
+from typing import Final
+
+import viser
+
+from intellwheels_schemas.messages import Clock
+from intellwheels_viewer.panels import figures
+from intellwheels_viewer.panels.callbacks import chosen, clicked, disable
+from intellwheels_viewer.panels.choices import Choices
+from intellwheels_viewer.panels.sheet import SHEET, block
+from intellwheels_viewer.panels.sheet import figures as large
+from intellwheels_viewer.seen import Seen
+
+STEPS: Final = ("1", "10", "100")
+SPEEDS: Final = ("0.5", "1", "2", "5")
+_SHOWN: Final = 3
+_PACES: Final = {
+    "realtime": "in real time",
+    "free": "as fast as it can",
+    "lockstep": "in lockstep with its agents",
+}
+_STATES: Final = {
+    "running": ("good", "Running"),
+    "paused": ("wait", "Paused"),
+    "waiting": ("wait", "Waiting"),
+    "ended": ("wait", "Ended"),
+}
+
+
+def clock_html(seen: Seen) -> str:
+    """Return state, time, tick, real-time factor and late ticks."""
+    clock = seen.clock
+    if clock is None:
+        return block("clock", '<span class="iw-soft">No clock yet.</span>')
+    live = seen.phase == "live"
+    tone, word = _STATES[clock.state] if live else ("", "Last heard")
+    return block(
+        "clock",
+        f'<div class="iw-head" data-state="{clock.state}"><i class="iw-dot {tone}"></i>'
+        f'<b class="iw-cut">{html.escape(word + _awaited(clock))}</b></div>',
+        large(
+            (
+                (figures.decimal(clock.time), "time, s"),
+                (str(clock.tick), "tick"),
+                (_factor(clock), "real-time factor"),
+            )
+        ),
+        f'<div class="iw-small">{_late(clock)}, {html.escape(_pace(clock))}</div>',
+        classes="" if live else "iw-old",
+    )
+
+
+def _awaited(clock: Clock) -> str:
+    if clock.state != "waiting":
+        return ""
+    if not clock.waiting:
+        return " for the first agent"
+    more = len(clock.waiting) - _SHOWN
+    return " for " + ", ".join(clock.waiting[:_SHOWN]) + (f" and {more} more" if more > 0 else "")
+
+
+def _factor(clock: Clock) -> str:
+    return figures.decimal(clock.factor) if clock.state == "running" else clock.state
+
+
+def _late(clock: Clock) -> str:
+    return f"{clock.late or 'no'} late tick{'' if clock.late == 1 else 's'}"
+
+
+def _pace(clock: Clock) -> str:
+    if clock.pace == "realtime" and clock.speed != 1.0:
+        return f"speed {figures.factor(clock.speed)} \u00d7"
+    return _PACES[clock.pace]
+
+
+class ClockPanel:
+    """The clock, and pause, resume, step, reset and speed.
+
+    Args:
+        gui: Where the elements are made, in the container that is open.
+        on_pause: Asks for a pause.
+        on_resume: Asks to go on.
+        on_step: Asks for so many steps.
+        on_reset: Asks to begin anew.
+        on_speed: Asks for a speed, simulated time over wall time.
+    """
+
+    def __init__(
+        self,
+        gui: viser.GuiApi,
+        *,
+        on_pause: Callable[[], None],
+        on_resume: Callable[[], None],
+        on_step: Callable[[int], None],
+        on_reset: Callable[[], None],
+        on_speed: Callable[[float], None],
+    ) -> None:
+        gui.add_html(SHEET)
+        self._clock = gui.add_html("")
+        self._pause = gui.add_button("Pause", icon=viser.Icon.PLAYER_PAUSE, disabled=True)
+        self._resume = gui.add_button("Resume", icon=viser.Icon.PLAYER_PLAY, visible=False)
+        self._step = gui.add_button_group("Step, ticks", STEPS, disabled=True)
+        self._speed = gui.add_button_group("Speed, \u00d7", SPEEDS, disabled=True)
+        self._reset = gui.add_button_group("Begin anew", ("Reset",), disabled=True)
+        clicked(self._pause, on_pause)
+        clicked(self._resume, on_resume)
+        chosen(self._reset, lambda _: on_reset())
+        chosen(self._step, lambda word: on_step(int(word)))
+        chosen(self._speed, lambda word: on_speed(float(word)))
+
+    def show(self, seen: Seen, choices: Choices) -> None:
+        """Show the clock; what cannot act is disabled."""
+        self._clock.content = clock_html(seen)
+        clock = seen.clock
+        able = choices.allowed and seen.phase == "live" and clock is not None
+        halted = clock is not None and clock.state in {"paused", "ended"}
+        # A log has its own, beside its time line.
+        log = seen.last_tick is not None
+        self._pause.visible, self._resume.visible = not halted and not log, halted and not log
+        self._speed.visible = self._reset.visible = not log
+        self._pause.disabled = self._resume.disabled = not able
+        disable(self._step, not able)
+        disable(self._reset, not able)
+        disable(self._speed, not (able and clock is not None and clock.pace == "realtime"))

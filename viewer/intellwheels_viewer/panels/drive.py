@@ -1,0 +1,216 @@
+"""Driving by hand: a stick on the screen and the keys I, J, K, L, both with release; and words to say.
+
+The page sends ten messages a second while the stick is out or a key is down, one of zero at release, lost focus and
+hiding, and none at all otherwise: whoever listens puts each on once and repeats none, so that a page that is closed or
+hangs stops the chair. The handler leans on a private name of viser (see callbacks); without it, four buttons do.
+"""
+
+from __future__ import annotations
+
+import html
+import math
+from collections.abc import Callable
+from typing import Final
+
+import viser
+
+from intellwheels_viewer.panels.callbacks import assign, clicked, element_id, updated
+from intellwheels_viewer.panels.choices import Choices
+from intellwheels_viewer.panels.sheet import SHEET, block, note
+from intellwheels_viewer.seen import Seen
+
+RATE: Final = 10.0
+"""Messages a second."""
+GENTLE: Final = 0.6
+"""Share of full power of a key; with Shift it is full. The stick gives any."""
+EVERYBODY: Final = "Everybody"
+SAY_LIMIT: Final = 1000
+"""Characters, the wire's bound; a simulation's own is lower, and its refusal is shown."""
+
+_SCRIPT: Final = """
+(() => {
+const W = window, D = document, GENTLE = %GENTLE%, R = 38;
+if (W.__iwDrive) W.__iwDrive.abort();
+const stop = W.__iwDrive = new AbortController();
+const KEYS = {KeyI: [1, 0], KeyK: [-1, 0], KeyJ: [0, 1], KeyL: [0, -1]};
+const down = new Set();
+let stick = null, pointer = null, shift = false, timer = null, moving = false, n = 0;
+const clamp = v => Math.max(-1, Math.min(1, v));
+const wish = () => {
+  if (D.getElementById('iw-drive-off')) return [0, 0];
+  if (stick) return stick;
+  let f = 0, t = 0;
+  for (const k of down) { f += KEYS[k][0]; t += KEYS[k][1]; }
+  const p = shift ? 1 : GENTLE;
+  return [clamp(f) * p, clamp(t) * p];
+};
+const send = (f, t) => W.__viserMutable.sendMessage(
+  {type: 'GuiUpdateMessage', uuid: '%UUID%', updates: {value: [f, t, ++n]}});
+const beat = () => {
+  const [f, t] = wish(), knob = D.getElementById('iw-knob');
+  if (knob) knob.style.transform = `translate(${-t * R}px,${-f * R}px)`;
+  if (f || t) { send(f, t); moving = true; timer = timer || setInterval(beat, %PERIOD%); return; }
+  if (moving) send(0, 0);
+  moving = false; clearInterval(timer); timer = null;
+};
+const release = () => { down.clear(); stick = null; pointer = null; beat(); };
+const on = (type, f) => W.addEventListener(type, f, {signal: stop.signal, capture: true});
+stop.signal.addEventListener('abort', release);
+on('keydown', e => {
+  if (!(e.code in KEYS) || e.repeat || e.ctrlKey || e.metaKey || e.altKey) return;
+  if (e.target.closest && e.target.closest('input,textarea,select,[contenteditable=true]')) return;
+  shift = e.shiftKey; down.add(e.code); beat();
+});
+on('keyup', e => { shift = e.shiftKey; if (down.delete(e.code)) beat(); });
+const pull = e => {
+  const area = D.getElementById('iw-stick');
+  if (!area) return release();
+  const b = area.getBoundingClientRect();
+  let x = (e.clientX - b.left - b.width / 2) / R, y = (b.top + b.height / 2 - e.clientY) / R;
+  const r = Math.hypot(x, y);
+  if (r > 1) { x /= r; y /= r; }
+  stick = r < 0.12 ? [0, 0] : [y, -x];
+  if (!timer || r < 0.12) beat();
+};
+on('pointerdown', e => {
+  if (e.button || !(e.target.closest && e.target.closest('#iw-stick'))) return;
+  pointer = e.pointerId; e.preventDefault(); pull(e);
+});
+on('pointermove', e => { if (e.pointerId === pointer) pull(e); });
+for (const type of ['pointerup', 'pointercancel'])
+  on(type, e => { if (e.pointerId === pointer) release(); });
+on('blur', e => { if (e.target === W) release(); });
+on('pagehide', release);
+D.addEventListener('visibilitychange', () => { if (D.hidden) release(); }, {signal: stop.signal});
+const missing = D.getElementById('iw-no-keys');
+if (missing) missing.hidden = Boolean(W.__viserMutable);
+})()
+"""
+_STICK: Final = (
+    '<div class="iw-drive"><div class="iw-stick" id="iw-stick" data-testid="stick" role="img" '
+    'aria-label="Stick: drag to drive"><u style="left:50px;top:3px">I</u><u style="left:50px;bottom:3px">K</u>'
+    '<u style="left:4px;top:50px">J</u><u style="right:4px;top:50px">L</u>'
+    '<div class="iw-knob" id="iw-knob"></div></div>'
+    "<div>Drag the stick, or hold<br><code>I</code> forward<br><code>K</code> back<br><code>J</code> <code>L</code> "
+    'turn<div class="iw-small">Shift for full power. Let go to stop.</div></div></div>'
+    '<div id="iw-no-keys" class="iw-small" hidden>Keys and stick do not work in this page: tick Buttons.</div>'
+)
+
+
+def drive_html(seen: Seen, choices: Choices) -> str:
+    """Return who would be driven, or why nobody."""
+    if seen.phase != "live":
+        words = note("No world to drive in", "wait")
+    elif not choices.allowed:
+        words = note("You may look, not steer: this viewer has no right to control", "wait")
+    elif choices.selected is None:
+        words = note("Nothing selected: click a chair")
+    elif not able(seen, choices):
+        words = note(f"{choices.selected} has no motors to drive", "wait")
+    else:
+        words = note(f"You drive {choices.selected}", "good")
+    # The page's handler looks for it: neither stick nor keys send while it is there.
+    off = "" if able(seen, choices) else '<i id="iw-drive-off" hidden></i>'
+    return block("drive", words, off)
+
+
+def able(seen: Seen, choices: Choices) -> bool:
+    """Return whether the selected body can be driven from here."""
+    if seen.phase != "live" or not choices.allowed or choices.selected is None:
+        return False
+    body = seen.bodies.get(choices.selected)
+    return body is not None and seen.entity(choices.selected) is not None and body.robot.top_speed > 0
+
+
+def page_html(element: str) -> str:
+    """Return the stick with the handler that sends to an element; written once, as a hand may be on it."""
+    script = _SCRIPT.replace("%UUID%", element).replace("%GENTLE%", str(GENTLE)).replace("%PERIOD%", str(1000 / RATE))
+    handler = f'<img src="x:" alt="" style="display:none" onerror="{html.escape(script)}">'
+    return block("stick-area", _STICK, handler)
+
+
+class DrivePanel:
+    """Stick, keys, buttons and words.
+
+    Args:
+        gui: One browser's own elements, in the container that is open.
+        on_stick: Gets forward and turn (positive to the left), each in [-1, 1], and a count that grows by one. Once per
+            message of the page, never by itself; 0, 0 is a release.
+        on_say: Gets what to say, not empty, and to whom: a name, or None for everybody.
+    """
+
+    def __init__(
+        self,
+        gui: viser.GuiApi,
+        *,
+        on_stick: Callable[[float, float, int], None],
+        on_say: Callable[[str, str | None], None],
+    ) -> None:
+        gui.add_html(SHEET)
+        self._words = gui.add_html("")
+        self._value = gui.add_vector3("stick", (0.0, 0.0, 0.0), visible=False)
+        self._stick = gui.add_html(page_html(element_id(self._value)))
+        self._on_stick, self._on_say = on_stick, on_say
+        self._able, self._selected, self._count = False, None, 0  # type: bool, str | None, int
+        updated(self._value, self._pulled)
+        self._wanted = gui.add_checkbox("Buttons", False, hint="Four buttons to hold, where keys and stick do not work")
+        self._buttons = [
+            self._hold(gui.add_button(label, icon=icon, color="gray", visible=False), forward, turn)
+            for label, icon, forward, turn in (
+                ("Forward", viser.Icon.ARROW_UP, GENTLE, 0.0),
+                ("Left", viser.Icon.ARROW_LEFT, 0.0, GENTLE),
+                ("Right", viser.Icon.ARROW_RIGHT, 0.0, -GENTLE),
+                ("Back", viser.Icon.ARROW_DOWN, -GENTLE, 0.0),
+            )
+        ]
+        updated(self._wanted, self._reveal)
+        with gui.add_form(None) as form:
+            self._text = gui.add_text("Say", "", disabled=True)
+            self._to: viser.GuiDropdownHandle[str] = gui.add_dropdown("To", (EVERYBODY,), disabled=True)
+            self._say = gui.add_button("Say it", icon=viser.Icon.MESSAGE, color="gray", disabled=True)
+        clicked(self._say, self._said)
+        form.on_submit(self._submitted)
+
+    def show(self, seen: Seen, choices: Choices) -> None:
+        """Show who would be driven; the stick itself is left alone."""
+        self._words.content = drive_html(seen, choices)
+        self._able, self._selected = able(seen, choices), choices.selected
+        for button in self._buttons:
+            button.disabled = not self._able
+        may_say = seen.phase == "live" and choices.allowed
+        self._text.disabled = self._to.disabled = self._say.disabled = not may_say
+        to = (EVERYBODY,) if choices.selected is None else (EVERYBODY, choices.selected)
+        if to != self._to.options:
+            # Another one selected: words meant for the one before do not go to it.
+            self._to.options = to
+            assign(self._to, EVERYBODY)
+
+    def _pulled(self, value: tuple[float, float, float]) -> None:
+        if len(value) == 3:
+            self._put(value[0], value[1])
+
+    def _hold(self, button: viser.GuiButtonHandle, forward: float, turn: float) -> viser.GuiButtonHandle:
+        async def hold(_: viser.GuiEvent[viser.GuiButtonHandle]) -> None:
+            self._put(forward, turn)
+
+        button.on_hold(hold, callback_hz=RATE)
+        return button
+
+    def _put(self, forward: float, turn: float) -> None:
+        if not self._able or not (math.isfinite(forward) and math.isfinite(turn)):
+            return
+        self._count += 1
+        self._on_stick(min(max(forward, -1.0), 1.0), min(max(turn, -1.0), 1.0), self._count)
+
+    def _reveal(self, wanted: bool) -> None:
+        for button in self._buttons:
+            button.visible = bool(wanted)
+
+    async def _submitted(self, _: viser.GuiEvent[viser.GuiFormHandle]) -> None:
+        self._said()
+
+    def _said(self) -> None:
+        text = self._text.value.strip()[:SAY_LIMIT]
+        if text:
+            self._on_say(text, self._selected if self._to.value == self._selected else None)
+            assign(self._text, "")

@@ -1,0 +1,167 @@
+"""The selected body: how it moves, what it senses as numbers and over time, what it said and what befell it."""
+
+from __future__ import annotations
+
+import html
+from typing import Final
+
+import viser
+
+from intellwheels_schemas.messages import Entity
+from intellwheels_viewer.panels import figures, plots
+from intellwheels_viewer.panels.agents import words
+from intellwheels_viewer.panels.choices import Choices
+from intellwheels_viewer.panels.events import event_item
+from intellwheels_viewer.panels.marks import Mark, marks, swatch
+from intellwheels_viewer.panels.ranges import nearest
+from intellwheels_viewer.panels.readings import Group, groups
+from intellwheels_viewer.panels.sheet import SHEET, block, note
+from intellwheels_viewer.panels.sheet import figures as large
+from intellwheels_viewer.seen import Seen
+
+LOG: Final = 8
+"""Lines of what was said and what happened, newest first."""
+
+
+def head_html(seen: Seen, choices: Choices) -> str:
+    """Return who is selected and how it moves; in words when nobody is, or it has gone."""
+    if choices.selected is None:
+        return block("selected", note("Nothing selected: click a chair"))
+    entity = seen.entity(choices.selected)
+    name = html.escape(choices.selected)
+    if entity is None:
+        return block("selected", note(f"{choices.selected} is not here any more", "wait"))
+    mark = marks(choices.colours).get(choices.selected, Mark())
+    distance = nearest(seen, choices.selected)
+    return block(
+        "selected",
+        f'<div class="iw-head" data-selected="{name}">{swatch(mark)}<b class="iw-cut">{name}</b></div>'
+        f'<div class="iw-small">{html.escape(words(entity, seen.bodies.get(entity.name)))}</div>',
+        large(
+            (
+                (figures.decimal(entity.speed), "speed, m/s"),
+                (figures.degrees(entity.turn_rate), "turn, \u00b0/s"),
+                ("\u2013" if distance is None else figures.decimal(distance), "nearest, m"),
+            )
+        ),
+        f'<div class="iw-small">{html.escape(_whereabouts(entity))}</div>',
+    )
+
+
+def sensors_html(seen: Seen, name: str) -> str:
+    """Return every reading as a number, by kind of sensor."""
+    measures = seen.measures.get(name)
+    found = groups(measures) if measures is not None else []
+    if not found:
+        return block("sensors", '<span class="iw-soft">No sensor has reported yet.</span>')
+    return block("sensors", "".join(_group(group) for group in found))
+
+
+def log_html(seen: Seen, name: str) -> str:
+    """Return what a body said and what befell it, newest first, at most `LOG` lines."""
+    length = figures.period(seen) or 0.0
+    lines = [(one.tick * length, event_item(seen, one)) for one in seen.events if name in {one.agent, one.other}]
+    lines += [(said.time, _said(said.time, said.text)) for said in seen.words if said.speaker == name]
+    if not lines:
+        return block("selected-log", f'<span class="iw-soft">{html.escape(name)} has said nothing yet.</span>')
+    newest = sorted(lines, key=lambda line: line[0], reverse=True)[:LOG]
+    return block(
+        "selected-log",
+        '<div class="iw-caption">said and happened, time in s</div>',
+        f'<ul class="iw-log">{"".join(line for _, line in newest)}</ul>',
+    )
+
+
+def _whereabouts(entity: Entity) -> str:
+    heading = figures.degrees(entity.heading)
+    place = f"at {figures.decimal(entity.x)}, {figures.decimal(entity.y)} m, heading {heading}\u00b0"
+    if entity.goal is None:
+        return place
+    return f"{place}, goal {figures.decimal(entity.goal.x)}, {figures.decimal(entity.goal.y)}"
+
+
+def _group(group: Group) -> str:
+    rows = "".join(
+        f'<tr><td class="iw-cut">{html.escape(row.id)}</td><td class="iw-{row.tone or "ink"}">{html.escape(row.text)}'
+        f"{_age(row.age)}</td></tr>"
+        for row in group.rows
+    )
+    # Short readings leave the ids room; long ones take it.
+    share = 34 if max(len(row.text) for row in group.rows) > 12 else 55
+    return (
+        f'<div class="iw-group"><div class="iw-caption">{html.escape(group.caption)}</div>'
+        f'<table><colgroup><col style="width:{share}%"><col></colgroup>{rows}</table></div>'
+    )
+
+
+def _age(ticks: int) -> str:
+    return f'<div class="iw-small">{ticks} tick{"" if ticks == 1 else "s"} old</div>' if ticks else ""
+
+
+def _said(time: float, text: str) -> str:
+    return f"<li><span>{figures.decimal(time)}</span><span>\u201c{html.escape(text)}\u201d</span></li>"
+
+
+class SelectedPanel:
+    """The selected body.
+
+    Args:
+        gui: Where the elements are made, in the container that is open.
+    """
+
+    def __init__(self, gui: viser.GuiApi) -> None:
+        gui.add_html(SHEET)
+        self._head = gui.add_html("")
+        self._distances = _Chart(gui, "proximity, m, over the last 30 s")
+        self._speeds = _Chart(gui, "speed, m/s, over the last 30 s")
+        self._sensors = gui.add_html("", visible=False)
+        self._log = gui.add_html("", visible=False)
+
+    def show(self, seen: Seen, choices: Choices) -> None:
+        """Show the selected body."""
+        self._head.content = head_html(seen, choices)
+        name = choices.selected
+        here = name is not None and seen.entity(name) is not None
+        self._sensors.visible = self._log.visible = here
+        if name is None or not here:
+            self._distances.show(None)
+            self._speeds.show(None)
+            return
+        samples, body = seen.history.get(name, ()), seen.bodies.get(name)
+        self._distances.show(plots.distances(samples, body))
+        self._speeds.show(plots.speeds(samples, body))
+        self._sensors.content = sensors_html(seen, name)
+        self._log.content = log_html(seen, name)
+
+
+class _Chart:
+    """A plot under its caption, gone while there is nothing to plot."""
+
+    def __init__(self, gui: viser.GuiApi, caption: str) -> None:
+        self._caption = caption
+        self._labels = gui.add_html("", visible=False)
+        self._plot = gui.add_uplot(
+            plots.NOTHING.data(),
+            plots.NOTHING.series(),
+            scales=plots.NOTHING.scales(),
+            axes=plots.axes(),
+            legend={"show": False},
+            height=plots.HEIGHT,
+            padding=plots.padding(),
+            visible=False,
+        )
+
+    def show(self, plot: plots.Plot | None) -> None:
+        self._labels.visible = self._plot.visible = plot is not None
+        if plot is None:
+            return
+        self._labels.content = (
+            f'<div class="iw" style="padding-bottom:0"><div class="iw-caption">{self._caption}</div></div>'
+            f"{plots.labels_html(plot)}"
+        )
+        # A chart is rebuilt when series or scales are assigned, and loses its zoom: only when they are other ones.
+        if self._plot.series != plot.series():
+            self._plot.series = plot.series()
+        if self._plot.scales != plot.scales():
+            self._plot.scales = plot.scales()
+        self._plot.data = plot.data()
