@@ -1,6 +1,6 @@
 """A log as something to move about in: any tick of it, forth and back.
 
-Reading it runs it once and keeps a state every few lines; states are values, so keeping one is keeping a reference.
+Reading it runs it once and keeps a state now and then; states are values, so keeping one is keeping a reference.
 Going to a tick runs it again from the nearest kept state before it.
 """
 
@@ -11,6 +11,7 @@ from bisect import bisect_left, bisect_right
 from collections.abc import Callable, Iterator
 from itertools import takewhile
 from pathlib import Path
+from time import perf_counter
 from typing import Final, NamedTuple
 
 import msgspec
@@ -20,8 +21,8 @@ from intellwheels_server.log import Line, LogError, parse_line, read_header
 from intellwheels_server.resimulate import difference, replay
 from intellwheels_server.world import State, advance, apply, begin, digest
 
-SPACING: Final = 16
-"""Lines between two kept states, at first."""
+BUDGET: Final = 0.05
+"""Seconds of running a log from one kept state to the next, at first."""
 KEYFRAMES: Final = 1024
 """States kept at most; when there are more, every other one is dropped."""
 
@@ -48,29 +49,45 @@ class Span(NamedTuple):
 
 
 class Keyframes:
-    """States at every so many positions, thinned out as they become many."""
+    """States along a log, so far apart that running it from one to the next takes a moment only.
 
-    def __init__(self, spacing: int = SPACING, most: int = KEYFRAMES) -> None:
-        self.spacing = spacing
+    Args:
+        budget: Seconds from one to the next, about.
+        most: States kept; when there are more, every other one is dropped and the budget doubled.
+    """
+
+    def __init__(self, budget: float = BUDGET, most: int = KEYFRAMES) -> None:
+        self.budget = budget
         self._most = most
-        self._states: dict[int, State] = {}
+        self._positions: list[int] = []
+        self._states: list[State] = []
+        self._cost = 0.0
 
     def __len__(self) -> int:
         return len(self._states)
 
-    def offer(self, position: int, state: State) -> None:
-        """Keep a state, if one is due at this position. Every position is offered, in order, from 0 on."""
-        if position % self.spacing:
+    def offer(self, position: int, state: State, cost: float) -> None:
+        """Keep a state, if one is due.
+
+        Args:
+            position: Of every state in order, from 0 on.
+            state: There.
+            cost: Seconds that it took to come here from the position before.
+        """
+        self._cost += cost
+        if self._states and self._cost < self.budget:
             return
-        self._states[position] = state
+        self._positions.append(position)
+        self._states.append(state)
+        self._cost = 0.0
         if len(self._states) > self._most:
-            self.spacing *= 2
-            self._states = {at: kept for at, kept in self._states.items() if at % self.spacing == 0}
+            self.budget *= 2.0
+            del self._positions[1::2], self._states[1::2]
 
     def before(self, position: int) -> tuple[int, State]:
         """Return the last kept state at or before a position that was offered, and its position."""
-        at = position - position % self.spacing
-        return at, self._states[at]
+        i = bisect_right(self._positions, position) - 1
+        return self._positions[i], self._states[i]
 
 
 class Recording:
@@ -105,6 +122,8 @@ class Recording:
             self.header = read_header(self._file, self._name)
             self._spans = [Span(self.header.run, 0)]
             self._run_through(progress)
+            # Where all joined takes long to make again, and is where one goes back to most.
+            self._beginning = self._settle(*self._keyframes.before(0), ())
         except BaseException:
             self.close()
             raise
@@ -115,14 +134,16 @@ class Recording:
 
     def _run_through(self, progress: Callable[[int], None]) -> None:
         state = begin(self.header.world_setup(), self.header.run)
-        self._keyframes.offer(0, state)
+        self._keyframes.offer(0, state, 0.0)
         offset = self._file.tell()
         for position, text in enumerate(iter(self._file.readline, b""), start=1):
             line = parse_line(text, f"{self._name}:{position + 1}")
             if line is None:
                 self.cut = True
                 return
+            began = perf_counter()
             state, outputs = replay(state, line, f"{self._name}:{position + 1}")
+            self._keyframes.offer(position, state, perf_counter() - began)
             self._offsets.append(offset)
             offset += len(text)
             self._ticks.append(state.tick)
@@ -131,7 +152,6 @@ class Recording:
                 self.end = position
             if line.stepped:
                 self.end = position
-            self._keyframes.offer(position, state)
             for event in outputs.events:
                 self._events.setdefault(event.run, []).append(event)
             found = digest(state)
@@ -170,6 +190,8 @@ class Recording:
         if not ticks[0] <= tick <= ticks[1]:
             raise LookupError(f"run {run}: expected a tick in [{ticks[0]}, {ticks[1]}], got {tick}")
         wanted = bisect_left(self._ticks, tick, bounds[0], bounds[1] + 1)
+        if wanted == 0:
+            return self._beginning
         position, state = self._keyframes.before(wanted)
         while position < wanted:
             state, _ = replay(state, self._line(position), self._name)

@@ -1,0 +1,51 @@
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from intellwheels_maps import floor
+from intellwheels_schemas.link import DEFAULT_WORLD
+from intellwheels_server import log
+from intellwheels_server.__main__ import PLAYED_FROM, main
+from intellwheels_server.log import Log
+from intellwheels_server.world import Setup
+
+
+def outcome(*words: str) -> int | str | None:
+    try:
+        return main(list(words))
+    except SystemExit as exit_:
+        return exit_.code
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["--map", "ward"], "--map does not go with it"),
+        (["--pace", "lockstep"], "--pace does not go with it"),
+        (["--open-loop"], "--open-loop does not go with it"),
+        (["--log", "other"], "--log does not go with it"),
+        (["--world", "No Name"], "--world: expected a name"),
+    ],
+)
+def test_what_a_log_says_itself_cannot_be_said_of_its_playing(
+    words: list[str], said: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "log"
+    Log(path, Setup(floor=floor("room")), "0" * 16).close()
+    assert outcome("--play", str(path), *words) == 2
+    assert said in capsys.readouterr().err
+
+
+def test_a_log_that_is_none_or_not_there_is_said(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert outcome("--play", str(tmp_path / "none")) == 1
+    assert "No such file" in capsys.readouterr().err
+    (tmp_path / "text").write_text("hello\n")
+    assert outcome("--play", str(tmp_path / "text")) == 1
+    assert "text:1: expected the header of an input log" in capsys.readouterr().err
+
+
+def test_the_world_of_an_old_log_is_the_one_that_commands_take_by_default() -> None:
+    assert log.DEFAULT_WORLD == DEFAULT_WORLD
+    assert PLAYED_FROM + len("-play") == 32
