@@ -65,3 +65,9 @@ def test_wheel_installed_in_a_clean_environment_runs_a_scene(wheel: Path, tmp_pa
         assert "usage: " + command in finished(str(environment / "bin" / command), "--help", cwd=tmp_path)
     finished(str(environment / "bin" / "iw-run"), "figure6", "--json", "result.json", cwd=tmp_path)
     assert json.loads((tmp_path / "result.json").read_text())["held"] is True
+    # And who has pytest has the fixture: the starter passes as it is.
+    finished(str(python), "-m", "pip", "install", "--quiet", "pytest", cwd=tmp_path)
+    finished(str(environment / "bin" / "iw-agent"), "new", "my-chair", cwd=tmp_path)
+    said = finished(str(python), "-m", "pytest", "-W", "error", "my-chair", cwd=tmp_path)
+    assert "3 passed" in said
+    finished(str(environment / "bin" / "iw-run"), "my-chair/scene.xml", cwd=tmp_path)
