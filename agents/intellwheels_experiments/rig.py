@@ -8,38 +8,30 @@ looked at. Nothing is waited for by sleeping, and every wait has a deadline.
 from __future__ import annotations
 
 import importlib.util
-import signal
 import threading
 import time
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from contextlib import ExitStack
+from contextlib import ExitStack, suppress
 from itertools import chain
 from pathlib import Path
 from typing import Any, Final, Self
 
-from intellwheels_experiments.children import Exited
+from intellwheels_experiments.ensemble import GRACE, WORLD, Ensemble
 from intellwheels_experiments.film import AbsentError, Film, Moment, Point
-from intellwheels_experiments.plan import SERVER, agent_child, agent_command, filled, link_words, resolved
-from intellwheels_experiments.processes import DEADLINE, SLICE, AwaitedError, Processes, free_port
+from intellwheels_experiments.plan import resolved
+from intellwheels_experiments.processes import DEADLINE, SLICE, AwaitedError
 from intellwheels_experiments.watch import Watch, watching
 from intellwheels_maps import scene as scene_file
 from intellwheels_schemas.channels import VERB_CLASSES
 from intellwheels_schemas.keys import Verb
 from intellwheels_schemas.link import Link
-from intellwheels_schemas.messages import Cast, Event, Miss, Option, Pace, Result, Step
-from intellwheels_schemas.names import check_agent
+from intellwheels_schemas.messages import Event, Miss, Pace, Result, Step
 
-WORLD: Final = "test"
-ROUTER: Final = "router"
-GRACE: Final = 2.0
-"""Seconds a process has to end by itself when the test is over."""
-READY_LIMIT: Final = 180.0
-"""Seconds for the simulator to be ready: a first start compiles its kernels, on a small machine slowly."""
 HALF: Final = 1e-9
 """Seconds by which a simulated time may be short of what was asked for: sums of periods round."""
 
 
-class Rig:
+class Rig(Ensemble):
     """A world on a free port of this machine with the agents of a test. To be used in a `with`.
 
     Args:
@@ -69,29 +61,19 @@ class Rig:
         words: Sequence[str] = (),
         folder: Path | None = None,
     ) -> None:
-        self._folder = folder
         self._source = None if scene is None else resolved(scene, folder)
         self._scene = None if self._source is None else scene_file(self._source)
         self.pace: Pace = pace or (self._scene.pace if self._scene else "lockstep")
         self._speed = speed
-        self.endpoint = f"tcp/127.0.0.1:{free_port()}"
-        self._router = f"tcp/127.0.0.1:{free_port()}" if router else None
-        self._words = [*link_words(WORLD, [self.endpoint], [self._router] if self._router else ()), "--pace", self.pace]
-        if self._source is not None:
-            self._words += ["--scene", self._source]
-        for option, value in (("--map", floor and resolved(floor, folder)), ("--seed", seed), ("--miss", miss)):
-            self._words += [option, value] if value is not None else []
+        given = {"--scene": self._source, "--map": floor and resolved(floor, folder), "--seed": seed, "--miss": miss}
+        chosen = ["--pace", self.pace]
+        for option, value in given.items():
+            chosen += [option, value] if value is not None else []
         if self.pace == "realtime":
-            self._words += ["--speed", repr(speed)]
+            chosen += ["--speed", repr(speed)]
         if self.pace == "free":
-            self._words += ["--open-loop"]
-        self._words += words
-        self.processes = Processes(logs)
-        self._simulator = SERVER
-        self._router_child = ROUTER
-        self._agents: dict[str, str] = {}
-        self._may_end: set[str] = set()
-        self._frozen: set[str] = set()
+            chosen += ["--open-loop"]
+        super().__init__(logs, [*chosen, *words], router=router, folder=folder)
         self._film = Film()
         self._watch: Watch | None = None
         self._session = ExitStack()
@@ -100,9 +82,9 @@ class Rig:
 
     def __enter__(self) -> Self:
         try:
-            if self._router is not None:
+            if self.has_router:
                 self.mend_router()
-            self._start_simulator()
+            self._begin()
         except BaseException:
             self.close()
             raise
@@ -112,19 +94,17 @@ class Rig:
         self.close()
 
     def close(self) -> None:
-        """End everything: the agents first, for they leave in words. More than once does nothing."""
+        """End everything. More than once does nothing."""
         self._session.close()
-        living = set(self.processes.children.living)
-        self.processes.children.end([child for child in self._agents.values() if child in living], GRACE)
-        self.processes.close(GRACE)
+        super().close()
 
-    def _start_simulator(self) -> None:
+    def _begin(self) -> None:
+        """Start the simulator and be connected to it."""
         if importlib.util.find_spec("numba") is None:
             raise AwaitedError(
                 "the simulator is not installed: expected the extra of `pip install intellwheels[server]`"
             )
-        self._simulator = self.processes.start(SERVER, "intellwheels_server", *self._words)
-        self.processes.line(self._simulator, "ready", READY_LIMIT)
+        self._start_simulator()
         link = Link(WORLD, connect=(self.endpoint,))
         stands = self.pace == "lockstep"
         self._watch = self._session.enter_context(watching(link, threading.Event(), listens=not stands))
@@ -164,7 +144,7 @@ class Rig:
         since = self._film.wanted
         self._start_agent(name, mind, robot, place, encoding, options)
         if may_end:
-            self._may_end.add(self._agents[name])
+            self._may_end.add(self._child(name))
         self._await_joined([name], since)
 
     def cast(self, *names: str) -> None:
@@ -183,36 +163,6 @@ class Rig:
             self._start_agent_of(cast, folder, "json")
         self._await_joined([cast.name for cast in wanted], since)
 
-    def _start_agent(
-        self,
-        name: str,
-        mind: str | Sequence[str],
-        robot: str | None,
-        place: str | None,
-        encoding: str,
-        options: dict[str, object],
-    ) -> None:
-        given = tuple(Option(name=option, value=_text(value)) for option, value in options.items())
-        if isinstance(mind, str):
-            cast = Cast(name=check_agent(name, "name"), robot=robot or "", mind=mind, place=place, option=given)
-            self._start_agent_of(cast, self._folder, encoding)
-            return
-        if robot or place or given:
-            raise ValueError(
-                f"agent {name!r}: a command has neither robot, place nor options; give it words of its own"
-            )
-        values = {"endpoint": self._meeting, "world": WORLD, "name": name}
-        command = [filled(word, values) for word in mind]
-        environment = {f"IW_{key.upper()}": value for key, value in values.items()}
-        self._agents[name] = self.processes.launch(agent_child(name), lambda _: command, environment)
-
-    def _start_agent_of(self, cast: Cast, folder: Path | None, encoding: str) -> None:
-        words = [*link_words(WORLD, connect=[self._meeting]), "--encoding", encoding]
-        command = agent_command(cast, folder, words)
-        self._agents[cast.name] = self.processes.launch(
-            agent_child(cast.name), lambda lifeline: [*command, "--lifeline", str(lifeline)]
-        )
-
     def _await_joined(self, names: Iterable[str], since: int) -> None:
         missing = list(names)
 
@@ -225,10 +175,6 @@ class Rig:
             return True if come.issuperset(missing) else None
 
         self.processes.wait(joined, f"join of {', '.join(missing)}", unless=self._simulator)
-
-    @property
-    def _meeting(self) -> str:
-        return self._router or self.endpoint
 
     # ------------------------------------------------------------ time
 
@@ -301,6 +247,10 @@ class Rig:
             self.processes.wait(lambda: self.processes.ended(self._simulator), f"answer of the simulator ({error})")
             self._check()
             raise
+        if result.code == "failed":
+            # It may be about to end; then its own words say why.
+            with suppress(AwaitedError):
+                self.processes.exit(self._simulator, GRACE)
         self._check()
         self._look()
         if result.code != "ok":
@@ -359,39 +309,7 @@ class Rig:
             raise AbsentError(f"expected a body that was there ({there}), got {name!r}")
         return list(self._film.paths[name])
 
-    def log(self, name: str) -> str:
-        """Return what an agent printed; of `simulator` and `router` what they did."""
-        return self.processes.log(self._child(name))
-
-    def sections(self) -> list[tuple[str, str]]:
-        """Return the last lines of all logs, each behind its name, for a report."""
-        self.processes.hear()
-        return self.processes.sections()
-
-    # ------------------------------------------------------------ faults
-
-    def kill(self, name: str) -> None:
-        """Kill an agent's process at once and wait until it is gone; it says no word to anybody."""
-        child = self._child(name)
-        self._may_end.add(child)
-        self.processes.signal(child, signal.SIGKILL)
-        self.processes.exit(child)
-
-    def exit(self, name: str) -> int:
-        """Wait for an agent's process to end by itself and return its exit code; negative: by which signal."""
-        child = self._child(name)
-        self._may_end.add(child)
-        return self.processes.exit(child)
-
-    def freeze(self, name: str) -> None:
-        """Stop an agent's process where it is, until `thaw`."""
-        self._frozen.add(name)
-        self.processes.signal(self._child(name), signal.SIGSTOP)
-
-    def thaw(self, name: str) -> None:
-        """Let a frozen agent's process go on."""
-        self.processes.signal(self._child(name), signal.SIGCONT)
-        self._frozen.discard(name)
+    # ------------------------------------------------------------ within, and what others do to it
 
     def restart_simulator(self) -> None:
         """Kill the simulator and start it anew; wait until all agents that live joined the new run.
@@ -400,48 +318,10 @@ class Rig:
             AwaitedError: One did not.
         """
         self._session.close()
-        self._may_end.add(self._simulator)
-        self.processes.signal(self._simulator, signal.SIGKILL)
-        self.processes.exit(self._simulator)
+        self._kill_simulator()
         self._film = Film()
-        self._start_simulator()
-        self.processes.hear()
-        living = [
-            name
-            for name, child in self._agents.items()
-            if self.processes.ended(child) is None and name not in self._frozen
-        ]
-        self._await_joined(living, 0)
-
-    def end_simulator(self) -> int:
-        """Tell the simulator to end, wait until it did, its log written, and return its exit code."""
-        self._may_end.add(self._simulator)
-        self.processes.signal(self._simulator, signal.SIGTERM)
-        return self.processes.exit(self._simulator)
-
-    def cut_router(self) -> None:
-        """Kill the router: agents and simulator no longer hear one another.
-
-        In lockstep the world then waits for the agents: a test of a cut is one at pace `realtime`, or `elastic`.
-        """
-        self._may_end.add(self._router_child)
-        self.processes.signal(self._router_child, signal.SIGKILL)
-        self.processes.exit(self._router_child)
-
-    def mend_router(self) -> None:
-        """Start the router again and wait until it is ready; agents and simulator find it by themselves."""
-        if self._router is None:
-            raise ValueError("expected a world with router=True")
-        self._router_child = self.processes.start(ROUTER, "intellwheels_server.router", "--listen", self._router)
-        self.processes.line(self._router_child, "ready")
-
-    # ------------------------------------------------------------ within
-
-    def _child(self, name: str) -> str:
-        special = {"simulator": self._simulator, "router": self._router_child}
-        if name not in self._agents and name not in special:
-            raise LookupError(f"expected an agent that was started ({', '.join(self._agents) or 'none'}), got {name!r}")
-        return self._agents.get(name) or special[name]
+        self._begin()
+        self._await_joined(self._awake(), 0)
 
     def _watched(self) -> Watch:
         if self._watch is None:
@@ -455,15 +335,3 @@ class Rig:
         if self._film.newest is None:
             raise AwaitedError(f"the simulator does not say how the world is\n{self.processes.report()}")
         return self._film.newest
-
-    def _check(self, timeout: float = 0.0) -> None:
-        """Fail when a process ended that should not have."""
-        self.processes.hear(timeout)
-        for child in (self._simulator, *self._agents.values()):
-            gone: Exited | None = self.processes.ended(child)
-            if gone is not None and child not in self._may_end and (gone.code != 0 or child == self._simulator):
-                raise AwaitedError(f"{child}: {gone.how}; its last lines:\n{self.processes.tail(child)}")
-
-
-def _text(value: object) -> str:
-    return str(value).lower() if isinstance(value, bool) else str(value)
