@@ -27,7 +27,7 @@ from intellwheels_schemas.keys import Verb
 from intellwheels_schemas.link import Link
 from intellwheels_schemas.messages import Event, Miss, Pace, Result, Step
 
-HALF: Final = 1e-9
+ROUNDING: Final = 1e-9
 """Seconds by which a simulated time may be short of what was asked for: sums of periods round."""
 
 
@@ -194,7 +194,7 @@ class Rig(Ensemble):
         """
         __tracebackhide__ = True
         begun = self.now
-        until = begun.time + seconds - HALF
+        until = begun.time + seconds - ROUNDING
         for now in chain([begun], self._moments(begun, seconds)):
             why = ""
             try:
@@ -230,11 +230,15 @@ class Rig(Ensemble):
         while True:
             self._check(SLICE)
             watch.pour(film)
+            # The event may come before the state it is in.
+            over = film.ended is not None
+            if over:
+                watch.look(film)
             while film.fresh:
                 now = film.fresh.popleft()
-                if (now.tick, now.time) != (begun.tick, begun.time):
+                if over or now.tick != begun.tick:
                     yield now
-            if film.ended is not None and not film.fresh:
+            if over:
                 raise AwaitedError(f"the run came to its end\n{self.now.describe()}")
             if time.monotonic() > deadline:
                 raise AwaitedError(f"the simulated time does not go on\n{self.now.describe()}")
@@ -252,6 +256,7 @@ class Rig(Ensemble):
             with suppress(AwaitedError):
                 self.processes.exit(self._simulator, GRACE)
         self._check()
+        self._film.fresh.clear()
         self._look()
         if result.code != "ok":
             raise AwaitedError(f"the world does not go on: {result.text or result.code}\n{self._newest().describe()}")

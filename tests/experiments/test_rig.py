@@ -119,6 +119,14 @@ def test_cast_of_a_scene_plays_it_to_its_end(tmp_path: Path) -> None:
             sim.run_for(1.0)
 
 
+def test_end_of_a_run_in_real_time_is_seen_and_nothing_comes_after_it(tmp_path: Path) -> None:
+    with Rig(tmp_path, scene="door", pace="realtime", speed=20.0) as sim:
+        sim.cast()
+        sim.run_until(lambda now: now.happened("ended"), seconds=60.0)
+        with pytest.raises(AwaitedError, match="the run came to its end"):
+            sim.run_for(1.0)
+
+
 def test_killed_agent_comes_to_rest_and_its_successor_drives_on(tmp_path: Path) -> None:
     with Rig(tmp_path, floor="corner", pace="realtime") as sim:
         sim.agent("chair1", "drive", place="leader", **AHEAD)
