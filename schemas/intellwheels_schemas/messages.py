@@ -786,6 +786,9 @@ class Clock(Record, frozen=True, kw_only=True):
     hash: Hex
     stamp: Stamp
     waiting: Annotated[tuple[Name, ...], Meta(description="whom the barrier awaits")] = ()
+    last: (
+        Annotated[Tick, Meta(description="last tick of this run in the log that is played; absent: a live run")] | None
+    ) = None
 
 
 class MapInfo(Record, frozen=True, kw_only=True):
@@ -871,11 +874,11 @@ class OperatorSay(Record, frozen=True, kw_only=True):
 
 
 class Save(Record, frozen=True, kw_only=True):
-    """Keep the state."""
+    """Keep the state; the reply names the slot."""
 
 
 class Restore(Record, frozen=True, kw_only=True):
-    """Go back to a kept state."""
+    """Go back to a kept state, at its tick, as a new run."""
 
     slot: Word
 
@@ -884,6 +887,7 @@ class Seek(Record, frozen=True, kw_only=True):
     """Go to a tick of a log that is played."""
 
     tick: Tick
+    run: Annotated[Hex, Meta(description="which run of the log; absent: the one that is shown")] | None = None
 
 
 class Quit(Record, frozen=True, kw_only=True):

@@ -325,6 +325,9 @@ VALID: Final[dict[str, Record]] = {
         run=RUN, tick=42, time=2.1, state="waiting", pace="realtime", speed=2.0, factor=1.98, late=1, hash=HASH,
         stamp=1700000000.0, waiting=("chair1", "door"),
     ),
+    "Clock-played": Clock(
+        run=RUN, tick=42, time=2.1, state="paused", pace="realtime", hash=HASH, stamp=1700000000.0, last=2400,
+    ),
     "MapInfo": MapInfo(run=RUN, tick=0, name="room", revision=1, hash=HASH),
     "Map": ROOM,
     "Scene": Scene(
@@ -366,6 +369,7 @@ VALID: Final[dict[str, Record]] = {
     "Save": Save(),
     "Restore": Restore(slot="s1"),
     "Seek": Seek(tick=100),
+    "Seek-run": Seek(tick=100, run=RUN),
     "Quit": Quit(),
 }  # fmt: skip
 """Every message, some in several forms, by the name of their files."""

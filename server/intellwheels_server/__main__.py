@@ -9,12 +9,12 @@ from pathlib import Path
 
 from intellwheels_maps import floor, scene
 from intellwheels_schemas.errors import WireError
-from intellwheels_schemas.link import Link, add_link_options, link_of
+from intellwheels_schemas.link import DEFAULT_WORLD, Link, add_link_options, link_of
 from intellwheels_schemas.messages import Map, Scene
 from intellwheels_schemas.names import check_name
 from intellwheels_schemas.process import add_process_options, stop_on_signals
 from intellwheels_server.desk import Options
-from intellwheels_server.log import LogError
+from intellwheels_server.log import LogError, read_header
 from intellwheels_server.resimulate import resimulate
 from intellwheels_server.world import Setup
 
@@ -24,11 +24,16 @@ examples:
   iw-server --map ward --speed 4              a hospital ward, four times as fast
   iw-server --scene figure6 --log run.jsonl   a scene as it is written, waiting for its cast
   iw-server --resimulate run.jsonl            run that again and compare every tick's hash
+  iw-server --play run.jsonl                  show it in world `main-play`: pause, step, speed, seek forth and back
 
 Standard output says `ready ...` when agents may join, `running tick=0` when those expected are there, and
 `ended tick=N hash=H` when the end condition is met. Exit code: 0 done, 1 refused or failed, 2 wrong usage.
 """
 
+LIVE = ("scene", "map", "seed", "period", "truth", "pace", "miss", "expect", "open_loop", "deadline", "log")
+"""Options of a live run, that a log which is played has no use for."""
+PLAYED_FROM = 27
+"""Characters of a world's name to which `-play` can be added: a name has at most 32."""
 STRICT_DEADLINE = 10.0
 """Seconds a strict lockstep waits for an answer."""
 ELASTIC_DEADLINE = 1.0
@@ -86,9 +91,14 @@ def parser() -> argparse.ArgumentParser:
     run = found.add_argument_group("run")
     run.add_argument("--log", type=Path, metavar="FILE", help="write the input log (JSON Lines)")
     run.add_argument("--resimulate", type=Path, metavar="FILE", help="run an input log again and compare; nothing else")
+    run.add_argument(
+        "--play", type=Path, metavar="FILE",
+        help="put an input log on the network as a world of its own (default name: the log's, with -play behind)",
+    )  # fmt: skip
     run.add_argument("--quit-at-end", action="store_true", help="exit when the end condition is met")
     add_process_options(found)
     add_link_options(found, listens=True)
+    found.set_defaults(world=None)  # which name is the default depends on what is run
     return found
 
 
@@ -98,6 +108,12 @@ def main(arguments: list[str] | None = None) -> int:
     given = grammar.parse_args(arguments)
     if given.resimulate is not None:
         return _resimulate(given.resimulate)
+    if given.play is not None:
+        for name in LIVE:
+            if getattr(given, name):
+                grammar.error(f"--play: the log says what is run; --{name.replace('_', '-')} does not go with it")
+        return _play(given)
+    given.world = given.world or DEFAULT_WORLD
     try:
         options, route = _options(given)
     except WireError as error:
@@ -120,6 +136,43 @@ def main(arguments: list[str] | None = None) -> int:
         print(f"iw-server: {error}", file=sys.stderr)
     except OSError as error:
         print(f"iw-server: --log {given.log}: {error.strerror}", file=sys.stderr)
+    return 1
+
+
+def _play(given: argparse.Namespace) -> int:
+    try:
+        with given.play.open("rb") as file:
+            world = read_header(file, str(given.play)).world
+        given.world = check_name(given.world or f"{world[:PLAYED_FROM]}-play", "--world")
+        route = link_of(given)
+    except (WireError, LogError) as error:
+        print(f"iw-server: {error.text if isinstance(error, WireError) else error}", file=sys.stderr)
+        return 2 if isinstance(error, WireError) else 1
+    except OSError as error:
+        print(f"iw-server: --play {given.play}: {error.strerror}", file=sys.stderr)
+        return 1
+    stop = stop_on_signals(given.lifeline)
+    from intellwheels_server.recording import Recording  # noqa: PLC0415
+    from intellwheels_server.service import WorldTakenError, serve  # noqa: PLC0415
+    from intellwheels_server.warming import warm  # noqa: PLC0415
+
+    def progress(lines: int) -> None:
+        print(f"reading lines={lines}", file=sys.stderr, flush=True)
+        if stop.is_set():
+            raise SystemExit(0)
+
+    warm()
+    try:
+        recording = Recording(given.play, progress)
+        if recording.cut:
+            print(f"{given.play}: the last line was cut and is dropped", file=sys.stderr)
+        if recording.differs is not None:
+            print(f"{given.play}: what is shown is not what was: {recording.differs}", file=sys.stderr)
+        setup = recording.header.world_setup()
+        options = Options(world=given.world, setup=setup, speed=given.speed, quit_at_end=given.quit_at_end)
+        return serve(options, route, stop, recording=recording)
+    except (ConnectionError, WorldTakenError, LogError) as error:
+        print(f"iw-server: {error}", file=sys.stderr)
     return 1
 
 

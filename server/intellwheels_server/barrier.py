@@ -144,13 +144,13 @@ class Barrier:
         self._misses.pop(agent, None)
         self._rested.discard(agent)
 
-    def begin_anew(self) -> None:
-        """Forget everything: a new run awaits all."""
+    def begin_anew(self, rested: Iterable[str] = ()) -> None:
+        """Forget everything: a new run awaits all but those at rest in it."""
         self._awaited.clear()
         self._answers, self._before = {}, {}
         self._idle = False
         self._misses.clear()
-        self._rested.clear()
+        self._rested = set(rested)
         self._verdicts.clear()
 
     # ------------------------------------------------------------ time

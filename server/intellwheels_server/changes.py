@@ -34,10 +34,12 @@ from intellwheels_server.kernels.rows import (
 from intellwheels_server.placing import TOUCH, Crowd, in_range, place
 from intellwheels_server.sensors import sense
 from intellwheels_server.sensors.kind import View
-from intellwheels_server.state import Setup, State, Utterance, no_episodes
+from intellwheels_server.state import Kept, Setup, State, Utterance, no_episodes
 
 OPERATOR = "operator"
 """Whom an operator's words come from; no agent can have this name."""
+SLOTS = 16
+"""States that are kept; one more and the oldest is lost."""
 
 
 class Outcome(msgspec.Struct, frozen=True, kw_only=True):
@@ -76,6 +78,12 @@ class Draft:
     """A state being changed. Bodies are columns in any order until `finish` sorts them by name."""
 
     def __init__(self, state: State) -> None:
+        self.events: list[Event] = []
+        self.kept = state.kept
+        self.take_up(state)
+
+    def take_up(self, state: State) -> None:
+        """Go on from a state; what happened and what was saved before stays."""
         self.state = state
         self.run = state.run
         self.tick = state.tick
@@ -94,7 +102,6 @@ class Draft:
         self.revision = state.revision
         self.ended = state.ended
         self.end_waived = state.end_waived
-        self.events: list[Event] = []
         self.bodies_changed = False
         self.arrived: set[str] = set()
         self.restarted = False
@@ -181,6 +188,7 @@ class Draft:
             revision=self.revision,
             ended=self.ended,
             end_waived=self.end_waived,
+            kept=self.kept,
         )
 
 
@@ -337,6 +345,26 @@ def _note(one: do.Note, draft: Draft) -> Outcome:
 def _go_on(_one: do.GoOn, draft: Draft) -> Outcome:
     draft.end_waived = draft.ended or draft.end_waived
     draft.ended = False
+    return Outcome()
+
+
+@_act.register
+def _save(one: do.SaveState, draft: Draft) -> Outcome:
+    bare = msgspec.structs.replace(draft.finish(), kept=())
+    draft.kept = (*draft.kept, Kept(one.slot, bare))[-SLOTS:]
+    return Outcome()
+
+
+@_act.register
+def _restore(one: do.RestoreState, draft: Draft) -> Outcome:
+    state = next((kept.state for kept in draft.kept if kept.slot == one.slot), None)
+    if state is None:
+        here = ", ".join(kept.slot for kept in draft.kept) or "none"
+        return Outcome(code="not-found", text=f"no slot '{one.slot}' here; kept: {here}")
+    revision = draft.revision + (state.setup.floor != draft.setup.floor)
+    draft.take_up(state)
+    draft.run, draft.revision, draft.event_count = one.run, revision, 0
+    draft.event("reset", text=f"restored {one.slot}: tick {state.tick} of run {state.run}")
     return Outcome()
 
 

@@ -136,18 +136,8 @@ class Conductor:
                 membership.ask_leave(desk, ask)
             case "ctl":
                 verbs.ask_ctl(desk, ask, now)
-            case "map":
-                ask.reply(desk.state.setup.floor)
-            case "clock":
-                ask.reply(publication.clock_of(desk, now))
-            case "event":
-                publication.ask_events(desk, ask)
-            case "body":
-                bodies = {name: publication.body_of(desk, name) for name in desk.state.names if ask.matches(name)}
-                ask.replies(bodies)
-            case "state":
-                parts = publication.parts_of(desk)
-                ask.replies({str(part.part): part for part in parts if ask.matches(str(part.part))})
+            case _:
+                publication.ask_what_is(desk, ask, now)
 
     def _may_begin(self) -> bool:
         desk = self._desk

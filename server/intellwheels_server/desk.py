@@ -138,6 +138,14 @@ class Bridge:
     halted: bool = False
 
 
+@dataclass(slots=True)
+class Played:
+    """A log that is played: the last tick of the run that is shown, and whether the log is at its end."""
+
+    last: int
+    over: bool = False
+
+
 class Desk:
     """What the service holds.
 
@@ -146,6 +154,7 @@ class Desk:
         state: The world.
         open: Whether the barrier of this tick is open.
         held: Whether the run waits for those it expects.
+        played: The log that is played; None in a live run.
     """
 
     def __init__(
@@ -197,6 +206,7 @@ class Desk:
         self.held = True
         self.open = False
         self.steps: Steps | None = None
+        self.played: Played | None = None
         self.hashed: tuple[State, str] | None = None
         self.idle_power_at = 0.0
 

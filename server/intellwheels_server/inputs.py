@@ -98,11 +98,41 @@ class Restart(
     end: End | None = None
 
 
+class SaveState(
+    msgspec.Struct, frozen=True, kw_only=True, rename="pascal", omit_defaults=True, tag="Save", tag_field="Do"
+):
+    """Keep the state as the changes before this one left it."""
+
+    slot: str
+
+
+class RestoreState(
+    msgspec.Struct, frozen=True, kw_only=True, rename="pascal", omit_defaults=True, tag="Restore", tag_field="Do"
+):
+    """Go back to a state that was kept, at its tick, as a new run."""
+
+    slot: str
+    run: str
+
+
 class GoOn(msgspec.Struct, frozen=True, kw_only=True, rename="pascal", omit_defaults=True, tag="GoOn", tag_field="Do"):
     """Step on after the end: the end condition no longer counts."""
 
 
-Change = Join | Depart | SpawnBody | DeleteBody | TeleportBody | TakeBody | Speech | Note | Restart | GoOn
+Change = (
+    Join
+    | Depart
+    | SpawnBody
+    | DeleteBody
+    | TeleportBody
+    | TakeBody
+    | Speech
+    | Note
+    | Restart
+    | SaveState
+    | RestoreState
+    | GoOn
+)
 
 VerdictCode = Literal["late", "rested", "back", "silent", "stale", "fresh", "halt", "unhalt"]
 

@@ -95,6 +95,10 @@ class Leases:
                 found.append(agent)
         return tuple(found)
 
+    def hear(self, agent: str, now: float) -> None:
+        """Take a body's user for heard now, so that who is silent from now on is found silent."""
+        self._voices[agent] = _Voice(None, now, silent=False)
+
     def forget(self, agent: str) -> None:
         """Forget a body that is gone."""
         self._leases.pop(agent, None)

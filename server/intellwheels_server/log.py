@@ -20,6 +20,8 @@ from intellwheels_server.inputs import Inputs
 from intellwheels_server.world import Setup
 
 FORMAT: Final = "iw.v1"
+DEFAULT_WORLD: Final = "main"
+"""The world of a log that does not say it."""
 FLUSH_AFTER: Final = 1.0
 """Seconds a line waits at most before it is in the file."""
 
@@ -44,6 +46,7 @@ class Header(msgspec.Struct, frozen=True, kw_only=True, rename="pascal"):
     seed: str
     period: float
     setup: Rules
+    world: str = DEFAULT_WORLD
     versions: dict[str, str] = {}
     cpu: str = ""
 
@@ -76,6 +79,7 @@ class LogError(ValueError):
 
 
 _write = msgspec.json.Encoder().encode
+_parse = msgspec.json.Decoder(Line).decode
 
 
 class Log:
@@ -85,12 +89,13 @@ class Log:
         path: The file; what was there is lost.
         setup: What the world is made of.
         run: The run's name.
+        world: The world's name.
 
     Raises:
         OSError: The file cannot be written.
     """
 
-    def __init__(self, path: Path, setup: Setup, run: str) -> None:
+    def __init__(self, path: Path, setup: Setup, run: str, world: str = DEFAULT_WORLD) -> None:
         self._file: IO[bytes] = path.open("wb")
         self._lines: list[bytes] = []
         self._flush_at = 0.0
@@ -108,6 +113,7 @@ class Log:
                 strict=setup.strict,
                 end=setup.end,
             ),
+            world=world,
             versions=_versions(),
             cpu=_cpu(),
         )
@@ -156,15 +162,25 @@ def read_lines(file: IO[bytes], name: str) -> Iterator[Line | None]:
     Raises:
         LogError: A line that is not the last cannot be read.
     """
-    decode = msgspec.json.Decoder(Line).decode
     for number, text in enumerate(file, start=2):
-        try:
-            yield decode(text)
-        except (msgspec.MsgspecError, UnicodeDecodeError) as error:
-            if not text.endswith(b"\n"):
-                yield None
-                return
-            raise LogError(f"{name}:{number}: expected the line of a tick, got {error}") from None
+        line = parse_line(text, f"{name}:{number}")
+        yield line
+        if line is None:
+            return
+
+
+def parse_line(text: bytes, where: str) -> Line | None:
+    """Return one line after the header, or None when it is a last one that was cut.
+
+    Raises:
+        LogError: It cannot be read.
+    """
+    try:
+        return _parse(text)
+    except (msgspec.MsgspecError, UnicodeDecodeError) as error:
+        if not text.endswith(b"\n"):
+            return None
+        raise LogError(f"{where}: expected the line of a tick, got {error}") from None
 
 
 def _versions() -> dict[str, str]:

@@ -30,7 +30,7 @@ from intellwheels_server.inputs import (
     Note,
     TakeBody,
 )
-from intellwheels_server.kernels.rows import HEADING, X, Y
+from intellwheels_server.kernels.rows import HALTED, HEADING, STALE, X, Y
 
 TOKEN_WAIT: Final = 0.3
 """Seconds a join waits for its token, which travels apart from it."""
@@ -178,7 +178,7 @@ def _admit(desk: Desk, agent: str, robot: Robot, encoding: Encoding, shown: str 
     desk.barrier.renew(agent)
     if real and seat.embodies:
         # That of a body which stays knows what the world was told of it, such as that it is stale.
-        desk.bridges.setdefault(agent, Bridge(at=now))
+        desk.bridges.setdefault(agent, bridge_of(desk, agent, now))
     _reseat(desk, agent)
     desk.out.note(f"joined agent={agent} role={seat.role} tick={desk.state.tick}")
     if desk.open and desk.lockstep:
@@ -205,6 +205,11 @@ def _embody(desk: Desk, seat: Seat, held: Seat | None, kept: bool, now: float) -
         if held.absent_since is not None or held.instance != seat.instance:
             desk.apply(Note(code="returned", agent=agent, text=None if seat.role == "both" else seat.role), now)
         return _position_of(desk, agent)
+    if held is None and seat.embodies and is_vacant(desk, agent):
+        if same_body(desk.state.fleet.figures[agent].robot, seat.robot):
+            desk.apply(Note(code="returned", agent=agent), now)
+            return _position_of(desk, agent)
+        desk.apply(Depart(agent=agent), now)
     others = [seat for seat in desk.roster.seats(agent) if seat.role == "mind" and seat is not held]
     if held is not None and agent in desk.state.fleet.figures:
         desk.apply(Depart(agent=agent, role=held.role, lost=held.absent_since is not None), now)
@@ -220,6 +225,21 @@ def _embody(desk: Desk, seat: Seat, held: Seat | None, kept: bool, now: float) -
     for mind in others:  # of a body that was changed
         desk.apply(Join(agent=agent, robot=_as_joined(mind.robot, agent)), now)
     return outcome.position or _position_of(desk, agent)
+
+
+def is_vacant(desk: Desk, agent: str) -> bool:
+    """Return whether an agent's body is here without the agent, as after a restore to when it was here.
+
+    What an operator spawned is nobody's: only who joined has an instance.
+    """
+    figure = desk.state.fleet.figures.get(agent)
+    return figure is not None and figure.robot.instance is not None and desk.roster.body(agent) is None
+
+
+def bridge_of(desk: Desk, agent: str, now: float) -> Bridge:
+    """Return what is known of a real body's reports, as the world has it. The body must be here."""
+    flags = desk.state.flags[:, desk.state.fleet.index[agent]]
+    return Bridge(at=now, stale=bool(flags[STALE]), halted=bool(flags[HALTED]))
 
 
 def _position_of(desk: Desk, agent: str) -> Position:

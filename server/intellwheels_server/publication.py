@@ -85,12 +85,15 @@ def body_of(desk: Desk, agent: str) -> Body:
     """Return a body as accepted. It must be here."""
     seat = desk.roster.body(agent)
     roles: tuple[Role, ...] = tuple(each.role for each in desk.roster.seats(agent))
+    robot = desk.state.fleet.figures[agent].robot
+    if desk.played is not None and robot.instance is not None:  # nobody sits here, but somebody did
+        roles = (robot.role,)
     return Body(
         run=desk.state.run,
         tick=desk.state.tick,
         owner=seat.instance if seat and seat.instance else None,
         roles=roles,
-        robot=desk.state.fleet.figures[agent].robot,
+        robot=robot,
     )
 
 
@@ -109,11 +112,12 @@ def clock_of(desk: Desk, now: float) -> Clock:
         hash=desk.digest(),
         stamp=desk.wall(),
         waiting=_awaited(desk, now),
+        last=None if desk.played is None else desk.played.last,
     )
 
 
 def _clock_state(desk: Desk, now: float) -> ClockState:
-    if desk.state.ended:
+    if desk.state.ended if desk.played is None else desk.played.over:
         return "ended"
     if desk.held:
         return "waiting"
@@ -136,6 +140,22 @@ def is_hardware(desk: Desk, agent: str) -> bool:
     """Return whether an agent has a body of real hardware, not one in another simulation."""
     seat = desk.roster.body(agent)
     return seat is not None and seat.real and not seat.simulated_hardware
+
+
+def ask_what_is(desk: Desk, ask: Ask, now: float) -> None:
+    """Answer who asks how things are: the map, the clock, events, bodies, the state."""
+    match ask.topic:
+        case "map":
+            ask.reply(desk.state.setup.floor)
+        case "clock":
+            ask.reply(clock_of(desk, now))
+        case "event":
+            ask_events(desk, ask)
+        case "body":
+            ask.replies({name: body_of(desk, name) for name in desk.state.names if ask.matches(name)})
+        case "state":
+            parts = parts_of(desk)
+            ask.replies({str(part.part): part for part in parts if ask.matches(str(part.part))})
 
 
 def ask_events(desk: Desk, ask: Ask) -> None:

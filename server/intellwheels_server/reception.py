@@ -31,10 +31,10 @@ def take_put(desk: Desk, put: Put, now: float) -> None:
     # A user who floods must not use up what the agent itself may send; no agent's name has a slash.
     sender = agent if kind != "user" else f"user/{agent}"
     if not desk.gate.admit(sender, desk.state.tick, now):
-        _complain(desk, agent, Fault("too-many", f"{kind}: expected fewer messages a second"), now)
+        complain(desk, agent, Fault("too-many", f"{kind}: expected fewer messages a second"), now)
         return
     if put.size > len(put.data):
-        _complain(desk, agent, Fault("too-long", f"{kind}: expected fewer bytes, got {put.size}"), now)
+        complain(desk, agent, Fault("too-long", f"{kind}: expected fewer bytes, got {put.size}"), now)
         return
     try:
         encoding = encoding_of(put.encoding, put.data)
@@ -49,7 +49,7 @@ def take_put(desk: Desk, put: Put, now: float) -> None:
     except WireError as error:
         fault = Fault(error.code, error.text, error.where or None)
     if fault is not None:
-        _complain(desk, agent, fault, now)
+        complain(desk, agent, fault, now)
 
 
 def _take_actions(desk: Desk, agent: str, actions: Actions, data: bytes, now: float) -> Fault | None:
@@ -67,7 +67,7 @@ def _take_actions(desk: Desk, agent: str, actions: Actions, data: bytes, now: fl
     if fault is not None:
         return None if fault.text == "" else fault._replace(seq=actions.seq)
     if actions.say is not None and len(actions.say) > desk.state.setup.say_limit:
-        _complain(desk, agent, _too_long(desk, "Actions.Say", actions.say, actions.seq), now)
+        complain(desk, agent, _too_long(desk, "Actions.Say", actions.say, actions.seq), now)
         actions = msgspec.structs.replace(actions, say=None)
     desk.tray.act(agent, actions)
     if actions.leave:
@@ -151,7 +151,8 @@ def _take_user(desk: Desk, agent: str, user: UserInput, now: float) -> Fault | N
     return None
 
 
-def _complain(desk: Desk, agent: str, fault: Fault, now: float) -> None:
+def complain(desk: Desk, agent: str, fault: Fault, now: float) -> None:
+    """Tell an agent what is wrong with what it sent, unless it was told much of late."""
     known = agent in desk.roster
     kept_back = desk.complaints.admit(agent, known, now)
     if kept_back is None:

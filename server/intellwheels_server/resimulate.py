@@ -6,8 +6,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
-from intellwheels_server.log import LogError, read_header, read_lines
-from intellwheels_server.world import advance, apply, begin, digest
+from intellwheels_server.log import Line, LogError, read_header, read_lines
+from intellwheels_server.world import Outputs, State, advance, apply, begin, digest
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,6 +29,24 @@ class Finding:
     differs: str | None = None
 
 
+def replay(state: State, line: Line, where: str) -> tuple[State, Outputs]:
+    """Return the state after a line of a log, and what came out.
+
+    Raises:
+        LogError: The line is of another tick.
+    """
+    if not line.stepped:
+        return apply(state, line.inputs.changes)
+    if line.tick != state.tick:
+        raise LogError(f"{where}: expected tick {state.tick}, got {line.tick}")
+    return advance(state, line.inputs)
+
+
+def difference(state: State, line: Line, number: int, found: str) -> str:
+    """Return in words that the hash after a line is not the recorded one."""
+    return f"tick {line.tick} of run {state.run} (line {number}): expected hash {line.hash}, got {found}"
+
+
 def resimulate(path: Path, progress: Callable[[int], None] = lambda _ticks: None) -> Finding:
     """Run a log again and compare every hash.
 
@@ -47,19 +65,14 @@ def resimulate(path: Path, progress: Callable[[int], None] = lambda _ticks: None
         for number, line in enumerate(read_lines(file, str(path)), start=2):
             if line is None:
                 return Finding(steps, state.tick, last, cut=True)
-            if line.stepped and line.tick != state.tick:
-                raise LogError(f"{path}:{number}: expected tick {state.tick}, got {line.tick}")
+            state, _ = replay(state, line, f"{path}:{number}")
             if line.stepped:
-                state, _ = advance(state, line.inputs)
                 steps += 1
                 if steps % 1000 == 0:
                     progress(steps)
-            else:
-                state, _ = apply(state, line.inputs.changes)
             found = digest(state)
             if line.stepped:
                 last = found
             if found != line.hash:
-                text = f"tick {line.tick} of run {state.run} (line {number}): expected hash {line.hash}, got {found}"
-                return Finding(steps, state.tick, found, differs=text)
+                return Finding(steps, state.tick, found, differs=difference(state, line, number, found))
     return Finding(steps, state.tick, last)

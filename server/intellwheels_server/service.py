@@ -12,7 +12,7 @@ import threading
 import time
 from functools import partial
 from pathlib import Path
-from typing import Any, Final, TextIO, get_args
+from typing import Any, Final, Protocol, TextIO, get_args
 
 import zenoh
 
@@ -31,6 +31,9 @@ from intellwheels_server.conductor import Conductor
 from intellwheels_server.desk import Options, Recorder
 from intellwheels_server.inputs import Inputs
 from intellwheels_server.log import Line, Log
+from intellwheels_server.player import Player
+from intellwheels_server.recording import Recording
+from intellwheels_server.world import State
 
 KEYS_KNOWN: Final = 4_096
 """Keys whose parts are remembered."""
@@ -232,7 +235,43 @@ def floor_of(load: Load) -> Map:
     return load.map
 
 
-def serve(options: Options, route: link.Link, stop: threading.Event, log_file: Path | None = None) -> int:
+class Director(Protocol):
+    """What decides: a live run's conductor, or a log's player."""
+
+    @property
+    def exit(self) -> int | None:
+        """The process's exit code once the service is over, else None."""
+
+    @property
+    def state(self) -> State:
+        """The world."""
+
+    def digest(self) -> str:
+        """Return the hash of the state."""
+
+    def begin(self) -> None:
+        """Publish what there is to know before anything happens."""
+
+    def take(self, arrival: Arrival, now: float) -> None:
+        """Take in what arrived."""
+
+    def work(self, now: float) -> None:
+        """Do all that is due."""
+
+    def due(self, now: float) -> float:
+        """Return when `work` must be called next if nothing arrives."""
+
+    def finish(self, now: float) -> None:
+        """Publish what is left before the service ends."""
+
+
+def serve(
+    options: Options,
+    route: link.Link,
+    stop: threading.Event,
+    log_file: Path | None = None,
+    recording: Recording | None = None,
+) -> int:
     """Serve a world until it is over and return the exit code.
 
     Args:
@@ -240,6 +279,7 @@ def serve(options: Options, route: link.Link, stop: threading.Event, log_file: P
         route: How to reach the others.
         stop: Set when the process must end.
         log_file: Where the input log goes, if anywhere.
+        recording: The log to play; without one the run is live.
 
     Raises:
         ConnectionError: The network cannot be reached, in words.
@@ -256,10 +296,15 @@ def serve(options: Options, route: link.Link, stop: threading.Event, log_file: P
                 f"world '{options.world}' has a simulator already, at {route.where()}; "
                 "give this one another name with --world, or end that one"
             )
+        network = Network(session, keys)
+        if recording is not None:
+            return _serve(options, route, session, keys, stop, Player(options, network, time.time, recording))
         run = new_hex()
-        log = Log(log_file, options.setup, run) if log_file is not None else None
+        log = Log(log_file, options.setup, run, options.world) if log_file is not None else None
+        record = None if log is None else _recorder(log)
         try:
-            return _serve(options, route, session, keys, stop, log, run)
+            conductor = Conductor(options, network, floor_of, time.time, record=record, run=run)
+            return _serve(options, route, session, keys, stop, conductor)
         finally:
             if log is not None:
                 log.close()
@@ -271,12 +316,8 @@ def _serve(
     session: zenoh.Session,
     keys: Keys,
     stop: threading.Event,
-    log: Log | None,
-    run: str,
+    conductor: Director,
 ) -> int:
-    conductor = Conductor(
-        options, Network(session, keys), floor_of, time.time, record=None if log is None else _recorder(log), run=run
-    )
     conductor.begin()
     inbox = link.Inbox()
     with contextlib.ExitStack() as stack:
@@ -287,8 +328,9 @@ def _serve(
                     keys.event, keys.clock):  # fmt: skip
             stack.enter_context(session.declare_queryable(key, inbox.on_query))
         token: Any = link.declare_token(session, keys.alive)
-        note(f"serving world={options.world} pace={options.pace} map={options.setup.floor.name} at={route.where()}")
-        tell(f"ready world={options.world} run={run} listen={route.where()}")
+        floor_name = conductor.state.setup.floor.name
+        note(f"serving world={options.world} pace={options.pace} map={floor_name} at={route.where()}")
+        tell(f"ready world={options.world} run={conductor.state.run} listen={route.where()}")
         try:
             _loop(conductor, Post(keys), inbox, stop)
             conductor.finish(time.monotonic())
@@ -306,7 +348,7 @@ def _recorder(log: Log) -> Recorder:
     return record
 
 
-def _loop(conductor: Conductor, post: Post, inbox: link.Inbox, stop: threading.Event) -> None:
+def _loop(conductor: Director, post: Post, inbox: link.Inbox, stop: threading.Event) -> None:
     """Take what arrives, move what is due, wait for the nearer of both: a life in a few lines."""
     dropped = 0
     while conductor.exit is None and not stop.is_set():

@@ -69,6 +69,13 @@ class Utterance(msgspec.Struct, frozen=True):
     at: tuple[float, float] | None = None
 
 
+class Kept(msgspec.Struct, frozen=True):
+    """A state that was saved under a name; it holds no saved states itself."""
+
+    slot: str
+    state: State
+
+
 class State(msgspec.Struct, frozen=True, kw_only=True):
     """A world at a tick.
 
@@ -91,6 +98,7 @@ class State(msgspec.Struct, frozen=True, kw_only=True):
         revision: How often the map was changed.
         ended: Whether the end condition is met; no further step then.
         end_waived: The end condition no longer counts.
+        kept: States that were saved, the oldest first; no part of the hash.
     """
 
     run: str
@@ -111,6 +119,7 @@ class State(msgspec.Struct, frozen=True, kw_only=True):
     revision: int = 0
     ended: bool = False
     end_waived: bool = False
+    kept: tuple[Kept, ...] = ()
 
     @property
     def names(self) -> tuple[str, ...]:

@@ -117,6 +117,7 @@ def step(state: State, inputs: Inputs) -> tuple[State, tuple[Event, ...], bool]:
         event_count=state.event_count + len(events),
         revision=state.revision,
         end_waived=state.end_waived,
+        kept=state.kept,
     )
     if setup.end is not None and not state.end_waived:
         reason = end_reason(new, setup.end)

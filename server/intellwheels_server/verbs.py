@@ -15,6 +15,7 @@ from intellwheels_schemas.messages import (
     Delete,
     Load,
     OperatorSay,
+    Record,
     Reset,
     Spawn,
     Speed,
@@ -22,14 +23,14 @@ from intellwheels_schemas.messages import (
     Take,
     Teleport,
 )
-from intellwheels_server import membership, publication
+from intellwheels_server import membership, publication, slots
 from intellwheels_server.admission import OPERATOR, new_hex
+from intellwheels_server.anew import begin_anew
 from intellwheels_server.arrival import Ask
 from intellwheels_server.desk import Desk, Steps
 from intellwheels_server.inputs import (
     DeleteBody,
     GoOn,
-    Inputs,
     Note,
     Restart,
     SpawnBody,
@@ -42,21 +43,12 @@ from intellwheels_server.world import Outcome
 
 def ask_ctl(desk: Desk, ask: Ask, now: float) -> None:
     """Take an operator's wish; it is answered with how it went."""
-    cls = VERB_CLASSES.get(ask.name)
-    if cls is None:
-        ask.refuse(desk.result("unsupported", "no such verb"))
+    message = read_verb(desk, ask)
+    if message is None:
         return
-    try:
-        # A verb without fields needs no bytes.
-        data = ask.data or b"{}"
-        message = decode(cls, data, encoding_of(ask.encoding, data) if ask.data else Encoding.JSON)
-    except WireError as error:
-        ask.refuse(desk.result("failed", error.text))
-        return
-    desk.out.note(f"asked verb={ask.name} tick={desk.state.tick}")
     match ask.name:
-        case "save" | "restore" | "seek":
-            ask.reply(desk.result("unsupported", f"{ask.name} is not supported"))
+        case "seek":
+            ask.reply(desk.result("unsupported", "this run is live: only a log that is played can be sought"))
         case "pause":
             _pause(desk, ask, now)
         case "resume":
@@ -69,6 +61,23 @@ def ask_ctl(desk: Desk, ask: Ask, now: float) -> None:
             desk.exit = 0
         case _:
             desk.later(partial(_VERBS[ask.name], desk, ask, message))
+
+
+def read_verb(desk: Desk, ask: Ask) -> Record | None:
+    """Return what is asked for; None when it cannot be read, which the asker is told."""
+    cls = VERB_CLASSES.get(ask.name)
+    if cls is None:
+        ask.refuse(desk.result("unsupported", "no such verb"))
+        return None
+    try:
+        # A verb without fields needs no bytes.
+        data = ask.data or b"{}"
+        message: Record = decode(cls, data, encoding_of(ask.encoding, data) if ask.data else Encoding.JSON)
+    except WireError as error:
+        ask.refuse(desk.result("failed", error.text))
+        return None
+    desk.out.note(f"asked verb={ask.name} tick={desk.state.tick}")
+    return message
 
 
 def _pause(desk: Desk, ask: Ask, now: float) -> None:
@@ -131,7 +140,7 @@ def _do_load(desk: Desk, ask: Ask, message: Any, now: float) -> None:
 
 
 def _restart(desk: Desk, ask: Ask, restart: Restart, now: float) -> None:
-    before, tick = desk.state, desk.state.tick
+    before = desk.state
     try:
         outcome = desk.apply(restart, now)
     except ValueError as error:  # a floor that only the world finds wrong
@@ -142,24 +151,11 @@ def _restart(desk: Desk, ask: Ask, restart: Restart, now: float) -> None:
     if outcome.code != "ok":
         ask.reply(desk.result(outcome.code, outcome.text))
         return
-    if desk.record is not None:
-        desk.record(tick, Inputs(changes=tuple(desk.changes)), desk.digest(), stepped=False)
-    desk.changes.clear()
-    desk.close_steps("failed", "the run was begun anew")
-    desk.tray.clear()
-    desk.barrier.begin_anew()
     for agent in before.names:
         desk.leases.free(agent)
     for bridge in desk.bridges.values():
         bridge.at, bridge.stale = now, False
-    desk.held, desk.open = True, False
-    desk.metronome.late = 0
-    desk.tachometer.stop()
-    publication.publish_map(desk)
-    for name in desk.state.names:
-        desk.out.body(name, publication.body_of(desk, name))
-    publication.publish(desk, now)
-    desk.out.note(f"began run={desk.state.run} before={before.run} seed={desk.state.setup.seed!r}")
+    begin_anew(desk, before, now)
     ask.reply(desk.result("ok"))
 
 
@@ -248,4 +244,6 @@ _VERBS: Final[Mapping[str, Callable[..., None]]] = {
     "teleport": _do_teleport,
     "take": _do_take,
     "say": _do_say,
+    "save": slots.save,
+    "restore": slots.restore,
 }

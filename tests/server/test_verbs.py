@@ -123,10 +123,9 @@ def test_bodies_are_spawned_teleported_and_deleted() -> None:
     assert stage.result("delete", b'{"Agent":"table9"}').code == "not-found"
 
 
-@pytest.mark.parametrize("verb", ["save", "restore", "seek"])
-def test_what_is_not_there_yet_is_unsupported(verb: str) -> None:
-    data = {"save": b"", "restore": b'{"Slot":"one"}', "seek": b'{"Tick":3}'}[verb]
-    assert Stage().result(verb, data).code == "unsupported"
+def test_a_live_run_cannot_be_sought() -> None:
+    result = Stage().result("seek", b'{"Tick":3}')
+    assert (result.code, result.text) == ("unsupported", "this run is live: only a log that is played can be sought")
 
 
 def test_an_operators_words_are_heard_at_the_tick_after_them() -> None:

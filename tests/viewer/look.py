@@ -1,0 +1,136 @@
+"""Take pictures of the drawings: `python tests/viewer/look.py FOLDER [VIEW ...]`. A viewer without a simulator.
+
+The floor of figure6 with five bodies in the states that the drawings tell apart. Chromium must be there.
+"""
+
+from __future__ import annotations
+
+import math
+import sys
+import time
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import msgspec
+import numpy as np
+import viser
+from playwright.sync_api import Page, sync_playwright
+
+from intellwheels_maps import library
+from intellwheels_schemas.messages import Body, Entity, Goal, Position
+from intellwheels_viewer.drawings.bodies import Bodies
+from intellwheels_viewer.drawings.floor import Floor
+from intellwheels_viewer.drawings.walls import Walls
+from intellwheels_viewer.palette import Colours
+
+FLAGS = [
+    "--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader",
+    "--disable-dev-shm-usage", "--hide-scrollbars", "--force-color-profile=srgb",
+]  # fmt: skip
+RUN = "0" * 16
+VIEWS = {
+    "free": ((6.5, -3.6, 12.5), (6.5, 3.6, 0.0), 50),
+    "plan": ((6.5, 3.95, 75.0), (6.5, 4.0, 0.0), 8),
+    "close": ((3.2, -0.4, 2.2), (1.6, 2.4, 0.45), 45),
+    "pair": ((8.4, 4.3, 2.4), (6.6, 6.2, 0.4), 45),
+    "top": ((1.5, 2.55, 4.5), (1.5, 2.6, 0.0), 30),
+    "door": ((6.0, 2.4, 3.0), (9.0, 4.2, 0.5), 50),
+    "side": ((1.45, -1.2, 0.9), (1.45, 2.6, 0.6), 35),
+}
+
+
+def body(robot: str, name: str, **fields: Any) -> Body:
+    document = msgspec.structs.replace(library.robot(robot), name=name, **fields)
+    return Body(run=RUN, tick=0, robot=document)
+
+
+def cast() -> tuple[dict[str, Body], list[Entity]]:
+    hinge = Position(x=9.0, y=3.51, heading=-math.pi / 2)
+    bodies = {
+        "chair1": body("rear-wheel", "chair1"),
+        "chair2": body("mid-wheel", "chair2"),
+        "chair3": body("intellwheels", "chair3"),
+        "table": body("table", "table"),
+        "door": body("door", "door", position=hinge),
+        "nurse": body("person", "nurse"),
+        "crate": body("crate", "crate"),
+    }
+    entities = [
+        Entity(name="chair1", x=1.2, y=2.6, heading=0.0, speed=0.5, goal=Goal(x=4.6, y=2.6)),
+        Entity(name="chair2", x=7.4, y=6.6, heading=2.6, speed=0.35),
+        Entity(name="chair3", x=5.9, y=2.0, heading=2.9, contact=True, contacts=1),
+        Entity(name="table", x=4.5, y=4.5, heading=0.0),
+        Entity(name="door", x=9.0, y=3.51, heading=-math.pi / 2 - 0.9),
+        Entity(name="nurse", x=2.6, y=6.2, heading=-0.6, speed=1.1),
+        Entity(name="crate", x=10.9, y=5.2, heading=0.5),
+    ]
+    return bodies, entities
+
+
+def light(server: viser.ViserServer) -> None:
+    scene = server.scene
+    scene.configure_environment_map(None)
+    scene.configure_default_lights(False)
+    scene.add_light_hemisphere("/lights/sky", sky_color=(255, 255, 255), ground_color=(214, 216, 222), intensity=2.0)
+    scene.add_light_directional("/lights/sun", intensity=1.2, cast_shadow=True, position=(4.0, -6.0, 14.0))
+    ramp = np.linspace(0, 1, 64)[:, None, None]
+    sky = np.array([[[226, 231, 239]]]) * (1 - ramp) + np.array([[[247, 248, 250]]]) * ramp
+    scene.set_background_image(np.broadcast_to(sky, (64, 2, 3)).astype(np.uint8), format="png")
+
+
+def draw(server: viser.ViserServer) -> None:
+    floor = library.floor("room")
+    bodies, entities = cast()
+    colours = Colours()
+    with server.atomic():
+        Floor(server.scene).show(floor)
+        Walls(server.scene).show(floor)
+        Bodies(server.scene).show(bodies, entities, colours, {"chair2x"}, "chair1")
+
+
+def shoot(page: Page, port: int, view: str, path: Path) -> None:
+    position, look_at, fov = VIEWS[view]
+    text = [",".join(str(number) for number in vector) for vector in (position, look_at)]
+    # The page's camera looks up along z; the lens is in radians there.
+    page.goto(
+        f"http://127.0.0.1:{port}/?fixedDpr=1&initialCameraPosition={text[0]}&initialCameraLookAt={text[1]}"
+        f"&initialCameraFov={math.radians(fov)}"
+    )
+    page.wait_for_function(
+        "window.__viserSceneTree && Object.keys(window.__viserSceneTree.getState()).includes('/bodies/tint')",
+        timeout=60_000,
+    )
+    page.evaluate("window.__viserMutable.requestRender()")
+    seen = page.evaluate("window.__viserTestpoints ? window.__viserTestpoints.rendererInfo.render.frame : 0")
+    deadline = time.monotonic() + 20
+    while time.monotonic() < deadline:
+        page.evaluate("window.__viserMutable.requestRender()")
+        if (
+            page.evaluate("window.__viserTestpoints ? window.__viserTestpoints.rendererInfo.render.frame : 9")
+            > seen + 4
+        ):
+            break
+        page.wait_for_timeout(100)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    page.wait_for_timeout(300)
+    page.locator("canvas").first.screenshot(path=path)
+
+
+def main(arguments: Sequence[str]) -> None:
+    folder, views = Path(arguments[0]), arguments[1:] or list(VIEWS)
+    server = viser.ViserServer(host="127.0.0.1", port=0, verbose=False)
+    server.gui.configure_theme(show_logo=False, show_share_button=False)
+    light(server)
+    draw(server)
+    with sync_playwright() as play:
+        browser = play.chromium.launch(executable_path="/usr/bin/chromium", args=FLAGS)
+        page = browser.new_page(viewport={"width": 1280, "height": 800}, device_scale_factor=1)
+        for view in views:
+            shoot(page, server.get_port(), view, folder / f"{view}.png")
+        browser.close()
+    server.stop()
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])

@@ -1,0 +1,294 @@
+"""The bodies: a batch for each look and material, so that a thousand chairs cost a tick what ten do.
+
+Bodies look the same when their `Shape` is the same; a look's nodes are made once and kept. What touches something has
+a red footprint, what is stale is faded, what is selected has the ring.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Collection, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, Final, Literal, TypeAlias
+
+import numpy as np
+import viser
+
+from intellwheels_schemas.messages import Body, Entity, Robot
+from intellwheels_schemas.rules import has_motors, parts_of
+from intellwheels_viewer import palette
+from intellwheels_viewer.drawings import footprints
+from intellwheels_viewer.drawings.batch import Batch, quaternions
+from intellwheels_viewer.drawings.layers import HALF_HEIGHT
+from intellwheels_viewer.drawings.model import CROWD, Extent, Model, extent
+from intellwheels_viewer.drawings.models import Shape, model_of, shape_of
+from intellwheels_viewer.drawings.selection import Selection
+from intellwheels_viewer.drawings.solids import Array, Solid, box
+
+FADED: Final = 0.35
+"""The opacity of what is stale."""
+
+_TINT: Final = 0.25
+_STRIPE: Final[palette.RGB] = (255, 255, 255)
+
+Click: TypeAlias = viser.SceneNodePointerEvent[Any]
+Drag: TypeAlias = viser.SceneNodeDragEvent[Any]
+OnPick: TypeAlias = Callable[[str, Click], None]
+OnDrag: TypeAlias = Callable[[str, Drag], None]
+
+
+@dataclass(frozen=True)
+class Stand:
+    """N bodies as they stand: positions (N, 3), headings (N,), colours (N, 3) sRGB bytes."""
+
+    names: tuple[str, ...]
+    positions: Array
+    headings: Array
+    colours: Array
+
+
+def stand(entities: Sequence[Entity], colour: Callable[[str], palette.RGB]) -> Stand:
+    """Return bodies as arrays, in their order."""
+    return Stand(
+        names=tuple(entity.name for entity in entities),
+        positions=np.array([(entity.x, entity.y, 0.0) for entity in entities], np.float32).reshape(-1, 3),
+        headings=np.array([entity.heading for entity in entities], np.float32),
+        colours=np.array([colour(entity.name) for entity in entities], np.uint8).reshape(-1, 3).astype(np.float32),
+    )
+
+
+def grouped(bodies: Mapping[str, Body], entities: Sequence[Entity], *, crowd: bool) -> dict[Shape, list[Entity]]:
+    """Return the bodies that look alike, in the order of the state. One whose document has not come yet is left out."""
+    groups: dict[Shape, list[Entity]] = {}
+    for entity in entities:
+        body = bodies.get(entity.name)
+        if body is not None:
+            groups.setdefault(shape_of(body.robot, crowd=crowd), []).append(entity)
+    return groups
+
+
+def tints(
+    bodies: Mapping[str, Body], entities: Sequence[Entity], colour: Callable[[str], palette.RGB]
+) -> tuple[Stand, Array]:
+    """Return where the tinted footprints lie and how large (N, 3) they are: of what goes, and of what touches."""
+    shown = [e for e in entities if e.name in bodies and (_goes(bodies[e.name].robot) or e.contact)]
+    hulls = [extent(parts_of(bodies[entity.name].robot)) for entity in shown]
+    placed = stand(shown, colour)
+    middles = np.array([hull.middle for hull in hulls], np.float32).reshape(-1, 2)
+    cos, sin = np.cos(placed.headings), np.sin(placed.headings)
+    placed.positions[:, 0] += cos * middles[:, 0] - sin * middles[:, 1]
+    placed.positions[:, 1] += sin * middles[:, 0] + cos * middles[:, 1]
+    sizes = np.array([(hull.length, hull.width, 1.0) for hull in hulls], np.float32).reshape(-1, 3)
+    return placed, sizes
+
+
+def _goes(robot: Robot) -> bool:
+    return has_motors(robot) and not robot.anchored
+
+
+class _Look:
+    """The nodes of one look."""
+
+    def __init__(
+        self, scene: viser.SceneApi, name: str, model: Model, hull: Extent, made: Callable[[Batch], None]
+    ) -> None:
+        self.model, self.hull = model, hull
+        self._scene, self._name, self._made = scene, name, made
+        self._fresh = self._batches("", None)
+        self._stale: list[tuple[Batch, palette.RGB | None]] = []
+        self._outline = Batch(scene, f"{name}/outline", footprints.outline(hull))
+
+    def show(self, fresh: Stand, stale: Stand, lines: Stand) -> None:
+        _assign(self._fresh, fresh)
+        if stale.names and not self._stale:
+            self._stale = self._batches("/stale", FADED)
+        _assign(self._stale, stale)
+        self._outline.show(lines.positions, quaternions(lines.headings), lines.colours, names=lines.names)
+
+    def _batches(self, suffix: str, opacity: float | None) -> list[tuple[Batch, palette.RGB | None]]:
+        model = self.model
+        solids: tuple[tuple[str, Solid, palette.RGB | None], ...] = (
+            ("paint", model.paint, None),
+            ("dark", model.dark, model.dark_rgb),
+            ("light", model.light, model.light_rgb),
+        )
+        return [
+            (
+                Batch(
+                    self._scene,
+                    f"{self._name}{suffix}/{part}",
+                    shape,
+                    opacity=opacity,
+                    shadow=opacity is None,
+                    made=self._made,
+                ),
+                rgb,
+            )
+            for part, shape, rgb in solids
+        ]
+
+
+def _assign(batches: Sequence[tuple[Batch, palette.RGB | None]], placed: Stand) -> None:
+    turns = quaternions(placed.headings)
+    for batch, rgb in batches:
+        colours = placed.colours if rgb is None else np.tile(np.array(rgb, np.float32), (len(placed.names), 1))
+        batch.show(placed.positions, turns, colours, names=placed.names)
+
+
+class Bodies:
+    """All bodies in a scene.
+
+    Args:
+        scene: Of all browsers, or of one.
+        name: Where the nodes are.
+        cut: The height at which doors are cut, as walls are; None for their own height.
+    """
+
+    def __init__(self, scene: viser.SceneApi, *, name: str = "/bodies", cut: float | None = HALF_HEIGHT) -> None:
+        self._scene, self._name, self._cut = scene, name, cut
+        self._looks: dict[Shape, _Look] = {}
+        self._clickable: list[Batch] = []
+        self._picks: list[OnPick] = []
+        self._drags: list[tuple[OnDrag, Literal["shift"] | None]] = []
+        self._tint = Batch(scene, f"{name}/tint", footprints.tint(), opacity=_TINT, made=self._listen)
+        self._contact = Batch(scene, f"{name}/contact", footprints.tint(), opacity=0.7)
+        self._stripes = Batch(scene, f"{name}/stripes", box(-0.025, 0.025, -0.5, 0.5, 0.0, 0.006))
+        self._ring = Selection(scene, f"{name}/selection")
+
+    @property
+    def names(self) -> dict[str, tuple[str, ...]]:
+        """Whose the instances of each node are, in the order of viser's `instance_index`, by the node's name."""
+        return {batch.handle.name: batch.names for batch in self._clickable if batch.handle is not None}
+
+    def on_pick(self, callback: OnPick) -> None:
+        """Call back with an agent's name and viser's event when a body is clicked.
+
+        It is called in viser's event loop, which keeps events in order: it must return at once and hand work over.
+        """
+        self._picks.append(callback)
+        for batch in self._clickable:
+            self._listen_pick(batch, callback)
+
+    def on_drag(self, callback: OnDrag, *, modifier: Literal["shift"] | None = None) -> None:
+        """Call back with an agent's name and viser's event when a body is dragged with the left button.
+
+        All events of a drag name the body it began on. In viser's event loop, as `on_pick`.
+        """
+        self._drags.append((callback, modifier))
+        for batch in self._clickable:
+            self._listen_drag(batch, callback, modifier)
+
+    def show(
+        self,
+        bodies: Mapping[str, Body],
+        entities: Sequence[Entity],
+        colours: palette.Colours,
+        stale: Collection[str] = frozenset(),
+        selected: str | None = None,
+    ) -> None:
+        """Show the bodies as they stand.
+
+        Args:
+            bodies: Their documents, by agent.
+            entities: Their states.
+            colours: Whose colour is which; new agents get theirs here.
+            stale: Those that are drawn faded.
+            selected: The one with the ring; None where each browser has its own `Selection`.
+        """
+        colours.see(bodies)
+        groups = grouped(bodies, entities, crowd=len(entities) > CROWD)
+        for shape, group in groups.items():
+            self._look(shape, bodies[group[0].name].robot).show(*self._stands(group, bodies, colours, stale))
+        nobody = stand((), colours.rgb)
+        for shape in self._looks.keys() - groups.keys():
+            self._looks[shape].show(nobody, nobody, nobody)
+        self._show_floor(bodies, entities, colours)
+        self._show_stripes(groups, colours)
+        chosen = next((entity for entity in entities if entity.name == selected), None)
+        body = None if chosen is None else bodies.get(chosen.name)
+        self._ring.show(None if body is None else body.robot, chosen)
+
+    def _look(self, shape: Shape, robot: Robot) -> _Look:
+        look = self._looks.get(shape)
+        if look is None:
+            model = model_of(robot, crowd=shape[-1], cut=self._cut)
+            name = f"{self._name}/{len(self._looks)}-{robot.kind}"
+            look = self._looks[shape] = _Look(self._scene, name, model, extent(parts_of(robot)), self._listen)
+        return look
+
+    @staticmethod
+    def _stands(
+        group: Sequence[Entity], bodies: Mapping[str, Body], colours: palette.Colours, stale: Collection[str]
+    ) -> tuple[Stand, Stand, Stand]:
+        """Return those drawn in full, those faded, and the outlines: of what goes, and of what touches."""
+        fresh = [entity for entity in group if entity.name not in stale]
+        faded = [entity for entity in group if entity.name in stale]
+        lined = [entity for entity in group if entity.contact or _goes(bodies[entity.name].robot)]
+        touching = {entity.name for entity in lined if entity.contact}
+        return (
+            stand(fresh, colours.rgb),
+            stand(faded, colours.rgb),
+            stand(lined, lambda name: palette.CONTACT if name in touching else colours.rgb(name)),
+        )
+
+    def _show_floor(self, bodies: Mapping[str, Body], entities: Sequence[Entity], colours: palette.Colours) -> None:
+        placed, sizes = tints(bodies, [entity for entity in entities if not entity.contact], colours.rgb)
+        self._tint.show(
+            placed.positions, quaternions(placed.headings), placed.colours, scales=sizes, names=placed.names
+        )
+        placed, sizes = tints(bodies, [entity for entity in entities if entity.contact], lambda _: palette.CONTACT)
+        self._contact.show(placed.positions, quaternions(placed.headings), placed.colours, scales=sizes)
+
+    def _show_stripes(self, groups: Mapping[Shape, Sequence[Entity]], colours: palette.Colours) -> None:
+        places, headings, sizes = [], [], []
+        for shape, group in groups.items():
+            x, z, across = self._looks[shape].model.stripe
+            for entity in group:
+                for stripe in range(colours.mark(entity.name)):
+                    back = x - 0.1 * stripe
+                    cos, sin = math.cos(entity.heading), math.sin(entity.heading)
+                    places.append((entity.x + back * cos, entity.y + back * sin, z))
+                    headings.append(entity.heading)
+                    sizes.append((1.0, across, 1.0))
+        scales = np.array(sizes, np.float32).reshape(-1, 3)
+        self._stripes.show(places, quaternions(headings), np.tile(_STRIPE, (len(places), 1)), scales=scales)
+
+    def _listen(self, batch: Batch) -> None:
+        self._clickable.append(batch)
+        for callback in self._picks:
+            self._listen_pick(batch, callback)
+        for drag, modifier in self._drags:
+            self._listen_drag(batch, drag, modifier)
+
+    @staticmethod
+    def _listen_pick(batch: Batch, callback: OnPick) -> None:
+        assert batch.handle is not None  # noqa: S101  # listened to when it is made
+
+        @batch.handle.on_click
+        async def _(event: Click) -> None:
+            name = _named(batch.names, event.instance_index)
+            if name is not None:
+                callback(name, event)
+
+    @staticmethod
+    def _listen_drag(batch: Batch, callback: OnDrag, modifier: Literal["shift"] | None) -> None:
+        assert batch.handle is not None  # noqa: S101  # listened to when it is made
+        held: dict[int, str] = {}
+
+        @batch.handle.on_drag("left", modifier=modifier)
+        async def _(event: Drag) -> None:
+            if event.phase == "start":
+                name = _named(batch.names, event.instance_index)
+                if name is not None:
+                    held[event.client_id] = name
+            else:
+                name = held.get(event.client_id)
+            if event.phase == "end":
+                held.pop(event.client_id, None)
+            if name is not None:
+                callback(name, event)
+
+
+def _named(names: Sequence[str], index: int | None) -> str | None:
+    """Return whose an instance is; None when it left before the event came."""
+    return names[index] if index is not None and 0 <= index < len(names) else None

@@ -1,0 +1,21 @@
+"""The heights of what is painted on the floor, in metres: apart enough not to flicker in the plan's long lens."""
+
+from __future__ import annotations
+
+from typing import Final
+
+FLOOR: Final = 0.0
+ZONE: Final = 0.004
+GRID: Final = 0.006
+DOORWAY: Final = 0.008
+LETTERS: Final = 0.010
+TRAIL: Final = 0.014
+GOAL: Final = 0.016
+RING: Final = 0.018
+FOOTPRINT: Final = 0.022
+OUTLINE: Final = 0.026
+WEDGE: Final = 0.034
+ARC: Final = 0.052
+
+HALF_HEIGHT: Final = 1.1
+"""How high walls and doors are drawn when one looks in from above: what is behind them stays visible."""

@@ -1,0 +1,183 @@
+"""Every colour of the page, and why it can be told apart. Pure: numbers in, numbers out.
+
+Yellow says "selected" and nothing else, bright red says "contact" and nothing else. Agents have the six other colours
+that Okabe and Ito chose to be told apart by everybody ("Color Universal Design", 2008), with black in place of their
+vermilion; beyond six they repeat with a second mark. A colour is three bytes of sRGB, as browsers and viser's
+instances take it; `linear` is for what wants light.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from typing import Final, Literal, TypeAlias
+
+import numpy as np
+import numpy.typing as npt
+
+from intellwheels_schemas.messages import Body
+from intellwheels_schemas.rules import has_motors
+
+RGB: TypeAlias = tuple[int, int, int]
+Floats: TypeAlias = npt.NDArray[np.float64]
+Sight: TypeAlias = Literal["common", "protan", "deutan", "tritan"]
+
+AGENTS: Final[tuple[RGB, ...]] = (
+    (0, 114, 178),
+    (230, 159, 0),
+    (0, 158, 115),
+    (204, 121, 167),
+    (86, 180, 233),
+    (30, 30, 34),
+)
+"""Blue, orange, bluish green, reddish purple, sky blue, black."""
+
+CONTACT: Final[RGB] = (220, 20, 20)
+SELECTED: Final[RGB] = (240, 228, 66)
+
+NEAR: Final[RGB] = (160, 20, 60)
+MIDDLE: Final[RGB] = (225, 110, 30)
+FAR: Final[RGB] = (120, 160, 190)
+NOTHING: Final[RGB] = (188, 196, 204)
+FAILED: Final[RGB] = (70, 74, 82)
+
+FLOOR: Final[RGB] = (240, 241, 243)
+GRID: Final[RGB] = (226, 228, 232)
+ZONES: Final[tuple[RGB, ...]] = ((234, 238, 243), (243, 240, 234), (235, 242, 238), (241, 237, 243))
+LETTERS: Final[RGB] = (138, 147, 158)
+DOORWAY: Final[RGB] = (150, 198, 190)
+WALL: Final[RGB] = (224, 227, 232)
+CAP: Final[RGB] = (84, 97, 116)
+TEAL: Final[RGB] = (64, 150, 140)
+WOOD: Final[RGB] = (205, 172, 128)
+DARK: Final[RGB] = (52, 56, 64)
+METAL: Final[RGB] = (168, 175, 184)
+
+ON_WHITE: Final[RGB] = (255, 255, 255)
+ON_DARK: Final[RGB] = (26, 27, 30)
+"""The backgrounds of viser's panels, light and dark."""
+
+READABLE: Final = 4.5
+"""The least contrast of text: WCAG 2.2, success criterion 1.4.3."""
+
+_FIXTURES: Final[Mapping[str, RGB]] = {"door": TEAL, "table": WOOD}
+_THINGS: Final[RGB] = (176, 146, 108)
+
+# Machado, Oliveira and Fernandes, "A Physiologically-based Model for Simulation of Color Vision Deficiency",
+# IEEE TVCG 15 (6), 2009: the matrices of severity 1.0, for linear RGB.
+_SIGHTS: Final[Mapping[Sight, Floats]] = {
+    "common": np.eye(3),
+    "protan": np.array(
+        [[0.152286, 1.052583, -0.204868], [0.114503, 0.786281, 0.099216], [-0.003882, -0.048116, 1.051998]]
+    ),
+    "deutan": np.array(
+        [[0.367322, 0.860646, -0.227968], [0.280085, 0.672501, 0.047413], [-0.011820, 0.042940, 0.968881]]
+    ),
+    "tritan": np.array(
+        [[1.255528, -0.076749, -0.178779], [-0.078411, 0.930809, 0.147602], [0.004733, 0.691367, 0.303900]]
+    ),
+}
+# IEC 61966-2-1: linear sRGB to XYZ, and its white, D65.
+_TO_XYZ: Final[Floats] = np.array(
+    [[0.4124564, 0.3575761, 0.1804375], [0.2126729, 0.7151522, 0.0721750], [0.0193339, 0.1191920, 0.9503041]]
+)
+_WHITE: Final[Floats] = np.array([0.95047, 1.0, 1.08883])
+
+
+def colour_of(index: int) -> RGB:
+    """Return the colour of the agent that came `index`-th, from 0."""
+    return AGENTS[index % len(AGENTS)]
+
+
+def mark_of(index: int) -> int:
+    """Return how many stripes tell it from those of the same colour: none for the first six."""
+    return index // len(AGENTS)
+
+
+class Colours:
+    """Which colour each agent has: in the order in which they were first seen, for as long as the page lives.
+
+    Bodies that do not go about (doors, tables, obstacles) have the colour of what they are and use none up.
+    """
+
+    def __init__(self) -> None:
+        self._index: dict[str, int] = {}
+        self._fixtures: dict[str, RGB] = {}
+
+    def see(self, bodies: Mapping[str, Body]) -> None:
+        """Give colours to those that are new, in the order of the mapping."""
+        for name, body in bodies.items():
+            robot = body.robot
+            if has_motors(robot) and not robot.anchored:
+                self._fixtures.pop(name, None)
+                self.index(name)
+            elif name not in self._index:
+                self._fixtures[name] = _FIXTURES.get(robot.kind, _THINGS)
+
+    def index(self, name: str) -> int:
+        """Return an agent's number, from 0; a new one gets the next."""
+        return self._index.setdefault(name, len(self._index))
+
+    def rgb(self, name: str) -> RGB:
+        """Return an agent's colour, or that of the thing it is."""
+        fixture = self._fixtures.get(name)
+        return colour_of(self.index(name)) if fixture is None else fixture
+
+    def mark(self, name: str) -> int:
+        """Return how many stripes an agent has."""
+        return 0 if name in self._fixtures else mark_of(self.index(name))
+
+    def text(self, name: str, *, dark: bool = False) -> str:
+        """Return an agent's colour for text, as `#rrggbb`, readable on the panel's light or dark background."""
+        return hexadecimal(text_safe(self.rgb(name), dark=dark))
+
+
+def hexadecimal(colour: RGB) -> str:
+    """Return a colour as CSS writes it: `#rrggbb`."""
+    return "#{:02x}{:02x}{:02x}".format(*colour)
+
+
+def linear(colour: Iterable[float]) -> Floats:
+    """Return sRGB bytes as light, three shares of 1 (IEC 61966-2-1)."""
+    share = np.asarray(tuple(colour), dtype=np.float64) / 255.0
+    return np.where(share <= 0.04045, share / 12.92, ((share + 0.055) / 1.055) ** 2.4)
+
+
+def encoded(light: Floats) -> RGB:
+    """Return light as sRGB bytes; the inverse of `linear`."""
+    share = np.clip(light, 0.0, 1.0)
+    value = np.where(share <= 0.0031308, share * 12.92, 1.055 * share ** (1 / 2.4) - 0.055)
+    red, green, blue = (round(float(channel) * 255.0) for channel in value)
+    return red, green, blue
+
+
+def contrast(one: RGB, other: RGB) -> float:
+    """Return the contrast ratio of two colours, 1 to 21 (WCAG 2.2)."""
+    low, high = sorted(float(_TO_XYZ[1] @ linear(colour)) for colour in (one, other))
+    return (high + 0.05) / (low + 0.05)
+
+
+def text_safe(colour: RGB, *, dark: bool = False) -> RGB:
+    """Return a colour moved towards black, on a dark background towards white, until text in it can be read."""
+    ground, end = (ON_DARK, 1.0) if dark else (ON_WHITE, 0.0)
+    light = linear(colour)
+    for step in range(101):
+        candidate = encoded(light + (end - light) * step / 100)
+        if contrast(candidate, ground) >= READABLE:
+            break
+    return candidate
+
+
+def seen_by(colour: RGB, sight: Sight) -> Floats:
+    """Return the light, three shares of 1, that a person of common sight sees as that person sees the colour."""
+    return np.clip(_SIGHTS[sight] @ linear(colour), 0.0, 1.0)
+
+
+def difference(one: RGB, other: RGB, sight: Sight = "common") -> float:
+    """Return how far apart two colours look: CIE76, the distance in CIELAB; about 2.3 is just noticeable."""
+    return float(np.linalg.norm(_lab(seen_by(one, sight)) - _lab(seen_by(other, sight))))
+
+
+def _lab(light: Floats) -> Floats:
+    ratio = _TO_XYZ @ light / _WHITE
+    cube = np.where(ratio > 216 / 24389, np.cbrt(ratio), (24389 / 27 * ratio + 16) / 116)
+    return np.array([116 * cube[1] - 16, 500 * (cube[0] - cube[1]), 200 * (cube[1] - cube[2])])
