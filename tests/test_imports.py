@@ -60,8 +60,9 @@ def imported(path: Path) -> Iterator[str]:
 
 
 FILES = list(sources())
-COMMANDS = {"intellwheels_schemas.present", "intellwheels_server.router", "intellwheels_experiments.check.__main__"}
-"""Commands that are files of their own."""
+COMMANDS = {"intellwheels_schemas.present", "intellwheels_server.router", "intellwheels_experiments.check.__main__",
+            "intellwheels_experiments.rig"}  # fmt: skip
+"""Commands that are files of their own, and the rig, which does a command's work for a test."""
 
 
 @pytest.mark.parametrize(("package", "path"), FILES, ids=[str(path.relative_to(ROOT)) for _, path in FILES])

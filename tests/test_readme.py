@@ -1,6 +1,8 @@
 """The README is a promise: what it shows runs."""
 
 import re
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -16,6 +18,20 @@ def test_mind_of_the_readme_is_one(tmp_path: Path) -> None:
     file = tmp_path / "forward.py"
     file.write_text(block)
     assert callable(find(str(file)).make)
+
+
+def test_test_of_the_readme_passes(tmp_path: Path) -> None:
+    blocks = {block.split()[1].rstrip(":"): block for block in BLOCKS if block.startswith("# ")}
+    for name in ("forward.py", "test_forward.py"):
+        (tmp_path / name).write_text(blocks[name])
+    # By the file and not by the entry point: a checkout may be newer than what is installed.
+    words = ["-p", "no:intellwheels", "-p", "intellwheels_experiments.plugin", "-p", "no:cacheprovider"]
+    done = subprocess.run(
+        [sys.executable, "-m", "pytest", "-W", "error", *words, str(tmp_path)],
+        cwd=tmp_path, capture_output=True, text=True, timeout=300, check=False,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert "2 passed" in done.stdout
 
 
 def test_world_of_the_readme_runs(capsys: pytest.CaptureFixture[str]) -> None:

@@ -6,8 +6,9 @@ import argparse
 import math
 import sys
 from collections.abc import Callable, Iterator, Sequence
+from pathlib import Path
 
-from intellwheels_agents import minds
+from intellwheels_agents import minds, starter
 from intellwheels_agents.equipment import equipped, joining, split_options
 from intellwheels_agents.harness import NAME_TAKEN, PLACE_TAKEN
 from intellwheels_agents.network import run_agent
@@ -30,6 +31,8 @@ examples:
       iw-agent door --name door --robot door --place hinge --option swing=right --option Compass.NoiseDeg=1
   your own mind, a Python file with a class Mind, for a body that another process joined
       iw-agent ./my_mind.py --name chair1 --role mind
+  a folder to start from: a mind, a robot, a scene and a test that pass as they are
+      iw-agent new my-chair
 
 On standard output: `joined agent=chair1 run=... tick=...`, `run agent=chair1 run=...` when a new run begins,
 `left agent=chair1`. Exit code 0: done; 1: refused or failed; 2: wrong usage.
@@ -94,8 +97,11 @@ def parser() -> argparse.ArgumentParser:
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run an agent and return the exit code: 0 done, 1 refused or failed, 2 wrong usage."""
-    options = parser().parse_args(arguments)
+    """Run an agent, or write a starter, and return the exit code: 0 done, 1 refused or failed, 2 wrong usage."""
+    words = sys.argv[1:] if arguments is None else list(arguments)
+    if words[:1] == ["new"]:
+        return _write_starter(words[1:])
+    options = parser().parse_args(words)
     # First of all: a signal may come while the rest is still read.
     stop = stop_on_signals(options.lifeline)
     try:
@@ -126,6 +132,22 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except ConnectionError as error:
         print(f"iw-agent: {error}", file=sys.stderr)
         return 1
+
+
+def _write_starter(words: list[str]) -> int:
+    wanted = argparse.ArgumentParser(
+        prog="iw-agent new", description="Write a mind, a robot, a scene and a test that pass as they are."
+    )
+    wanted.add_argument("folder", type=Path, metavar="DIR", help="where; made if it is not there")
+    folder: Path = wanted.parse_args(words).folder
+    try:
+        written = starter.write(folder)
+    except OSError as error:
+        print(f"iw-agent new: {error}", file=sys.stderr)
+        return 1
+    print(f"wrote {', '.join(str(path) for path in written)}")
+    print(f"next: iw-run {folder / 'scene.xml'}, and pytest {folder}")
+    return 0
 
 
 def _body(

@@ -12,7 +12,7 @@ import signal
 import subprocess
 import threading
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from queue import Empty, SimpleQueue
@@ -82,12 +82,15 @@ class Children:
     ) -> None:
         self.close()
 
-    def start(self, child: str, command: Callable[[int], Sequence[str]]) -> None:
+    def start(
+        self, child: str, command: Callable[[int], Sequence[str]], environment: Mapping[str, str] | None = None
+    ) -> None:
         """Start a child.
 
         Args:
             child: Its name here and in its log's name.
             command: Makes its command line from the lifeline's file descriptor, which the child inherits.
+            environment: Variables it has beside those of this process.
 
         Raises:
             OSError: The program cannot be started.
@@ -105,7 +108,7 @@ class Children:
                 # with it.
                 process_group=0,
                 pass_fds=(self._lifeline,),
-                env={**os.environ, "PYTHONUNBUFFERED": "1"},
+                env={**os.environ, "PYTHONUNBUFFERED": "1", **(environment or {})},
             )
         self._processes[child] = process
         hear = threading.Thread(target=self._hear, args=(child, process, path), name=f"{child}-lines", daemon=True)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
@@ -75,24 +75,52 @@ class Plan:
 
     def agent_command(self, cast: Cast, lifeline: int) -> list[str]:
         """Return the command of one of the cast."""
-        words = [self._resolve(cast.mind), "--name", cast.name, "--robot", self._resolve(cast.robot)]
-        if cast.place is not None:
-            words += ["--place", cast.place]
-        for option in cast.option:
-            words += ["--option", f"{option.name}={option.value}"]
-        words += [*self._link_words((), self.meeting), "--encoding", self.encoding, "--lifeline", str(lifeline)]
-        return [sys.executable, "-m", "intellwheels_agents", *words]
+        words = [*self._link_words((), self.meeting), "--encoding", self.encoding, "--lifeline", str(lifeline)]
+        return agent_command(cast, self.folder, words)
 
     def _link_words(self, listen: tuple[str, ...], connect: tuple[str, ...]) -> list[str]:
-        words = ["--world", self.world]
-        for option, endpoints in (("--listen", listen), ("--connect", connect)):
-            for endpoint in endpoints:
-                words += [option, endpoint]
+        words = link_words(self.world, listen, connect)
         return words if self.config is None else [*words, "--config", str(self.config.absolute())]
 
-    def _resolve(self, name_or_path: str) -> str:
-        is_path = "/" in name_or_path or name_or_path.endswith((".xml", ".py"))
-        return str((self.folder or Path()).absolute() / name_or_path) if is_path else name_or_path
+
+def agent_command(cast: Cast, folder: Path | None, words: Sequence[str]) -> list[str]:
+    """Return the command of an agent.
+
+    Args:
+        cast: Who, with which mind and body, where. An empty robot: the mind's own.
+        folder: Where its relative paths start from; None: the working directory.
+        words: The rest of the command line.
+    """
+    command = [sys.executable, "-m", "intellwheels_agents", resolved(cast.mind, folder), "--name", cast.name]
+    if cast.robot:
+        command += ["--robot", resolved(cast.robot, folder)]
+    if cast.place is not None:
+        command += ["--place", cast.place]
+    for option in cast.option:
+        command += ["--option", f"{option.name}={option.value}"]
+    return [*command, *words]
+
+
+def link_words(world: str, listen: Sequence[str] = (), connect: Sequence[str] = ()) -> list[str]:
+    """Return how a command is told its world and whom it meets where."""
+    words = ["--world", world]
+    for option, endpoints in (("--listen", listen), ("--connect", connect)):
+        for endpoint in endpoints:
+            words += [option, endpoint]
+    return words
+
+
+def resolved(name_or_path: str, folder: Path | None) -> str:
+    """Return a path from a folder on as an absolute one, and the name of something shipped as it is."""
+    is_path = "/" in name_or_path or name_or_path.endswith((".xml", ".py"))
+    return str((folder or Path()).absolute() / name_or_path) if is_path else name_or_path
+
+
+def filled(word: str, values: Mapping[str, str]) -> str:
+    """Return a word of a command with each `{name}` replaced by its value; other braces stay."""
+    for name, value in values.items():
+        word = word.replace(f"{{{name}}}", value)
+    return word
 
 
 def wall_limit(scene: Scene, speed: float) -> float:

@@ -12,11 +12,11 @@ from contextlib import contextmanager, suppress
 from typing import TYPE_CHECKING, Final, TypeVar
 
 from intellwheels_experiments.record import Record
-from intellwheels_schemas.codec import decode, encoding_of
+from intellwheels_schemas.codec import decode, encode, encoding_of
 from intellwheels_schemas.errors import WireError
-from intellwheels_schemas.keys import Keys
+from intellwheels_schemas.keys import Keys, Verb
 from intellwheels_schemas.link import Answer, Inbox, Link, Put, open_session, query
-from intellwheels_schemas.messages import Clock, Event, Events, WorldState
+from intellwheels_schemas.messages import Clock, Event, Events, Result, WorldState
 from intellwheels_schemas.messages import Record as Message
 
 if TYPE_CHECKING:
@@ -37,9 +37,10 @@ class Watch:
     Args:
         session: An open session.
         world: The world to watch.
+        listens: Whether it hears what is published; else it only asks.
     """
 
-    def __init__(self, session: zenoh.Session, world: str) -> None:
+    def __init__(self, session: zenoh.Session, world: str, *, listens: bool = True) -> None:
         self._session = session
         self._keys = Keys(world)
         self._inbox = Inbox()
@@ -47,6 +48,7 @@ class Watch:
         self._subscribers = [
             session.declare_subscriber(key, self._inbox.on_sample)
             for key in (self._keys.every_state, self._keys.event, self._keys.clock)
+            if listens
         ]
 
     def close(self) -> None:
@@ -65,14 +67,34 @@ class Watch:
                 elif self._keys.parse_state(arrival.key) is not None:
                     self._give(WorldState, arrival.data, arrival.encoding, record.on_state)
 
-    def complete(self, record: Record) -> None:
-        """Ask the simulator for what is true now and for events that were not seen."""
+    def look(self, record: Record) -> None:
+        """Ask the simulator for events that were not seen, and then for the state of all bodies."""
+        asked = None
+        # The numbers of a run that began in between start anew.
+        while asked is None or record.run != asked:
+            asked = record.run or ""
+            for answer in self._ask(f"{self._keys.event}?since={record.wanted}"):
+                self._give(Events, answer.data, answer.encoding, record.on_events)
+            if record.run is None:
+                break
         for answer in self._ask(self._keys.every_state):
             self._give(WorldState, answer.data, answer.encoding, record.on_state)
+
+    def complete(self, record: Record) -> None:
+        """Ask the simulator for what is true now and for events that were not seen."""
+        self.look(record)
         for answer in self._ask(self._keys.clock):
             self._give(Clock, answer.data, answer.encoding, record.on_clock)
-        for answer in self._ask(f"{self._keys.event}?since={record.wanted}"):
-            self._give(Events, answer.data, answer.encoding, record.on_events)
+
+    def control(self, verb: Verb, message: Message, timeout: float = ANSWER_LIMIT) -> Result:
+        """Ask the simulator for a verb and return its answer.
+
+        Raises:
+            ConnectionError: There was none in time.
+            WireError: What came is no result.
+        """
+        answer = query(self._session, self._keys.ctl(verb), encode(message), timeout=timeout)[0]
+        return decode(Result, answer.data, encoding_of(answer.encoding, answer.data), strict=False)
 
     def _ask(self, selector: str) -> list[Answer]:
         # A simulator that just died answers nobody; the record says what was seen until then.
@@ -89,8 +111,13 @@ class Watch:
 
 
 @contextmanager
-def watching(link: Link, stop: threading.Event) -> Iterator[Watch]:
+def watching(link: Link, stop: threading.Event, *, listens: bool = True) -> Iterator[Watch]:
     """Connect and watch until the `with` is left.
+
+    Args:
+        link: How.
+        stop: Ends the try to connect.
+        listens: Whether it hears what is published; else it only asks.
 
     Raises:
         ConnectionError: Nobody answers.
@@ -99,7 +126,7 @@ def watching(link: Link, stop: threading.Event) -> Iterator[Watch]:
     if session is None:
         raise ConnectionError(f"told to stop before {link.where()} answered")
     with session:
-        watch = Watch(session, link.world)
+        watch = Watch(session, link.world, listens=listens)
         try:
             yield watch
         finally:

@@ -1,7 +1,7 @@
 """Processes of a test on a world and a port of their own, and a peer that speaks raw bytes.
 
-Every wait has a deadline and is for something: a printed line, an event, a tick. What fails shows
-what the processes printed.
+For tests of the service itself, which must see bytes and starts that fail; what tests an agent uses the fixture
+`intellwheels`. Every wait has a deadline and is for something: a printed line, an event, a tick.
 """
 
 from __future__ import annotations
@@ -9,36 +9,22 @@ from __future__ import annotations
 import json
 import os
 import select
-import signal
-import socket
 import subprocess
 import sys
-import time
 from collections import deque
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any, Self, TypeVar
+from typing import Any, Self
 
-import pytest
 import zenoh
 
-from intellwheels_experiments.children import Children, Exited, Line
-from intellwheels_experiments.plan import parse
+from intellwheels_experiments.processes import DEADLINE, Processes, free_port
 
-DEADLINE = 30.0
-"""Seconds a wait may take; the machine may be busy."""
+__all__ = ["DEADLINE", "JSON", "XML", "Peer", "Stage", "children_of", "free_port", "is_gone", "resident", "run"]
 
 JSON = "application/json;iw.v1"
 XML = "application/xml;iw.v1"
-
-_T = TypeVar("_T")
-
-
-def free_port() -> int:
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        return int(probe.getsockname()[1])
 
 
 def is_gone(pid: int, within: float = 0.0) -> bool:
@@ -75,7 +61,7 @@ def run(module: str, *words: str, timeout: float = 120.0, **environment: str) ->
     )
 
 
-class Stage:
+class Stage(Processes):
     """The processes of a test.
 
     Attributes:
@@ -86,13 +72,10 @@ class Stage:
     """
 
     def __init__(self, folder: Path, world: str) -> None:
+        super().__init__(folder / "logs")
         self.folder = folder
         self.world = world
         self.endpoint = f"tcp/127.0.0.1:{free_port()}"
-        self.children = Children(folder / "logs")
-        self._lines: dict[str, deque[str]] = {}
-        self._exits: dict[str, int] = {}
-        self._started = 0
         self.simulator = "server"
 
     def __enter__(self) -> Self:
@@ -100,17 +83,7 @@ class Stage:
 
     def __exit__(self, *_: object) -> None:
         # How they end in words is tested where it matters.
-        self.children.end(self.children.living, grace=0.0)
-        self.children.close()
-
-    def start(self, child: str, module: str, *words: str) -> str:
-        """Start a process and return the name it has here, numbered when it is the second of that name."""
-        self._started += 1
-        if child in self._lines:
-            child = f"{child}.{self._started}"
-        self._lines[child] = deque()
-        self.children.start(child, lambda lifeline: [sys.executable, "-m", module, *words, "--lifeline", str(lifeline)])
-        return child
+        self.close()
 
     def server(self, *words: str, ready: bool = True) -> str:
         """Start a simulator, and wait until it is ready."""
@@ -129,73 +102,6 @@ class Stage:
         if joined:
             self.line(child, "joined")
         return child
-
-    def line(self, child: str, verb: str, timeout: float = DEADLINE, **wanted: str) -> dict[str, str]:
-        """Wait for a line of a child that begins with the verb and has these values; return its values."""
-        lines = self._lines[child]
-
-        def found() -> dict[str, str] | None:
-            while lines:
-                said, values = parse(lines.popleft())
-                if said == verb and wanted.items() <= values.items():
-                    return dict(values)
-            return None
-
-        return self.wait(found, f"line {verb!r} of {child}", timeout, unless=child)
-
-    def exit(self, child: str, timeout: float = DEADLINE) -> int:
-        """Wait for the end of a child; return its exit code."""
-        return self.wait(lambda: self._exits.get(child), f"end of {child}", timeout)
-
-    def signal(self, child: str, number: signal.Signals) -> None:
-        """Send a child a signal."""
-        os.kill(self.pid(child), number)
-
-    def pid(self, child: str) -> int:
-        """Return a child's process id."""
-        return self.children.pid(child)
-
-    def log(self, child: str) -> str:
-        """Return what a child printed."""
-        return self.children.log_of(child).read_text()
-
-    def wait(
-        self, look: Callable[[], _T | None], what: str, timeout: float = DEADLINE, *, unless: str | None = None
-    ) -> _T:
-        """Look until there is something, which is returned.
-
-        Args:
-            look: What is looked for; None is nothing.
-            what: Its name, when it does not come.
-            timeout: Seconds until the test fails.
-            unless: A child whose end means that it will not come.
-        """
-        deadline = time.monotonic() + timeout
-        while True:
-            ended = unless in self._exits
-            self._hear()
-            found = look()
-            if found is not None:
-                return found
-            if ended or time.monotonic() > deadline:
-                pytest.fail(f"{what} did not come in {timeout} s\n{self.logs()}")
-
-    def logs(self) -> str:
-        """Return the last lines of all processes, for a test that fails."""
-        return "\n".join(
-            f"--- {child} (exit {self._exits.get(child, '-')})\n" + "\n".join(self.children.tail(child, 30))
-            for child in self._lines
-        )
-
-    def _hear(self) -> None:
-        news = self.children.news(0.02)
-        while news is not None:
-            match news:
-                case Line(child=child, text=text):
-                    self._lines[child].append(text)
-                case Exited(child=child, code=code):
-                    self._exits[child] = code
-            news = self.children.news(0.0)
 
     @contextmanager
     def peer(self) -> Iterator[Peer]:

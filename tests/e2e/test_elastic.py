@@ -3,29 +3,27 @@
 from __future__ import annotations
 
 import json
-import signal
+from collections.abc import Callable
+from pathlib import Path
 
-from tests.e2e.stage import Stage, run
+from intellwheels_experiments.rig import Rig
+from tests.e2e.stage import run
 
 
-def test_elastic_run_with_an_agent_killed_and_come_back_is_run_again_to_the_same_hashes(stage: Stage) -> None:
-    log = stage.folder / "run.log"
-    server = stage.server(
-        "--map", "room", "--pace", "lockstep", "--miss", "elastic", "--deadline", "0.3",
-        "--expect", "chair1,chair2", "--log", str(log),
-    )  # fmt: skip
-    words = ("--option", "left=0.1", "--option", "right=0.12", "--option", "MotorNoise=0.015")
-    first = stage.agent("chair1", "drive", *words, joined=False)
-    stage.agent("chair2", "drive", *words, joined=False)
-    with stage.peer() as peer:
-        peer.tick(50)
-        stage.signal(first, signal.SIGKILL)
-        lost = peer.event("lost", "chair1")
-        peer.tick(lost["Tick"] + 20)
-        stage.agent("chair1", "drive", *words)
-        peer.ticks_on(100)
-    stage.signal(server, signal.SIGTERM)
-    assert stage.exit(server) == 0
+def test_elastic_run_with_an_agent_killed_and_come_back_is_run_again_to_the_same_hashes(
+    intellwheels: Callable[..., Rig], tmp_path: Path
+) -> None:
+    log = tmp_path / "run.log"
+    sim = intellwheels(floor="room", miss="elastic", words=("--deadline", "0.3", "--log", str(log)))
+    for name in ("chair1", "chair2"):
+        sim.agent(name, "drive", robot="rear-wheel", left=0.1, right=0.12, MotorNoise=0.015)
+    sim.run_for(2.5)
+    sim.kill("chair1")
+    sim.run_until(lambda now: now.happened("lost", "chair1"))
+    sim.run_for(1.0)
+    sim.agent("chair1", "drive", robot="rear-wheel", left=0.1, right=0.12, MotorNoise=0.015)
+    sim.run_for(5.0)
+    assert sim.end_simulator() == 0
 
     done = run("intellwheels_server", "--resimulate", str(log))
     assert done.returncode == 0, done.stdout + done.stderr

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import subprocess
 import sys
 import zipfile
@@ -13,7 +14,7 @@ import pytest
 
 ROOT = Path(__file__).parent.parent.parent
 PACKAGES = ("intellwheels_schemas", "intellwheels_server", "intellwheels_agents", "intellwheels_experiments",
-            "intellwheels_maps")  # fmt: skip
+            "intellwheels_maps", "intellwheels_viewer")  # fmt: skip
 
 
 def finished(*command: str, cwd: Path, timeout: float = 300.0) -> str:
@@ -54,14 +55,34 @@ def test_wheel_holds_nothing_else(wheel: Path) -> None:
     assert [name for name in names if "__pycache__" in name or "test" in Path(name).name] == []
 
 
-def test_wheel_installed_in_a_clean_environment_runs_a_scene(wheel: Path, tmp_path: Path) -> None:
-    environment = tmp_path / "venv"
-    finished(sys.executable, "-m", "venv", str(environment), cwd=tmp_path)
+@pytest.fixture(scope="module")
+def clean(wheel: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The commands of an environment in which the wheel and pytest are installed."""
+    folder = tmp_path_factory.mktemp("clean")
+    environment = folder / "venv"
+    finished(sys.executable, "-m", "venv", str(environment), cwd=folder)
     python = environment / "bin" / "python"
-    finished(str(python), "-m", "pip", "install", "--quiet", f"{wheel}[all]", cwd=tmp_path)
-    where = finished(str(python), "-c", "import intellwheels_server; print(intellwheels_server.__file__)", cwd=tmp_path)
+    finished(str(python), "-m", "pip", "install", "--quiet", f"{wheel}[all]", "pytest", cwd=folder)
+    where = finished(str(python), "-c", "import intellwheels_server; print(intellwheels_server.__file__)", cwd=folder)
     assert where.startswith(str(environment))
+    return environment / "bin"
+
+
+def test_wheel_installed_in_a_clean_environment_runs_a_scene(clean: Path, tmp_path: Path) -> None:
     for command in ("iw-server", "iw-agent", "iw-run"):
-        assert "usage: " + command in finished(str(environment / "bin" / command), "--help", cwd=tmp_path)
-    finished(str(environment / "bin" / "iw-run"), "figure6", "--json", "result.json", cwd=tmp_path)
+        assert "usage: " + command in finished(str(clean / command), "--help", cwd=tmp_path)
+    finished(str(clean / "iw-run"), "figure6", "--json", "result.json", cwd=tmp_path)
     assert json.loads((tmp_path / "result.json").read_text())["held"] is True
+
+
+def test_starter_passes_as_it_is_in_a_clean_environment(clean: Path, tmp_path: Path) -> None:
+    finished(str(clean / "iw-agent"), "new", "my-chair", cwd=tmp_path)
+    assert "3 passed" in finished(str(clean / "pytest"), "-W", "error", "my-chair", cwd=tmp_path)
+    assert "held scene=mine" in finished(str(clean / "iw-run"), "my-chair/scene.xml", cwd=tmp_path)
+
+
+def test_test_of_the_readme_passes_in_a_clean_environment(clean: Path, tmp_path: Path) -> None:
+    blocks = re.findall(r"```python\n(# (\w+\.py).*?)```", (ROOT / "README.md").read_text(), re.DOTALL)
+    for text, name in blocks:
+        (tmp_path / name).write_text(text)
+    assert "2 passed" in finished(str(clean / "pytest"), "-W", "error", cwd=tmp_path)

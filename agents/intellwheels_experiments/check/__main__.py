@@ -10,6 +10,7 @@ from collections.abc import Sequence
 from intellwheels_experiments.check import script
 from intellwheels_experiments.check.network import NetworkStand
 from intellwheels_experiments.check.script import Check, Outcome, Patience
+from intellwheels_experiments.plan import filled
 from intellwheels_maps import floor, robot
 from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.link import DEFAULT_WORLD, Link
@@ -84,7 +85,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     ends = (endpoint,)
     link = Link(world, connect=ends) if options.connect else Link(world, listen=ends)
     values = {"endpoint": endpoint, "world": world, "name": agent}
-    command = [_filled(word, values) for word in options.command]
+    command = [filled(word, values) for word in options.command]
     environment = {f"IW_{name.upper()}": value for name, value in values.items()}
     patience = Patience(options.start_within, options.answer_within, options.leave_within)
     passed = played = 0
@@ -110,12 +111,6 @@ def _show(outcome: Outcome) -> None:
     for line in outcome.printed.splitlines()[-10:]:
         print(f"{'':17}| {line}")
     sys.stdout.flush()
-
-
-def _filled(word: str, values: dict[str, str]) -> str:
-    for name, value in values.items():
-        word = word.replace(f"{{{name}}}", value)
-    return word
 
 
 def _free_port() -> int:

@@ -1,0 +1,181 @@
+"""What a test of an agent is told is what happened, tick by tick; faults are real, and nothing is left behind."""
+
+from __future__ import annotations
+
+import math
+import sys
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from intellwheels_experiments.processes import AwaitedError
+from intellwheels_experiments.rig import Rig
+
+AVOID = Path(__file__).parents[2] / "agents" / "examples" / "python" / "avoid.py"
+AHEAD: dict[str, Any] = {"left": 0.3, "right": 0.3}
+
+DIES = """
+class Mind:
+    def __init__(self, context): pass
+    def decide(self, measures):
+        raise RuntimeError("no such wheel")
+"""
+
+
+def test_lockstep_stands_at_the_tick_at_which_the_condition_held(tmp_path: Path) -> None:
+    with Rig(tmp_path, floor="corner") as sim:
+        sim.agent("chair1", "drive", robot="mid-wheel", place="leader", **AHEAD)
+        assert sim.pose("chair1") == (0.0, 5.0, 0.0, 0.0)
+        seen: list[int] = []
+
+        def far(now: object) -> bool:
+            moment = sim.now
+            seen.append(moment.tick)
+            return moment["chair1"].x > 5.3
+
+        held = sim.run_until(far)
+        assert seen == list(range(held.tick + 1))
+        assert sim.now == held
+        path = sim.path("chair1")
+        assert [point.time for point in path] == pytest.approx([0.05 * tick for tick in seen])
+        assert path[-2].x <= 5.3 < path[-1].x == sim.pose("chair1").x
+        assert sim.run_for(1.0).time == pytest.approx(held.time + 1.0)
+
+
+def test_run_of_a_seed_is_the_same_whatever_it_is_stopped_for(tmp_path: Path) -> None:
+    def run(folder: str, *stops: float) -> list[tuple[float, ...]]:
+        with Rig(tmp_path / folder, floor="corner", seed="5") as sim:
+            sim.agent("chair1", "drive", robot="mid-wheel", place="leader", MotorNoise=0.02, **AHEAD)
+            for stop in stops:
+                sim.run_for(stop)
+            return list(sim.path("chair1"))
+
+    assert run("once", 1.5) == run("often", 0.5, 0.25, 0.75)
+
+
+def test_contacts_are_pairs_and_a_condition_that_never_holds_says_how_the_world_was(tmp_path: Path) -> None:
+    with Rig(tmp_path, floor="corner") as sim:
+        sim.agent("chair1", "drive", robot="mid-wheel", place="leader", left=1.0, right=1.0)
+        sim.run_until(lambda now: now.contacts, seconds=15.0)
+        assert sim.contacts == [("chair1", "wall")]
+        assert [event.code for event in sim.events if event.agent == "chair1"] == ["joined", "contact"]
+        with pytest.raises(
+            AwaitedError, match=r"did not hold within 0.2 s of simulated time\ntick \d+(.|\n)*chair1: x 11\."
+        ):
+            sim.run_until(lambda now: now["chair1"].x > 99.0, seconds=0.2)
+        with pytest.raises(AwaitedError, match="expected a body that is there"):
+            sim.run_until(lambda now: now["chair2"].x > 0.0, seconds=0.1)
+
+
+def test_agent_that_dies_fails_the_test_at_once_with_its_last_words(tmp_path: Path) -> None:
+    mind = tmp_path / "dies.py"
+    mind.write_text(DIES)
+    with Rig(tmp_path / "logs", floor="corner", folder=tmp_path) as sim:
+        sim.agent("chair1", "dies.py")
+        with pytest.raises(AwaitedError, match=r"agent-chair1: exit 1; its last lines:\n(.|\n)*no such wheel"):
+            sim.run_for(1.0)
+
+
+def test_agent_that_may_die_is_waited_for_and_gives_its_code(tmp_path: Path) -> None:
+    mind = tmp_path / "dies.py"
+    mind.write_text(DIES)
+    with Rig(tmp_path / "logs", floor="corner", folder=tmp_path) as sim:
+        sim.agent("chair1", "dies.py", may_end=True)
+        # It dies at its first tick; the world goes on without it.
+        sim.run_for(0.5)
+        assert sim.exit("chair1") == 1
+        assert "no such wheel" in sim.log("chair1")
+
+
+def test_simulator_that_ends_the_run_says_why(tmp_path: Path) -> None:
+    with Rig(tmp_path, floor="corner", words=("--deadline", "0.3")) as sim:
+        sim.agent("chair1", "drive")
+        sim.run_for(0.2)
+        sim.freeze("chair1")
+        with pytest.raises(AwaitedError, match=r"server: exit 1; its last lines:\n(.|\n)*miss agent=chair1"):
+            sim.run_for(1.0)
+
+
+def test_program_of_any_language_is_told_where_to_join(tmp_path: Path) -> None:
+    # This one knows the world `main` only, as its page says; ours is told by a word of its own.
+    program = tmp_path / "avoid.py"
+    program.write_text(AVOID.read_text().replace('"iw/v1/main"', 'f"iw/v1/{sys.argv[3]}"'))
+    with Rig(tmp_path / "logs", floor="corner") as sim:
+        sim.agent("chair1", [sys.executable, str(program), "{name}", "{endpoint}", "{world}"])
+        start = sim.pose("chair1")
+        sim.run_until(lambda now: math.dist(start[1:3], (now["chair1"].x, now["chair1"].y)) > 0.3)
+        with pytest.raises(ValueError, match="a command has neither"):
+            sim.agent("chair2", [sys.executable], place="leader")
+
+
+def test_cast_of_a_scene_plays_it_to_its_end(tmp_path: Path) -> None:
+    with Rig(tmp_path, scene="door") as sim:
+        sim.cast()
+        assert set(sim.now.bodies) == {"chair", "door"}
+        sim.run_until(lambda now: now.happened("ended"), seconds=60.0)
+        assert sim.contacts == []
+        with pytest.raises(AwaitedError, match="the run has ended"):
+            sim.run_for(1.0)
+
+
+def test_end_of_a_run_in_real_time_is_seen_and_nothing_comes_after_it(tmp_path: Path) -> None:
+    with Rig(tmp_path, scene="door", pace="realtime", speed=20.0) as sim:
+        sim.cast()
+        sim.run_until(lambda now: now.happened("ended"), seconds=60.0)
+        with pytest.raises(AwaitedError, match="the run came to its end"):
+            sim.run_for(1.0)
+
+
+def test_killed_agent_comes_to_rest_and_its_successor_drives_on(tmp_path: Path) -> None:
+    with Rig(tmp_path, floor="corner", pace="realtime") as sim:
+        sim.agent("chair1", "drive", place="leader", **AHEAD)
+        sim.run_until(lambda now: now["chair1"].speed > 0.2)
+        sim.kill("chair1")
+        rest = sim.run_until(lambda now: now["chair1"].speed < 0.01, seconds=3.0)
+        assert rest.happened("lost", "chair1")
+        sim.agent("chair1", "drive", **AHEAD)
+        sim.run_until(lambda now: now["chair1"].speed > 0.2, seconds=5.0)
+        assert sim.pose("chair1").x > rest["chair1"].x
+        assert sim.log("chair1").startswith("joined")
+
+
+def test_frozen_agent_times_out_and_goes_on_when_it_is_thawed(tmp_path: Path) -> None:
+    with Rig(tmp_path, floor="corner", pace="realtime") as sim:
+        sim.agent("chair1", "drive", place="leader", **AHEAD)
+        sim.run_until(lambda now: now["chair1"].speed > 0.2)
+        sim.freeze("chair1")
+        sim.run_until(lambda now: now.happened("timeout", "chair1") and now["chair1"].speed < 0.01, seconds=3.0)
+        sim.thaw("chair1")
+        sim.run_until(lambda now: now["chair1"].speed > 0.2, seconds=5.0)
+
+
+def test_agents_join_the_simulator_that_comes_back(tmp_path: Path) -> None:
+    with Rig(tmp_path, floor="corner") as sim:
+        sim.agent("chair1", "drive", place="leader", **AHEAD)
+        before = sim.run_for(1.0).events[0].run
+        sim.restart_simulator()
+        assert (sim.now.tick, sim.now.events[0].run != before) == (0, True)
+        sim.run_until(lambda now: now["chair1"].speed > 0.2)
+        assert sim.ctl("delete", agent="chair1").code == "ok"
+        assert sim.now.bodies == {}
+        assert sim.end_simulator() == 0
+
+
+def test_router_that_is_cut_parts_agents_from_the_simulator_and_mended_brings_them_back(tmp_path: Path) -> None:
+    with Rig(tmp_path, floor="corner", pace="realtime", router=True) as sim:
+        sim.agent("chair1", "drive", place="leader", **AHEAD)
+        sim.run_until(lambda now: now["chair1"].speed > 0.2)
+        sim.cut_router()
+        sim.run_until(lambda now: now["chair1"].speed < 0.01, seconds=3.0)
+        sim.mend_router()
+        sim.run_until(lambda now: now["chair1"].speed > 0.2, seconds=20.0)
+
+
+def test_nothing_runs_when_it_is_over(tmp_path: Path) -> None:
+    with Rig(tmp_path, floor="corner") as sim:
+        sim.agent("chair1", "drive")
+        sim.freeze("chair1")
+        children = sim.processes.children
+        assert len(children.living) == 2
+    assert len(children.living) == 0
