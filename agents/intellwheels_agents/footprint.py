@@ -8,7 +8,7 @@ nearer than it may.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Final
 
@@ -84,31 +84,39 @@ class Footprint:
                 found.append((x, y, heading, moved))
         return found
 
+    def watched(
+        self, points: Iterable[Point], margin: float, swing: float, longest: float
+    ) -> list[tuple[float, float, float, float]]:
+        """Return which points matter to a way, with the clearance of each now and the least that it may come to.
+
+        Args:
+            points: What stands there, in the body's frame of now.
+            margin: Metres to keep; where there is less now, about that.
+            swing: Metres by which the footprint counts as longer at both ends.
+            longest: Metres that any place of the body moves at most.
+        """
+        found = []
+        for x, y in points:
+            clearance = self.clearance(x, y, swing)
+            if clearance - margin <= longest:
+                least = min(margin, clearance - CREEP * max(0.0, self.clearance(x, y, 0.0)))
+                found.append((x, y, clearance, least))
+        return found
+
     def is_free(
-        self, poses: Sequence[tuple[float, float, float, float]], points: Sequence[Point], margin: float, swing: float
+        self,
+        poses: Sequence[tuple[float, float, float, float]],
+        watched: Sequence[tuple[float, float, float, float]],
+        swing: float,
     ) -> bool:
-        """Return whether no point comes nearer than `margin` on the way, or than it is now where that is less.
+        """Return whether no point comes nearer than it may.
 
         Args:
             poses: As `poses` returns them.
-            points: What stands there, in the body's frame of now.
-            margin: Metres to keep.
-            swing: Metres by which the footprint counts as longer at both ends.
+            watched: As `watched` returns them, for at least as long a way.
+            swing: As there.
         """
-        if not poses:
-            return True
-        longest = poses[-1][3]
-        watched: list[tuple[float, float, float]] = []
-        slack = math.inf
-        for x, y in points:
-            clearance = self.clearance(x, y, swing)
-            if clearance - margin > longest:
-                continue
-            least = min(margin, clearance - CREEP * max(0.0, self.clearance(x, y, 0.0)))
-            watched.append((x, y, least))
-            slack = min(slack, clearance - least)
-        if not watched:
-            return True
+        slack = min((clearance - least for _, _, clearance, least in watched), default=math.inf)
         looked = 0.0
         for px, py, heading, moved in poses:
             # No point can have come nearer by more than the body moved.
@@ -116,7 +124,7 @@ class Footprint:
                 continue
             looked, slack = moved, math.inf
             c, s = math.cos(heading), math.sin(heading)
-            for x, y, least in watched:
+            for x, y, _, least in watched:
                 dx, dy = x - px, y - py
                 room = self.clearance(c * dx + s * dy, c * dy - s * dx, swing) - least
                 if room < 0.0:

@@ -17,20 +17,22 @@ from intellwheels_agents.chair import Odometry
 from intellwheels_agents.surroundings import Outline, distance, outline
 from intellwheels_schemas.messages import Measures, Proximity, ProximityReading, Robot
 
-CELL: Final = 0.03
+CELL: Final = 0.04
 """Metres of the raster in which one point is kept. Its diagonal is less than `PROOF`."""
-SPACING: Final = 0.05
+SPACING: Final = 0.06
 """Metres between the points of an arc."""
-PROOF: Final = 0.05
+PROOF: Final = 0.06
 """Metres by which a cone must see past a point, and hold it within its edges, to prove it free: whatever stood in the
 point's cell, or between it and the next of its arc, would have been seen."""
-REACH: Final = 2.0
+REACH: Final = 1.5
 """Metres up to which a reading is kept: what is further is seen again, nearer, before it matters."""
 FORGOTTEN: Final = 8.0
 """Metres of driving, a radian of turning counted as one, after which odometry is trusted no more."""
 _PAST: Final = 40
 
 Pose = tuple[float, float, float]
+Cell = tuple[int, int]
+Point = tuple[float, float]
 
 
 class _Eye(NamedTuple):
@@ -54,10 +56,10 @@ class Seen:
 
     def __init__(self, robot: Robot) -> None:
         """Take the sensors of `robot` that ride on it."""
-        self.points: list[tuple[float, float]] = []
+        self.points: list[Point] = []
         self._outline = outline(robot)
         self._eyes = {sensor.id: _eye(sensor) for sensor in robot.proximity if sensor.mount == "body"}
-        self._cells: dict[tuple[int, int], tuple[float, float, float]] = {}
+        self._cells: dict[Cell, tuple[float, float, float]] = {}
         self._poses: deque[tuple[int, Pose]] = deque(maxlen=_PAST)
         self._travel = 0.0
 
@@ -83,65 +85,75 @@ class Seen:
             then = self._pose_at(reading.tick)
             if then is None:
                 continue
-            # What is seen anew was not there before; only what sees the room as it is now proves it free.
+            # An old look proves nothing of what was seen since.
             if then == pose:
                 self._prove_free(eye, min(metres, eye.sensor.max_range), local)
-            self._mark(eye, reading, metres, then)
-        self.points = [(x, y) for x, y, _ in self._around(pose)]
+            self._mark(eye, reading, metres, then, local)
+        self.points = list(local.values())
 
     def _pose_at(self, tick: int | None) -> Pose | None:
         if tick is None:
             return self._poses[-1][1]
         return next((pose for at, pose in self._poses if at == tick), None)
 
-    def _around(self, pose: Pose) -> list[tuple[float, float, tuple[int, int]]]:
-        """Return what is near in the body's frame with its cell; forget what is far, old, or where the body stands."""
+    def _around(self, pose: Pose) -> dict[Cell, Point]:
+        """Return what is near in the body's frame; forget what is far, old, or where the body stands."""
         px, py, heading = pose
         c, s = math.cos(heading), math.sin(heading)
         body = self._outline
         reach = REACH + max(body.front, body.back)
         oldest = self._travel - FORGOTTEN
-        near, gone = [], []
+        near: dict[Cell, Point] = {}
+        gone = []
         for cell, (wx, wy, travel) in self._cells.items():
             dx, dy = wx - px, wy - py
             x, y = c * dx + s * dy, c * dy - s * dx
-            if travel < oldest or abs(x) > reach or abs(y) > reach or _within(body, x, y):
+            if travel < oldest or not (-reach < x < reach and -reach < y < reach) or _within(body, x, y):
                 gone.append(cell)
             else:
-                near.append((x, y, cell))
+                near[cell] = x, y
         for cell in gone:
             del self._cells[cell]
         return near
 
-    def _prove_free(self, eye: _Eye, metres: float, local: list[tuple[float, float, tuple[int, int]]]) -> None:
+    def _prove_free(self, eye: _Eye, metres: float, local: dict[Cell, Point]) -> None:
         c, s = math.cos(eye.bearing), math.sin(eye.bearing)
         clear = metres - PROOF
         if clear <= 0.0:
             return
-        for x, y, cell in local:
-            dx, dy = x - eye.x, y - eye.y
-            along = c * dx + s * dy
+        behind, tangent, slack = c * eye.x + s * eye.y, eye.tangent, eye.slack
+        aside = c * eye.y - s * eye.x
+        proved = []
+        for cell, (x, y) in local.items():
+            along = c * x + s * y - behind
             if not 0.0 < along < clear:
                 continue
-            across = abs(c * dy - s * dx)
-            if across < along * eye.tangent - eye.slack and along * along + across * across < clear * clear:
-                self._cells.pop(cell, None)
+            across = abs(c * y - s * x - aside)
+            if across < along * tangent - slack and along * along + across * across < clear * clear:
+                proved.append(cell)
+        for cell in proved:
+            del local[cell], self._cells[cell]
 
-    def _mark(self, eye: _Eye, reading: ProximityReading, metres: float, pose: Pose) -> None:
+    def _mark(self, eye: _Eye, reading: ProximityReading, metres: float, then: Pose, local: dict[Cell, Point]) -> None:
         if metres > min(REACH, eye.sensor.max_range):
             return
         # Nearer than a sensor can tell: the arc halfway is never further than the thing by more than that half.
         radius = metres / 2.0 if reading.status == "near" else metres
-        px, py, heading = pose
+        x, y, heading = self._poses[-1][1]
         c, s = math.cos(heading), math.sin(heading)
+        then_x, then_y, turned = then
+        then_c, then_s = math.cos(turned), math.sin(turned)
         steps = max(1, math.ceil(2.0 * eye.half * radius / SPACING))
         for k in range(steps + 1):
             angle = eye.bearing - eye.half + 2.0 * eye.half * k / steps
-            x, y = eye.x + radius * math.cos(angle), eye.y + radius * math.sin(angle)
-            if _within(self._outline, x, y):
-                continue
-            wx, wy = px + c * x - s * y, py + s * x + c * y
-            self._cells[math.floor(wx / CELL), math.floor(wy / CELL)] = (wx, wy, self._travel)
+            bx, by = eye.x + radius * math.cos(angle), eye.y + radius * math.sin(angle)
+            wx, wy = then_x + then_c * bx - then_s * by, then_y + then_s * bx + then_c * by
+            dx, dy = wx - x, wy - y
+            here = c * dx + s * dy, c * dy - s * dx
+            if not _within(self._outline, *here):
+                cell = math.floor(wx / CELL), math.floor(wy / CELL)
+                self._cells[cell] = (wx, wy, self._travel)
+                local[cell] = here
 
 
 def _eye(sensor: Proximity) -> _Eye:

@@ -15,8 +15,8 @@ between two cones from the start) it is as blind as `joystick`.
 
 from __future__ import annotations
 
+import itertools
 import math
-from collections.abc import Iterator
 from typing import Final
 
 import msgspec
@@ -58,9 +58,7 @@ class Mind:
         self._ahead = options.number("ahead", 1.0, 0.2, 5.0)
         self._pose = Odometry(robot, context.position, compass_share=0.0)
         self._seen = Seen(robot)
-        self._footprint = Footprint(
-            outline(robot), robot.track, robot.acceleration_curve, context.parameters.period
-        )
+        self._footprint = Footprint(outline(robot), robot.track, robot.acceleration_curve, context.parameters.period)
         body = self._footprint.outline
         # The room a front corner needs to swing by; a long back's is got by driving forward.
         self._swing = math.hypot(body.front, body.side) - body.front
@@ -94,36 +92,32 @@ class Mind:
 
     def _allowed(self, speed: float, rate: float) -> Wheels:
         """Return the wheels' speeds for the most of a wish that is free."""
-        points = self._near()
-        for forward, turn in _shares(speed != 0.0, rate != 0.0, abs(speed), abs(rate)):
+        footprint, now, still = self._footprint, self._wheels, Wheels(0.0, 0.0)
+        # No share of the wish moves the body by more than the whole and its rolling out together.
+        ways = (footprint.poses(now, wheels, self._ahead) for wheels in (self._wheels_of(speed, rate), still))
+        longest = sum(way[-1][3] for way in ways)
+        points = self._seen.points
+        # Who drives keeps room to turn by; who turns in place uses it.
+        turning = footprint.watched(points, self._margin / 2.0, 0.0, longest)
+        driving = footprint.watched(points, self._margin, self._swing, longest) if speed else turning
+        for forward, turn in _shares(abs(speed), abs(rate)):
             wheels = self._wheels_of(speed * forward, rate * turn)
-            way = self._footprint.poses(self._wheels, wheels, self._ahead)
-            swing = self._swing if speed * forward != 0.0 else 0.0
-            margin = self._margin if swing else self._margin / 2.0
-            if self._footprint.is_free(way, points, margin, swing):
+            way = footprint.poses(now, wheels, self._ahead)
+            watched, swing = (driving, self._swing) if speed * forward else (turning, 0.0)
+            if footprint.is_free(way, watched, swing):
                 return wheels
-        return Wheels(0.0, 0.0)
+        return still
 
     def _wheels_of(self, speed: float, rate: float) -> Wheels:
         left, right = powers(self._robot, speed, rate)
         return Wheels(left * self._robot.top_speed, right * self._robot.top_speed)
 
-    def _near(self) -> list[tuple[float, float]]:
-        """Return what the footprint could come to within the time it is projected over."""
-        reach = self._footprint.radius + self._margin + self._ahead * max(self._robot.top_speed, self._speed)
-        return [(x, y) for x, y in self._seen.points if abs(x) < reach and abs(y) < reach]
 
-
-def _shares(drives: bool, turns: bool, speed: float, rate: float) -> Iterator[tuple[float, float]]:
-    """Yield shares of forward and turn to try, the most of the wish first."""
+def _shares(speed: float, rate: float) -> list[tuple[float, float]]:
+    """Return shares of forward and turn to try, the most of the wish first; none when nothing is wished."""
     whole = speed + rate
-    pairs = [
-        (forward, turn)
-        for forward in (SHARES if drives else (0.0,))
-        for turn in (SHARES if turns else (0.0,))
-        if forward or turn
-    ]
-    yield from sorted(
-        pairs,
-        key=lambda pair: ALONE * abs(pair[0] - pair[1]) - (pair[0] * speed + pair[1] * rate) / whole if whole else 0.0,
+    pairs = itertools.product(SHARES if speed else (0.0,), SHARES if rate else (0.0,))
+    return sorted(
+        (pair for pair in pairs if any(pair)),
+        key=lambda pair: ALONE * abs(pair[0] - pair[1]) - (pair[0] * speed + pair[1] * rate) / whole,
     )
