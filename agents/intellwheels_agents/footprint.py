@@ -21,6 +21,8 @@ CREEP: Final = 0.1
 can so drive along it, and never comes to touch it."""
 
 Point = tuple[float, float]
+Watched = tuple[float, float, float, float]
+"""A point, x and y, and the least room it may come to: to the footprint, and to the longer one."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -84,30 +86,26 @@ class Footprint:
                 found.append((x, y, heading, moved))
         return found
 
-    def watched(
-        self, points: Iterable[Point], margin: float, swing: float, longest: float
-    ) -> list[tuple[float, float, float, float]]:
-        """Return which points matter to a way, with the clearance of each now and the least that it may come to.
+    def watched(self, points: Iterable[Point], margin: float, swing: float, longest: float) -> list[Watched]:
+        """Return which points matter to a way, with their room now and the least that it may come to.
 
         Args:
             points: What stands there, in the body's frame of now.
             margin: Metres to keep; where there is less now, about that.
-            swing: Metres by which the footprint counts as longer at both ends.
+            swing: Metres by which the footprint counts as longer at both ends, to have room to turn by later.
             longest: Metres that any place of the body moves at most.
         """
         found = []
         for x, y in points:
-            clearance = self.clearance(x, y, swing)
-            if clearance - margin <= longest:
-                least = min(margin, clearance - CREEP * max(0.0, self.clearance(x, y, 0.0)))
-                found.append((x, y, clearance, least))
+            room = self.clearance(x, y, 0.0)
+            wide = self.clearance(x, y, swing)
+            if wide - margin <= longest:
+                spent = CREEP * max(0.0, room)
+                found.append((x, y, min(margin, room - spent), min(margin, wide - spent)))
         return found
 
     def is_free(
-        self,
-        poses: Sequence[tuple[float, float, float, float]],
-        watched: Sequence[tuple[float, float, float, float]],
-        swing: float,
+        self, poses: Sequence[tuple[float, float, float, float]], watched: Sequence[Watched], swing: float
     ) -> bool:
         """Return whether no point comes nearer than it may.
 
@@ -116,18 +114,24 @@ class Footprint:
             watched: As `watched` returns them, for at least as long a way.
             swing: As there.
         """
-        slack = min((clearance - least for _, _, clearance, least in watched), default=math.inf)
-        looked = 0.0
+        looked = slack = 0.0
+        body = self.outline
+        middle, half, side = (body.front - body.back) / 2.0, (body.front + body.back) / 2.0, body.side
         for px, py, heading, moved in poses:
             # No point can have come nearer by more than the body moved.
             if moved - looked < slack:
                 continue
             looked, slack = moved, math.inf
             c, s = math.cos(heading), math.sin(heading)
-            for x, y, _, least in watched:
+            for x, y, least, least_wide in watched:
+                # As `clearance`, twice, written out: most of a tick is spent here.
                 dx, dy = x - px, y - py
-                room = self.clearance(c * dx + s * dy, c * dy - s * dx, swing) - least
-                if room < 0.0:
+                along = abs(c * dx + s * dy - middle) - half
+                across = abs(c * dy - s * dx) - side
+                room = (max(along, across) if along <= 0.0 or across <= 0.0 else math.hypot(along, across)) - least
+                along -= swing
+                wide = (max(along, across) if along <= 0.0 or across <= 0.0 else math.hypot(along, across)) - least_wide
+                if room < 0.0 or wide < 0.0:
                     return False
-                slack = min(slack, room)
+                slack = min(slack, room, wide)
         return True
