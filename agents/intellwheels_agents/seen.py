@@ -37,9 +37,13 @@ JUMP: Final = 0.03
 """Metres by which a reading may shrink in a tick beyond what the body moved; by more, something came."""
 LOOK: Final = 0.1
 """Metres of driving, a radian of turning counted as one, between two looks at what is free."""
+LONE: Final = 0.3
+"""Metres of driving, a radian of turning counted as one, after which a point without a neighbour is forgotten: what
+is really there is seen from several places, and each leaves a point a little beside the last."""
 BRIDGE: Final = 0.8
 """Metres between two cones' arcs that a wall may bridge."""
 _PAST: Final = 40
+_BESIDE: Final = tuple((i, j) for i in (-1, 0, 1) for j in (-1, 0, 1) if i or j)
 
 Pose = tuple[float, float, float]
 Cell = tuple[int, int]
@@ -105,6 +109,7 @@ class Seen:
             self._looked = self._travel
             self._free = {cell: time for cell, time in self._free.items() if measures.time - time <= FREE}
             self._set_free(pose, self._stand, measures.time)
+            self._forget_lone(local)
         ranges: dict[str, float] = {}
         for reading in measures.sensors.proximity if measures.sensors else ():
             eye = self._eyes.get(reading.id)
@@ -168,6 +173,16 @@ class Seen:
                 proved.append(cell)
         for cell in proved:
             del local[cell], self._cells[cell]
+
+    def _forget_lone(self, local: dict[Cell, Point]) -> None:
+        cells = self._cells
+        lone = [
+            (i, j)
+            for i, j in local
+            if cells[i, j][2] < self._travel - LONE and not any((i + di, j + dj) in cells for di, dj in _BESIDE)
+        ]
+        for cell in lone:
+            del local[cell], cells[cell]
 
     def _set_free(self, pose: Pose, places: Iterable[Point], time: float) -> None:
         px, py, heading = pose

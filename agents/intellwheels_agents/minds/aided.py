@@ -60,8 +60,8 @@ class Mind:
         self._seen = Seen(robot)
         self._footprint = Footprint(outline(robot), robot.track, robot.acceleration_curve, context.parameters.period)
         body = self._footprint.outline
-        # The room a front corner needs to swing by; a long back's is got by driving forward.
-        self._swing = math.hypot(body.front, body.side) - body.front
+        # The room a corner needs to swing by.
+        self._front_swing, self._back_swing = (math.hypot(end, body.side) - end for end in (body.front, body.back))
         self._wheels = Wheels(0.0, 0.0)
         self._told = Wheels(0.0, 0.0)
         self._counts: tuple[int, int] | None = None
@@ -98,12 +98,13 @@ class Mind:
         longest = sum(way[-1][3] for way in ways)
         points = self._seen.points
         # Who drives keeps room to turn by; who turns in place uses it.
+        ahead = self._front_swing if speed > 0.0 else self._back_swing
         turning = footprint.watched(points, self._margin / 2.0, 0.0, longest)
-        driving = footprint.watched(points, self._margin, self._swing, longest) if speed else turning
+        driving = footprint.watched(points, self._margin, ahead, longest) if speed else turning
         for forward, turn in _shares(abs(speed), abs(rate)):
             wheels = self._wheels_of(speed * forward, rate * turn)
             way = footprint.poses(now, wheels, self._ahead)
-            watched, swing = (driving, self._swing) if speed * forward else (turning, 0.0)
+            watched, swing = (driving, ahead) if speed * forward else (turning, 0.0)
             if footprint.is_free(way, watched, swing):
                 return wheels
         return still
