@@ -31,10 +31,12 @@ KNOWS_ZENOH = {
     "schemas/intellwheels_schemas/link.py",
     "server/intellwheels_server/service.py",
     "agents/intellwheels_agents/network.py",
+    "agents/intellwheels_agents/joystick/network.py",
     "agents/intellwheels_experiments/watch.py",
     "agents/intellwheels_experiments/check/network.py",
+    "viewer/intellwheels_viewer/network.py",
 }
-"""The files that talk to the network, one a room, and the stand of `iw-check-agent`."""
+"""The files that talk to the network, one a room, the stand of `iw-check-agent` and the joystick."""
 
 # The entries of the checkout that a user sees; papers and dot files beside the rooms.
 TOP_LEVEL = {
@@ -60,8 +62,10 @@ def imported(path: Path) -> Iterator[str]:
 
 
 FILES = list(sources())
-COMMANDS = {"intellwheels_schemas.present", "intellwheels_server.router", "intellwheels_experiments.check.__main__",
-            "intellwheels_experiments.rig"}  # fmt: skip
+COMMANDS = {
+    "intellwheels_schemas.present", "intellwheels_server.router", "intellwheels_experiments.check.__main__",
+    "intellwheels_agents.joystick.__main__", "intellwheels_experiments.rig",
+}  # fmt: skip
 """Commands that are files of their own, and the rig, which does a command's work for a test."""
 
 
@@ -101,9 +105,10 @@ def test_pure_files_do_not_import_the_doors() -> None:
 def test_harness_needs_neither_numpy_nor_numba_nor_shapely_nor_viser() -> None:
     program = (
         "import sys\n"
-        "for name in ('numpy', 'numba', 'shapely', 'viser'):\n"
+        "for name in ('numpy', 'numba', 'shapely', 'viser', 'pygame'):\n"
         "    sys.modules[name] = None\n"
         "import intellwheels_agents.__main__, intellwheels_experiments.__main__, intellwheels_schemas.link\n"
+        "import intellwheels_agents.joystick.__main__\n"
         "import importlib, pkgutil, intellwheels_agents.minds\n"
         "for mind in pkgutil.iter_modules(intellwheels_agents.minds.__path__):\n"
         "    importlib.import_module(f'intellwheels_agents.minds.{mind.name}')\n"

@@ -156,7 +156,8 @@ def _body(
     if options.role == "mind":
         if of_robot:
             raise OptionError(f"option {next(iter(of_robot))}: expected none of a body for --role mind")
-        return Robot()
+        # What a mind may say of itself, such as that it takes user input, it says in either role.
+        return source.equip(Robot(), Options(of_mind))
     name = options.robot or DEFAULT_ROBOTS.get(options.mind, DEFAULT_ROBOT)
     return source.equip(equipped(robot_file(name), of_robot), Options(of_mind))
 

@@ -13,7 +13,7 @@ from intellwheels_agents.equipment import equipped, split_options
 from intellwheels_agents.mind import Bridge, Context, Mind
 from intellwheels_agents.options import Options
 from intellwheels_maps import floor, robot
-from intellwheels_schemas.messages import Actions, Event, Map, Parameters, Position, Scene
+from intellwheels_schemas.messages import Actions, Event, Map, Parameters, Position, Scene, UserInput
 from intellwheels_server.inputs import Inputs, Join
 from intellwheels_server.kernels.rows import HEADING, SPEED, X, Y
 from intellwheels_server.world import Setup, State, advance, apply, begin, measures
@@ -38,6 +38,7 @@ class Arena:
         events: All that happened.
         paths: Where each body was at each tick, (x, y, heading), tick 0 first.
         said: What each said, with its tick.
+        users: What the user of each wants from now on.
     """
 
     def __init__(self, ground: str | Map, seed: str = "1", period: float = 0.05) -> None:
@@ -48,6 +49,7 @@ class Arena:
         self.events: list[Event] = []
         self.paths: dict[str, list[tuple[float, float, float]]] = {}
         self.said: dict[str, list[tuple[int, str]]] = {}
+        self.users: dict[str, UserInput] = {}
 
     @classmethod
     def of(cls, scene: Scene, seed: str | None = None) -> Arena:
@@ -111,7 +113,7 @@ class Arena:
             if answer.say is not None:
                 self.said[name].append((self.state.tick, answer.say))
             actions[name] = answer
-        self.state, outputs = advance(self.state, Inputs(actions=actions))
+        self.state, outputs = advance(self.state, Inputs(actions=actions, user_input=dict(self.users)))
         self.events.extend(outputs.events)
         for name in self.players:
             self.paths[name].append(self._pose(name))

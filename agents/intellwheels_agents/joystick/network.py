@@ -1,0 +1,175 @@
+"""A joystick on the network. The only file of it that knows the link.
+
+One loop: what the source wants, what the hand puts, what the grip asks. Questions wait on a thread of their own, or a
+slow answer would silence the hand.
+"""
+
+from __future__ import annotations
+
+import queue
+import sys
+import threading
+import time
+
+import msgspec
+
+from intellwheels_agents.joystick.grip import Grip
+from intellwheels_agents.joystick.hand import EVERY, Hand
+from intellwheels_agents.joystick.wish import Source
+from intellwheels_schemas import link
+from intellwheels_schemas.channels import CHANNELS
+from intellwheels_schemas.codec import Encoding, decode, encode, encoding_of
+from intellwheels_schemas.errors import WireError
+from intellwheels_schemas.keys import Keys
+from intellwheels_schemas.messages import Body, Clock, Result, Take, UserInput
+
+ANSWER = 1.5
+"""Seconds an answer is waited for: less than a lease."""
+
+
+def operate(
+    where: link.Link, agent: str, source: Source, *, take: bool, stop: threading.Event, retry_for: float | None
+) -> int:
+    """Put what a source wants until it ends or `stop` is set, and return the exit code: 0, or 1 when refused.
+
+    Args:
+        where: The link.
+        agent: Whose user this is.
+        source: What wants.
+        take: Whether the simulator itself shall obey, by a lease.
+        stop: Set when the process must end.
+        retry_for: Seconds to look for a router or simulator; None for ever.
+    """
+    try:
+        session = link.open_session(where, stop, timeout=retry_for, waiting=lambda why: _log(f"waiting why={why!r}"))
+    except ConnectionError as error:
+        _log(str(error))
+        return 1
+    if session is None:
+        return 0
+    with session:
+        keys = Keys(where.world)
+        inbox = link.Inbox()
+        clock = session.declare_subscriber(keys.clock, inbox.on_sample)
+        publisher = link.declare(session, keys.user(agent), CHANNELS["user"], Encoding.JSON)
+        with publisher, clock:
+            asker = _Asker(session, keys.ctl("take"))
+            _look_for(session, keys.body(agent), agent, take=take)
+            return _Loop(agent, source, asker, inbox, publisher.put, take=take).run(stop)
+
+
+class _Asker:
+    """Asks beside the loop."""
+
+    def __init__(self, session: object, key: str) -> None:
+        self._session = session
+        self._key = key
+        self.answers: queue.SimpleQueue[Result | None] = queue.SimpleQueue()
+
+    def start(self, take: Take) -> None:
+        """Ask; the answer comes into `answers`."""
+        threading.Thread(target=lambda: self.answers.put(self.ask(take)), name="take", daemon=True).start()
+
+    def ask(self, take: Take) -> Result | None:
+        """Ask, and return the answer, or None when there was none."""
+        try:
+            answers = link.query(self._session, self._key, encode(take, Encoding.JSON), timeout=ANSWER)  # type: ignore[arg-type]
+            return decode(Result, answers[0].data, encoding_of(answers[0].encoding, answers[0].data), strict=False)
+        except (ConnectionError, WireError) as error:
+            _log(f"unanswered verb=take why={str(error)!r}")
+            return None
+
+
+class _Loop:
+    """The life of a joystick."""
+
+    def __init__(
+        self, agent: str, source: Source, asker: _Asker, inbox: link.Inbox, put: object, *, take: bool
+    ) -> None:
+        self._agent = agent
+        self._source = source
+        self._asker = asker
+        self._inbox = inbox
+        self._put = put
+        self._hand = Hand()
+        self._grip = Grip(agent) if take else None
+        self._time: float | None = None
+
+    def run(self, stop: threading.Event) -> int:
+        grip = self._grip
+        _tell(f"ready agent={self._agent}")
+        try:
+            while not stop.is_set():
+                now = time.monotonic()
+                self._hear()
+                wish = self._source.wish(now, self._time)
+                if wish is None:
+                    break
+                if grip is not None:
+                    self._hold(grip, now)
+                    if grip.lost:
+                        _log(f"not taken agent={self._agent} why={grip.lost!r}")
+                        return 1
+                if grip is None or grip.lease is not None:
+                    self._send(self._hand.put(wish, now))
+                self._source.wait(EVERY)
+        finally:
+            self._end()
+        return 0
+
+    def _hold(self, grip: Grip, now: float) -> None:
+        take = grip.ask(now)
+        if take is not None:
+            self._asker.start(take)
+        while True:
+            try:
+                result = self._asker.answers.get_nowait()
+            except queue.Empty:
+                return
+            if grip.answered(result, now):
+                _tell(f"taken agent={self._agent}")
+
+    def _end(self) -> None:
+        self._send(self._hand.off(time.monotonic()))
+        back = None if self._grip is None else self._grip.back()
+        if back is not None:
+            result = self._asker.ask(back)
+            if result is not None and result.code == "ok":
+                _tell(f"released agent={self._agent}")
+        _tell(f"ended agent={self._agent}")
+
+    def _send(self, user: UserInput | None) -> None:
+        if user is None:
+            return
+        if self._grip is not None:
+            user = msgspec.structs.replace(user, lease=self._grip.lease)
+        self._put(encode(user, Encoding.JSON))  # type: ignore[operator]
+
+    def _hear(self) -> None:
+        for arrival in self._inbox.take():
+            if isinstance(arrival, link.Put):
+                try:
+                    encoding = encoding_of(arrival.encoding, arrival.data)
+                    self._time = decode(Clock, arrival.data, encoding, strict=False).time
+                except WireError as error:
+                    _log(f"dropped message=Clock why={error.text!r}")
+
+
+def _look_for(session: object, key: str, agent: str, *, take: bool) -> None:
+    """Say it when nobody has that name, or takes no user input: a put that nobody wants is silent."""
+    try:
+        answers = link.query(session, key, timeout=ANSWER)  # type: ignore[arg-type]
+        body = decode(Body, answers[0].data, encoding_of(answers[0].encoding, answers[0].data), strict=False)
+    except (ConnectionError, WireError):
+        _log(f"nobody agent={agent} yet")
+        return
+    if not take and not body.robot.user_input:
+        _log(f"deaf agent={agent} why='its robot declares no user input; --take drives it'")
+
+
+def _tell(line: str) -> None:
+    print(line, flush=True)  # noqa: T201 - what a script waits for
+
+
+def _log(line: str) -> None:
+    print(f"iw-joystick: {line}", file=sys.stderr, flush=True)  # noqa: T201 - the log

@@ -1,0 +1,124 @@
+"""Drives as its user wants, slowed and stopped before it would touch what its proximity sensors saw.
+
+    speed    metres a second that full forward gives (default 0.8)
+    turn     radians a second that full turn gives (default 1.0)
+    words    share of full that a word alone asks for: forward, back, left, right, stop (default 0.5)
+    margin   metres kept around the chair (default 0.05)
+    ahead    seconds over which the footprint is projected (default 1.0)
+
+It never does what was not wanted: forward and turn are each slowed, to nothing if need be, and neither is turned
+round. What leads away from things is always free; a stop keeps so much room ahead and behind that the chair can turn.
+A long back that stands beside a wall cannot turn away from it in place without touching it: there it goes with forward
+or back first. Where no sensor looks (a robot without sensors behind, things above or below their height, what stands
+between two cones from the start) it is as blind as `joystick`.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from typing import Final
+
+import msgspec
+
+from intellwheels_agents.chair import Odometry, powers
+from intellwheels_agents.footprint import Footprint, Wheels
+from intellwheels_agents.mind import Context
+from intellwheels_agents.options import OptionError, Options
+from intellwheels_agents.seen import Seen
+from intellwheels_agents.surroundings import outline
+from intellwheels_agents.user import wanted
+from intellwheels_schemas.messages import Actions, Measures, Robot, Sensors
+
+SHARES: Final = (1.0, 0.7, 0.45, 0.3, 0.2, 0.12, 0.06, 0.0)
+"""Shares of the wish that are tried."""
+ALONE: Final = 0.1
+"""What less of the wish is worth to keep its curve: a tie goes to equal shares."""
+DOUBT: Final = 0.05
+"""Metres a second by which encoders may differ from the motors' model, which has no quantisation, before they count."""
+
+
+def equip(robot: Robot, options: Options) -> Robot:  # noqa: ARG001 - as `Equip` has it
+    """Return the robot with user input declared."""
+    return msgspec.structs.replace(robot, user_input=("drive", "words"))
+
+
+class Mind:
+    """Gives as much of what its user wants as there is room for."""
+
+    def __init__(self, context: Context) -> None:
+        options, robot = context.options, context.robot
+        if not robot.encoders:
+            raise OptionError("mind aided: expected a robot with encoders, got one without")
+        self._robot = robot
+        self._speed = options.number("speed", 0.8, 0.0, 5.0)
+        self._turn = options.number("turn", 1.0, 0.0, 5.0)
+        self._words = options.number("words", 0.5, 0.0, 1.0)
+        self._margin = options.number("margin", 0.05, 0.01, 1.0)
+        self._ahead = options.number("ahead", 1.0, 0.2, 5.0)
+        self._pose = Odometry(robot, context.position, compass_share=0.0)
+        self._seen = Seen(robot)
+        self._footprint = Footprint(outline(robot), robot.track, robot.acceleration_curve, context.parameters.period)
+        body = self._footprint.outline
+        # The room a corner needs to swing by.
+        self._front_swing, self._back_swing = (math.hypot(end, body.side) - end for end in (body.front, body.back))
+        self._wheels = Wheels(0.0, 0.0)
+        self._told = Wheels(0.0, 0.0)
+        self._counts: tuple[int, int] | None = None
+
+    def decide(self, measures: Measures) -> Actions:
+        """Return the powers for as much as there is room for."""
+        self._pose.update(measures.sensors)
+        self._seen.update(measures, self._pose)
+        self._measure_wheels(measures.sensors)
+        forward, turn = wanted(measures.user_input, self._words)
+        self._told = self._allowed(forward * self._speed, turn * self._turn)
+        top = self._robot.top_speed or 1.0
+        return Actions(left_motor=self._told.left / top, right_motor=self._told.right / top, mode="aided")
+
+    def _measure_wheels(self, sensors: Sensors | None) -> None:
+        """Set the wheels' speeds: what the motors' model says, unless the encoders say something else."""
+        self._wheels = self._wheels.lagged(self._told, self._footprint.inertia)
+        if sensors is None or not sensors.encoders:
+            return
+        counts = sensors.encoders[0].left, sensors.encoders[0].right
+        if self._counts is not None:
+            robot = self._robot
+            metres = math.pi * robot.wheel_diameter / robot.encoder_ticks / self._footprint.period
+            seen = Wheels((counts[0] - self._counts[0]) * metres, (counts[1] - self._counts[1]) * metres)
+            if max(abs(seen.left - self._wheels.left), abs(seen.right - self._wheels.right)) > DOUBT:
+                self._wheels = seen
+        self._counts = counts
+
+    def _allowed(self, speed: float, rate: float) -> Wheels:
+        """Return the wheels' speeds for the most of a wish that is free."""
+        footprint, now, still = self._footprint, self._wheels, Wheels(0.0, 0.0)
+        # No share of the wish moves the body by more than the whole and its rolling out together.
+        ways = (footprint.poses(now, wheels, self._ahead) for wheels in (self._wheels_of(speed, rate), still))
+        longest = sum(way[-1][3] for way in ways)
+        points = self._seen.points
+        # Who drives keeps room to turn by; who turns in place uses it.
+        ahead = self._front_swing if speed > 0.0 else self._back_swing
+        turning = footprint.watched(points, self._margin / 2.0, 0.0, longest)
+        driving = footprint.watched(points, self._margin, ahead, longest) if speed else turning
+        for forward, turn in _shares(abs(speed), abs(rate)):
+            wheels = self._wheels_of(speed * forward, rate * turn)
+            way = footprint.poses(now, wheels, self._ahead)
+            watched, swing = (driving, ahead) if speed * forward else (turning, 0.0)
+            if footprint.is_free(way, watched, swing):
+                return wheels
+        return still
+
+    def _wheels_of(self, speed: float, rate: float) -> Wheels:
+        left, right = powers(self._robot, speed, rate)
+        return Wheels(left * self._robot.top_speed, right * self._robot.top_speed)
+
+
+def _shares(speed: float, rate: float) -> list[tuple[float, float]]:
+    """Return shares of forward and turn to try, the most of the wish first; none when nothing is wished."""
+    whole = speed + rate
+    pairs = itertools.product(SHARES if speed else (0.0,), SHARES if rate else (0.0,))
+    return sorted(
+        (pair for pair in pairs if any(pair)),
+        key=lambda pair: ALONE * abs(pair[0] - pair[1]) - (pair[0] * speed + pair[1] * rate) / whole,
+    )

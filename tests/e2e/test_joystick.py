@@ -1,0 +1,173 @@
+"""A held key moves a chair; let go, or with the joystick dead, it stands. Real processes; the time is the simulation's.
+
+The chair's motors obey at once (`AccelerationCurve=0`): when it stands is when its power is nothing.
+"""
+
+from __future__ import annotations
+
+import json
+import signal
+from collections import deque
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from tests.e2e.stage import Peer, Stage
+
+PERIOD = 0.05
+SILENCE = 6
+"""Ticks of 0.3 s of silence."""
+AT_ONCE = ("--option", "AccelerationCurve=0")
+
+
+def joystick(stage: Stage, script: str, *words: str) -> str:
+    file = stage.folder / "script.txt"
+    file.write_text(script)
+    return stage.start(
+        "joystick", "intellwheels_agents.joystick", "chair1", "--source", "script", "--script", str(file),
+        "--connect", stage.endpoint, "--world", stage.world, *words,
+    )  # fmt: skip
+
+
+class Watch:
+    """What is heard of the chair."""
+
+    def __init__(self, peer: Peer) -> None:
+        self.peer = peer
+        self.states = peer.hear("state/*")
+        self.wishes = peer.hear("user/chair1")
+        self.measures = peer.hear("out/chair1/measures")
+
+    def speeds(self) -> list[tuple[int, float]]:
+        """Return tick and speed of every state so far."""
+        found = []
+        for _, data in list(self.states):
+            state = json.loads(data)
+            for entity in state.get("Entity", []):
+                if entity["Name"] == "chair1":
+                    found.append((state["Tick"], entity.get("Speed", 0.0)))
+        return found
+
+    def moves(self) -> int:
+        """Wait until the chair moves; return the tick."""
+
+        def found() -> int | None:
+            return next((tick for tick, speed in self.speeds() if speed > 0.1), None)
+
+        return self.peer.stage.wait(found, "a chair that moves", unless=self.peer.stage.simulator)
+
+    def stands(self, after: int) -> int:
+        """Wait until the chair stands again and stays; return the first tick of its rest."""
+
+        def found() -> int | None:
+            speeds = [entry for entry in self.speeds() if entry[0] > after]
+            last = max((tick for tick, speed in speeds if abs(speed) > 1e-6), default=after)
+            rest = [tick for tick, _ in speeds if tick > last]
+            return rest[0] if len(rest) > 20 else None
+
+        return self.peer.stage.wait(found, "a chair that stands", unless=self.peer.stage.simulator)
+
+    def last_heard(self) -> int:
+        """Return the tick of the first measures with the last wish that asked for something."""
+        users = [(m["Tick"], m.get("UserInput") or {}) for m in _documents(self.measures)]
+        wanted = [(tick, user["Seq"]) for tick, user in users if user.get("Forward")]
+        last = wanted[-1][1]
+        return next(tick for tick, seq in wanted if seq == last)
+
+
+def _documents(heard: deque[Any]) -> list[dict[str, Any]]:
+    return [json.loads(data) for _, data in list(heard)]
+
+
+HELD = "0 0.5 0\n600 0 0\n"
+
+
+@pytest.mark.parametrize("mind", ["joystick", "aided"])
+def test_a_held_key_moves_the_chair_and_its_release_stops_it(stage: Stage, mind: str) -> None:
+    stage.server("--map", "corridor15m", "--pace", "realtime")
+    stage.agent("chair1", mind, *AT_ONCE)
+    with stage.peer() as peer:
+        watch = Watch(peer)
+        child = joystick(stage, "0 0.5 0\n1.5 0 0\n600 0 0\n", "--clock", "simulated")
+        began = watch.moves()
+        rest = watch.stands(began)
+        # The script's own seconds are the simulation's: 1.5 s held, then at most 0.3 s and a tick.
+        assert 20 <= rest - began <= 30 + SILENCE + 1
+        zeros = [wish for wish in _documents(watch.wishes) if not wish.get("Forward")]
+        assert len(zeros) == 3
+        stage.signal(child, signal.SIGTERM)
+        assert stage.exit(child) == 0
+
+
+@pytest.mark.parametrize("how", ["mind", "lease"])
+def test_a_killed_joystick_stops_the_chair_within_three_tenths_and_a_tick(stage: Stage, how: str) -> None:
+    stage.server("--map", "corridor15m", "--pace", "realtime")
+    stage.agent("chair1", "joystick", *AT_ONCE)
+    with stage.peer() as peer:
+        watch = Watch(peer)
+        child = joystick(stage, HELD, *(["--take"] if how == "lease" else []))
+        began = watch.moves()
+        stage.signal(child, signal.SIGKILL)
+        assert stage.exit(child) == -signal.SIGKILL
+        rest = watch.stands(began)
+        assert (rest - watch.last_heard()) * PERIOD <= 0.3 + PERIOD + 1e-9
+        # Nothing repeats what it wanted.
+        assert all(wish["Forward"] == 0.5 for wish in _documents(watch.wishes))
+
+
+def test_a_joystick_that_takes_outranks_the_mind_and_gives_back(stage: Stage) -> None:
+    stage.server("--map", "corridor15m", "--pace", "realtime")
+    stage.agent("chair1", "drive", "--option", "left=-0.1", "--option", "right=-0.1", *AT_ONCE)
+    with stage.peer() as peer:
+        peer.entity("chair1", lambda entity: entity.get("Speed", 0.0) < -0.05)
+        # Longer than a lease: it is renewed.
+        child = joystick(stage, "0 0.3 0\n3.5 0 0\n", "--take")
+        stage.line(child, "taken", agent="chair1")
+        taken = peer.event("taken", "chair1")
+        peer.entity("chair1", lambda entity: entity.get("Speed", 0.0) > 0.25)
+        assert peer.ctl("take", Agent="chair1")["Code"] == "incorrect-state"
+        stage.line(child, "released", agent="chair1")
+        assert stage.exit(child) == 0
+        released = peer.event("released", "chair1", since=taken["Number"])
+        assert released["Tick"] - taken["Tick"] > 2.0 / PERIOD
+        codes = [event["Code"] for event in peer.events()]
+        assert codes.count("taken") == codes.count("released") == 1
+        peer.entity("chair1", lambda entity: entity.get("Speed", 0.0) < -0.05)
+
+
+def test_the_mind_has_its_chair_back_when_a_joystick_that_took_it_dies(stage: Stage) -> None:
+    stage.server("--map", "corridor15m", "--pace", "realtime")
+    stage.agent("chair1", "drive", "--option", "left=-0.1", "--option", "right=-0.1", *AT_ONCE)
+    with stage.peer() as peer:
+        child = joystick(stage, HELD, "--take")
+        peer.entity("chair1", lambda entity: entity.get("Speed", 0.0) > 0.25)
+        stage.signal(child, signal.SIGKILL)
+        peer.event("released", "chair1")
+        peer.entity("chair1", lambda entity: entity.get("Speed", 0.0) < -0.05)
+
+
+def test_a_chair_that_somebody_else_took_or_that_is_not_there_is_refused(stage: Stage) -> None:
+    stage.server("--map", "corridor15m", "--pace", "realtime")
+    with stage.peer() as peer:
+        child = joystick(stage, HELD, "--take")
+        assert stage.exit(child) == 1
+        assert "no agent 'chair1' here" in stage.log(child)
+        stage.agent("chair1", "joystick")
+        assert peer.ctl("take", Agent="chair1", Seconds=60.0)["Code"] == "ok"
+        child = joystick(stage, HELD, "--take")
+        assert stage.exit(child) == 1
+        assert "agent 'chair1' is taken by somebody else" in stage.log(child)
+
+
+def test_a_mind_apart_from_its_body_hears_the_user_too(stage: Stage, tmp_path: Path) -> None:
+    stage.server("--map", "corridor15m", "--pace", "realtime")
+    stage.agent("chair1", "drive", "--role", "body")
+    with stage.peer() as peer:
+        stage.start(
+            "mind", "intellwheels_agents", "joystick", "--name", "chair1", "--role", "mind",
+            "--connect", stage.endpoint, "--world", stage.world,
+        )  # fmt: skip
+        stage.line("mind", "joined")
+        joystick(stage, HELD)
+        assert Watch(peer).moves() > 0
