@@ -1,6 +1,7 @@
 """Folds what the simulator says into what is `seen`. Pure: messages in, a value out, on one thread.
 
-Nothing is trusted to come, or in order. Another run makes the old one forgotten; an older tick of the same run is old news.
+Nothing is trusted to come, or in order. Another run makes the old one forgotten; an older tick of the same run is old
+news, but where a log is played.
 """
 
 from __future__ import annotations

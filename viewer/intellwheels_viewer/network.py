@@ -44,12 +44,13 @@ from intellwheels_schemas.messages import (
 )
 from intellwheels_viewer.fold import Fold
 from intellwheels_viewer.seen import Phase, Seen
+from intellwheels_viewer.steering import Refusal
 
 if TYPE_CHECKING:
     import zenoh
 
 SILENCE: Final = 3.0
-"""Seconds without a clock after which a simulator whose token is there is called silent; it sends two a second at least."""
+"""Seconds without a clock after which a simulator whose token is there is called silent: it sends two a second."""
 ANSWER_LIMIT: Final = 3.0
 """Seconds a simulator has to answer a wish."""
 FETCH_EVERY: Final = 1.0
@@ -58,10 +59,6 @@ WATCHED_MOST: Final = 32
 """Agents whose measures are subscribed one by one; beyond it a wildcard costs less than the declarations."""
 
 _M = TypeVar("_M", bound=Record)
-
-
-class Refusal(Exception):  # noqa: N818  # what a user asked for was refused: no error of ours
-    """A wish was not granted; the text says why, for people."""
 
 
 @dataclass

@@ -1,7 +1,7 @@
 """A person's wishes, from one page, to the simulator.
 
-Wishes are asked on a worker of the page, one after the other, and who asked hears in words why one was refused. Driving is
-put once per message of the page and never repeated: release, a lost focus, a closed or a stalled page all mean stop.
+Wishes are asked on a worker of the page, one after the other, and who asked hears in words why one was refused. Driving
+is put once per message of the page and never repeated: release, a lost focus, a closed or a stalled page all mean stop.
 """
 
 from __future__ import annotations
@@ -15,7 +15,6 @@ from typing import Final, Protocol
 
 from intellwheels_schemas.keys import Verb
 from intellwheels_schemas.messages import Record, Result, Take, UserInput
-from intellwheels_viewer.network import Refusal
 
 LEASE: Final = 2.0
 """Seconds of a lease; renewed at half of it while the page drives."""
@@ -23,6 +22,10 @@ IDLE: Final = 3.0
 """Seconds after a release until the body is given back."""
 STALL: Final = 0.3
 """Seconds without a message of the page after which the simulator stops the body by itself."""
+
+
+class Refusal(Exception):  # noqa: N818  # what a user asked for was refused: no error of ours
+    """A wish was not granted; the text says why, for people."""
 
 
 class Simulator(Protocol):
@@ -121,7 +124,8 @@ class Driving:
 
         Args:
             agent: The one that is selected; another than before is a release of that.
-            forward, turn: In [-1, 1], turn positive to the left; anything else is a stranger's and counts as release.
+            forward: In [-1, 1]; anything else is a stranger's and counts as release.
+            turn: The same, positive to the left.
         """
         if not (math.isfinite(forward) and math.isfinite(turn)):
             forward = turn = 0.0

@@ -72,7 +72,7 @@ class Lidars:
                 self._cloud.points, self._cloud.colors = hits, colours
         elif len(hits):
             self._cloud = self._scene.add_point_cloud(
-                "/lidar",
+                "/lidar/points",
                 hits,
                 colours,
                 point_size=0.035,

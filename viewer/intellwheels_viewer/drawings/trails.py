@@ -82,4 +82,4 @@ class Trails:
             if len(points):
                 self._lines.points, self._lines.colors = points, colors
         elif len(points):
-            self._lines = self._scene.add_line_segments("/trails", points, colors, thickness=0.03)
+            self._lines = self._scene.add_line_segments("/trails/lines", points, colors, thickness=0.03)

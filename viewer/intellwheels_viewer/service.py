@@ -1,0 +1,148 @@
+"""The viewer's life: the page's server, the link, and the loop that draws. It holds nothing that a restart could lose.
+
+One thread draws the newest of what is seen, at most 30 times a second, skipping what it missed; panels go slower. Pages
+come and go on viser's threads.
+"""
+
+from __future__ import annotations
+
+import sys
+import threading
+import time
+from dataclasses import dataclass, field
+from typing import Final
+
+import viser
+
+from intellwheels_schemas.link import Link
+from intellwheels_viewer.guard import open_server
+from intellwheels_viewer.network import Network
+from intellwheels_viewer.page import Page
+from intellwheels_viewer.seen import Seen
+from intellwheels_viewer.stage import Stage, watched
+
+FRAME: Final = 1 / 30
+"""Seconds of wall time between two drawn ticks."""
+PANELS: Final = 0.22
+"""Seconds of wall time between two fillings of the panels."""
+
+
+@dataclass(frozen=True)
+class Options:
+    """What the command was told.
+
+    Attributes:
+        host, port: Where the page is served; port 0 is any free one.
+        allowed: Further names by which browsers may reach us.
+        dark: Whether the page is dark.
+        chosen: Whether the world was named; else the only one there is is taken.
+    """
+
+    host: str = "127.0.0.1"
+    port: int = 8080
+    allowed: frozenset[str] = field(default_factory=frozenset)
+    dark: bool = False
+    chosen: bool = False
+
+
+class Viewer:
+    """Pages, stage and loop.
+
+    Args:
+        options: Of the page.
+        link: Of the simulator.
+        stop: Set when it must end.
+
+    Raises:
+        ConnectionError: The port is taken.
+    """
+
+    def __init__(self, options: Options, link: Link, stop: threading.Event) -> None:
+        self._stop = stop
+        self.server = open_server(options.host, options.port, options.allowed)
+        self.server.gui.configure_theme(
+            show_logo=False, show_share_button=False, dark_mode=options.dark, brand_color=(0, 90, 158)
+        )
+        self.server.gui.set_panel_label("IntellWheels")
+        self._stage = Stage(self.server, dark=options.dark)
+        self._network = Network(link, stop, chosen=options.chosen)
+        self._pages: dict[int, Page] = {}
+        self._lock = threading.Lock()
+        self._stage.on_pick(self._picked)
+        self._stage.bodies.on_drag(self._dragged)
+        self.server.on_client_connect(self._came)
+        self.server.on_client_disconnect(self._went)
+
+    def run(self) -> None:
+        """Draw until told to stop."""
+        self._network.start()
+        drawn: tuple[object, ...] = ()
+        filled = 0.0
+        try:
+            while not self._stop.wait(FRAME):
+                seen = self._network.pour()
+                pages = self._present()
+                wanted = {page.selected for page in pages if page.selected is not None}
+                state = (seen.run, seen.tick, seen.revision, seen.phase, len(seen.bodies), len(seen.events), len(pages))
+                if state != drawn:
+                    drawn = state
+                    self._network.watch(watched(seen, wanted) if pages else ())
+                    self._draw(seen, pages, wanted)
+                now = time.monotonic()
+                if now - filled >= PANELS:
+                    filled = now
+                    for page in pages:
+                        page.panels(seen)
+        finally:
+            self._network.close()
+            for page in self._present():
+                page.close()
+            self.server.stop()
+
+    def _draw(self, seen: Seen, pages: list[Page], wanted: set[str]) -> None:
+        self._stage.show(seen, wanted)
+        for page in pages:
+            page.draw(seen)
+
+    def _present(self) -> list[Page]:
+        with self._lock:
+            return list(self._pages.values())
+
+    def _came(self, client: viser.ClientHandle) -> None:
+        page = Page(client, self._network, self._stage.colours)
+        with self._lock:
+            self._pages[client.client_id] = page
+
+    def _went(self, client: viser.ClientHandle) -> None:
+        with self._lock:
+            page = self._pages.pop(client.client_id, None)
+        if page is not None:
+            page.close()
+
+    def _page(self, number: int) -> Page | None:
+        with self._lock:
+            return self._pages.get(number)
+
+    def _picked(self, number: int, name: str) -> None:
+        page = self._page(number)
+        if page is not None:
+            page.select(name)
+
+    def _dragged(self, name: str, event: viser.SceneNodeDragEvent[viser.SceneNodeHandle]) -> None:
+        page = self._page(event.client_id)
+        if page is not None:
+            page.drag(name, event)
+
+
+def serve(options: Options, link: Link, stop: threading.Event) -> int:
+    """Serve the page until told to stop and return the exit code."""
+    try:
+        viewer = Viewer(options, link, stop)
+    except ConnectionError as error:
+        sys.stderr.write(f"iw-viewer: {error}\n")
+        return 1
+    host = "localhost" if options.host in ("0.0.0.0", "::") else options.host  # noqa: S104
+    sys.stdout.write(f"ready url=http://{host}:{viewer.server.get_port()}\n")
+    sys.stdout.flush()
+    viewer.run()
+    return 0
