@@ -110,6 +110,23 @@ def on_floor(origin: Iterable[float], direction: Iterable[float]) -> tuple[float
     return (x, y) if max(abs(x), abs(y)) < 1e4 else None  # what a coordinate may be
 
 
+def ray(camera: viser.CameraHandle, right: float, up: float) -> tuple[Vector, Vector]:
+    """Return the line of sight through a point of the picture: where it begins, and its direction.
+
+    Args:
+        camera: Whose picture.
+        right: From the middle, in half widths, in [-1, 1].
+        up: From the middle, in half heights, in [-1, 1].
+    """
+    eye = np.array(camera.position)
+    ahead = np.array(camera.look_at) - eye
+    ahead /= max(float(np.linalg.norm(ahead)), 1e-9)
+    side = np.cross(ahead, np.array(camera.up_direction))
+    side /= max(float(np.linalg.norm(side)), 1e-9)
+    tall = math.tan(camera.fov / 2)
+    return eye, ahead + side * (right * tall * camera.aspect) + np.cross(side, ahead) * (up * tall)
+
+
 class Camera:
     """A browser's camera.
 
@@ -123,6 +140,8 @@ class Camera:
         self._corners: Vector | None = None
         self._aspect = 0.0
         self._by_hand = False
+        # Whether the page has told of one of our writes: what it says before that is where it stood itself.
+        self._settled = False
         self._written: deque[Vector] = deque(maxlen=64)
         self._offset: Vector | None = None
         self._target: Vector | None = None
@@ -169,6 +188,9 @@ class Camera:
                 self._fit()
                 return
         if any(np.linalg.norm(position - written) < _ECHO for written in self._written):
+            self._settled = True
+            return
+        if not self._settled:
             return
         if self.mode == "follow":
             # The rig moves with the body; what is left of a report is the user's orbit.

@@ -144,7 +144,7 @@ class Fold:
             clock=self._clock,
             floor=self._floor,
             revision=self._revision,
-            bodies={name: body for name, body in self._bodies.items() if name in here},
+            bodies={name: self._bodies[name] for name in sorted(self._bodies) if name in here},
             entities=tuple(entity for entity in self._entities if entity.name in self._bodies),
             events=tuple(self._events[number] for number in sorted(self._events)),
             measures={name: measures for name, measures in self._measures.items() if name in here},

@@ -26,15 +26,16 @@ from intellwheels_schemas.messages import (
     Teleport,
     UserInput,
 )
-from intellwheels_viewer.cameras import Camera, Mode, on_floor
+from intellwheels_viewer.cameras import Camera, Mode, on_floor, ray
 from intellwheels_viewer.drawings import wedges
 from intellwheels_viewer.drawings.ghosts import Ghost, Ghosts
 from intellwheels_viewer.drawings.layers import HALF_HEIGHT
 from intellwheels_viewer.drawings.selection import Selection
 from intellwheels_viewer.drawings.walls import Walls
+from intellwheels_viewer.hover import Hover
 from intellwheels_viewer.panels import layers as layers_panel
 from intellwheels_viewer.panels.agents import AgentsPanel
-from intellwheels_viewer.panels.callbacks import chosen
+from intellwheels_viewer.panels.callbacks import assign, clicked, updated
 from intellwheels_viewer.panels.choices import Choices
 from intellwheels_viewer.panels.clock import ClockPanel
 from intellwheels_viewer.panels.connection import ConnectionPanel
@@ -56,7 +57,10 @@ if TYPE_CHECKING:
 WIDTH: Final = 288
 """Pixels of a panel: at 1280 two of them leave the scene more than half."""
 LAYERS_KEY: Final = "intellwheels.layers"
-MODES: Final[dict[str, Mode]] = {"Free": "free", "Plan": "plan", "Follow": "follow", "Chair": "first"}
+MODES: Final[dict[str, Mode]] = {
+    "Free (O)": "free", "Plan (P)": "plan", "Follow selected (F)": "follow", "From the chair (H)": "first",
+}  # fmt: skip
+"""The ways to look, with their keys."""
 GHOST_COLOUR: Final = (90, 100, 115)
 NUDGE: Final = 0.05
 """Metres: a body pulled less far was clicked."""
@@ -132,6 +136,8 @@ class Page:
             self._plan.show(seen, choices, visible=self._layers.plan)
             self._drive.show(seen, choices)
             self._place.show(seen, choices)
+            assign(self._views, next(label for label, mode in MODES.items() if mode == self.camera.mode))
+            self._goal.visible = self._takes_goals()
 
     def _choices(self) -> Choices:
         colours = {entity.name: self._colours.rgb(entity.name) for entity in self._seen.entities}
@@ -158,24 +164,32 @@ class Page:
 
     def _build(self, gui: viser.GuiApi) -> None:
         ask = self._ask
+        side = gui.add_panel()
+        side.dock_left()
+        side.set_width(WIDTH)
+        with side.add_tab("Run"):
+            self._connection = ConnectionPanel(gui, on_world=self._network.choose)
+            self._clock = ClockPanel(
+                gui,
+                on_pause=ask("Not paused", "pause", Pause),
+                on_resume=ask("Not resumed", "resume", Resume),
+                on_step=lambda count: self._wishes.ask("Not stepped", "step", Step(count=count)),
+                on_reset=ask("Not begun anew", "reset", Reset),
+                on_speed=lambda factor: self._wishes.ask("Speed not changed", "speed", Speed(factor=factor)),
+            )
+            self._playback = PlaybackPanel(
+                gui,
+                on_seek=lambda tick: self._wishes.ask("Not sought", "seek", Seek(tick=tick)),
+                on_pause=ask("Not paused", "pause", Pause),
+                on_resume=ask("Not resumed", "resume", Resume),
+                on_speed=lambda factor: self._wishes.ask("Speed not changed", "speed", Speed(factor=factor)),
+            )
+            self._views: viser.GuiDropdownHandle[str] = gui.add_dropdown("Camera", tuple(MODES))
+            updated(self._views, lambda word: self.look(MODES.get(word, "free")))
+            self._plan = PlanPanel(gui, on_select=self.select)
+            self._events = EventsPanel(gui)
         gui.main_panel.dock_right()
         gui.main_panel.set_width(WIDTH)
-        self._connection = ConnectionPanel(gui, on_world=self._network.choose)
-        self._clock = ClockPanel(
-            gui,
-            on_pause=ask("Not paused", "pause", Pause),
-            on_resume=ask("Not resumed", "resume", Resume),
-            on_step=lambda count: self._wishes.ask("Not stepped", "step", Step(count=count)),
-            on_reset=ask("Not begun anew", "reset", Reset),
-            on_speed=lambda factor: self._wishes.ask("Speed not changed", "speed", Speed(factor=factor)),
-        )
-        self._playback = PlaybackPanel(
-            gui,
-            on_seek=lambda tick: self._wishes.ask("Not sought", "seek", Seek(tick=tick)),
-            on_pause=ask("Not paused", "pause", Pause),
-            on_resume=ask("Not resumed", "resume", Resume),
-            on_speed=lambda factor: self._wishes.ask("Speed not changed", "speed", Speed(factor=factor)),
-        )
         tabs = gui.add_tab_group()
         with tabs.add_tab("Agents"):
             self._agents = AgentsPanel(gui, on_select=self.select)
@@ -183,7 +197,7 @@ class Page:
         with tabs.add_tab("Drive"):
             self._drive = DrivePanel(gui, on_stick=self._stick, on_say=self._say)
             self._goal = gui.add_button("Set a goal", icon=viser.Icon.FLAG, color="gray")
-            self._goal.on_click(self._aim)
+            clicked(self._goal, self._aim)
         with tabs.add_tab("Place"):
             self._place = PlacePanel(
                 gui,
@@ -194,14 +208,7 @@ class Page:
             )
         with tabs.add_tab("Layers"):
             self._layers_panel = LayersPanel(gui, self._layers, self._relayer, legend=wedges.legend())
-        side = gui.add_panel()
-        side.dock_left()
-        side.set_width(WIDTH)
-        with side.add_tab("Overview"):
-            views = gui.add_button_group("Camera", tuple(MODES))
-            chosen(views, lambda word: self.look(MODES[word]))
-            self._plan = PlanPanel(gui, on_select=self.select)
-            self._events = EventsPanel(gui)
+        self._hover = Hover(gui, self._hovered)
         self._commands(gui)
 
     def _commands(self, gui: viser.GuiApi) -> None:
@@ -216,8 +223,8 @@ class Page:
 
         add("Pause or resume", "space", self._pause_or_resume)
         add("Step one tick", "N", self._step_one)
-        for (label, mode), key in zip(MODES.items(), "OPFH", strict=True):
-            add(f"Camera: {label}", key, self._looker(mode))
+        for label, mode in MODES.items():
+            add(f"Camera: {label[:-4].lower()}", label[-2], self._looker(mode))
         for digit in range(1, 10):
             add(f"Select agent {digit}", str(digit), self._selector(digit - 1))
 
@@ -289,12 +296,12 @@ class Page:
     def _say(self, text: str, to: str | None) -> None:
         self._wishes.ask("Not said", "say", OperatorSay(to=to, text=text))
 
-    async def _aim(self, _: object) -> None:
+    def _aim(self) -> None:
         """The next click on the floor is a goal."""
         body = None if self.selected is None else self._seen.bodies.get(self.selected)
         if body is None:
             self._notify("No goal set", "Nothing selected: click a chair first.")
-        elif "goal" not in body.robot.user_input:
+        elif not self._takes_goals():
             self._notify("No goal set", f"The mind of {self.selected} takes no goals.")
         else:
             self._choose(None)
@@ -302,19 +309,33 @@ class Page:
             self._listen(True)
             self._notify("Click the floor", f"Where shall {self.selected} go?")
 
+    def _takes_goals(self) -> bool:
+        body = None if self.selected is None else self._seen.bodies.get(self.selected)
+        return body is not None and "goal" in body.robot.user_input
+
     # ------------------------------------------------------------ placed
 
     def _choose(self, label: str | None) -> None:
         self._placing = label if label in PALETTE else None
         self._aiming = False
         self._listen(self._placing is not None)
+        self._hover.listen(self._placing is not None)
         if self._placing is None:
             self._show_ghost(None)
             return
         look_at = self._client.camera.look_at
-        self._show_ghost(
-            Ghost(robot(PALETTE[self._placing]), float(look_at[0]), float(look_at[1]), self._turn, GHOST_COLOUR)
-        )
+        self._preview(float(look_at[0]), float(look_at[1]))
+
+    def _preview(self, x: float, y: float) -> None:
+        """Show what would be placed where it would stand."""
+        if self._placing is not None:
+            self._show_ghost(Ghost(robot(PALETTE[self._placing]), x, y, self._turn, GHOST_COLOUR))
+
+    def _hovered(self, right: float, up: float) -> None:
+        """The pointer is over the scene: what would be placed stands under it, as a ghost."""
+        at = on_floor(*ray(self._client.camera, right, up))
+        if at is not None:
+            self._preview(*at)
 
     def _turned(self, degrees: float) -> None:
         self._turn = math.radians(degrees)
@@ -341,9 +362,9 @@ class Page:
             self._network.put_user(self.selected, UserInput(goal=Goal(x=at[0], y=at[1])))
             self._aiming = False
             self._listen(False)
-        elif self._placing is not None and self._ghost is not None:
+        elif self._placing is not None:
             made = robot(PALETTE[self._placing])
-            self._show_ghost(dataclasses.replace(self._ghost, x=at[0], y=at[1], refused=False))
+            self._preview(*at)
             wish = Spawn(
                 robot=msgspec.structs.replace(made, name=self._free_name(PALETTE[self._placing]), format=None),
                 position=_position(at[0], at[1], self._turn),
