@@ -151,8 +151,9 @@ class DrivePanel:
         self._value = gui.add_vector3("stick", (0.0, 0.0, 0.0), visible=False)
         self._stick = gui.add_html(page_html(element_id(self._value)))
         self._on_stick, self._on_say = on_stick, on_say
-        self._able, self._selected, self._count = False, None, 0  # type: bool, str | None, int
-        self._moving = self._blocked = False
+        self._selected: str | None = None
+        self._count = 0
+        self._able = self._moving = self._blocked = False
         updated(self._value, self._pulled)
         self._wanted = gui.add_checkbox("Buttons", False, hint="Four buttons to hold, where keys and stick do not work")
         self._buttons = [
