@@ -33,7 +33,8 @@ def board(shown: tuple[Page, Board]) -> Board:
 @pytest.fixture
 def page(shown: tuple[Page, Board], board: Board) -> Page:
     shown[0].get_by_role("tab", name="Drive").click()
-    shown[0].wait_for_selector("[data-testid=stick]")
+    # The handler runs when its image has failed, a moment after the stick is there.
+    shown[0].wait_for_function("window.__iwDrive")
     # The test before may have shown nobody to drive: its page is not this one's yet.
     shown[0].wait_for_selector("#iw-drive-off", state="detached")
     return shown[0]
@@ -170,7 +171,7 @@ def test_a_closed_page_sends_a_last_zero_and_then_nothing(chromium: Any) -> None
     with served(made_up.seen(), made_up.choices()) as (server, boards):
         page = opened(chromium, server)
         page.get_by_role("tab", name="Drive").click()
-        page.wait_for_selector("[data-testid=stick]")
+        page.wait_for_function("window.__iwDrive")
         page.keyboard.down("i")
         boards[0].wait(lambda calls: held(calls, GENTLE, 0.0) >= 2)
         page.close()
