@@ -117,3 +117,14 @@ def test_words_longer_than_the_wire_takes_are_cut(gui: viser.GuiApi, calls: Call
     enter(shown._text, "a" * 5000)
     press(shown._say)
     assert len(calls[0][1]) == SAY_LIMIT
+
+
+def test_a_key_held_while_another_is_selected_does_not_drive_that_one(gui: viser.GuiApi, calls: Calls) -> None:
+    shown = panel(gui, calls)
+    enter(shown._value, (1.0, 0.0, 1.0))
+    shown.show(made_up.seen(), replace(made_up.choices(), selected="chair2"))
+    enter(shown._value, (1.0, 0.0, 2.0))
+    enter(shown._value, (0.0, 0.0, 3.0))
+    assert calls == [("stick", 1.0, 0.0, 1)]
+    enter(shown._value, (0.0, 1.0, 4.0))
+    assert calls == [("stick", 1.0, 0.0, 1), ("stick", 0.0, 1.0, 2)]

@@ -24,17 +24,20 @@ def shown(chromium: Any) -> Iterator[tuple[Page, Board]]:
 
 
 @pytest.fixture
-def page(shown: tuple[Page, Board]) -> Page:
-    shown[0].get_by_role("tab", name="Drive").click()
-    shown[0].wait_for_selector("[data-testid=stick]")
-    return shown[0]
-
-
-@pytest.fixture
 def board(shown: tuple[Page, Board]) -> Board:
     shown[1].show(made_up.seen(), made_up.choices())
     shown[1].calls.clear()
     return shown[1]
+
+
+@pytest.fixture
+def page(shown: tuple[Page, Board], board: Board) -> Page:
+    shown[0].get_by_role("tab", name="Drive").click()
+    # The handler runs when its image has failed, a moment after the stick is there.
+    shown[0].wait_for_function("window.__iwDrive")
+    # The test before may have shown nobody to drive: its page is not this one's yet.
+    shown[0].wait_for_selector("#iw-drive-off", state="detached")
+    return shown[0]
 
 
 def held(calls: list[tuple[Any, ...]], forward: float, turn: float) -> int:
@@ -117,7 +120,8 @@ def test_the_stick_drives_as_far_as_it_is_pulled_and_springs_back(page: Page, bo
 def test_typing_is_not_driving(page: Page, board: Board) -> None:
     field = page.locator("form input:visible").first
     field.fill("")
-    field.press_sequentially("jolly kilt")
+    # As a person types: viser sends one message in 50 ms, and of those between the newest only.
+    field.press_sequentially("jolly kilt", delay=80)
     field.press("Enter")
     board.wait(lambda calls: ("say", "jolly kilt", None) in calls)
     assert not any(call[0] == "stick" for call in board.calls)
@@ -167,7 +171,7 @@ def test_a_closed_page_sends_a_last_zero_and_then_nothing(chromium: Any) -> None
     with served(made_up.seen(), made_up.choices()) as (server, boards):
         page = opened(chromium, server)
         page.get_by_role("tab", name="Drive").click()
-        page.wait_for_selector("[data-testid=stick]")
+        page.wait_for_function("window.__iwDrive")
         page.keyboard.down("i")
         boards[0].wait(lambda calls: held(calls, GENTLE, 0.0) >= 2)
         page.close()

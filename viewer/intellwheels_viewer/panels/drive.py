@@ -151,7 +151,9 @@ class DrivePanel:
         self._value = gui.add_vector3("stick", (0.0, 0.0, 0.0), visible=False)
         self._stick = gui.add_html(page_html(element_id(self._value)))
         self._on_stick, self._on_say = on_stick, on_say
-        self._able, self._selected, self._count = False, None, 0  # type: bool, str | None, int
+        self._selected: str | None = None
+        self._count = 0
+        self._able = self._moving = self._blocked = False
         updated(self._value, self._pulled)
         self._wanted = gui.add_checkbox("Buttons", False, hint="Four buttons to hold, where keys and stick do not work")
         self._buttons = [
@@ -174,6 +176,9 @@ class DrivePanel:
     def show(self, seen: Seen, choices: Choices) -> None:
         """Show who would be driven; the stick itself is left alone."""
         self._words.content = drive_html(seen, choices)
+        if choices.selected != self._selected:
+            # A key that is still down drove the one before: it does not drive the next one until it was released.
+            self._blocked = self._moving
         self._able, self._selected = able(seen, choices), choices.selected
         for button in self._buttons:
             button.disabled = not self._able
@@ -186,7 +191,11 @@ class DrivePanel:
             assign(self._to, EVERYBODY)
 
     def _pulled(self, value: tuple[float, float, float]) -> None:
-        if len(value) == 3:
+        if len(value) != 3:
+            return
+        self._moving = bool(value[0] or value[1])
+        blocked, self._blocked = self._blocked, self._blocked and self._moving
+        if not blocked:
             self._put(value[0], value[1])
 
     def _hold(self, button: viser.GuiButtonHandle, forward: float, turn: float) -> viser.GuiButtonHandle:
