@@ -55,29 +55,34 @@ class Footprint:
         self, points: Iterable[Moving], speed: float, turn_rate: float, seconds: float, margin: float
     ) -> float:
         """Return the same among points that move on as they do: x, y in m, and how fast in m/s."""
-        own = (abs(speed) + abs(turn_rate) * self.radius) * seconds
-        near = []
-        fastest = own
+        own = abs(speed) + abs(turn_rate) * self.radius
+        free = seconds
         for x, y, vx, vy in points:
-            theirs = math.hypot(vx, vy) * seconds
-            reach = self.radius + own + theirs + margin
-            if x * x + y * y < reach * reach:
-                # A point is let in as far as it is already: what is too near may stay so, and go.
-                near.append((x, y, vx, vy, min(margin, self.clearance(x, y)) - AWAY))
-                fastest = max(fastest, own + theirs)
-        if not near or fastest < AWAY:
-            return seconds
-        steps = math.ceil(fastest / STEP)
-        for step in range(1, steps + 1):
-            time = seconds * step / steps
-            turn = turn_rate * time
-            moved_x, moved_y = displacement(speed * time, turn)
-            c, s = math.cos(turn), math.sin(turn)
-            for x, y, vx, vy, least in near:
+            fastest = own + math.hypot(vx, vy)
+            reach = self.radius + fastest * free + margin
+            if fastest * free < AWAY or x * x + y * y > reach * reach:
+                continue
+            # A point is let in as far as it is already: what is too near may stay so, and go.
+            clearance = self.clearance(x, y)
+            least = min(margin, clearance) - AWAY
+            time = 0.0
+            while True:
+                # Nothing comes nearer faster than `fastest`, so far points are looked at seldom.
+                sure = time
+                time += max(clearance - least, STEP) / fastest
+                if time >= free:
+                    time = free
+                turn = turn_rate * time
+                moved_x, moved_y = displacement(speed * time, turn)
+                c, s = math.cos(turn), math.sin(turn)
                 dx, dy = x + vx * time - moved_x, y + vy * time - moved_y
-                if self.clearance(c * dx + s * dy, c * dy - s * dx) < least:
-                    return seconds * (step - 1) / steps
-        return seconds
+                clearance = self.clearance(c * dx + s * dy, c * dy - s * dx)
+                if clearance < least:
+                    free = sure
+                    break
+                if time == free:
+                    break
+        return free
 
 
 def displacement(travel: float, turn: float) -> Point:
