@@ -48,7 +48,7 @@ MARGIN = 0.03
 """Metres kept to everything."""
 BACKWARD = 0.6
 """Metres a second, stepping back."""
-DODGE = 0.5
+DODGE = 0.6
 """Seconds before somebody runs into it at which it gets out of the way. With 1 s a dense crowd dodges all the time."""
 ARM = 1.5
 """Metres within which it looks at where it steps."""
@@ -88,6 +88,11 @@ class Mind:
         self._footprint = Footprint(outline(robot))
         self._heard: dict[str, tuple[float, Point]] = {}
         self._spoke = -math.inf
+        hurry = FASTEST * self._speed
+        self._ways_out = (
+            (hurry, 0.0), (-BACKWARD, 0.0), (hurry / 2.0, 2.0), (hurry / 2.0, -2.0), (-BACKWARD, 2.0), (-BACKWARD, -2.0),
+            (0.0, 0.0),
+        )  # fmt: skip
 
     def decide(self, measures: Measures) -> Actions:
         """Return the powers that follow the force."""
@@ -178,11 +183,7 @@ class Mind:
     def _dodge(self, near: list[Moving], forward: float, turn_rate: float) -> tuple[float, float]:
         """Return the speed and turn rate that keep longest out of the way of who runs into it."""
         best, longest = (forward, turn_rate), -1.0
-        hurry = FASTEST * self._speed
-        for ahead, turn in (
-            (forward, turn_rate), (hurry, 0.0), (-BACKWARD, 0.0), (hurry / 2.0, 2.0), (hurry / 2.0, -2.0),
-            (-BACKWARD, 2.0), (-BACKWARD, -2.0), (0.0, 0.0),
-        ):  # fmt: skip
+        for ahead, turn in ((forward, turn_rate), *self._ways_out):
             time = self._footprint.free_of_moving(near, ahead, turn, DODGE, MARGIN)
             if time > longest:
                 best, longest = (ahead, turn), time
