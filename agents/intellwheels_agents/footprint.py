@@ -68,10 +68,8 @@ class Footprint:
             time = 0.0
             while True:
                 # Nothing comes nearer faster than `fastest`, so far points are looked at seldom.
-                sure = time
-                time += max(clearance - least, STEP) / fastest
-                if time >= free:
-                    time = free
+                sure = min(time + max(clearance - least, 0.0) / fastest, free)
+                time = min(time + max(clearance - least, STEP) / fastest, free)
                 turn = turn_rate * time
                 moved_x, moved_y = displacement(speed * time, turn)
                 c, s = math.cos(turn), math.sin(turn)

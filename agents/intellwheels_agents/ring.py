@@ -116,13 +116,24 @@ class Ring:
         vy = (1.0 - share) * last.velocity_y + (y - last.y) / TRACKING
         return thing._replace(velocity_x=vx, velocity_y=vy)
 
-    def gap(self) -> float:
-        """Return metres from the body to what it would walk into, straight on; infinite if there is nothing."""
-        gap = math.inf
-        for bearing, metres, extent in zip(self._bearings, self._ranges, self._extents, strict=True):
+    def gap(self, turned: int = 0) -> float:
+        """Return metres from the body to what it would walk into; infinite if there is nothing.
+
+        Args:
+            turned: Cones to the left of straight on that it would turn to first.
+        """
+        gap, count = math.inf, len(self._ranges)
+        for i, (bearing, extent) in enumerate(zip(self._bearings, self._extents, strict=True)):
+            metres = self._ranges[(i + turned) % count]
             if abs(bearing) < math.pi / 2.0 and metres * abs(math.sin(bearing)) < self._side:
                 gap = min(gap, (metres - extent) * math.cos(bearing))
         return max(gap, 0.0)
+
+    def way_out(self, direction: float, room: float) -> float:
+        """Return the direction nearest to one, rad from straight on, in which there are so many metres of room."""
+        middle, count = round(direction / WIDTH), len(self._ranges)
+        turns = sorted(range(middle - count // 2, middle + count // 2), key=lambda turn: abs(turn - middle))
+        return next((wrapped(turn * WIDTH) for turn in turns if self.gap(turn) > room), direction)
 
     def near(self, reach: float, heading: float) -> list[Moving]:
         """Return the points within so many metres, in the body's frame, each with the velocity of its thing."""

@@ -19,7 +19,7 @@ def test_clearance_is_to_the_edge_and_the_corner_and_negative_inside() -> None:
 
 
 def test_straight_on_it_is_free_until_the_margin_is_left() -> None:
-    assert BODY.free([(1.8, 0.0)], 0.5, 0.0, 5.0, 0.1) == pytest.approx(1.8, abs=0.07)
+    assert BODY.free([(1.8, 0.0)], 0.5, 0.0, 5.0, 0.1) == pytest.approx(1.8, abs=0.001)
 
 
 def test_what_stands_beside_the_way_is_passed() -> None:

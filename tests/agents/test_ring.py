@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from itertools import pairwise
 
 import pytest
 
@@ -33,7 +34,7 @@ def pose() -> Odometry:
 
 def test_ring_looks_all_round() -> None:
     directions = sorted(sensor.direction_deg for sensor in BODY.proximity)
-    assert [b - a for a, b in zip(directions, directions[1:], strict=False)] == pytest.approx([7.5] * (CONES - 1))
+    assert [b - a for a, b in pairwise(directions)] == pytest.approx([7.5] * (CONES - 1))
 
 
 def test_thing_is_where_the_ring_is_nearest(pose: Odometry) -> None:
@@ -70,7 +71,7 @@ def test_thing_that_jumps_is_another_one(pose: Odometry) -> None:
 def test_cone_that_failed_keeps_what_it_saw(pose: Odometry) -> None:
     ring = Ring(BODY, 0.05)
     ring.update(seen(c0=2.0), pose)
-    ring.update(seen(c0="fail"), pose)
+    ring.update(seen(c0="fault"), pose)
     assert [thing.metres for thing in ring.things] == [2.0]
 
 
@@ -80,3 +81,13 @@ def test_gap_is_before_the_body_and_not_beside_it(pose: Odometry) -> None:
     assert ring.gap() == math.inf
     ring.update(seen(c0=1.0), pose)
     assert ring.gap() == pytest.approx(0.825)
+
+
+def test_way_out_is_the_nearest_direction_with_room(pose: Odometry) -> None:
+    ring = Ring(BODY, 0.05)
+    ring.update(seen(**{f"c{i % CONES}": 0.5 for i in range(-2, 10)}), pose)
+    assert ring.gap() < 0.4
+    found = ring.way_out(0.0, 0.6)
+    assert -math.pi / 2.0 < found < 0.0
+    assert ring.gap(round(found / math.radians(7.5))) > 0.6
+    assert ring.way_out(math.pi, 0.6) == pytest.approx(math.pi)

@@ -8,8 +8,8 @@
 
     dv/dt = a (1 - (v / v0)^4 - (s' / s)^2),  s' = s0 + v T + v dv / (2 sqrt(a b))
 
-the Intelligent Driver Model with s metres to what is ahead, which it reckons to stand still (dv = v): who crosses a road
-does not drive along it. It looks by a fan of proximity cones, which turns with it, so it takes bends slowly.
+the Intelligent Driver Model with s metres to what is ahead, which it reckons to stand still (dv = v): who crosses a
+road does not drive along it. It looks by a fan of proximity cones, which turns with it, so it takes bends slowly.
 
 Source: M. Treiber, A. Hennecke, D. Helbing, Congested traffic states in empirical observations and microscopic
 simulations, Phys. Rev. E 62, 2000.
@@ -24,7 +24,7 @@ import msgspec
 from intellwheels_agents.chair import Odometry, powers, wrapped
 from intellwheels_agents.mind import Context
 from intellwheels_agents.options import OptionError, Options
-from intellwheels_agents.path import Path, path_of
+from intellwheels_agents.path import path_of
 from intellwheels_agents.surroundings import distance, outline
 from intellwheels_schemas.messages import Actions, Goal, Measures, Proximity, Robot
 

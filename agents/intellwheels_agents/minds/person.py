@@ -1,4 +1,4 @@
-"""Walks to its goals among others, by the social force model: drawn by where it wants to be, kept off by what is near.
+"""Walks to its goals among others, by the social force model: drawn by a goal, kept off by what is near.
 
     points   "x y x y": goals one after the other, in metres
     via, to  places of the map; the goals are points, then via in their order, then to
@@ -8,13 +8,15 @@
     with     agents it walks with, by what they say ("at X Y", in metres); it says where it is itself
 
 Forces alone do not slow a crowd down as people do. So nobody walks faster than lets the gap ahead last for `HEADWAY`,
-nor, at ease, than (gap + `EASE_GAP`) / `EASE`; with these a crowd in a corridor is about as fast as Weidmann's at 0.5 to
-2 people a square metre. Who would be run into within `DODGE` gets out of the way.
+nor, at ease, than (gap + `EASE_GAP`) / `EASE`; with these a crowd in a corridor is about as fast as Weidmann's at 0.5
+to 2 people a square metre. Who would be run into within `DODGE` gets out of the way. Who has not come on for `STUCK`
+goes where there is room.
 
 It perceives by a ring of proximity cones, its own encoders and compass, and what it hears.
 
 Sources: social_force.py. A. Tordeux, M. Chraibi, A. Seyfried, Collision-free speed model for pedestrian dynamics,
-Traffic and Granular Flow '15, 2016 (speed from the gap). U. Weidmann, Transporttechnik der Fussgaenger, ETH Zurich, 1993.
+Traffic and Granular Flow '15, 2016 (speed from the gap). U. Weidmann, Transporttechnik der Fussgaenger, ETH Zurich,
+1993. The rest is chosen here.
 """
 
 from __future__ import annotations
@@ -56,6 +58,10 @@ STILL = 0.05
 """Metres a second that are not worth a step."""
 FASTEST = 1.3
 """Most, in shares of the speed it likes."""
+STUCK = 1.0
+"""Seconds without a step after which it looks for another way round, and takes it for as long."""
+ROOM = 0.6
+"""Metres of room that make a way."""
 WORD = 0.5
 """Seconds between two says of who walks with others."""
 SILENCE = 3.0
@@ -88,10 +94,11 @@ class Mind:
         self._footprint = Footprint(outline(robot))
         self._heard: dict[str, tuple[float, Point]] = {}
         self._spoke = -math.inf
+        self._stuck = 0.0
         hurry = FASTEST * self._speed
         self._ways_out = (
-            (hurry, 0.0), (-BACKWARD, 0.0), (hurry / 2.0, 2.0), (hurry / 2.0, -2.0), (-BACKWARD, 2.0), (-BACKWARD, -2.0),
-            (0.0, 0.0),
+            (hurry, 0.0), (-BACKWARD, 0.0), (hurry / 2.0, 2.0), (hurry / 2.0, -2.0),
+            (-BACKWARD, 2.0), (-BACKWARD, -2.0), (0.0, 0.0),
         )  # fmt: skip
 
     def decide(self, measures: Measures) -> Actions:
@@ -103,6 +110,7 @@ class Mind:
         speed = math.dist((was_x, was_y), (pose.x, pose.y)) / self._period
         goal = self._goal()
         self._velocity = self._accelerated(self._wanted(goal), speed, self._company(measures))
+        self._note_progress(speed, walks=goal is not None)
         left, right = self._walk(*self._velocity)
         return Actions(
             left_motor=left,
@@ -160,12 +168,21 @@ class Mind:
         fast = max(math.hypot(x, y) / (FASTEST * max(self._speed, LIKED)), 1.0)
         return x / fast, y / fast
 
+    def _note_progress(self, speed: float, *, walks: bool) -> None:
+        """Count how long it has not come on; beyond `STUCK`, how long it takes another way."""
+        if self._stuck < STUCK and (speed >= STILL or not walks):
+            self._stuck = 0.0
+        else:
+            self._stuck = (self._stuck + self._period) % (2.0 * STUCK)
+
     def _walk(self, x: float, y: float) -> tuple[float, float]:
         """Return the powers that turn to a velocity and walk at it as far as there is room."""
         speed, heading = math.hypot(x, y), self._pose.heading
         forward = turn_rate = 0.0
         if speed >= STILL:
             off = wrapped(math.atan2(y, x) - heading)
+            if self._stuck >= STUCK:
+                off, speed = self._ring.way_out(off, ROOM), max(speed, BACKWARD)
             turn_rate = min(max(TURNING * off, -TURN_RATE), TURN_RATE)
             gap = self._ring.gap()
             forward = min(speed * max(math.cos(off), 0.0), gap / HEADWAY, (gap + EASE_GAP) / EASE)

@@ -39,7 +39,12 @@ class Corridor:
         """Put so many persons per square metre into `length` by `width` metres, on a lattice, a little off it."""
         self.length, self.width = length, width
         half = width / 2.0
-        corners = [(-length - 1.0, -half), (2.0 * length + 1.0, -half), (2.0 * length + 1.0, half), (-length - 1.0, half)]
+        corners = [
+            (-length - 1.0, -half),
+            (2.0 * length + 1.0, -half),
+            (2.0 * length + 1.0, half),
+            (-length - 1.0, half),
+        ]
         wall = Wall(corner=tuple(Corner(x=x, y=y) for x, y in (*corners, corners[0])), height=2.5, thickness=1e-3)
         self.arena = Arena(Map(format="iw.v1", name="corridor", wall=(wall,)), str(seed))
         self.count = round(density * length * width)

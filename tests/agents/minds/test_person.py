@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -51,7 +52,9 @@ def test_two_who_meet_pass_each_other(seed: str, aside: float) -> None:
     arena = Arena(corridor(12.0, 2.4), seed)
     walker(arena, "east", (0.0, 0.0), (12.0, 0.0))
     walker(arena, "west", (12.0, aside), (0.0, aside))
-    took = arena.run(20.0, lambda arena: far(arena, "east", (12.0, 0.0)) < 0.5 and far(arena, "west", (0.0, aside)) < 0.5)
+    took = arena.run(
+        20.0, lambda arena: far(arena, "east", (12.0, 0.0)) < 0.5 and far(arena, "west", (0.0, aside)) < 0.5
+    )
     assert took < 13.0
     assert arena.contacts() == []
 
@@ -131,7 +134,7 @@ def test_who_walks_in_a_loop_comes_back_and_goes_on() -> None:
     )
     arena.run(20.0)
     xs = [x for x, _, _ in arena.paths["one"]]
-    assert sum(a < 2.0 <= b for a, b in zip(xs, xs[1:], strict=False)) >= 2
+    assert sum(a < 2.0 <= b for a, b in pairwise(xs)) >= 2
 
 
 def test_who_has_no_goal_stands_and_steps_aside_for_a_chair() -> None:
