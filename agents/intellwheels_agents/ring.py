@@ -25,6 +25,8 @@ EYE = 0.4
 """Metres over the floor it looks at: legs, footrests, bumpers."""
 TRACKING = 0.3
 """Seconds over which the motion of a thing is smoothed."""
+BESIDE = 0.1
+"""Metres a way out is wider than the body on either side."""
 SAME = 0.3
 """Metres by which a thing may seem to move in a cycle."""
 
@@ -116,16 +118,17 @@ class Ring:
         vy = (1.0 - share) * last.velocity_y + (y - last.y) / TRACKING
         return thing._replace(velocity_x=vx, velocity_y=vy)
 
-    def gap(self, turned: int = 0) -> float:
+    def gap(self, turned: int = 0, beside: float = 0.0) -> float:
         """Return metres from the body to what it would walk into; infinite if there is nothing.
 
         Args:
             turned: Cones to the left of straight on that it would turn to first.
+            beside: Metres it keeps on either side.
         """
         gap, count = math.inf, len(self._ranges)
         for i, (bearing, extent) in enumerate(zip(self._bearings, self._extents, strict=True)):
             metres = self._ranges[(i + turned) % count]
-            if abs(bearing) < math.pi / 2.0 and metres * abs(math.sin(bearing)) < self._side:
+            if abs(bearing) < math.pi / 2.0 and metres * abs(math.sin(bearing)) < self._side + beside:
                 gap = min(gap, (metres - extent) * math.cos(bearing))
         return max(gap, 0.0)
 
@@ -133,7 +136,7 @@ class Ring:
         """Return the direction nearest to one, rad from straight on, in which there are so many metres of room."""
         middle, count = round(direction / WIDTH), len(self._ranges)
         turns = sorted(range(middle - count // 2, middle + count // 2), key=lambda turn: abs(turn - middle))
-        return next((wrapped(turn * WIDTH) for turn in turns if self.gap(turn) > room), direction)
+        return next((wrapped(turn * WIDTH) for turn in turns if self.gap(turn, BESIDE) > room), direction)
 
     def near(self, reach: float, heading: float) -> list[Moving]:
         """Return the points within so many metres, in the body's frame, each with the velocity of its thing."""
