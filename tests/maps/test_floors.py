@@ -93,7 +93,7 @@ def test_floor_has_a_title_and_a_source(name: str) -> None:
 
 
 def test_the_floors_of_the_issue_are_there() -> None:
-    assert FLOORS == ["corner", "corridor15m", "door", "room", "ward"]
+    assert FLOORS == ["corner", "corridor15m", "crossing", "door", "room", "ward"]
 
 
 @pytest.mark.parametrize("name", FLOORS)
@@ -177,7 +177,7 @@ def test_open_leaf_lets_the_widest_chair_through(name: str) -> None:
         assert lane.distance(shapely.union_all([leaf, walls(document)])) > 0.1
 
 
-@pytest.mark.parametrize("name", ["corridor15m", "door", "corner", "ward"])
+@pytest.mark.parametrize("name", ["corridor15m", "crossing", "door", "corner", "ward"])
 def test_corridor_is_two_metres_forty_wide(name: str) -> None:
     document = floor(name)
     for x in (1.5, 3.5):
