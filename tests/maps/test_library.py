@@ -130,5 +130,5 @@ def test_scene_of_an_unknown_place_or_robot_is_refused_with_its_line(tmp_path: P
         scene(path)
     place, body = caught.value.text.splitlines()
     assert place == f"{path}:3: expected one of the places of 'mine' (goal, start), got 'bed'"
-    assert body.startswith(f"{path}:3: agent 'b': expected one of the robots (crate, ")
+    assert body.startswith(f"{path}:3: agent 'b': expected one of the robots (car, crate, ")
     assert body.endswith("got 'create'")
