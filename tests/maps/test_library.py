@@ -58,7 +58,8 @@ def test_unknown_name_says_which_there_are() -> None:
     with pytest.raises(WireError) as caught:
         floor("wart")
     assert caught.value.text == (
-        "expected one of the floors (corner, corridor15m, crossing, door, room, ward) or a path ending in .xml, got 'wart'"
+        "expected one of the floors (corner, corridor15m, crossing, door, room, ward) "
+        "or a path ending in .xml, got 'wart'"
     )
 
 

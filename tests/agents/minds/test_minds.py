@@ -20,7 +20,8 @@ def test_the_shipped_minds() -> None:
 
 def test_a_name_that_is_none_is_refused_with_those_there_are() -> None:
     with pytest.raises(
-        OptionError, match="mind: expected one of avoid, car, door, drive, follow, person, table, waypoints or a Python file"
+        OptionError,
+        match="mind: expected one of avoid, car, door, drive, follow, person, table, waypoints or a Python file",
     ):
         minds.find("dance")
 
