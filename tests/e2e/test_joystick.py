@@ -8,7 +8,6 @@ from __future__ import annotations
 import json
 import signal
 from collections import deque
-from pathlib import Path
 from typing import Any
 
 import pytest
@@ -41,13 +40,12 @@ class Watch:
 
     def speeds(self) -> list[tuple[int, float]]:
         """Return tick and speed of every state so far."""
-        found = []
-        for _, data in list(self.states):
-            state = json.loads(data)
-            for entity in state.get("Entity", []):
-                if entity["Name"] == "chair1":
-                    found.append((state["Tick"], entity.get("Speed", 0.0)))
-        return found
+        return [
+            (state["Tick"], entity.get("Speed", 0.0))
+            for state in _documents(self.states)
+            for entity in state.get("Entity", [])
+            if entity["Name"] == "chair1"
+        ]
 
     def moves(self) -> int:
         """Wait until the chair moves; return the tick."""
@@ -70,7 +68,9 @@ class Watch:
 
     def last_heard(self) -> int:
         """Return the tick of the first measures with the last wish that asked for something."""
-        users = [(m["Tick"], m.get("UserInput") or {}) for m in _documents(self.measures)]
+        users: list[tuple[int, dict[str, Any]]] = [
+            (m["Tick"], m.get("UserInput") or {}) for m in _documents(self.measures)
+        ]
         wanted = [(tick, user["Seq"]) for tick, user in users if user.get("Forward")]
         last = wanted[-1][1]
         return next(tick for tick, seq in wanted if seq == last)
@@ -160,10 +160,11 @@ def test_a_chair_that_somebody_else_took_or_that_is_not_there_is_refused(stage: 
         assert "agent 'chair1' is taken by somebody else" in stage.log(child)
 
 
-def test_a_mind_apart_from_its_body_hears_the_user_too(stage: Stage, tmp_path: Path) -> None:
+def test_a_mind_apart_from_its_body_hears_the_user_too(stage: Stage) -> None:
     stage.server("--map", "corridor15m", "--pace", "realtime")
-    stage.agent("chair1", "drive", "--role", "body")
     with stage.peer() as peer:
+        robot = {"Name": "chair1", "Kind": "wheelchair", "TopSpeed": 1.0, "Length": 1.0, "Width": 0.6}
+        assert peer.ctl("spawn", Robot=robot)["Code"] == "ok"
         stage.start(
             "mind", "intellwheels_agents", "joystick", "--name", "chair1", "--role", "mind",
             "--connect", stage.endpoint, "--world", stage.world,
