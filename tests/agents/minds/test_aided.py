@@ -92,7 +92,7 @@ def test_before_a_wall_it_slows_stops_and_still_turns_and_backs(chair: str) -> N
         assert arena.speed("chair1") == pytest.approx(0.0, abs=1e-3)
         stood = arena.paths["chair1"][-1]
         # Gently: never more than 0.15 m/s lost in a tick.
-        assert all(b > a - 0.15 for a, b in zip(speeds, speeds[1:], strict=False))
+        assert all(b > a - 0.15 for a, b in itertools.pairwise(speeds))
         _, turned = wish(arena, 0.0, turn, 1.0)
         assert turned * turn > 0.3
         metres, _ = wish(arena, -1.0, 0.0, 1.5)

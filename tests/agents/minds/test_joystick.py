@@ -11,7 +11,9 @@ from tests.agents.kinematics import RUN, context
 
 
 def powers(user: UserInput | None, **options: str) -> tuple[float | None, float | None]:
-    actions = Mind(context(robot("rear-wheel"), **options)).decide(Measures(run=RUN, tick=0, time=0.0, user_input=user))
+    actions = Mind(context(robot("rear-wheel"), None, **options)).decide(
+        Measures(run=RUN, tick=0, time=0.0, user_input=user)
+    )
     return actions.left_motor, actions.right_motor
 
 
