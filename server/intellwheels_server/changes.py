@@ -161,7 +161,7 @@ class Draft:
             old = None if self.restarted else self.state
             fleet, samples = assemble(self.figures, self.setup, self.tick, old, self.arrived)
         numbers, flags = _columns(fleet, self.numbers, self.flags)
-        view = View(numbers, fleet.bodies.parts, fleet.bodies.part_start, self.walls)
+        view = View(numbers, fleet.bodies.parts, fleet.bodies.part_start, self.walls, self.setup.period)
         return State(
             run=self.run,
             tick=self.tick,

@@ -99,7 +99,7 @@ def step(state: State, inputs: Inputs) -> tuple[State, tuple[Event, ...], bool]:
     ]
     episodes, contact_events = follow(state, hits, hit_numbers, flags, state.event_count + len(events))
     events.extend(contact_events)
-    view = View(numbers, fleet.bodies.parts, fleet.bodies.part_start, state.walls)
+    view = View(numbers, fleet.bodies.parts, fleet.bodies.part_start, state.walls, period)
     new = State(
         run=state.run,
         tick=state.tick + 1,

@@ -89,4 +89,3 @@ class Seen:
     def entity(self, name: str) -> Entity | None:
         """Return an agent's state, None when it is not there."""
         return next((entity for entity in self.entities if entity.name == name), None)
-

@@ -17,7 +17,7 @@ def driven(
 ) -> tuple[float, float, float]:
     """Return the pose after powers (left, right, seconds) from rest, one after another, at 1 m/s top speed."""
     kept, settling = lag(a, period)
-    motors = np.array([[track], [1.0], [kept], [settling], [INF], [INF]])
+    motors = np.array([[track], [1.0], [kept], [settling], [INF], [INF], [1.0], [1.0]])
     wheels, twist = np.zeros((2, 1)), np.zeros((2, 1))
     pose = (0.0, 0.0, 0.0)
     for left, right, seconds in powers:
@@ -121,7 +121,7 @@ def test_top_speed_is_kept_even_with_a_motor_that_gives_too_much() -> None:
 
 
 def limited(rate: float) -> tuple[Floats, Floats]:
-    motors = np.array([[0.5], [1.0], [0.0], [0.0], [INF], [rate]])
+    motors = np.array([[0.5], [1.0], [0.0], [0.0], [INF], [rate], [1.0], [1.0]])
     twist, wheels = np.zeros((2, 1)), np.zeros((2, 1))
     drive(motors, wheels, np.array([[0.0], [1.0]]), 0.05, twist, wheels)
     return twist, wheels
@@ -136,7 +136,9 @@ def test_turn_limit_scales_the_difference_and_leaves_the_mean() -> None:
 
 def test_body_without_motors_stands_still() -> None:
     twist, wheels = np.ones((2, 1)), np.ones((2, 1))
-    drive(np.array([[0.5], [0.0], [0.0], [0.0], [INF], [INF]]), wheels, np.ones((2, 1)), 0.05, twist, wheels)
+    drive(
+        np.array([[0.5], [0.0], [0.0], [0.0], [INF], [INF], [1.0], [1.0]]), wheels, np.ones((2, 1)), 0.05, twist, wheels
+    )
     assert not twist.any()
     assert not wheels.any()
 
