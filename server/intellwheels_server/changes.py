@@ -88,6 +88,7 @@ class Draft:
         self.user = dict(state.user)
         self.forwarded = dict(state.forwarded)
         self.heard = state.heard
+        self.coming = state.coming
         self.spoken = state.spoken
         self.episodes = state.episodes
         self.event_count = state.event_count
@@ -176,6 +177,7 @@ class Draft:
             user=self.user,
             forwarded=self.forwarded,
             heard=self.heard,
+            coming=self.coming,
             spoken=self.spoken,
             event_count=self.event_count,
             revision=self.revision,
@@ -353,6 +355,9 @@ def _restart(one: do.Restart, draft: Draft) -> Outcome:
         period=old.period,
         say_limit=old.say_limit,
         say_range=old.say_range,
+        say_walls=old.say_walls,
+        say_loss=old.say_loss,
+        say_delay=old.say_delay,
         command_timeout=old.command_timeout,
         truth=old.truth,
         end=one.end if one.end is not None else old.end,
@@ -383,7 +388,7 @@ def _restart(one: do.Restart, draft: Draft) -> Outcome:
     draft.run, draft.tick, draft.setup, draft.walls = one.run, 0, setup, walls
     draft.figures, draft.numbers, draft.flags = {}, {}, {}
     draft.manners, draft.user, draft.forwarded = {}, {}, {}
-    draft.heard = draft.spoken = ()
+    draft.heard = draft.coming = draft.spoken = ()
     draft.episodes, draft.event_count = no_episodes(), 0
     draft.revision += one.map is not None
     draft.ended = draft.end_waived = False

@@ -69,6 +69,7 @@ class Fleet(msgspec.Struct, frozen=True, kw_only=True):
         flaws: float64[2, n]: standard deviation of the motors' output, share by which blocked wheels turn on.
         noise: Keys of the motors' noise, uint64[2, n].
         limits: int64[2, n]: steps until a command times out; 1 for real bodies.
+        doors: int64[n], 1 for doors, which keep a say from being heard where walls do.
         plan: The sensors, compiled.
     """
 
@@ -81,6 +82,7 @@ class Fleet(msgspec.Struct, frozen=True, kw_only=True):
     flaws: Floats
     noise: Ints
     limits: Ints
+    doors: Ints
     plan: SensorPlan
 
 
@@ -154,6 +156,7 @@ def assemble(
         limits=np.array(
             [[figure.timeout for figure in ordered], [int(figure.held) for figure in ordered]], dtype=np.int64
         ).reshape(2, len(names)),
+        doors=np.array([figure.robot.kind == "door" for figure in ordered], dtype=np.int64),
         plan=plan,
     )
     return fleet, samples

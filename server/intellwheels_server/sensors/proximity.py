@@ -1,7 +1,8 @@
 """Proximity sensors: the nearest distance in a wedge, as it is, as an infrared sensor or as a sonar tells it.
 
 `ideal` tells the exact distance. `infrared` measures by triangulation: its voltage is V = c / d, so that noise of
-the voltage becomes a standard deviation that grows with the square of the distance; it never tells beyond its range. `sonar` hears only what echoes: see `kernels.echoes`. Kernels of `kernels.sensing` find the distances.
+the voltage becomes a standard deviation that grows with the square of the distance; it never tells beyond its range.
+`sonar` hears only what echoes: see `kernels.echoes`. Kernels of `kernels.sensing` find the distances.
 """
 
 from __future__ import annotations

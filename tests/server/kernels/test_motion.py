@@ -7,7 +7,7 @@ import pytest
 
 from intellwheels_server.kernels.arrays import TRAVEL, TURN, Floats
 from intellwheels_server.kernels.geometry import arc
-from intellwheels_server.kernels.motion import LEFT, RIGHT, drive, lag, wheel_cycle
+from intellwheels_server.kernels.motion import LEFT, RIGHT, drive, lag, wheel_cycle, wheel_scales
 
 INF = math.inf
 
@@ -38,6 +38,18 @@ def test_way_of_the_first_second_does_not_depend_on_the_cycle(period: float) -> 
 def test_way_is_the_closed_integral() -> None:
     tau = -0.05 / math.log(0.9)
     assert driven(0.9, 0.05, [(1.0, 1.0, 1.0)])[0] == pytest.approx(1.0 - tau * (1.0 - math.exp(-1.0 / tau)), abs=1e-14)
+
+
+def test_larger_wheel_rolls_farther_for_the_same_power_and_its_mean_stays() -> None:
+    left, right = wheel_scales(1.01, 1.0)
+    assert (right / left, 0.5 * (left + right)) == pytest.approx((1.01, 1.0), abs=1e-15)
+    assert wheel_scales(1.0, 1.0) == (1.0, 1.0)
+    motors = np.array([[0.5], [1.0], [0.0], [0.0], [INF], [INF], [left], [right]])
+    wheels, twist = np.zeros((2, 1)), np.zeros((2, 1))
+    drive(motors, wheels, np.array([[1.0], [1.0]]), 0.05, twist, wheels)
+    assert wheels[:, 0].tolist() == [left, right]
+    assert twist[TRAVEL, 0] == pytest.approx(0.05, abs=1e-15)
+    assert twist[TURN, 0] == pytest.approx((right - left) * 0.05 / 0.5, abs=1e-15)
 
 
 @pytest.mark.parametrize("a", [0.0, 0.3, 0.5, 0.9, 0.99])

@@ -85,7 +85,7 @@ def test_rays_all_around_are_one_step_apart_and_a_single_ray_looks_ahead() -> No
     assert (scan.start_deg, scan.step_deg) == (-180.0, 90.0)
     assert scan.ranges == (None, None, pytest.approx(1.0, abs=1e-12), None)
     state = world({"a": cart(lidar=(_lidar(rays=1, direction_deg=0.0),))}, [box_wall(1.3, -1, 2, 1)])
-    assert (_scan(state).start_deg, _scan(state).step_deg, _scan(state).ranges) == (0.0, 0.0, (1.0,))
+    assert (_scan(state).start_deg, _scan(state).step_deg, _scan(state).ranges) == (0.0, 0.0, (pytest.approx(1.0),))
 
 
 def test_near_far_and_another_height_are_different_answers() -> None:
