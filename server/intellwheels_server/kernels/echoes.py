@@ -219,7 +219,7 @@ def _faces_of_piece(edges: Floats, first: int, end: int, x: float, y: float, fac
         faces[face, 3] = edges[after, EDGE_Y] - y
         faces[face, 4] = edges[first + face, NORMAL_X]
         faces[face, 5] = edges[first + face, NORMAL_Y]
-    return count
+    return int(count)
 
 
 @njit(cache=True, error_model="numpy")
@@ -458,17 +458,17 @@ def sense_sonars(
             timetable, heard,
         )  # fmt: skip
 
-    for sensor in due:
-        slot = slots[sensor]
-        way = heard[sensor]
+    for ear in due:
+        slot = slots[ear]
+        way = heard[ear]
         samples[slot + 1] = 0.0
-        if ears[sensor, DROPOUT] > 0.0 and ears[sensor, DROPOUT] > uniform(
-            np.uint64(timetable[sensor, KEY0]), np.uint64(timetable[sensor, KEY1]), tick, _DROPOUT_DRAW
+        if ears[ear, DROPOUT] > 0.0 and ears[ear, DROPOUT] > uniform(
+            np.uint64(timetable[ear, KEY0]), np.uint64(timetable[ear, KEY1]), tick, _DROPOUT_DRAW
         ):
             samples[slot] = FAULT
-        elif way > eyes[sensor, FARTHEST]:
+        elif way > eyes[ear, FARTHEST]:
             samples[slot] = NONE
-        elif way < eyes[sensor, NEAREST] or way == 0.0:
+        elif way < eyes[ear, NEAREST] or way == 0.0:
             samples[slot] = NEAR
         else:
             samples[slot] = OK
