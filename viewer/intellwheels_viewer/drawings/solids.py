@@ -151,9 +151,12 @@ def slab(
     """Return a box with round upright edges and bevelled level ones: upholstery.
 
     Args:
-        x, y: Its middle.
-        length, width: Its size along x and y.
-        z0, z1: Its lower and upper face.
+        x: Its middle.
+        y: Its middle.
+        length: Its size along x.
+        width: Its size along y.
+        z0: Its lower face.
+        z1: Its upper face.
         radius: Of the round edges.
         bevel: How much the level edges are cut.
     """
@@ -219,10 +222,13 @@ def hoop(x: float, y: float, z: float, radius: float, thickness: float, sides: i
     """Return a tyre that stands along x: a torus about the level axis across.
 
     Args:
-        x, y, z: Its middle.
+        x: Its middle.
+        y: Its middle.
+        z: Its middle.
         radius: To the outside, so that it is what a wheel of that radius needs.
         thickness: Of the tyre.
-        sides, around: Corners of the large and of the small circle.
+        sides: Corners of the large circle.
+        around: Corners of the small one.
     """
     large, small = radius - thickness / 2, thickness / 2
     u = np.arange(sides) * 2 * math.pi / sides
