@@ -38,7 +38,7 @@ NEAR: Final[RGB] = (160, 20, 60)
 MIDDLE: Final[RGB] = (225, 110, 30)
 FAR: Final[RGB] = (120, 160, 190)
 NOTHING: Final[RGB] = (188, 196, 204)
-FAILED: Final[RGB] = (70, 74, 82)
+FAILED: Final[RGB] = (20, 20, 24)
 
 FLOOR: Final[RGB] = (250, 251, 253)
 GRID: Final[RGB] = (228, 231, 236)

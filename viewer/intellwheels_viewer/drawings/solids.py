@@ -169,7 +169,7 @@ def slab(
 
 
 def rounded(
-    x: float, y: float, length: float, width: float, radius: float, steps: int = 3
+    x: float, y: float, length: float, width: float, radius: float, steps: int = 2
 ) -> list[tuple[float, float]]:
     """Return a rectangle with round corners, anticlockwise, `steps` + 1 points a corner."""
     radius = min(radius, length / 2, width / 2)
@@ -197,7 +197,7 @@ def ball(x: float, y: float, z: float, radius: float, sides: int = 12) -> Solid:
     )
 
 
-def rod(start: Point, end: Point, radius: float, sides: int = 8) -> Solid:
+def rod(start: Point, end: Point, radius: float, sides: int = 6) -> Solid:
     """Return a round rod between two points, with flat ends."""
     a, b = np.array(start), np.array(end)
     axis = (b - a) / np.linalg.norm(b - a)
@@ -213,7 +213,7 @@ def _point(vector: npt.NDArray[np.float64]) -> Point:
     return float(vector[0]), float(vector[1]), float(vector[2])
 
 
-def pipe(points: Sequence[Point], radius: float, sides: int = 8) -> Solid:
+def pipe(points: Sequence[Point], radius: float, sides: int = 6) -> Solid:
     """Return a bent tube: a rod for each stretch."""
     return join(rod(a, b, radius, sides) for a, b in itertools.pairwise(points))
 
