@@ -38,18 +38,18 @@ NEAR: Final[RGB] = (160, 20, 60)
 MIDDLE: Final[RGB] = (225, 110, 30)
 FAR: Final[RGB] = (120, 160, 190)
 NOTHING: Final[RGB] = (188, 196, 204)
-FAILED: Final[RGB] = (70, 74, 82)
+FAILED: Final[RGB] = (20, 20, 24)
 
-FLOOR: Final[RGB] = (240, 241, 243)
-GRID: Final[RGB] = (226, 228, 232)
-ZONES: Final[tuple[RGB, ...]] = ((234, 238, 243), (243, 240, 234), (235, 242, 238), (241, 237, 243))
-LETTERS: Final[RGB] = (138, 147, 158)
+FLOOR: Final[RGB] = (250, 251, 253)
+GRID: Final[RGB] = (228, 231, 236)
+ZONES: Final[tuple[RGB, ...]] = ((246, 250, 255), (255, 251, 243), (245, 254, 248), (253, 247, 255))
+LETTERS: Final[RGB] = (150, 160, 172)
 DOORWAY: Final[RGB] = (150, 198, 190)
-WALL: Final[RGB] = (224, 227, 232)
+WALL: Final[RGB] = (246, 247, 250)
 CAP: Final[RGB] = (84, 97, 116)
-TEAL: Final[RGB] = (64, 150, 140)
+TEAL: Final[RGB] = (92, 176, 166)
 WOOD: Final[RGB] = (205, 172, 128)
-DARK: Final[RGB] = (52, 56, 64)
+DARK: Final[RGB] = (68, 72, 80)
 METAL: Final[RGB] = (168, 175, 184)
 
 ON_WHITE: Final[RGB] = (255, 255, 255)
@@ -131,6 +131,11 @@ class Colours:
         return hexadecimal(text_safe(self.rgb(name), dark=dark))
 
 
+def light_bytes(colours: npt.ArrayLike) -> npt.NDArray[np.uint8]:
+    """Return sRGB bytes (..., 3) as bytes of light: a browser takes the colours of instances and lines so."""
+    return _LIGHT[np.asarray(colours).astype(np.uint8)]
+
+
 def hexadecimal(colour: RGB) -> str:
     """Return a colour as CSS writes it: `#rrggbb`."""
     return "#{:02x}{:02x}{:02x}".format(*colour)
@@ -181,3 +186,6 @@ def _lab(light: Floats) -> Floats:
     ratio = _TO_XYZ @ light / _WHITE
     cube = np.where(ratio > 216 / 24389, np.cbrt(ratio), (24389 / 27 * ratio + 16) / 116)
     return np.array([116 * cube[1] - 16, 500 * (cube[0] - cube[1]), 200 * (cube[1] - cube[2])])
+
+
+_LIGHT: Final[npt.NDArray[np.uint8]] = np.round(linear(range(256)) * 255).astype(np.uint8)

@@ -147,7 +147,7 @@ def bars(shown: Sequence[Wedge]) -> Bars:
         if each.state == "failed":
             rows += _dashes(each)
         elif each.state != "nothing":
-            rows += _arc(each, each.reach, range(_pieces(each)))
+            rows += _arc(each)
     return Bars(
         positions=np.array([(x, y, layers.ARC) for x, y, *_ in rows], np.float32).reshape(-1, 3),
         headings=np.array([row[2] for row in rows], np.float32),
@@ -160,16 +160,13 @@ def _pieces(each: Wedge) -> int:
     return max(1, math.ceil(each.cone / _PIECE - 1e-9))
 
 
-def _arc(
-    each: Wedge, reach: float, pieces: Iterable[int], share: float = 1.0
-) -> list[tuple[float, float, float, float, float, palette.RGB]]:
+def _arc(each: Wedge) -> list[tuple[float, float, float, float, float, palette.RGB]]:
     turn = each.cone / _pieces(each)
-    middle = reach - ARC / 2
-    # Bars that meet at an angle leave a notch outside unless they overlap by the thickness.
-    length = (2 * reach * math.tan(turn / 2)) * share
+    middle = each.reach - ARC / 2
+    length = 2 * each.reach * math.tan(turn / 2)
     colour = COLOURS[each.state]
     rows = []
-    for piece in pieces:
+    for piece in range(_pieces(each)):
         angle = each.direction - each.cone / 2 + turn * (piece + 0.5)
         x, y = each.x + middle * math.cos(angle), each.y + middle * math.sin(angle)
         rows.append((x, y, angle + math.pi / 2, length, ARC, colour))
@@ -178,14 +175,19 @@ def _arc(
 
 def _dashes(each: Wedge) -> list[tuple[float, float, float, float, float, palette.RGB]]:
     """Return a dashed outline: dashes of 12 cm and gaps of 8 along both sides, and the arc with gaps."""
-    rows = []
+    rows: list[tuple[float, float, float, float, float, palette.RGB]] = []
     for side in (-each.cone / 2, each.cone / 2):
         angle = each.direction + side
-        for dash in range(math.floor(each.reach / 0.2)):
+        for dash in range(1, math.floor(each.reach / 0.2)):
             at = 0.2 * dash + 0.06
             x, y = each.x + at * math.cos(angle), each.y + at * math.sin(angle)
             rows.append((x, y, angle, 0.12, 0.02, COLOURS["failed"]))
-    return rows + [(*row[:4], 0.02, row[5]) for row in _arc(each, each.reach, range(_pieces(each)), 0.5)]
+    count = max(2, math.ceil(each.reach * each.cone / 0.2))
+    for dash in range(count):
+        angle = each.direction - each.cone / 2 + each.cone * (dash + 0.5) / count
+        x, y = each.x + each.reach * math.cos(angle), each.y + each.reach * math.sin(angle)
+        rows.append((x, y, angle + math.pi / 2, 0.6 * each.reach * each.cone / count, 0.02, COLOURS["failed"]))
+    return rows
 
 
 def legend() -> str:
