@@ -13,11 +13,8 @@ from tests.agents.kinematics import RUN, context
 
 
 def test_the_shipped_minds() -> None:
-<<<<<<< HEAD
-    assert minds.names() == ["avoid", "car", "door", "drive", "follow", "person", "table", "waypoints"]
-=======
-    assert minds.names() == ["aided", "avoid", "door", "drive", "follow", "joystick", "table", "waypoints"]
->>>>>>> 282ec74e9ae607c85c45ff074b34a4f0162c25da
+    expected = ["aided", "avoid", "car", "door", "drive", "follow", "joystick", "person", "table", "waypoints"]
+    assert minds.names() == expected
     for name in minds.names():
         assert callable(minds.find(name).make)
 
@@ -25,11 +22,8 @@ def test_the_shipped_minds() -> None:
 def test_a_name_that_is_none_is_refused_with_those_there_are() -> None:
     with pytest.raises(
         OptionError,
-<<<<<<< HEAD
-        match="mind: expected one of avoid, car, door, drive, follow, person, table, waypoints or a Python file",
-=======
-        match="mind: expected one of aided, avoid, door, drive, follow, joystick, table, waypoints or a Python file",
->>>>>>> 282ec74e9ae607c85c45ff074b34a4f0162c25da
+        match="mind: expected one of aided, avoid, car, door, drive, follow, joystick, person, table, waypoints or a "
+        "Python file",
     ):
         minds.find("dance")
 
