@@ -52,9 +52,9 @@ def test_cast_of_the_composition_is_that_of_the_scene() -> None:
 
 def test_services_are_those_of_the_documents_and_reachable_from_this_machine_only() -> None:
     services = composition()["services"]
-    assert set(services) == {"router", "simulator", "door", "table", "chair", "chair-rear", "chair-mid"}
+    assert set(services) == {"router", "simulator", "door", "table", "chair", "chair-rear", "chair-mid", "viewer"}
     ports = [port for service in services.values() for port in service.get("ports", [])]
-    assert ports == ["${BIND:-127.0.0.1}:${PORT:-7447}:7447"]
+    assert ports == ["${BIND:-127.0.0.1}:${PORT:-7447}:7447", "${BIND:-127.0.0.1}:${VIEW_PORT:-8080}:8080"]
     assert all(service["init"] and service["read_only"] for service in services.values())
 
 
