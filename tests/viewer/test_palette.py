@@ -72,9 +72,9 @@ def test_agents_get_colours_in_the_order_in_which_they_come_and_keep_them() -> N
 
 def test_the_seventh_agent_has_the_first_colour_and_a_stripe() -> None:
     colours = Colours()
-    colours.see({f"a{index}": mover(f"a{index}") for index in range(13)})
+    colours.see({f"a{index}": mover(f"a{index}") for index in range(25)})
     assert colours.rgb("a6") == colours.rgb("a0")
-    assert [colours.mark(name) for name in ("a5", "a6", "a12")] == [0, 1, 2]
+    assert [colours.mark(name) for name in ("a5", "a6", "a12", "a23", "a24")] == [0, 1, 2, 3, 0]
 
 
 def test_doors_and_tables_use_no_colour_up() -> None:

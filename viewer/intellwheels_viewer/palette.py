@@ -31,6 +31,9 @@ AGENTS: Final[tuple[RGB, ...]] = (
 )
 """Blue, orange, bluish green, reddish purple, sky blue, black."""
 
+STRIPES: Final = 3
+"""The most stripes that are told apart at a glance."""
+
 CONTACT: Final[RGB] = (220, 20, 20)
 SELECTED: Final[RGB] = (240, 228, 66)
 
@@ -89,8 +92,11 @@ def colour_of(index: int) -> RGB:
 
 
 def mark_of(index: int) -> int:
-    """Return how many stripes tell it from those of the same colour: none for the first six."""
-    return index // len(AGENTS)
+    """Return how many stripes tell it from those of the same colour: none for the first six, at most `STRIPES`.
+
+    Beyond 24 agents looks repeat: nobody counts more stripes, and the names tell.
+    """
+    return index // len(AGENTS) % (STRIPES + 1)
 
 
 class Colours:

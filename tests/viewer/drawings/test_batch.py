@@ -37,8 +37,8 @@ def test_a_node_is_made_when_there_is_something_to_show_and_then_kept(scene: vis
     assert not handle.visible
     show(batch, 3)
     assert batch.handle is handle
-    assert handle.visible
-    assert handle.batched_positions.shape == (3, 3)
+    assert node(scene, "/b").visible
+    assert node(scene, "/b").batched_positions.shape == (3, 3)
     assert batch.names == ("a", "a", "a")
     assert made == [batch]
 

@@ -12,6 +12,7 @@ import viser
 from intellwheels_schemas.messages import Body
 from intellwheels_viewer import palette
 from intellwheels_viewer.drawings.bodies import Bodies, grouped, stand, tints
+from intellwheels_viewer.drawings.forms import Forms
 from intellwheels_viewer.palette import Colours
 from tests.viewer.drawings.cast import body, entity, node
 
@@ -21,11 +22,12 @@ CAST: dict[str, Body] = {
     "c": body("mid-wheel"),
     "table": body("table"),
 }
+FORMS = Forms().of(CAST, crowd=False)
 LOOK = "/bodies/0-wheelchair"
 
 
 def test_bodies_that_look_alike_are_one_group_in_the_order_of_the_state() -> None:
-    groups = grouped(CAST, [entity("b"), entity("c"), entity("a"), entity("unknown")], crowd=False)
+    groups = grouped(FORMS, [entity("b"), entity("c"), entity("a"), entity("unknown")])
     assert [[each.name for each in group] for group in groups.values()] == [["b", "a"], ["c"]]
 
 
@@ -37,7 +39,7 @@ def test_bodies_as_arrays_have_the_poses_of_the_state() -> None:
 
 
 def test_a_tint_lies_under_the_footprint_not_under_the_centre_of_movement() -> None:
-    placed, sizes = tints(CAST, [entity("a", 1.0, 2.0, math.pi / 2), entity("table")], lambda _: (0, 0, 0))
+    placed, sizes = tints(FORMS, [entity("a", 1.0, 2.0, math.pi / 2), entity("table")], lambda _: (0, 0, 0))
     assert placed.names == ("a",)
     assert placed.positions[0] == pytest.approx([1.0, 2.3003, 0.0], abs=1e-4)
     assert sizes[0] == pytest.approx([1.1, 0.62, 1.0])
