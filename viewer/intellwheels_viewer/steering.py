@@ -18,8 +18,8 @@ from intellwheels_schemas.messages import Record, Result, Take, UserInput
 
 LEASE: Final = 2.0
 """Seconds of a lease; renewed at half of it while the page drives."""
-IDLE: Final = 3.0
-"""Seconds after a release until the body is given back."""
+IDLE: Final = 1.5
+"""Seconds after a release until the body is given back: before its lease ends by itself."""
 STALL: Final = 0.3
 """Seconds without a message of the page after which the simulator stops the body by itself."""
 
@@ -61,7 +61,7 @@ class Wishes:
         """Ask for something and return at once.
 
         Args:
-            what: Says in the notice what was refused: `Not placed`.
+            what: Says in the notice what was refused: `Not placed`. Empty: nobody is told.
             verb: As the contract calls it.
             wish: Its message.
             done: Gets the answer when it was granted.
@@ -86,7 +86,8 @@ class Wishes:
         except Refusal as refusal:
             if failed is not None:
                 failed(str(refusal))
-            self._refused(what, str(refusal))
+            if what:
+                self._refused(what, str(refusal))
             return
         if done is not None:
             done(result)
@@ -189,4 +190,5 @@ class Driving:
             self._give(agent, lease)
 
     def _give(self, agent: str, lease: str | None) -> None:
-        self._wishes.ask("Not given back", "take", Take(agent=agent, lease=lease, seconds=0.0))
+        # A lease that has just ended, or a body that has gone, is given back already.
+        self._wishes.ask("", "take", Take(agent=agent, lease=lease, seconds=0.0))
