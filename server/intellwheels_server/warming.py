@@ -47,7 +47,7 @@ def warm() -> None:
     if not is_cold(Path(os.environ["NUMBA_CACHE_DIR"])):
         _exercise()
         return
-    print("compiling kernels: once, about 30 s", file=sys.stderr, flush=True)  # noqa: T201 - what a person waits for
+    print("compiling kernels: once, about 45 s", file=sys.stderr, flush=True)  # noqa: T201 - what a person waits for
     began = time.monotonic()
     done = threading.Event()
     watcher = threading.Thread(target=_show, args=(began, done), name="warming", daemon=True)

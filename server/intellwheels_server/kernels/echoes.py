@@ -325,6 +325,7 @@ def _hear_others(
 ) -> None:
     """Shorten what sonars that are prone to it heard to half the way to the nearest that chirps at them."""
     order = due[np.argsort(poses[due, 0])]
+    ordered_x = poses[order, 0]
     for sensor in due:
         share = ears[sensor, CROSSTALK]
         if share <= 0.0:
@@ -334,7 +335,7 @@ def _hear_others(
             continue
         x, y, z = poses[sensor, 0], poses[sensor, 1], eyes[sensor, EYE_Z]
         farthest = eyes[sensor, FARTHEST]
-        first = np.searchsorted(poses[order, 0], x - farthest)
+        first = np.searchsorted(ordered_x, x - farthest)
         for at in range(first, order.shape[0]):
             other = order[at]
             dx, dy = poses[other, 0] - x, poses[other, 1] - y
