@@ -6,6 +6,7 @@ import os
 import shutil
 import signal
 import subprocess
+import urllib.request
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -85,8 +86,9 @@ class Composed:
         port = free_port()
         stage.endpoint = f"tcp/127.0.0.1:{port}"
         project = f"iw-test-{os.getpid()}"  # two runs of the suite at once are none of each other's business
+        self.page = f"http://127.0.0.1:{(view := free_port())}"
         self.environment = {
-            **os.environ, "PORT": str(port), "WORLD": stage.world, "BASE_IMAGE": BASE, "BUILD_NETWORK": "host",
+            **os.environ, "PORT": str(port), "VIEW_PORT": str(view), "WORLD": stage.world, "BASE_IMAGE": BASE, "BUILD_NETWORK": "host",
             "COMPOSE_PROJECT_NAME": project, "IMAGE": project,
         }  # fmt: skip
 
@@ -157,6 +159,8 @@ def test_figure_6_in_containers_from_building_to_down(composed: Composed) -> Non
     copies = ("chair3-2", "chair3-3", "chair3-4", "chair3-5")
     five = ("up", "--detach", "--wait", "--scale", "chair=5", "--no-recreate")
     assert "compiling kernels" not in composed("logs", "simulator")  # the image brings them
+    with urllib.request.urlopen(composed.page, timeout=10.0) as answer:
+        assert b"<html" in answer.read()
     with composed.stage.peer() as peer:
         ended = peer.event("ended", timeout=120.0)
         assert str(ended["Text"]).startswith("reached")
