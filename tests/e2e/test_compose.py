@@ -88,8 +88,8 @@ class Composed:
         project = f"iw-test-{os.getpid()}"  # two runs of the suite at once are none of each other's business
         self.page = f"http://127.0.0.1:{(view := free_port())}"
         self.environment = {
-            **os.environ, "PORT": str(port), "VIEW_PORT": str(view), "WORLD": stage.world, "BASE_IMAGE": BASE, "BUILD_NETWORK": "host",
-            "COMPOSE_PROJECT_NAME": project, "IMAGE": project,
+            **os.environ, "PORT": str(port), "VIEW_PORT": str(view), "WORLD": stage.world, "BASE_IMAGE": BASE,
+            "BUILD_NETWORK": "host", "COMPOSE_PROJECT_NAME": project, "IMAGE": project,
         }  # fmt: skip
 
     def __call__(self, *words: str, timeout: float = 120.0) -> str:

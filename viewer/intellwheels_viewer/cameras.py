@@ -7,6 +7,7 @@ and, late, echoes of ours; who has moved the view by hand keeps it.
 from __future__ import annotations
 
 import math
+import threading
 from collections import deque
 from collections.abc import Iterable
 from typing import Final, Literal, NamedTuple
@@ -32,6 +33,10 @@ TALLEST: Final = 1.6
 """What stands on the floor with its name above, in metres."""
 MARGIN: Final = 0.06
 """Of the picture, left free at each edge."""
+SMALLEST: Final = 2.0
+"""Metres that are shown at least, of a floor with next to nothing on it."""
+FAR: Final = 3000.0
+"""Metres to the far plane at least; a plan of a large floor is seen from farther away."""
 _ECHO: Final = 1e-3  # metres; a page reports in float32
 
 
@@ -52,6 +57,8 @@ def corners_of(floor: Map) -> Vector:
     if not points:
         points = [(-5.0, -5.0), (5.0, 5.0)]
     low, high = np.min(points, axis=0), np.max(points, axis=0)
+    short = np.maximum(SMALLEST - (high - low), 0.0) / 2
+    low, high = low - short, high + short
     return np.array([(x, y, z) for x in (low[0], high[0]) for y in (low[1], high[1]) for z in (0.0, TALLEST)])
 
 
@@ -107,7 +114,7 @@ def on_floor(origin: Iterable[float], direction: Iterable[float]) -> tuple[float
         return None
     along = -oz / dz
     x, y = ox + along * dx, oy + along * dy
-    return (x, y) if max(abs(x), abs(y)) < 1e4 else None  # what a coordinate may be
+    return (x, y) if abs(x) < 1e4 and abs(y) < 1e4 else None  # what a coordinate may be; no NaN of a page's either
 
 
 def ray(camera: viser.CameraHandle, right: float, up: float) -> tuple[Vector, Vector]:
@@ -128,7 +135,7 @@ def ray(camera: viser.CameraHandle, right: float, up: float) -> tuple[Vector, Ve
 
 
 class Camera:
-    """A browser's camera.
+    """A browser's camera. Its page's messages come in one thread, what is followed in another.
 
     Args:
         client: The browser.
@@ -136,6 +143,7 @@ class Camera:
 
     def __init__(self, client: viser.ClientHandle) -> None:
         self._client = client
+        self._lock = threading.RLock()
         self.mode: Mode = "free"
         self._corners: Vector | None = None
         self._aspect = 0.0
@@ -148,40 +156,46 @@ class Camera:
 
         @client.camera.on_update
         async def _(_: viser.CameraHandle) -> None:
-            self._reported()
+            with self._lock:
+                self._reported()
 
     def frame(self, floor: Map) -> None:
         """Show another floor whole, in the free view and in the plan."""
-        self._corners = corners_of(floor)
-        self._by_hand = False
-        self._fit()
+        with self._lock:
+            self._corners = corners_of(floor)
+            self._by_hand = False
+            self._fit()
 
     def choose(self, mode: Mode, entity: Entity | None) -> None:
         """Look in another way; following and first person need somebody."""
-        self.mode = mode if entity is not None or mode in ("free", "plan") else "free"
-        self._by_hand = False
-        self._offset = self._target = None
-        if self.mode in ("free", "plan"):
-            self._fit()
-        elif entity is not None:
-            self.follow(entity)
+        with self._lock:
+            self.mode = mode if entity is not None or mode in ("free", "plan") else "free"
+            self._by_hand = False
+            self._offset = self._target = None
+            if self.mode in ("free", "plan"):
+                self._fit()
+            elif entity is not None:
+                self.follow(entity)
 
     def follow(self, entity: Entity) -> None:
         """Go on with a body that is followed, once per drawn tick."""
-        if self.mode == "first":
-            self._write(first_person(entity), near=0.06)
-        elif self.mode == "follow":
-            view = behind(entity)
-            if self._offset is None:
-                self._offset = view.position - view.look_at
-            if self._target is None or not np.allclose(self._target, view.look_at, atol=1e-6):
-                self._target = view.look_at
-                self._write(View(view.look_at + self._offset, view.look_at, FOV))
+        with self._lock:
+            if self.mode == "first":
+                self._write(first_person(entity), near=0.06)
+            elif self.mode == "follow":
+                view = behind(entity)
+                if self._offset is None:
+                    self._offset = view.position - view.look_at
+                if self._target is None or not np.allclose(self._target, view.look_at, atol=1e-6):
+                    self._target = view.look_at
+                    self._write(View(view.look_at + self._offset, view.look_at, FOV))
 
     def _reported(self) -> None:
         """Take what the page says of its camera."""
         camera = self._client.camera
         position, look_at = np.array(camera.position), np.array(camera.look_at)
+        if camera.image_height <= 0 or not np.isfinite((position, look_at)).all():
+            return  # a window that is folded away, or a stranger
         if camera.aspect > 0 and abs(camera.aspect - self._aspect) > 1e-3:  # less is no other window
             self._aspect = camera.aspect
             if not self._by_hand:
@@ -219,7 +233,8 @@ class Camera:
                 camera.look_at = view.look_at
                 camera.fov = view.fov
                 camera.near = near
-                camera.far = 3000.0
-        except AssertionError:
-            # The page has not said its first word; `frame` is asked for again when it has.
+                camera.far = max(FAR, 2.0 * float(np.linalg.norm(view.position - view.look_at)))
+        except (AssertionError, ValueError):
+            # The page has not said its first word, and `frame` is asked for again when it has; or what it said of its
+            # camera is no camera, and nothing can be reckoned from that.
             self._written.pop()

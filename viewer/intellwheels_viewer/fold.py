@@ -17,6 +17,9 @@ SAMPLES_A_SECOND: Final = 10
 """Of the history; more does not show."""
 RUNS_KNOWN: Final = 16
 """Past runs whose late messages are known as such."""
+RETURNS: Final = 1.0
+"""Seconds by which a past run's clock must be newer to be believed: a straggler's is older, a stranger's message that
+named another run is long over."""
 
 
 class Fold:
@@ -44,12 +47,19 @@ class Fold:
         self._words: deque[Words] = deque(maxlen=EVENTS_KEPT)
         self._saying: dict[str, str] = {}
         self._history: dict[str, deque[Sample]] = {}
+        self._stamp = 0.0
+        self._version = 0
         self.wants_events_since: int | None = None
+
+    @property
+    def map_in_use(self) -> tuple[str, str]:
+        """The run, and the hash of its map; empty while not known."""
+        return self._run, "" if self._info is None else self._info.hash
 
     @property
     def lacks_map(self) -> bool:
         """Whether the map that is in use is not known."""
-        return bool(self._run) and self._floor_of != (self._run, "" if self._info is None else self._info.hash)
+        return bool(self._run) and self._floor_of != self.map_in_use
 
     @property
     def lacks(self) -> frozenset[str]:
@@ -59,13 +69,15 @@ class Fold:
     # ------------------------------------------------------------ what came
 
     def on_clock(self, clock: Clock) -> None:
-        """Take a clock."""
+        """Take a clock. One of a past run that is clearly newer than the newest tells that this run is on after all."""
+        if clock.run in self._past and clock.stamp > self._stamp + RETURNS:
+            self._past.remove(clock.run)
         if self._is_of_now(clock.run) and (self._clock is None or clock.stamp >= self._clock.stamp):
-            self._clock = clock
+            self._clock, self._stamp = clock, clock.stamp
 
     def on_state(self, state: WorldState) -> None:
         """Take a part of the state; it counts once all parts of its tick are there."""
-        if not self._is_of_now(state.run):
+        if not self._is_of_now(state.run) or state.part >= state.parts:
             return
         newest = max((part.tick for part in self._parts.values()), default=-1)
         if self._is_played_back(state.tick, newest):
@@ -79,6 +91,7 @@ class Fold:
             return
         back = state.tick < self._state_at[0]
         self._state_at = (state.tick, state.time)
+        self._version += 1
         self._entities = tuple(entity for part in sorted(self._parts) for entity in self._parts[part].entity)
         self._remember(state.time, back=back)
 
@@ -104,9 +117,16 @@ class Fold:
         if self._is_of_now(info.run):
             self._info = info
 
-    def on_floor(self, floor: Map) -> None:
-        """Take the map itself, the one of the newest word."""
-        self._floor_of = (self._run, "" if self._info is None else self._info.hash)
+    def on_floor(self, floor: Map, asked: tuple[str, str] = ("", "")) -> None:
+        """Take the map itself.
+
+        Args:
+            floor: It says nothing of its run.
+            asked: `map_in_use` when it was asked for; if that is another by now, so may the map be.
+        """
+        if any(then and then != now for then, now in zip(asked, self.map_in_use, strict=True)):
+            return
+        self._floor_of = self.map_in_use
         if floor != self._floor:
             self._floor = floor
             self._revision += 1
@@ -115,6 +135,7 @@ class Fold:
         """Take a body."""
         if self._is_of_now(body.run) and body.robot.name is not None:
             self._bodies[body.robot.name] = body
+            self._version += 1
 
     def on_measures(self, agent: str, measures: Measures) -> None:
         """Take what an agent perceives."""
@@ -151,6 +172,7 @@ class Fold:
             words=tuple(self._words),
             history=self._histories(here),
             last_tick=self._last_tick(),
+            version=self._version,
         )
 
     def _last_tick(self) -> int | None:
@@ -165,7 +187,8 @@ class Fold:
             return True
         if run in self._past:
             return False
-        self._past.append(self._run)
+        if self._run:
+            self._past.append(self._run)
         self._run = run
         self._clock = None
         self._parts, self._entities, self._state_at = {}, (), (-1, 0.0)
@@ -180,6 +203,7 @@ class Fold:
         return self._last_tick() is not None and tick < newest
 
     def _keep(self, event: Event) -> None:
+        self._version += event.number not in self._events
         self._events[event.number] = event
         self._next_event = max(self._next_event, event.number + 1)
         for number in sorted(self._events)[:-EVENTS_KEPT]:

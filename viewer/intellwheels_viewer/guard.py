@@ -12,6 +12,7 @@ import functools
 import http
 import io
 import socket
+import warnings
 from collections.abc import Awaitable, Callable, Iterator
 from typing import Any
 from urllib.parse import urlsplit
@@ -50,7 +51,10 @@ def refusal(host: str | None, origin: str | None, ours: frozenset[str]) -> str |
     if name is None or name not in ours:
         return f"Host: expected one of {', '.join(sorted(ours))}, got {host!r}; see --allow-host"
     if origin is not None:
-        parts = urlsplit(origin)
+        try:
+            parts = urlsplit(origin)
+        except ValueError:
+            return f"Origin: expected this page's own, {host!r}, got {origin!r}"
         if parts.netloc.lower() != (host or "").lower() or parts.scheme not in ("http", "https"):
             return f"Origin: expected this page's own, {host!r}, got {origin!r}"
     return None
@@ -86,6 +90,8 @@ def open_server(host: str, port: int, allowed: frozenset[str] = frozenset()) -> 
         ConnectionError: The port is taken.
     """
     check_free(host, port)
+    # A browser leaves while something is written to it: that is no news.
+    warnings.filterwarnings("ignore", "Queued a .* on a closed connection", UserWarning)
     ours = LOOPBACK | {name.lower() for name in allowed} | ({host.lower()} - {"0.0.0.0", "::"})  # noqa: S104
     with _guarded(ours), contextlib.redirect_stdout(io.StringIO()):
         server = viser.ViserServer(host=host, port=port, verbose=False)

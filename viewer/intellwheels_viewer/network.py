@@ -12,7 +12,9 @@ from collections import deque
 from collections.abc import Callable, Collection
 from dataclasses import dataclass, field
 from functools import partial
-from typing import TYPE_CHECKING, Any, Final, TypeVar
+from typing import Any, Final, TypeVar
+
+import zenoh
 
 from intellwheels_schemas.channels import CHANNELS
 from intellwheels_schemas.codec import decode, encode, encoding_of
@@ -42,12 +44,10 @@ from intellwheels_schemas.messages import (
     UserInput,
     WorldState,
 )
+from intellwheels_schemas.names import is_name
 from intellwheels_viewer.fold import Fold
 from intellwheels_viewer.seen import Phase, Seen
 from intellwheels_viewer.steering import Refusal
-
-if TYPE_CHECKING:
-    import zenoh
 
 SILENCE: Final = 3.0
 """Seconds without a clock after which a simulator whose token is there is called silent: it sends two a second."""
@@ -68,7 +68,7 @@ class _World:
     name: str
     keys: Keys
     inbox: Inbox = field(default_factory=Inbox)
-    answers: deque[tuple[type[Record], Answer]] = field(default_factory=deque)
+    answers: deque[tuple[type[Record], Answer, tuple[str, str]]] = field(default_factory=deque)
     fold: Fold = field(default_factory=Fold)
     subscribers: list[zenoh.Subscriber[None]] = field(default_factory=list)
     watched: dict[str, zenoh.Subscriber[None]] = field(default_factory=dict)
@@ -91,18 +91,23 @@ class Network:
         link: Where; `link.world` is watched first.
         stop: Set when the viewer must end.
         chosen: Whether `link.world` is the one that is wanted; else the only one there is is taken.
+
+    Attributes:
+        failure: Why the link cannot be, in words; `stop` is then set. Empty while it can.
     """
 
     def __init__(self, link: Link, stop: threading.Event, *, chosen: bool = True) -> None:
         self._link, self._stop = link, stop
         self._wanted = link.world if chosen else ""
         self._session: zenoh.Session | None = None
-        self._alive: dict[str, bool] = {}
+        self._alive: set[str] = set()
         self._presence = Inbox()
         self._tokens: zenoh.Subscriber[None] | None = None
         self._world: _World | None = None
         self._was_there = False
+        self._closed = False
         self._lock = threading.Lock()
+        self.failure = ""
         self._opener = threading.Thread(target=self._open, name="link", daemon=True)
 
     def start(self) -> None:
@@ -112,6 +117,7 @@ class Network:
     def close(self) -> None:
         """Hear nothing further."""
         with self._lock:
+            self._closed = True
             session, self._session = self._session, None
             if self._world is not None and session is not None:
                 self._world.close()
@@ -132,8 +138,8 @@ class Network:
         now = time.monotonic()
         for arrival in self._presence.take():
             if isinstance(arrival, Presence) and (name := parse_alive(arrival.key)) is not None:
-                self._alive[name] = arrival.alive
-        worlds = tuple(sorted(name for name, alive in self._alive.items() if alive))
+                self._note(name, arrival.alive)
+        worlds = tuple(sorted(self._alive))
         self._follow(worlds)
         world = self._world
         if world is None:
@@ -141,6 +147,12 @@ class Network:
         self._fold(world, now)
         self._fetch(world, now)
         return world.fold.seen(self._phase(worlds, now), world.name, worlds, self._link.where())
+
+    def _note(self, name: str, alive: bool) -> None:
+        if alive:
+            self._alive.add(name)
+        else:
+            self._alive.discard(name)
 
     def watch(self, agents: Collection[str]) -> None:
         """Hear the measures of these agents, and of no others."""
@@ -180,24 +192,24 @@ class Network:
         if session is None or not wanted or (self._world is not None and self._world.name == wanted):
             self._was_there = self._was_there or wanted in worlds
             return
-        if self._world is not None:
-            self._world.close()
         world = _World(wanted, Keys(wanted))
         keys = world.keys
         for key in (keys.map, keys.event, keys.clock, keys.every_state, keys.every_body):
             world.subscribers.append(session.declare_subscriber(key, world.inbox.on_sample))
         self._was_there = wanted in worlds
-        self._world = world
+        with self._lock:  # a page may be putting into the old one
+            old, self._world = self._world, world
+            if old is not None:
+                old.close()
 
     def _fold(self, world: _World, now: float) -> None:
         keys, fold = world.keys, world.fold
         takes: dict[type[Record], Callable[[Any], None]] = {
-            Clock: fold.on_clock, Map: fold.on_floor, Body: fold.on_body, WorldState: fold.on_state,
-            Events: fold.on_events,
+            Clock: fold.on_clock, Body: fold.on_body, WorldState: fold.on_state, Events: fold.on_events,
         }  # fmt: skip
         while world.answers:
-            kind, answer = world.answers.popleft()
-            _give(kind, answer, takes[kind])
+            kind, answer, asked = world.answers.popleft()
+            _give(kind, answer, takes.get(kind, partial(fold.on_floor, asked=asked)))
         arrivals = [arrival for arrival in world.inbox.take() if isinstance(arrival, Put)]
         # Of what is put each tick only the newest is decoded; that keeps a slow viewer from falling behind.
         newest = {arrival.key: index for index, arrival in enumerate(arrivals)}
@@ -231,7 +243,7 @@ class Network:
     def _ask_for(self, world: _World) -> None:
         """Ask for all that a late comer missed, and put the answers where the drawing thread finds them."""
         keys, session = world.keys, self._session
-        since = world.fold.wants_events_since or 0
+        since, asked = world.fold.wants_events_since or 0, world.fold.map_in_use
         wanted: tuple[tuple[str, type[Record]], ...] = (
             (keys.clock, Clock), (keys.map, Map), (keys.every_body, Body), (keys.every_state, WorldState),
             (f"{keys.event}?since={since}", Events),
@@ -240,9 +252,9 @@ class Network:
             for selector, kind in wanted:
                 if session is not None:
                     answers = query(session, selector, timeout=ANSWER_LIMIT, stop=self._stop)
-                    world.answers.extend((kind, answer) for answer in answers if answer.ok)
-        except ConnectionError:
-            pass  # It is asked for again.
+                    world.answers.extend((kind, answer, asked) for answer in answers if answer.ok)
+        except (ConnectionError, zenoh.ZError):
+            pass  # Nobody there, or the session was closed meanwhile: it is asked for again.
         finally:
             world.asking = False
 
@@ -258,11 +270,13 @@ class Network:
         if session is None or world is None:
             raise Refusal(f"No simulator at {self._link.where()}")
         try:
-            answer = query(session, world.keys.ctl(verb), encode(wish), timeout=ANSWER_LIMIT, stop=self._stop)[0]
-        except (ConnectionError, WireError) as error:
-            if isinstance(error, WireError):
-                raise Refusal(error.text) from None
-            there = self._alive.get(world.name, False)
+            data = encode(wish)
+        except ValueError:
+            raise Refusal(f"{verb}: expected finite numbers") from None
+        try:
+            answer = query(session, world.keys.ctl(verb), data, timeout=ANSWER_LIMIT, stop=self._stop)[0]
+        except (ConnectionError, zenoh.ZError):
+            there = world.name in self._alive
             words = "You may look, not steer: nobody answers this wish" if there else "The simulator is not there"
             raise Refusal(words) from None
         try:
@@ -280,6 +294,8 @@ class Network:
             if session is None or world is None:
                 return
             publisher = world.users.get(agent)
+            if publisher is None and not is_name(agent):
+                return  # what a page selects may be any text
             if publisher is None:
                 publisher = world.users[agent] = declare(session, world.keys.user(agent), CHANNELS["user"])
             publisher.put(encode(wish))
@@ -287,10 +303,18 @@ class Network:
     # ------------------------------------------------------------ the session
 
     def _open(self) -> None:
-        session = open_session(self._link, self._stop)
+        try:
+            session = open_session(self._link, self._stop)
+        except ConnectionError as error:
+            self.failure = str(error)
+            self._stop.set()
+            return
         if session is None:
             return
         with self._lock:
+            if self._closed:
+                session.close()  # type: ignore[no-untyped-call]
+                return
             self._tokens = watch_tokens(session, EVERY_ALIVE, self._presence)
             self._session = session
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
+import threading
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Final, Literal, Protocol
 
@@ -60,6 +61,7 @@ MODES: Final[dict[str, Mode]] = {
     "Free (O)": "free", "Plan (P)": "plan", "Follow selected (F)": "follow", "From the chair (H)": "first",
 }  # fmt: skip
 """The ways to look, with their keys."""
+LABELS: Final = {mode: label for label, mode in MODES.items()}
 GHOST_COLOUR: Final = (90, 100, 115)
 NUDGE: Final = 0.05
 """Metres: a body pulled less far was clicked."""
@@ -87,6 +89,8 @@ class Page:
 
     def __init__(self, client: viser.ClientHandle, network: Worlds, colours: Colours) -> None:
         self._client, self._network, self._colours = client, network, colours
+        # Asked for before anything is made: it waits for the page.
+        self._layers = layers_panel.from_json(_kept(client))
         self._wishes = Wishes(network, self._refused)
         self._driving = Driving(network, self._wishes)
         self._seen = Seen()
@@ -95,6 +99,8 @@ class Page:
         self._placing: str | None = None
         self._aiming = False
         self._turn = 0.0
+        # The page's messages and the answers to its wishes move it, in two threads.
+        self._ghost_lock = threading.Lock()
         self._ghosts = Ghosts(client.scene)
         self._ghost: Ghost | None = None
         self._pulled: tuple[str, float, float] | None = None
@@ -105,8 +111,6 @@ class Page:
         self._framed = -1
         self._clicks: Callable[[viser.SceneClickEvent], None] | None = None
         self.camera = Camera(client)
-        # Asked for before the panels are made: it waits for the page.
-        self._layers = layers_panel.from_json(_kept(client))
         self._build(client.gui)
         self._hide()
 
@@ -115,13 +119,23 @@ class Page:
         self._driving.close()
         self._wishes.close()
 
+    def join(self, seconds: float) -> None:
+        """Wait until all it asked for is said after `close`, or so long."""
+        self._wishes.join(seconds)
+
+    @property
+    def outlook(self) -> tuple[object, ...]:
+        """What of this browser decides what is drawn; another one is drawn even while the run stands still."""
+        return self.selected, self.camera.mode, self._layers
+
     # ------------------------------------------------------------ shown, by the drawing thread
 
     def draw(self, seen: Seen) -> None:
         """Go on with what moves: the ring, and the camera that follows. Once per drawn tick."""
         self._seen = seen
-        entity = None if self.selected is None else seen.entity(self.selected)
-        body = None if self.selected is None else seen.bodies.get(self.selected)
+        selected = self.selected
+        entity = None if selected is None else seen.entity(selected)
+        body = None if selected is None else seen.bodies.get(selected)
         with self._client.atomic():
             self._ring.show(None if body is None else body.robot, entity)
             if entity is not None:
@@ -146,7 +160,7 @@ class Page:
             self._plan.show(seen, choices, visible=self._layers.plan)
             self._drive.show(seen, choices)
             self._place.show(seen, choices)
-            assign(self._views, next(label for label, mode in MODES.items() if mode == self.camera.mode))
+            assign(self._views, LABELS[self.camera.mode])
             self._goal.visible = self._takes_goals()
 
     def _choices(self) -> Choices:
@@ -338,8 +352,9 @@ class Page:
 
     def _preview(self, x: float, y: float) -> None:
         """Show what would be placed where it would stand."""
-        if self._placing is not None:
-            self._show_ghost(Ghost(robot(PALETTE[self._placing]), x, y, self._turn, GHOST_COLOUR))
+        placing = self._placing
+        if placing is not None:
+            self._show_ghost(Ghost(robot(PALETTE[placing]), x, y, self._turn, GHOST_COLOUR))
 
     def _hovered(self, right: float, up: float) -> None:
         """The pointer is over the scene: what would be placed stands under it, as a ghost."""
@@ -348,9 +363,12 @@ class Page:
             self._preview(*at)
 
     def _turned(self, degrees: float) -> None:
+        if not math.isfinite(degrees):
+            return  # a page's values are a stranger's
         self._turn = math.radians(degrees)
-        if self._ghost is not None and self._placing is not None:
-            self._show_ghost(dataclasses.replace(self._ghost, heading=self._turn))
+        ghost = self._ghost
+        if ghost is not None and self._placing is not None:
+            self._show_ghost(dataclasses.replace(ghost, heading=self._turn))
 
     def _listen(self, on: bool) -> None:
         """Hear clicks on the floor, or no longer."""
@@ -430,12 +448,14 @@ class Page:
         return on_floor(eye, (point[0] - eye[0], point[1] - eye[1], point[2] - eye[2]))
 
     def _show_ghost(self, ghost: Ghost | None) -> None:
-        self._ghost = ghost
-        self._ghosts.show({} if ghost is None else {"hand": ghost})
+        with self._ghost_lock:
+            self._ghost = ghost
+            self._ghosts.show({} if ghost is None else {"hand": ghost})
 
     def _redden(self) -> None:
-        if self._ghost is not None:
-            self._show_ghost(dataclasses.replace(self._ghost, refused=True))
+        ghost = self._ghost
+        if ghost is not None:
+            self._show_ghost(dataclasses.replace(ghost, refused=True))
 
     # ------------------------------------------------------------ said
 
@@ -455,5 +475,5 @@ def _position(x: float, y: float, heading: float) -> Position:
 def _kept(client: viser.ClientHandle) -> str | None:
     try:
         return client.local_storage.get_item(LAYERS_KEY, timeout=2.0)
-    except TimeoutError:
-        return None
+    except (TimeoutError, RuntimeError):
+        return None  # it does not answer, may not keep anything, or has left

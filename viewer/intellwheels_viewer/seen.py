@@ -61,6 +61,8 @@ class Seen:
         words: What was said in this run, newest last, at most `EVENTS_KEPT`.
         history: Of each agent the last `HISTORY` simulated seconds, oldest first.
         last_tick: The last tick of the log when this world plays one, else None.
+        version: Counts what is worth a drawing: states, bodies, floors, events. A tick does not tell: bodies are moved
+            while a run is paused.
     """
 
     phase: Phase = "no-router"
@@ -80,6 +82,7 @@ class Seen:
     words: tuple[Words, ...] = ()
     history: Mapping[str, tuple[Sample, ...]] = field(default_factory=dict)
     last_tick: int | None = None
+    version: int = 0
 
     @property
     def stale(self) -> frozenset[str]:

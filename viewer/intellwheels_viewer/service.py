@@ -9,6 +9,8 @@ from __future__ import annotations
 import sys
 import threading
 import time
+import traceback
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Final
 
@@ -25,6 +27,9 @@ FRAME: Final = 1 / 30
 """Seconds of wall time between two drawn ticks."""
 PANELS: Final = 0.22
 """Seconds of wall time between two fillings of the panels."""
+FAREWELL: Final = 1.0
+"""Seconds that pages have, in all, to give back what they drive."""
+FAULTS_TOLD: Final = 20
 
 
 @dataclass(frozen=True)
@@ -66,12 +71,18 @@ class Viewer:
         self.server.gui.set_panel_label("IntellWheels")
         self._stage = Stage(self.server, dark=options.dark)
         self._network = Network(link, stop, chosen=options.chosen)
+        self._faults: set[str] = set()
         self._pages: dict[int, Page] = {}
         self._lock = threading.Lock()
         self._stage.on_pick(self._picked)
         self._stage.bodies.on_drag(self._dragged)
         self.server.on_client_connect(self._came)
         self.server.on_client_disconnect(self._went)
+
+    @property
+    def failure(self) -> str:
+        """Why there can be no link, in words; empty while there can."""
+        return self._network.failure
 
     def run(self) -> None:
         """Draw until told to stop."""
@@ -82,36 +93,57 @@ class Viewer:
             while not self._stop.wait(FRAME):
                 seen = self._network.pour()
                 pages = self._present()
-                wanted = {page.selected for page in pages if page.selected is not None}
-                state = (seen.run, seen.tick, seen.revision, seen.phase, len(seen.bodies), len(seen.events), len(pages))
+                outlooks = tuple((number, page.outlook) for number, page in pages.items())
+                state = (seen.world, seen.run, seen.version, seen.revision, seen.phase, outlooks)
                 if state != drawn:
                     drawn = state
-                    self._network.watch(watched(seen, wanted) if pages else ())
-                    self._draw(seen, pages, wanted)
+                    self._draw(seen, pages)
                 now = time.monotonic()
                 if now - filled >= PANELS:
                     filled = now
-                    for page in pages:
-                        page.panels(seen)
+                    for page in pages.values():
+                        self._shield(page.panels, seen)
         finally:
-            self._network.close()
-            for page in self._present():
-                page.close()
-            self.server.stop()
+            self._end()
 
-    def _draw(self, seen: Seen, pages: list[Page], wanted: set[str]) -> None:
-        self._stage.show(seen, wanted)
+    def _draw(self, seen: Seen, pages: Mapping[int, Page]) -> None:
+        wanted = {page.selected for page in pages.values() if page.selected is not None}
+        self._network.watch(watched(seen, wanted) if pages else ())
+        self._shield(self._stage.show, seen, wanted)
+        for page in pages.values():
+            self._shield(page.draw, seen)
+
+    def _end(self) -> None:
+        # First what is driven is given back, while there is a link.
+        pages = self._present().values()
         for page in pages:
-            page.draw(seen)
+            page.close()
+        deadline = time.monotonic() + FAREWELL
+        for page in pages:
+            page.join(max(deadline - time.monotonic(), 0.0))
+        self._network.close()
+        self.server.stop()
 
-    def _present(self) -> list[Page]:
+    def _shield(self, call: Callable[..., None], *arguments: object) -> None:
+        """Draw; a fault of ours is told with its trace, once, and ends neither other drawings nor the pages."""
+        try:
+            call(*arguments)
+        except Exception:
+            fault = traceback.format_exc()
+            if fault not in self._faults and len(self._faults) < FAULTS_TOLD:
+                self._faults.add(fault)
+                sys.stderr.write(fault)
+
+    def _present(self) -> dict[int, Page]:
         with self._lock:
-            return list(self._pages.values())
+            return dict(self._pages)
 
     def _came(self, client: viser.ClientHandle) -> None:
         page = Page(client, self._network, self._stage.colours)
         with self._lock:
             self._pages[client.client_id] = page
+        if client.client_id not in self.server.get_clients():
+            self._went(client)  # while its page was made
 
     def _went(self, client: viser.ClientHandle) -> None:
         with self._lock:
@@ -145,4 +177,7 @@ def serve(options: Options, link: Link, stop: threading.Event) -> int:
     sys.stdout.write(f"ready url=http://{host}:{viewer.server.get_port()}\n")
     sys.stdout.flush()
     viewer.run()
+    if viewer.failure:
+        sys.stderr.write(f"iw-viewer: {viewer.failure}\n")
+        return 1
     return 0

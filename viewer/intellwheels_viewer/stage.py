@@ -107,7 +107,8 @@ def watched(seen: Seen, wanted: Collection[str]) -> frozenset[str]:
     """Return whose sensors are drawn: everybody's while they are few, else those that somebody selected."""
     if len(seen.entities) <= FEW:
         return frozenset(entity.name for entity in seen.entities)
-    return frozenset(wanted)
+    # What a page selects may be any text.
+    return frozenset(entity.name for entity in seen.entities if entity.name in wanted)
 
 
 def period_of(seen: Seen) -> float:

@@ -7,19 +7,22 @@ is put once per message of the page and never repeated: release, a lost focus, a
 from __future__ import annotations
 
 import math
+import queue
 import threading
 import time
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
 from typing import Final, Protocol
 
 from intellwheels_schemas.keys import Verb
 from intellwheels_schemas.messages import Record, Result, Take, UserInput
 
-LEASE: Final = 2.0
+LEASE: Final = 6.0
 """Seconds of a lease; renewed at half of it while the page drives."""
-IDLE: Final = 1.5
-"""Seconds after a release until the body is given back: before its lease ends by itself."""
+IDLE: Final = 2.0
+"""Seconds after a release until the body is given back: before the lease is over by itself."""
+AGAIN: Final = 1.0
+"""Seconds after a refusal until a stick that is held asks again."""
 STALL: Final = 0.3
 """Seconds without a message of the page after which the simulator stops the body by itself."""
 
@@ -38,6 +41,17 @@ class Simulator(Protocol):
         """Put what a person wants; never waits."""
 
 
+@dataclass(frozen=True)
+class _Asking:
+    """A wish that waits for its turn."""
+
+    what: str | None
+    verb: Verb
+    wish: Record
+    done: Callable[[Result], None] | None
+    failed: Callable[[str], None] | None
+
+
 class Wishes:
     """The worker of one page.
 
@@ -48,11 +62,14 @@ class Wishes:
 
     def __init__(self, simulator: Simulator, refused: Callable[[str, str], None]) -> None:
         self._simulator, self._refused = simulator, refused
-        self._worker = ThreadPoolExecutor(max_workers=1, thread_name_prefix="wishes")
+        self._waiting: queue.SimpleQueue[_Asking | None] = queue.SimpleQueue()
+        # A daemon: a simulator that does not answer holds no viewer that was told to stop.
+        self._worker = threading.Thread(target=self._work, name="wishes", daemon=True)
+        self._worker.start()
 
     def ask(
         self,
-        what: str,
+        what: str | None,
         verb: Verb,
         wish: Record,
         done: Callable[[Result], None] | None = None,
@@ -61,36 +78,42 @@ class Wishes:
         """Ask for something and return at once.
 
         Args:
-            what: Says in the notice what was refused: `Not placed`. Empty: nobody is told.
+            what: Says in the notice what was refused: `Not placed`; None: the user need not know.
             verb: As the contract calls it.
             wish: Its message.
             done: Gets the answer when it was granted.
             failed: Gets the reason when it was not, before the user does.
         """
-        self._worker.submit(self._ask, what, verb, wish, done, failed)
+        self._waiting.put(_Asking(what, verb, wish, done, failed))
 
     def close(self) -> None:
-        """Ask for nothing further; what was asked for is still said."""
-        self._worker.shutdown(wait=False)
+        """Ask for nothing further; what was asked for is still said, and what its answers ask for in their turn."""
+        self._waiting.put(None)
 
-    def _ask(
-        self,
-        what: str,
-        verb: Verb,
-        wish: Record,
-        done: Callable[[Result], None] | None,
-        failed: Callable[[str], None] | None,
-    ) -> None:
+    def join(self, seconds: float) -> None:
+        """Wait until all is said after `close`, or so long."""
+        self._worker.join(seconds)
+
+    def _work(self) -> None:
+        open_ = True
+        while open_ or not self._waiting.empty():
+            asking = self._waiting.get()
+            if asking is None:
+                open_ = False
+            else:
+                self._ask(asking)
+
+    def _ask(self, asking: _Asking) -> None:
         try:
-            result = self._simulator.ask(verb, wish)
+            result = self._simulator.ask(asking.verb, asking.wish)
         except Refusal as refusal:
-            if failed is not None:
-                failed(str(refusal))
-            if what:
-                self._refused(what, str(refusal))
+            if asking.failed is not None:
+                asking.failed(str(refusal))
+            if asking.what is not None:
+                self._refused(asking.what, str(refusal))
             return
-        if done is not None:
-            done(result)
+        if asking.done is not None:
+            asking.done(result)
 
 
 class Driving:
@@ -109,10 +132,12 @@ class Driving:
         self._lock = threading.Lock()
         self._agent: str | None = None
         self._lease: str | None = None
-        self._until = 0.0
+        self._until = -math.inf
         self._asking = False
         self._moved = -math.inf
         self._sequence = 0
+        # Counts the releases: an answer to what was asked before one is for nobody.
+        self._held = 0
         self._closed = False
 
     @property
@@ -141,8 +166,10 @@ class Driving:
             moves = forward != 0.0 or turn != 0.0
             if moves:
                 self._moved = now
+                if now >= self._until:
+                    self._lease = None  # it is over, and must be taken anew
                 if not self._asking and now > self._until - LEASE / 2:
-                    self._take(agent)
+                    self._take(agent, now)
             if self._lease is not None:
                 self._sequence += 1
                 wish = UserInput(lease=self._lease, seq=self._sequence, forward=forward, turn=turn)
@@ -160,35 +187,39 @@ class Driving:
             self._closed = True
             self._release()
 
-    def _take(self, agent: str) -> None:
+    def _take(self, agent: str, now: float) -> None:
         self._asking = True
+        held = self._held
 
         def taken(result: Result) -> None:
             with self._lock:
                 self._asking = False
-                if self._closed or self._agent != agent:
+                if held != self._held:
                     self._give(agent, result.lease)
                 else:
-                    self._lease, self._until = result.lease, self._now() + LEASE
+                    # Reckoned from the asking, it is over here before it is at the simulator.
+                    self._lease, self._until = result.lease, now + LEASE
 
         def failed(_: str) -> None:
             with self._lock:
                 self._asking = False
-                # Not asked again with each message of a stick that is held.
-                self._until = self._now() + LEASE
-                self._lease = None
+                if held == self._held:
+                    # Not asked again with each message of a stick that is held.
+                    self._until = self._now() + LEASE / 2 + AGAIN
+                    self._lease = None
 
         self._wishes.ask("Not driven", "take", Take(agent=agent, lease=self._lease, seconds=LEASE), taken, failed)
 
     def _release(self) -> None:
         agent, lease = self._agent, self._lease
         self._agent = self._lease = None
-        self._until, self._moved = 0.0, -math.inf
+        self._until = self._moved = -math.inf
+        self._held += 1
         if agent is not None and lease is not None:
             self._sequence += 1
             self._simulator.put_user(agent, UserInput(lease=lease, seq=self._sequence))
             self._give(agent, lease)
 
     def _give(self, agent: str, lease: str | None) -> None:
-        # A lease that has just ended, or a body that has gone, is given back already.
-        self._wishes.ask("", "take", Take(agent=agent, lease=lease, seconds=0.0))
+        # Refused when it is over already, or the body gone: all the same to who let go.
+        self._wishes.ask(None, "take", Take(agent=agent, lease=lease, seconds=0.0))
