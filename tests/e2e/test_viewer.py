@@ -141,7 +141,7 @@ def test_the_scene_is_there_soon_after_opening_and_changes_when_a_chair_moves(
         assert screen.open(url) < OPENING
         screen.rest()
         before = screen.picture()
-        assert statistics.pstdev(before) > 20
+        assert statistics.pstdev(before) > 10
         assert len({tuple(before[pixel : pixel + 3]) for pixel in range(0, len(before), 4)}) > 100
         teleport(peer, "chair1", 5.0, 4.0, 1.0)
         shown(screen, peer)
@@ -151,12 +151,13 @@ def test_the_scene_is_there_soon_after_opening_and_changes_when_a_chair_moves(
 
 def test_poses_in_the_scene_are_the_simulators(screen: Screen, peer: Peer) -> None:
     lease = peer.ctl("take", Agent="chair1", Seconds=30.0)["Lease"]
-    for number in range(1, 400):
+    for number in range(1, 200):
         peer.put("user/chair1", {"Lease": lease, "Seq": number, "Forward": 0.5, "Turn": 0.3})
-        if away(peer.entities()["chair1"], 1.2, 2.6) > 0.2:
+        peer.ticks_on(1)
+        if away(peer.entities()["chair1"], 1.2, 2.6) > 0.1:
             break
     peer.ctl("pause")
-    assert away(peer.entities()["chair1"], 1.2, 2.6) > 0.2
+    assert away(peer.entities()["chair1"], 1.2, 2.6) > 0.1
     shown(screen, peer)
     teleport(peer, "chair2", 6.123456, 5.654321, 2.345678)
     shown(screen, peer)
@@ -169,7 +170,6 @@ def test_two_browsers_look_each_in_its_own_way(
     theatre, url = world
     with theatre.screen(chromium) as other:
         other.open(url)
-        screen.rest()
         free = screen.camera()
         other.page.keyboard.press("p")
         other.wait(lambda: abs(other.camera()[1] - free[1]) > 10 or None, "the plan's camera")
@@ -365,6 +365,7 @@ def test_without_the_right_to_steer_every_control_says_so(tmp_path: Path, chromi
             screen.select("chair1")
             told("Not placed", lambda: screen.drag(screen.pixel(1.2, 2.6, 0.45), screen.pixel(3.5, 3.4, 0.45)))
             screen.tab("Drive")
+            screen.says("You drive chair1")
             told("Not driven", lambda: screen.page.keyboard.down("i"))
             screen.page.keyboard.up("i")
             field = screen.page.locator("form input:visible").first
