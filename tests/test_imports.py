@@ -64,9 +64,9 @@ def imported(path: Path) -> Iterator[str]:
 FILES = list(sources())
 COMMANDS = {
     "intellwheels_schemas.present", "intellwheels_server.router", "intellwheels_experiments.check.__main__",
-    "intellwheels_agents.joystick.__main__", "intellwheels_experiments.rig",
+    "intellwheels_agents.joystick.__main__", "intellwheels_experiments.rig", "intellwheels_viewer.service",
 }  # fmt: skip
-"""Commands that are files of their own, and the rig, which does a command's work for a test."""
+"""Commands that are files of their own; the rig and the viewer's service, which do a command's work."""
 
 
 @pytest.mark.parametrize(("package", "path"), FILES, ids=[str(path.relative_to(ROOT)) for _, path in FILES])

@@ -1,137 +1,90 @@
-"""Where a body's footprint will go, and whether that leads into something.
+"""Where a body goes when it moves, and what it would touch there. In the body's own frame, now.
 
-The wheels lag behind their command as the motors do (equation (1) of the IntellWheels simulator paper, s' = a s +
-(1 - a) s*, a the `AccelerationCurve`); the body follows the arcs they roll. A way is free when no point comes
-nearer than it may.
+What was seen is points. A body that already is nearer to a point than it should be may still move away from it: no
+answer here ever locks a chair in.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
-from typing import Final
+from collections.abc import Iterable
 
+from intellwheels_agents.path import Point
 from intellwheels_agents.surroundings import Outline
 
-STRIDE: Final = 0.03
-"""Metres any place of the footprint moves at most between two looks."""
-CREEP: Final = 0.1
-"""Share of the room that is left which a way may cost; where it is short of the margin. Whoever rests beside a wall
-can so drive along it, and never comes to touch it."""
+Moving = tuple[float, float, float, float]
 
-Point = tuple[float, float]
-Watched = tuple[float, float, float, float]
-"""A point, x and y, and the least room it may come to: to the footprint, and to the longer one."""
+STEP = 0.03
+"""Metres that the farthest corner moves between two looks: less than any margin that is worth keeping."""
+AWAY = 1e-6
+"""Metres of coming nearer that are rounding."""
 
 
-@dataclass(frozen=True, slots=True)
-class Wheels:
-    """Speeds of the wheels, m/s."""
-
-    left: float
-    right: float
-
-    def lagged(self, wanted: Wheels, inertia: float) -> Wheels:
-        """Return the speeds a tick later."""
-        return Wheels(
-            inertia * self.left + (1.0 - inertia) * wanted.left, inertia * self.right + (1.0 - inertia) * wanted.right
-        )
-
-
-@dataclass(frozen=True, slots=True)
 class Footprint:
-    """A body's outline, its track (m), its inertia and the simulation's period (s)."""
+    """The rectangle a body covers.
 
-    outline: Outline
-    track: float
-    inertia: float
-    period: float
+    Attributes:
+        radius: Metres from the centre of movement to the farthest corner.
+    """
 
-    def clearance(self, x: float, y: float, swing: float) -> float:
-        """Return metres from the footprint, made longer by `swing` at both ends, to a point; inside negative."""
-        body = self.outline
-        middle, half = (body.front - body.back) / 2.0, (body.front + body.back) / 2.0 + swing
-        dx, dy = abs(x - middle) - half, abs(y) - body.side
-        if dx <= 0.0 or dy <= 0.0:
-            return max(dx, dy)
-        return math.hypot(dx, dy)
+    def __init__(self, outline: Outline) -> None:
+        """Take the outline; the rectangle is symmetric across."""
+        self._front, self._back, self._side = outline.front, outline.back, outline.side
+        self.radius = math.hypot(max(outline.front, outline.back), outline.side)
 
-    @property
-    def radius(self) -> float:
-        """Metres from the centre of movement to the furthest corner."""
-        return math.hypot(max(self.outline.front, self.outline.back), self.outline.side)
+    def clearance(self, x: float, y: float) -> float:
+        """Return metres from the rectangle to a point, negative inside."""
+        dx, dy = max(x - self._front, -self._back - x), abs(y) - self._side
+        if dx > 0.0 and dy > 0.0:
+            return math.hypot(dx, dy)
+        return max(dx, dy)
 
-    def poses(self, now: Wheels, wanted: Wheels, seconds: float) -> list[tuple[float, float, float, float]]:
-        """Return where the body will be: x, y, heading in its frame of now, and metres that any place of it moved.
+    def free(self, points: Iterable[Point], speed: float, turn_rate: float, seconds: float, margin: float) -> float:
+        """Return for how many seconds the body can move on before it comes nearer than the margin to a point.
 
         Args:
-            now: Its wheels.
-            wanted: What they are told from now on.
-            seconds: How far to look ahead.
+            points: Of things that stand, m.
+            speed: Forward, m/s, may be negative.
+            turn_rate: Anticlockwise, rad/s.
+            seconds: How far it is looked.
+            margin: m.
         """
-        found = []
-        x = y = heading = moved = 0.0
-        for _ in range(math.ceil(seconds / self.period)):
-            now = now.lagged(wanted, self.inertia)
-            travel, turn = (now.left + now.right) / 2.0 * self.period, (now.right - now.left) / self.track * self.period
-            reach = abs(travel) + abs(turn) * self.radius
-            pieces = max(1, math.ceil(reach / STRIDE))
-            travel, turn, reach = travel / pieces, turn / pieces, reach / pieces
-            for _ in range(pieces):
-                x += travel * math.cos(heading + turn / 2.0)
-                y += travel * math.sin(heading + turn / 2.0)
-                heading += turn
-                moved += reach
-                found.append((x, y, heading, moved))
-        return found
+        return self.free_of_moving(((x, y, 0.0, 0.0) for x, y in points), speed, turn_rate, seconds, margin)
 
-    def watched(self, points: Iterable[Point], margin: float, swing: float, longest: float) -> list[Watched]:
-        """Return which points matter to a way, with their room now and the least that it may come to.
-
-        Args:
-            points: What stands there, in the body's frame of now.
-            margin: Metres to keep; where there is less now, about that.
-            swing: Metres by which the footprint counts as longer at both ends, to have room to turn by later.
-            longest: Metres that any place of the body moves at most.
-        """
-        found = []
-        for x, y in points:
-            room = self.clearance(x, y, 0.0)
-            wide = self.clearance(x, y, swing)
-            if wide - margin <= longest:
-                spent = CREEP * max(0.0, room)
-                found.append((x, y, min(margin, room - spent), min(margin, wide - spent)))
-        return found
-
-    def is_free(
-        self, poses: Sequence[tuple[float, float, float, float]], watched: Sequence[Watched], swing: float
-    ) -> bool:
-        """Return whether no point comes nearer than it may.
-
-        Args:
-            poses: As `poses` returns them.
-            watched: As `watched` returns them, for at least as long a way.
-            swing: As there.
-        """
-        looked = slack = 0.0
-        body = self.outline
-        middle, half, side = (body.front - body.back) / 2.0, (body.front + body.back) / 2.0, body.side
-        for px, py, heading, moved in poses:
-            # No point can have come nearer by more than the body moved.
-            if moved - looked < slack:
+    def free_of_moving(
+        self, points: Iterable[Moving], speed: float, turn_rate: float, seconds: float, margin: float
+    ) -> float:
+        """Return the same among points that move on as they do: x, y in m, and how fast in m/s."""
+        own = abs(speed) + abs(turn_rate) * self.radius
+        free = seconds
+        for x, y, vx, vy in points:
+            fastest = own + math.hypot(vx, vy)
+            reach = self.radius + fastest * free + margin
+            if fastest * free < AWAY or x * x + y * y > reach * reach:
                 continue
-            looked, slack = moved, math.inf
-            c, s = math.cos(heading), math.sin(heading)
-            for x, y, least, least_wide in watched:
-                # As `clearance`, twice, written out: most of a tick is spent here.
-                dx, dy = x - px, y - py
-                along = abs(c * dx + s * dy - middle) - half
-                across = abs(c * dy - s * dx) - side
-                room = (max(along, across) if along <= 0.0 or across <= 0.0 else math.hypot(along, across)) - least
-                along -= swing
-                wide = (max(along, across) if along <= 0.0 or across <= 0.0 else math.hypot(along, across)) - least_wide
-                if room < 0.0 or wide < 0.0:
-                    return False
-                slack = min(slack, room, wide)
-        return True
+            # A point is let in as far as it is already: what is too near may stay so, and go.
+            clearance = self.clearance(x, y)
+            least = min(margin, clearance) - AWAY
+            time = 0.0
+            while True:
+                # Nothing comes nearer faster than `fastest`, so far points are looked at seldom.
+                sure = min(time + max(clearance - least, 0.0) / fastest, free)
+                time = min(time + max(clearance - least, STEP) / fastest, free)
+                turn = turn_rate * time
+                moved_x, moved_y = displacement(speed * time, turn)
+                c, s = math.cos(turn), math.sin(turn)
+                dx, dy = x + vx * time - moved_x, y + vy * time - moved_y
+                clearance = self.clearance(c * dx + s * dy, c * dy - s * dx)
+                if clearance < least:
+                    free = sure
+                    break
+                if time == free:
+                    break
+        return free
+
+
+def displacement(travel: float, turn: float) -> Point:
+    """Return where an arc of so many metres and radians ends."""
+    half = turn / 2.0
+    chord = travel * (math.sin(half) / half if abs(half) > 1e-6 else 1.0)
+    return chord * math.cos(half), chord * math.sin(half)

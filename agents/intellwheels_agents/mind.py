@@ -92,6 +92,18 @@ class Context:
             raise OptionError(f"option {option}: expected a place of the map ({known}), got {name!r}")
         return self.places[name]
 
+    def way(self) -> list[tuple[float, float]]:
+        """Return the points that the options `points`, `via` and `to` name, in this order; none of them is the start.
+
+        Raises:
+            OptionError: A place is not in the map, or points are no numbers.
+        """
+        points = list(self.options.points("points"))
+        for option in ("via", "to"):
+            places = [self.place(name, option) for name in self.options.words(option)]
+            points += [(place.x, place.y) for place in places]
+        return points
+
 
 Make = Callable[[Context], Mind | Bridge]
 Equip = Callable[[Robot, Options], Robot]

@@ -11,6 +11,9 @@ import math
 from collections.abc import Sequence
 from itertools import pairwise
 
+from intellwheels_agents.mind import Context
+from intellwheels_agents.options import OptionError
+
 Point = tuple[float, float]
 
 
@@ -101,3 +104,18 @@ class Path:
         (ax, ay), (bx, by) = self._points[i], self._points[i + 1]
         share = along / (self._starts[i + 1] - self._starts[i])
         return ax + share * (bx - ax), ay + share * (by - ay)
+
+
+def path_of(context: Context) -> Path | None:
+    """Return the path from where a body stands through the points its options name; None when it is there already.
+
+    Raises:
+        OptionError: The options name none, or some that are not there.
+    """
+    points = context.way()
+    if not points:
+        raise OptionError("option points: expected points, via or to, got none")
+    try:
+        return Path([(context.position.x, context.position.y), *points])
+    except ValueError:
+        return None

@@ -28,8 +28,8 @@ from intellwheels_schemas.process import stop_on_signals
 
 _EPILOG = """\
 examples:
-  iw-run figure6                             three chairs, a table and a door, as fast as it goes
-  iw-run figure6 --pace realtime             the same, to be watched
+  iw-run figure6 --view                      three chairs, a table and a door, on a page in your browser
+  iw-run figure6                             the same, as fast as it goes
   iw-run figure6 --seed 7 --json result.json
   iw-run my/scene.xml --encoding xml --logs logs
 
@@ -46,6 +46,11 @@ def _parser() -> argparse.ArgumentParser:
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.add_argument("scene", metavar="SCENE", help=f"a shipped scene ({', '.join(names('scenes'))}) or an XML file")
+    parser.add_argument(
+        "--view", action="store_true",
+        help="serve a page that shows the run and steers it; in real time where no pace is given, and until Ctrl-C",
+    )  # fmt: skip
+    parser.add_argument("--view-port", type=_port, metavar="N", default=8080, help="the page's port, 0: any (8080)")
     parser.add_argument("--pace", choices=get_args(Pace), help="instead of the scene's")
     parser.add_argument("--speed", type=_factor, metavar="F", default=1.0, help="times real time, at pace realtime (1)")
     parser.add_argument("--seed", metavar="TEXT", help="instead of the scene's")
@@ -73,7 +78,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except WireError as error:
         print(f"iw-run: {error.text}", file=sys.stderr)
         return 2
-    changes = {"pace": options.pace, "seed": options.seed}
+    pace = options.pace or ("realtime" if options.view else None)
+    changes = {"pace": pace, "seed": options.seed}
     wanted = msgspec.structs.replace(wanted, **{name: value for name, value in changes.items() if value is not None})
     logs = options.logs or Path(tempfile.mkdtemp(prefix="iw-run-"))
     is_led = options.connect or options.config is not None
@@ -91,6 +97,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         encoding=options.encoding,
         log=options.log,
         timeout=options.timeout or wall_limit(wanted, options.speed),
+        view=options.view_port if options.view else None,
     )
     link = Link(plan.world, (), plan.meeting, plan.config)
     stop = stop_on_signals()
@@ -121,6 +128,12 @@ def _factor(text: str) -> float:
     if not 0.0 < value < 1e6:
         raise argparse.ArgumentTypeError(f"expected a number above 0, got {text!r}")
     return value
+
+
+def _port(text: str) -> int:
+    if not text.isdecimal() or int(text) > 65535:  # the last port there is
+        raise argparse.ArgumentTypeError(f"expected a port, 0 to 65535, got {text!r}")
+    return int(text)
 
 
 def _world(text: str) -> str:

@@ -13,6 +13,9 @@ from intellwheels_schemas.messages import Cast, Map, Pace, Scene
 SERVER: Final = "server"
 """The simulator among the children."""
 
+VIEWER: Final = "viewer"
+"""The viewer among the children."""
+
 WALL_LIMIT: Final = 600.0
 """Seconds of wall time a run may take beyond what its pace needs."""
 
@@ -35,6 +38,7 @@ class Plan:
         encoding: What the agents speak, `json` or `xml`.
         log: The input log that the simulator writes, if any.
         timeout: Seconds of wall time after which the run is broken off.
+        view: The port of the viewer's page, 0 for any free one; None for no viewer.
     """
 
     scene: Scene
@@ -50,6 +54,7 @@ class Plan:
     encoding: str = "json"
     log: Path | None = None
     timeout: float = WALL_LIMIT
+    view: int | None = None
 
     @property
     def pace(self) -> Pace:
@@ -77,6 +82,11 @@ class Plan:
         """Return the command of one of the cast."""
         words = [*self._link_words((), self.meeting), "--encoding", self.encoding, "--lifeline", str(lifeline)]
         return agent_command(cast, self.folder, words)
+
+    def viewer_command(self, lifeline: int) -> list[str]:
+        """Return the command of the viewer."""
+        words = ["--port", str(self.view or 0), *self._link_words((), self.meeting), "--lifeline", str(lifeline)]
+        return [sys.executable, "-m", "intellwheels_viewer", *words]
 
     def _link_words(self, listen: tuple[str, ...], connect: tuple[str, ...]) -> list[str]:
         words = link_words(self.world, listen, connect)

@@ -15,7 +15,7 @@ from typing import Final, Protocol
 
 from intellwheels_experiments.children import Children, Exited, Line
 from intellwheels_experiments.judge import judge
-from intellwheels_experiments.plan import SERVER, Plan, agent_child, parse
+from intellwheels_experiments.plan import SERVER, VIEWER, Plan, agent_child, parse
 from intellwheels_experiments.progress import Progress
 from intellwheels_experiments.record import Record
 from intellwheels_experiments.report import Finish, Result, versions
@@ -25,6 +25,9 @@ READY_LIMIT: Final = 180.0
 
 START_LIMIT: Final = 60.0
 """Seconds for all agents to be at the barrier once they were started."""
+
+VIEW_LIMIT: Final = 60.0
+"""Seconds for the viewer to serve its page."""
 
 COLD_START: Final = 5.0
 """Seconds after which a start that is still going on is surely a first one."""
@@ -76,12 +79,14 @@ def perform(
                     watch.pour(record)
                     if SERVER in children.living:
                         watch.complete(record)
+                    if finish.how == "ended" and VIEWER in children.living:
+                        _stay(children, progress, stop)
             except ConnectionError as error:
                 finish = _Finished("interrupted" if stop.is_set() else "died", str(error))
         progress.doing("ending the processes")
         # The agents first: they leave in words, which needs somebody to hear them.
-        children.end([child for child in children.living if child != SERVER])
-        children.end([child for child in children.living if child == SERVER], grace=5.0)
+        children.end([child for child in children.living if child not in (SERVER, VIEWER)])
+        children.end(list(children.living), grace=5.0)
     return _result(plan, record, finish, stopwatch.seconds)
 
 
@@ -124,12 +129,39 @@ def _start(plan: Plan, children: Children, progress: Progress, stop: threading.E
         if waited > COLD_START and not shown:
             progress.say("the simulator compiles its kernels: once, about 20 s")
             shown = True
+    if plan.view is not None and (finish := _open_view(plan, children, progress, stop)) is not None:
+        return finish
     for cast in plan.scene.cast:
         children.start(agent_child(cast.name), partial(plan.agent_command, cast))
     progress.say(
         f"started world={plan.world} at={','.join(plan.meeting)} agents={len(plan.scene.cast)} logs={plan.logs}"
     )
     return None
+
+
+def _open_view(plan: Plan, children: Children, progress: Progress, stop: threading.Event) -> _Finished | None:
+    """Start the viewer and say where its page is, before anything moves; return how the run finished, if it did."""
+    children.start(VIEWER, plan.viewer_command)
+    begun = time.monotonic()
+    while True:
+        match children.news(0.2):
+            case Line(child=child, text=text) if child == VIEWER and parse(text)[0] == "ready":
+                progress.say(f"view it at {parse(text)[1].get('url', '?')}")
+                return None
+            case Exited() as exited:
+                return _died(children, exited)
+        if stop.is_set():
+            return _Finished("interrupted", "before the viewer was ready")
+        if time.monotonic() - begun > VIEW_LIMIT:
+            return _Finished("overtime", _with_tail(children, VIEWER, f"no page after {VIEW_LIMIT:.0f} s"))
+
+
+def _stay(children: Children, progress: Progress, stop: threading.Event) -> None:
+    """Leave the last picture on the page until told to stop, or until nobody shows it any more."""
+    progress.say("the run is over; the page stays until Ctrl-C")
+    progress.doing("over; the page stays until Ctrl-C")
+    while not stop.is_set() and {SERVER, VIEWER} <= set(children.living):
+        children.news(0.2)
 
 
 def _follow(
@@ -158,6 +190,8 @@ def _follow(
             elif verb == "miss":
                 stopwatch.end()
                 return _Finished("missed", _missed(children, values), _number(values.get("tick")))
+        elif isinstance(news, Exited) and news.child == VIEWER:
+            progress.say(_with_tail(children, VIEWER, f"{news.how}; the run goes on without a page"))
         elif isinstance(news, Exited) and (news.child == SERVER or news.code != 0):
             stopwatch.end()
             return _died(children, news)

@@ -26,13 +26,16 @@ def test_help_shows_examples_and_the_minds() -> None:
     shown = iw_agent("--help")
     assert shown.returncode == 0
     assert "iw-agent waypoints --name chair1" in shown.stdout
-    assert "avoid, door, drive, follow, table, waypoints" in shown.stdout
+    assert "aided, avoid, door, drive, follow, joystick, table, waypoints" in " ".join(shown.stdout.split())
 
 
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (["dance"], "mind: expected one of avoid, door, drive, follow, table, waypoints or a Python file, got 'dance'"),
+        (
+            ["dance"],
+            "mind: expected one of aided, avoid, door, drive, follow, joystick, table, waypoints or a Python file",
+        ),
         (["drive", "--name", "Chair 1"], "--name: expected a name"),
         (["drive", "--option", "speed"], "--option: expected NAME=VALUE, got 'speed'"),
         (["drive", "--option", "a=1", "--option", "a=2"], "--option: expected each name once, got 'a' twice"),

@@ -6,6 +6,7 @@ import os
 import shutil
 import signal
 import subprocess
+import urllib.request
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -52,9 +53,9 @@ def test_cast_of_the_composition_is_that_of_the_scene() -> None:
 
 def test_services_are_those_of_the_documents_and_reachable_from_this_machine_only() -> None:
     services = composition()["services"]
-    assert set(services) == {"router", "simulator", "door", "table", "chair", "chair-rear", "chair-mid"}
+    assert set(services) == {"router", "simulator", "door", "table", "chair", "chair-rear", "chair-mid", "viewer"}
     ports = [port for service in services.values() for port in service.get("ports", [])]
-    assert ports == ["${BIND:-127.0.0.1}:${PORT:-7447}:7447"]
+    assert ports == ["${BIND:-127.0.0.1}:${PORT:-7447}:7447", "${BIND:-127.0.0.1}:${VIEW_PORT:-8080}:8080"]
     assert all(service["init"] and service["read_only"] for service in services.values())
 
 
@@ -85,9 +86,10 @@ class Composed:
         port = free_port()
         stage.endpoint = f"tcp/127.0.0.1:{port}"
         project = f"iw-test-{os.getpid()}"  # two runs of the suite at once are none of each other's business
+        self.page = f"http://127.0.0.1:{(view := free_port())}"
         self.environment = {
-            **os.environ, "PORT": str(port), "WORLD": stage.world, "BASE_IMAGE": BASE, "BUILD_NETWORK": "host",
-            "COMPOSE_PROJECT_NAME": project, "IMAGE": project,
+            **os.environ, "PORT": str(port), "VIEW_PORT": str(view), "WORLD": stage.world, "BASE_IMAGE": BASE,
+            "BUILD_NETWORK": "host", "COMPOSE_PROJECT_NAME": project, "IMAGE": project,
         }  # fmt: skip
 
     def __call__(self, *words: str, timeout: float = 120.0) -> str:
@@ -157,6 +159,8 @@ def test_figure_6_in_containers_from_building_to_down(composed: Composed) -> Non
     copies = ("chair3-2", "chair3-3", "chair3-4", "chair3-5")
     five = ("up", "--detach", "--wait", "--scale", "chair=5", "--no-recreate")
     assert "compiling kernels" not in composed("logs", "simulator")  # the image brings them
+    with urllib.request.urlopen(composed.page, timeout=10.0) as answer:
+        assert b"<html" in answer.read()
     with composed.stage.peer() as peer:
         ended = peer.event("ended", timeout=120.0)
         assert str(ended["Text"]).startswith("reached")

@@ -10,7 +10,7 @@ import pytest
 from tests.e2e.stage import run
 
 
-@pytest.mark.parametrize("scene", ["follow", "door"])
+@pytest.mark.parametrize("scene", ["follow", "door", "corner", "crossing"])
 def test_what_must_hold_in_the_scene_holds(tmp_path: Path, scene: str) -> None:
     file = tmp_path / "result.json"
     done = run("intellwheels_experiments", scene, "--json", str(file), "--logs", str(tmp_path / "logs"), timeout=180.0)

@@ -45,7 +45,8 @@ VIEWS = {
     "pair": ((8.4, 4.3, 2.4), (6.6, 6.2, 0.4), 45),
     "top": ((1.5, 2.55, 4.5), (1.5, 2.6, 0.0), 30),
     "door": ((6.0, 2.4, 3.0), (9.0, 4.2, 0.5), 50),
-    "side": ((1.45, -1.2, 0.9), (1.45, 2.6, 0.6), 35),
+    "ward": ((18.0, -15.0, 24.0), (18.0, -0.5, 0.0), 50),
+    "side": ((1.45, 0.15, 1.1), (1.45, 2.6, 0.6), 45),
 }
 
 
@@ -157,12 +158,38 @@ def shoot(page: Page, port: int, view: str, path: Path) -> None:
     path.write_bytes(base64.b64decode(page.evaluate(PICTURE).split(",")[1]))
 
 
+CROWD = 100
+
+
+def crowd(server: viser.ViserServer) -> None:
+    """Show the ward with many chairs, of more colours than there are."""
+    floor = library.floor("ward")
+    kinds = ("rear-wheel", "mid-wheel", "intellwheels", "front-wheel", "person")
+    bodies = {f"a{index}": body(kinds[index % 5], f"a{index}") for index in range(CROWD)}
+    entities = [
+        Entity(
+            name=f"a{index}",
+            x=0.8 + 1.75 * (index % 20),
+            y=-0.6 + 1.2 * (index // 20 % 5 - 2) * 2.2,
+            heading=0.7 * index,
+        )
+        for index in range(CROWD)
+    ]
+    with server.atomic():
+        Floor(server.scene).show(floor)
+        Walls(server.scene).show(floor)
+        Bodies(server.scene).show(bodies, entities, Colours(), set(list(bodies)[::7]), "a3")
+
+
 def main(arguments: Sequence[str]) -> None:
-    folder, views = Path(arguments[0]), arguments[1:] or list(VIEWS)
+    folder, views = Path(arguments[0]), arguments[1:] or [view for view in VIEWS if view != "ward"]
     server = viser.ViserServer(host="127.0.0.1", port=0, verbose=False)
     server.gui.configure_theme(show_logo=False, show_share_button=False)
     light(server)
-    draw(server)
+    if "ward" in views:
+        crowd(server)
+    else:
+        draw(server)
     with sync_playwright() as play:
         browser = play.chromium.launch(executable_path="/usr/bin/chromium", args=FLAGS)
         page = browser.new_page(viewport={"width": 1280, "height": 800}, device_scale_factor=1)

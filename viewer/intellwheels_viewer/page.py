@@ -6,7 +6,7 @@ import dataclasses
 import math
 import threading
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Final, Literal
+from typing import TYPE_CHECKING, Final, Literal, Protocol
 
 import msgspec
 import viser
@@ -49,10 +49,9 @@ from intellwheels_viewer.panels.playback import PlaybackPanel
 from intellwheels_viewer.panels.selected import SelectedPanel
 from intellwheels_viewer.seen import Seen
 from intellwheels_viewer.stage import LAYERS
-from intellwheels_viewer.steering import Driving, Wishes
+from intellwheels_viewer.steering import Driving, Simulator, Wishes
 
 if TYPE_CHECKING:
-    from intellwheels_viewer.network import Network
     from intellwheels_viewer.palette import Colours
 
 WIDTH: Final = 288
@@ -68,6 +67,17 @@ NUDGE: Final = 0.05
 """Metres: a body pulled less far was clicked."""
 
 
+class Worlds(Simulator, Protocol):
+    """The link, as a page knows it."""
+
+    @property
+    def quiet(self) -> float:
+        """Seconds since the last clock."""
+
+    def choose(self, world: str) -> None:
+        """Watch another world."""
+
+
 class Page:
     """A browser that is connected.
 
@@ -77,7 +87,7 @@ class Page:
         colours: The colour of each agent.
     """
 
-    def __init__(self, client: viser.ClientHandle, network: Network, colours: Colours) -> None:
+    def __init__(self, client: viser.ClientHandle, network: Worlds, colours: Colours) -> None:
         self._client, self._network, self._colours = client, network, colours
         # Asked for before anything is made: it waits for the page.
         self._layers = layers_panel.from_json(_kept(client))

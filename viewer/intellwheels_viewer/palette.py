@@ -31,6 +31,9 @@ AGENTS: Final[tuple[RGB, ...]] = (
 )
 """Blue, orange, bluish green, reddish purple, sky blue, black."""
 
+STRIPES: Final = 3
+"""The most stripes that are told apart at a glance."""
+
 CONTACT: Final[RGB] = (220, 20, 20)
 SELECTED: Final[RGB] = (240, 228, 66)
 
@@ -38,18 +41,18 @@ NEAR: Final[RGB] = (160, 20, 60)
 MIDDLE: Final[RGB] = (225, 110, 30)
 FAR: Final[RGB] = (120, 160, 190)
 NOTHING: Final[RGB] = (188, 196, 204)
-FAILED: Final[RGB] = (70, 74, 82)
+FAILED: Final[RGB] = (20, 20, 24)
 
-FLOOR: Final[RGB] = (240, 241, 243)
-GRID: Final[RGB] = (226, 228, 232)
-ZONES: Final[tuple[RGB, ...]] = ((234, 238, 243), (243, 240, 234), (235, 242, 238), (241, 237, 243))
-LETTERS: Final[RGB] = (138, 147, 158)
+FLOOR: Final[RGB] = (250, 251, 253)
+GRID: Final[RGB] = (228, 231, 236)
+ZONES: Final[tuple[RGB, ...]] = ((246, 250, 255), (255, 251, 243), (245, 254, 248), (253, 247, 255))
+LETTERS: Final[RGB] = (150, 160, 172)
 DOORWAY: Final[RGB] = (150, 198, 190)
-WALL: Final[RGB] = (224, 227, 232)
+WALL: Final[RGB] = (246, 247, 250)
 CAP: Final[RGB] = (84, 97, 116)
-TEAL: Final[RGB] = (64, 150, 140)
+TEAL: Final[RGB] = (92, 176, 166)
 WOOD: Final[RGB] = (205, 172, 128)
-DARK: Final[RGB] = (52, 56, 64)
+DARK: Final[RGB] = (68, 72, 80)
 METAL: Final[RGB] = (168, 175, 184)
 
 ON_WHITE: Final[RGB] = (255, 255, 255)
@@ -89,12 +92,15 @@ def colour_of(index: int) -> RGB:
 
 
 def mark_of(index: int) -> int:
-    """Return how many stripes tell it from those of the same colour: none for the first six."""
-    return index // len(AGENTS)
+    """Return how many stripes tell it from those of the same colour: none for the first six, at most `STRIPES`.
+
+    Beyond 24 agents looks repeat: nobody counts more stripes, and the names tell.
+    """
+    return index // len(AGENTS) % (STRIPES + 1)
 
 
 class Colours:
-    """Which colour each agent has: in the order in which they were first seen, for as long as the page lives.
+    """Which colour each agent has: in the order in which they were first seen, for as long as the run goes on.
 
     Bodies that do not go about (doors, tables, obstacles) have the colour of what they are and use none up.
     """
@@ -102,6 +108,11 @@ class Colours:
     def __init__(self) -> None:
         self._index: dict[str, int] = {}
         self._fixtures: dict[str, RGB] = {}
+
+    def begin(self) -> None:
+        """Begin anew. Before a run's first step agents come in any order; a cast shall look the same each time."""
+        self._index.clear()
+        self._fixtures.clear()
 
     def see(self, bodies: Mapping[str, Body]) -> None:
         """Give colours to those that are new, in the order of the mapping."""
@@ -129,6 +140,11 @@ class Colours:
     def text(self, name: str, *, dark: bool = False) -> str:
         """Return an agent's colour for text, as `#rrggbb`, readable on the panel's light or dark background."""
         return hexadecimal(text_safe(self.rgb(name), dark=dark))
+
+
+def light_bytes(colours: npt.ArrayLike) -> npt.NDArray[np.uint8]:
+    """Return sRGB bytes (..., 3) as bytes of light: a browser takes the colours of instances and lines so."""
+    return _LIGHT[np.asarray(colours).astype(np.uint8)]
 
 
 def hexadecimal(colour: RGB) -> str:
@@ -181,3 +197,6 @@ def _lab(light: Floats) -> Floats:
     ratio = _TO_XYZ @ light / _WHITE
     cube = np.where(ratio > 216 / 24389, np.cbrt(ratio), (24389 / 27 * ratio + 16) / 116)
     return np.array([116 * cube[1] - 16, 500 * (cube[0] - cube[1]), 200 * (cube[1] - cube[2])])
+
+
+_LIGHT: Final[npt.NDArray[np.uint8]] = np.round(linear(range(256)) * 255).astype(np.uint8)

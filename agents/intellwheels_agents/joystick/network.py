@@ -1,4 +1,4 @@
-"""A joystick on the network. The only file of it that knows the link.
+"""A joystick on the network. The only file of it that knows zenoh.
 
 One loop: what the source wants, what the hand puts, what the grip asks. Questions wait on a thread of their own, or a
 slow answer would silence the hand.
@@ -12,6 +12,7 @@ import threading
 import time
 
 import msgspec
+import zenoh
 
 from intellwheels_agents.joystick.grip import Grip
 from intellwheels_agents.joystick.hand import EVERY, Hand
@@ -55,13 +56,13 @@ def operate(
         with publisher, clock:
             asker = _Asker(session, keys.ctl("take"))
             _look_for(session, keys.body(agent), agent, take=take)
-            return _Loop(agent, source, asker, inbox, publisher.put, take=take).run(stop)
+            return _Loop(agent, source, asker, inbox, publisher, take=take).run(stop)
 
 
 class _Asker:
     """Asks beside the loop."""
 
-    def __init__(self, session: object, key: str) -> None:
+    def __init__(self, session: zenoh.Session, key: str) -> None:
         self._session = session
         self._key = key
         self.answers: queue.SimpleQueue[Result | None] = queue.SimpleQueue()
@@ -73,7 +74,7 @@ class _Asker:
     def ask(self, take: Take) -> Result | None:
         """Ask, and return the answer, or None when there was none."""
         try:
-            answers = link.query(self._session, self._key, encode(take, Encoding.JSON), timeout=ANSWER)  # type: ignore[arg-type]
+            answers = link.query(self._session, self._key, encode(take, Encoding.JSON), timeout=ANSWER)
             return decode(Result, answers[0].data, encoding_of(answers[0].encoding, answers[0].data), strict=False)
         except (ConnectionError, WireError) as error:
             _log(f"unanswered verb=take why={str(error)!r}")
@@ -84,13 +85,13 @@ class _Loop:
     """The life of a joystick."""
 
     def __init__(
-        self, agent: str, source: Source, asker: _Asker, inbox: link.Inbox, put: object, *, take: bool
+        self, agent: str, source: Source, asker: _Asker, inbox: link.Inbox, publisher: zenoh.Publisher, *, take: bool
     ) -> None:
         self._agent = agent
         self._source = source
         self._asker = asker
         self._inbox = inbox
-        self._put = put
+        self._publisher = publisher
         self._hand = Hand()
         self._grip = Grip(agent) if take else None
         self._time: float | None = None
@@ -143,7 +144,7 @@ class _Loop:
             return
         if self._grip is not None:
             user = msgspec.structs.replace(user, lease=self._grip.lease)
-        self._put(encode(user, Encoding.JSON))  # type: ignore[operator]
+        self._publisher.put(encode(user, Encoding.JSON))
 
     def _hear(self) -> None:
         for arrival in self._inbox.take():
@@ -155,10 +156,10 @@ class _Loop:
                     _log(f"dropped message=Clock why={error.text!r}")
 
 
-def _look_for(session: object, key: str, agent: str, *, take: bool) -> None:
+def _look_for(session: zenoh.Session, key: str, agent: str, *, take: bool) -> None:
     """Say it when nobody has that name, or takes no user input: a put that nobody wants is silent."""
     try:
-        answers = link.query(session, key, timeout=ANSWER)  # type: ignore[arg-type]
+        answers = link.query(session, key, timeout=ANSWER)
         body = decode(Body, answers[0].data, encoding_of(answers[0].encoding, answers[0].data), strict=False)
     except (ConnectionError, WireError):
         _log(f"nobody agent={agent} yet")

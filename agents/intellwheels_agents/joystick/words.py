@@ -2,7 +2,7 @@
 
 `forward`, `back`, `left` and `right` drive, for so long only: a recogniser that hears nothing more must not drive a
 chair for ever. `stop` stops at once. Every word is also put as `UserInput.Word`, for minds that know others; a word
-that does not drive leaves the driving as it is.
+that does not drive leaves the driving as it is. The end of the input, a recogniser that died, stops at once.
 """
 
 from __future__ import annotations

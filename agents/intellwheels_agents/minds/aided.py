@@ -22,9 +22,9 @@ from typing import Final
 import msgspec
 
 from intellwheels_agents.chair import Odometry, powers
-from intellwheels_agents.footprint import Footprint, Wheels
 from intellwheels_agents.mind import Context
 from intellwheels_agents.options import OptionError, Options
+from intellwheels_agents.projection import Projection, Wheels
 from intellwheels_agents.seen import Seen
 from intellwheels_agents.surroundings import outline
 from intellwheels_agents.user import wanted
@@ -58,7 +58,7 @@ class Mind:
         self._ahead = options.number("ahead", 1.0, 0.2, 5.0)
         self._pose = Odometry(robot, context.position, compass_share=0.0)
         self._seen = Seen(robot)
-        self._footprint = Footprint(outline(robot), robot.track, robot.acceleration_curve, context.parameters.period)
+        self._footprint = Projection(outline(robot), robot.track, robot.acceleration_curve, context.parameters.period)
         body = self._footprint.outline
         # The room a corner needs to swing by.
         self._front_swing, self._back_swing = (math.hypot(end, body.side) - end for end in (body.front, body.back))

@@ -22,7 +22,7 @@ import msgspec
 from intellwheels_agents.chair import Odometry, powers
 from intellwheels_agents.mind import Context
 from intellwheels_agents.options import OptionError, Options
-from intellwheels_agents.path import Path, Point
+from intellwheels_agents.path import Path, path_of
 from intellwheels_agents.pilot import CREEP, Pilot, braking
 from intellwheels_agents.surroundings import Surroundings
 from intellwheels_schemas.messages import Actions, Goal, Measures, Robot, Truth
@@ -56,7 +56,7 @@ class Mind:
         if not self._truth and not robot.encoders:
             raise OptionError("option truth: expected true for a robot without encoders, got false")
         self._pose = Odometry(robot, context.position)
-        self._path = _path(context)
+        self._path = path_of(context)
         self._around = Surroundings(robot)
         self._free_at = 0.0
         self._pilot = Pilot(self._speed)
@@ -123,19 +123,3 @@ class Mind:
             self._free_at = time + self._patience
             return 0.0
         return braking(room) if time >= self._free_at else 0.0
-
-
-def _path(context: Context) -> Path | None:
-    options = context.options
-    points: list[Point] = [(context.position.x, context.position.y), *options.points("points")]
-    names = [(name, "via") for name in options.words("via")] + [(name, "to") for name in options.words("to")]
-    for name, option in names:
-        place = context.place(name, option)
-        points.append((place.x, place.y))
-    if len(points) == 1:
-        raise OptionError("option points: expected points, via or to, got none")
-    try:
-        return Path(points)
-    except ValueError:
-        # The start is the end: there already.
-        return None

@@ -3,18 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Final, Literal, TypeAlias
+from typing import Literal, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
 import viser
 
 from intellwheels_viewer.drawings.solids import Array, Solid
-from intellwheels_viewer.palette import linear
+from intellwheels_viewer.palette import light_bytes
 
 Bytes: TypeAlias = npt.NDArray[np.uint8]
-
-_LIGHT: Final[Bytes] = np.round(linear(range(256)) * 255).astype(np.uint8)
 
 
 def quaternions(headings: npt.ArrayLike) -> Array:
@@ -23,12 +21,6 @@ def quaternions(headings: npt.ArrayLike) -> Array:
     turned = np.zeros((len(half), 4), np.float32)
     turned[:, 0], turned[:, 3] = np.cos(half), np.sin(half)
     return turned
-
-
-def _light(colours: npt.ArrayLike) -> Bytes:
-    """Return sRGB bytes as bytes of linear light: a browser takes the colours of instances so, unlike a mesh's own."""
-    encoded = np.asarray(colours, np.uint8).reshape(-1, 3)
-    return _LIGHT[encoded]
 
 
 class Batch:
@@ -77,7 +69,7 @@ class Batch:
         """
         places = np.asarray(positions, np.float32).reshape(-1, 3)
         turns = np.asarray(wxyzs, np.float32).reshape(-1, 4)
-        tints = _light(colours)
+        tints = light_bytes(np.asarray(colours).reshape(-1, 3))
         sizes = None if scales is None else np.asarray(scales, np.float32)
         shares = None if opacities is None else np.asarray(opacities, np.float32)
         self.names = tuple(names)

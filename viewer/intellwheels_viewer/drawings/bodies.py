@@ -1,6 +1,6 @@
 """The bodies: a batch for each look and material, so that a thousand chairs cost a tick what ten do.
 
-Bodies look the same when their `Shape` is the same; a look's nodes are made once and kept. What touches something has
+A look's nodes are made once and kept. What touches something has
 a red footprint, what is stale is faded, what is selected has the ring.
 """
 
@@ -14,14 +14,14 @@ from typing import Any, Final, Literal, TypeAlias
 import numpy as np
 import viser
 
-from intellwheels_schemas.messages import Body, Entity, Robot
-from intellwheels_schemas.rules import has_motors, parts_of
+from intellwheels_schemas.messages import Body, Entity
 from intellwheels_viewer import palette
 from intellwheels_viewer.drawings import footprints
 from intellwheels_viewer.drawings.batch import Batch, quaternions
+from intellwheels_viewer.drawings.forms import Form, Forms
 from intellwheels_viewer.drawings.layers import HALF_HEIGHT
-from intellwheels_viewer.drawings.model import CROWD, Extent, Model, extent
-from intellwheels_viewer.drawings.models import Shape, model_of, shape_of
+from intellwheels_viewer.drawings.model import CROWD, Extent, Model
+from intellwheels_viewer.drawings.models import model_of
 from intellwheels_viewer.drawings.selection import Selection
 from intellwheels_viewer.drawings.solids import Array, Solid, box
 
@@ -57,22 +57,22 @@ def stand(entities: Sequence[Entity], colour: Callable[[str], palette.RGB]) -> S
     )
 
 
-def grouped(bodies: Mapping[str, Body], entities: Sequence[Entity], *, crowd: bool) -> dict[Shape, list[Entity]]:
+def grouped(forms: Mapping[str, Form], entities: Sequence[Entity]) -> dict[int, list[Entity]]:
     """Return the bodies that look alike, in the order of the state. One whose document has not come yet is left out."""
-    groups: dict[Shape, list[Entity]] = {}
+    groups: dict[int, list[Entity]] = {}
     for entity in entities:
-        body = bodies.get(entity.name)
-        if body is not None:
-            groups.setdefault(shape_of(body.robot, crowd=crowd), []).append(entity)
+        form = forms.get(entity.name)
+        if form is not None:
+            groups.setdefault(form.look, []).append(entity)
     return groups
 
 
 def tints(
-    bodies: Mapping[str, Body], entities: Sequence[Entity], colour: Callable[[str], palette.RGB]
+    forms: Mapping[str, Form], entities: Sequence[Entity], colour: Callable[[str], palette.RGB]
 ) -> tuple[Stand, Array]:
     """Return where the tinted footprints lie and how large (N, 3) they are: of what goes, and of what touches."""
-    shown = [e for e in entities if e.name in bodies and (_goes(bodies[e.name].robot) or e.contact)]
-    hulls = [extent(parts_of(bodies[entity.name].robot)) for entity in shown]
+    shown = [e for e in entities if e.name in forms and (forms[e.name].goes or e.contact)]
+    hulls = [forms[entity.name].hull for entity in shown]
     placed = stand(shown, colour)
     middles = np.array([hull.middle for hull in hulls], np.float32).reshape(-1, 2)
     cos, sin = np.cos(placed.headings), np.sin(placed.headings)
@@ -80,10 +80,6 @@ def tints(
     placed.positions[:, 1] += sin * middles[:, 0] + cos * middles[:, 1]
     sizes = np.array([(hull.length, hull.width, 1.0) for hull in hulls], np.float32).reshape(-1, 3)
     return placed, sizes
-
-
-def _goes(robot: Robot) -> bool:
-    return has_motors(robot) and not robot.anchored
 
 
 class _Look:
@@ -146,7 +142,8 @@ class Bodies:
 
     def __init__(self, scene: viser.SceneApi, *, name: str = "/bodies", cut: float | None = HALF_HEIGHT) -> None:
         self._scene, self._name, self._cut = scene, name, cut
-        self._looks: dict[Shape, _Look] = {}
+        self._forms = Forms()
+        self._looks: dict[int, _Look] = {}
         self._clickable: list[Batch] = []
         self._picks: list[OnPick] = []
         self._drags: list[tuple[OnDrag, Literal["shift"] | None]] = []
@@ -196,34 +193,37 @@ class Bodies:
             selected: The one with the ring; None where each browser has its own `Selection`.
         """
         colours.see(bodies)
-        groups = grouped(bodies, entities, crowd=len(entities) > CROWD)
-        for shape, group in groups.items():
-            self._look(shape, bodies[group[0].name].robot).show(*self._stands(group, bodies, colours, stale))
+        crowd = len(entities) > CROWD
+        forms = self._forms.of(bodies, crowd=crowd)
+        groups = grouped(forms, entities)
+        for number, group in groups.items():
+            look = self._look(number, forms[group[0].name], crowd=crowd)
+            look.show(*self._stands(group, forms, colours, stale))
         nobody = stand((), colours.rgb)
-        for shape in self._looks.keys() - groups.keys():
-            self._looks[shape].show(nobody, nobody, nobody)
-        self._show_floor(bodies, entities, colours)
+        for number in self._looks.keys() - groups.keys():
+            self._looks[number].show(nobody, nobody, nobody)
+        self._show_floor(forms, entities, colours)
         self._show_stripes(groups, colours)
         chosen = next((entity for entity in entities if entity.name == selected), None)
         body = None if chosen is None else bodies.get(chosen.name)
         self._ring.show(None if body is None else body.robot, chosen)
 
-    def _look(self, shape: Shape, robot: Robot) -> _Look:
-        look = self._looks.get(shape)
+    def _look(self, number: int, form: Form, *, crowd: bool) -> _Look:
+        look = self._looks.get(number)
         if look is None:
-            model = model_of(robot, crowd=shape[-1], cut=self._cut)
-            name = f"{self._name}/{len(self._looks)}-{robot.kind}"
-            look = self._looks[shape] = _Look(self._scene, name, model, extent(parts_of(robot)), self._listen)
+            model = model_of(form.robot, crowd=crowd, cut=self._cut)
+            name = f"{self._name}/{len(self._looks)}-{form.robot.kind}"
+            look = self._looks[number] = _Look(self._scene, name, model, form.hull, self._listen)
         return look
 
     @staticmethod
     def _stands(
-        group: Sequence[Entity], bodies: Mapping[str, Body], colours: palette.Colours, stale: Collection[str]
+        group: Sequence[Entity], forms: Mapping[str, Form], colours: palette.Colours, stale: Collection[str]
     ) -> tuple[Stand, Stand, Stand]:
         """Return those drawn in full, those faded, and the outlines: of what goes, and of what touches."""
         fresh = [entity for entity in group if entity.name not in stale]
         faded = [entity for entity in group if entity.name in stale]
-        lined = [entity for entity in group if entity.contact or _goes(bodies[entity.name].robot)]
+        lined = [entity for entity in group if entity.contact or forms[entity.name].goes]
         touching = {entity.name for entity in lined if entity.contact}
         return (
             stand(fresh, colours.rgb),
@@ -231,18 +231,18 @@ class Bodies:
             stand(lined, lambda name: palette.CONTACT if name in touching else colours.rgb(name)),
         )
 
-    def _show_floor(self, bodies: Mapping[str, Body], entities: Sequence[Entity], colours: palette.Colours) -> None:
-        placed, sizes = tints(bodies, [entity for entity in entities if not entity.contact], colours.rgb)
+    def _show_floor(self, forms: Mapping[str, Form], entities: Sequence[Entity], colours: palette.Colours) -> None:
+        placed, sizes = tints(forms, [entity for entity in entities if not entity.contact], colours.rgb)
         self._tint.show(
             placed.positions, quaternions(placed.headings), placed.colours, scales=sizes, names=placed.names
         )
-        placed, sizes = tints(bodies, [entity for entity in entities if entity.contact], lambda _: palette.CONTACT)
+        placed, sizes = tints(forms, [entity for entity in entities if entity.contact], lambda _: palette.CONTACT)
         self._contact.show(placed.positions, quaternions(placed.headings), placed.colours, scales=sizes)
 
-    def _show_stripes(self, groups: Mapping[Shape, Sequence[Entity]], colours: palette.Colours) -> None:
+    def _show_stripes(self, groups: Mapping[int, Sequence[Entity]], colours: palette.Colours) -> None:
         places, headings, sizes = [], [], []
-        for shape, group in groups.items():
-            x, z, across = self._looks[shape].model.stripe
+        for number, group in groups.items():
+            x, z, across = self._looks[number].model.stripe
             for entity in group:
                 for stripe in range(colours.mark(entity.name)):
                     back = x - 0.1 * stripe

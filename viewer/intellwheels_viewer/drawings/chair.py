@@ -127,7 +127,7 @@ def _arms(frame: Frame) -> Solid:
     joystick = [
         slab(tip, -y, 0.11, 0.075, z - 0.01, z + 0.035, radius=0.02, bevel=0.01),
         rod((tip, -y, z + 0.03), (tip, -y, z + 0.10), 0.009),
-        ball(tip, -y, z + 0.11, 0.023, 10),
+        ball(tip, -y, z + 0.11, 0.023, 8),
     ]
     return join([pads, *joystick])
 
@@ -186,20 +186,20 @@ def _base_ends(frame: Frame) -> tuple[float, float]:
 
 
 def _tyres(frame: Frame) -> Solid:
-    return both(hoop(0.0, frame.side, frame.wheel, frame.wheel, frame.tyre, 28, 8))
+    return both(hoop(0.0, frame.side, frame.wheel, frame.wheel, frame.tyre, 24, 6))
 
 
 def _spokes(frame: Frame) -> Solid:
     """Return rims, hubs, spokes and, a finger outside of the tyre, the hand rims."""
     r, y, t = frame.wheel, frame.side, frame.tyre
-    rim = hoop(0.0, y, r, r - 0.75 * t, 0.016, 24, 6)
+    rim = hoop(0.0, y, r, r - 0.75 * t, 0.016, 20, 4)
     hub = rod((0.0, y - 0.02, r), (0.0, y + t / 2, r), 0.2 * r, 10)
-    turns = [2 * math.pi * index / 10 for index in range(10)]
+    turns = [2 * math.pi * index / 8 for index in range(8)]
     reach = r - 0.8 * t
     ends: list[Point] = [(reach * math.cos(t_), y, r + reach * math.sin(t_)) for t_ in turns]
-    spokes = [rod((0.0, y + 0.4 * t, r), end, 0.0055, 4) for end in ends]
+    spokes = [rod((0.0, y + 0.4 * t, r), end, 0.006, 3) for end in ends]
     outside = min(y + t / 2 + 0.014, frame.hull.left - 0.008)
-    hand = hoop(0.0, outside, r, r - 0.35 * t, 0.014, 24, 6)
+    hand = hoop(0.0, outside, r, r - 0.35 * t, 0.014, 20, 4)
     return both(join([rim, hub, *spokes, hand]))
 
 
@@ -216,7 +216,7 @@ def _castor_places(frame: Frame) -> list[tuple[float, float, float]]:
 
 
 def _castors(frame: Frame) -> Solid:
-    return join(both(hoop(x, y, r, r, 0.045, 16, 6)) for x, y, r in _castor_places(frame))
+    return join(both(hoop(x, y, r, r, 0.045, 12, 4)) for x, y, r in _castor_places(frame))
 
 
 def _forks(frame: Frame) -> Solid:

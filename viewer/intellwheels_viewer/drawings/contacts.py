@@ -45,7 +45,7 @@ def flashes(events: Iterable[Event], tick: int, period: float) -> list[Flash]:
     return made
 
 
-def star(points: int = 8, outer: float = 0.34, inner: float = 0.13) -> Solid:
+def star(points: int = 8, outer: float = 0.28, inner: float = 0.11) -> Solid:
     """Return a flat star that lies level, a finger thick, with a ball in it."""
     rim = []
     for index in range(2 * points):

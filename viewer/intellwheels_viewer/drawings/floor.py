@@ -132,20 +132,20 @@ class Floor:
 
     def show(self, map: Map) -> None:  # noqa: A002  # the wire calls it so
         """Show another floor."""
-        self._mesh("/floor/plate", plate(map), palette.FLOOR, shadow=True)
+        self._mesh("/floor/plate", plate(map), palette.FLOOR)
         self._mesh("/floor/grid", grid(map), palette.GRID)
         for index, flat in enumerate(tinted(map.zone)):
-            self._mesh(f"/floor/zones/{index}", flat, palette.ZONES[index], shadow=True)
+            self._mesh(f"/floor/zones/{index}", flat, palette.ZONES[index])
         self._mesh("/floor/doorways", thresholds(map.doorway), palette.DOORWAY)
         self._name_rooms(titles(map.zone))
 
-    def _mesh(self, name: str, shape: Solid, colour: palette.RGB, *, shadow: bool = False) -> None:
+    def _mesh(self, name: str, shape: Solid, colour: palette.RGB) -> None:
         if not len(shape.faces):
             if name in self._meshes:
                 self._meshes[name].visible = False
             return
         self._meshes[name] = self._scene.add_mesh_simple(
-            name, shape.vertices, shape.faces, color=colour, cast_shadow=False, receive_shadow=0.22 if shadow else False
+            name, shape.vertices, shape.faces, color=colour, cast_shadow=False, receive_shadow=0.2
         )
 
     def _name_rooms(self, made: list[Title]) -> None:

@@ -77,9 +77,10 @@ class Goals:
             [colours.rgb(name) for name, _, _ in headed],
         )
         points, tints = dashes(entities, colours)
+        colors = palette.light_bytes(tints)
         if self._lines is not None:
             self._lines.visible = bool(len(points))
             if len(points):
-                self._lines.points, self._lines.colors = points, tints.astype(np.uint8)
+                self._lines.points, self._lines.colors = points, colors
         elif len(points):
-            self._lines = self._scene.add_line_segments("/goals/lines", points, tints.astype(np.uint8), thickness=0.02)
+            self._lines = self._scene.add_line_segments("/goals/lines", points, colors, thickness=0.025)

@@ -1,4 +1,4 @@
-"""Who is who, how fast, and what they say: a small name above each that goes, a bubble above the name.
+"""Who is who, how fast, and what they say: a small name above each that goes, their words over it.
 
 Labels cost the most of all drawings: above `MANY` bodies only those named by the caller have one, and five times a
 second is enough. A label is plain text to the page, so that nothing an agent says can run.
@@ -26,8 +26,10 @@ SPOKEN: Final = 3.0
 STILL: Final = 0.005
 """Metres per second under which a speed is not written."""
 
-_ABOVE: Final = 0.12
-_BUBBLE: Final = 0.30
+ABOVE: Final = 0.12
+"""Metres between a body's top and its label."""
+ASIDE: Final = 0.6
+"""Widths of a body by which its label stands to the north, so that it does not hide the body from above."""
 
 
 @dataclass(frozen=True)
@@ -67,41 +69,34 @@ def _goes(body: Body) -> bool:
 
 def tags(
     bodies: Mapping[str, Body], entities: Sequence[Entity], words: Iterable[Words], now: float, wanted: Collection[str]
-) -> tuple[dict[str, Tag], dict[str, Tag]]:
-    """Return the names and the bubbles, by agent.
+) -> dict[str, Tag]:
+    """Return the labels by agent: the name, and above it what was just said.
 
     Args:
         bodies: Documents by agent.
         entities: States.
-        words: What was said, newest last; of each agent the newest is shown, also of those without a name.
+        words: What was said, newest last; of each agent the newest is shown, with its name however many there are.
         now: The simulated time, in seconds.
         wanted: Who has a name however many there are.
     """
-    heights = {entity.name: _height(bodies.get(entity.name)) for entity in entities}
-    names = {
-        entity.name: Tag(name_of(entity), entity.x, entity.y, heights[entity.name])
-        for entity in named(bodies, entities, wanted)
-    }
-    spoken = {each.speaker: each.text for each in words if 0.0 <= now - each.time < SPOKEN}
-    bubbles = {
-        entity.name: Tag(cut(spoken[entity.name]), entity.x, entity.y, heights[entity.name] + _BUBBLE)
-        for entity in entities
-        if spoken.get(entity.name, "").strip()
-    }
-    return names, bubbles
+    spoken = {each.speaker: cut(each.text) for each in words if 0.0 <= now - each.time < SPOKEN}
+    spoken = {speaker: text for speaker, text in spoken.items() if text}
+    shown = named(bodies, entities, {*wanted, *spoken})
+    return {entity.name: _tag(bodies[entity.name], entity, spoken.get(entity.name)) for entity in shown}
 
 
-def _height(body: Body | None) -> float:
-    return _ABOVE + (extent(parts_of(body.robot)).top if body is not None else 0.0)
+def _tag(body: Body, entity: Entity, said: str | None) -> Tag:
+    hull = extent(parts_of(body.robot))
+    text = name_of(entity) if said is None else f"\u201c{said}\u201d\n{name_of(entity)}"
+    return Tag(text, entity.x, entity.y + ASIDE * hull.width, hull.top + ABOVE)
 
 
 class Labels:
-    """The labels in a scene: a node for each name and bubble, kept when it is not shown."""
+    """The labels in a scene: a node for each agent, kept when it is not shown."""
 
-    def __init__(self, scene: viser.SceneApi) -> None:
-        self._scene = scene
-        self._names: dict[str, viser.LabelHandle] = {}
-        self._bubbles: dict[str, viser.LabelHandle] = {}
+    def __init__(self, scene: viser.SceneApi, name: str = "/labels") -> None:
+        self._scene, self._name = scene, name
+        self._nodes: dict[str, viser.LabelHandle] = {}
 
     def show(
         self,
@@ -111,20 +106,16 @@ class Labels:
         now: float,
         wanted: Collection[str] = frozenset(),
     ) -> None:
-        """Show names and bubbles; the arguments are those of `tags`."""
-        names, bubbles = tags(bodies, entities, words, now, wanted)
-        self._assign("/labels/names", self._names, names, 0.8)
-        self._assign("/labels/bubbles", self._bubbles, bubbles, 0.95)
-
-    def _assign(self, path: str, nodes: dict[str, viser.LabelHandle], shown: Mapping[str, Tag], scale: float) -> None:
-        for name in nodes.keys() - shown.keys():
-            nodes[name].visible = False
+        """Show names and what was said; the arguments are those of `tags`."""
+        shown = tags(bodies, entities, words, now, wanted)
+        for name in self._nodes.keys() - shown.keys():
+            self._nodes[name].visible = False
         for name, tag in shown.items():
             place = (tag.x, tag.y, tag.z)
-            if name not in nodes:
-                nodes[name] = self._scene.add_label(
-                    f"{path}/{name}", tag.text, position=place, font_screen_scale=scale, anchor="bottom-center"
+            node = self._nodes.get(name)
+            if node is None:
+                self._nodes[name] = self._scene.add_label(
+                    f"{self._name}/{name}", tag.text, position=place, font_screen_scale=0.85, anchor="bottom-center"
                 )
                 continue
-            node = nodes[name]
             node.text, node.position, node.visible = tag.text, place, True

@@ -28,7 +28,9 @@ def ring_of(robot: Robot) -> tuple[float, float, float]:
 def rings(radius: float) -> tuple[Solid, Solid]:
     """Return the yellow ring and the dark one under it."""
     outer = radius + _WIDTH
-    return band(radius, outer, layers.RING + 0.002), band(radius - 0.014, outer + 0.014, layers.RING)
+    return band(radius, outer, layers.RING + 0.002, sides=96), band(
+        radius - 0.014, outer + 0.014, layers.RING, sides=96
+    )
 
 
 class Selection:

@@ -151,9 +151,12 @@ def slab(
     """Return a box with round upright edges and bevelled level ones: upholstery.
 
     Args:
-        x, y: Its middle.
-        length, width: Its size along x and y.
-        z0, z1: Its lower and upper face.
+        x: Its middle.
+        y: Its middle.
+        length: Its size along x.
+        width: Its size along y.
+        z0: Its lower face.
+        z1: Its upper face.
         radius: Of the round edges.
         bevel: How much the level edges are cut.
     """
@@ -166,7 +169,7 @@ def slab(
 
 
 def rounded(
-    x: float, y: float, length: float, width: float, radius: float, steps: int = 3
+    x: float, y: float, length: float, width: float, radius: float, steps: int = 2
 ) -> list[tuple[float, float]]:
     """Return a rectangle with round corners, anticlockwise, `steps` + 1 points a corner."""
     radius = min(radius, length / 2, width / 2)
@@ -194,7 +197,7 @@ def ball(x: float, y: float, z: float, radius: float, sides: int = 12) -> Solid:
     )
 
 
-def rod(start: Point, end: Point, radius: float, sides: int = 8) -> Solid:
+def rod(start: Point, end: Point, radius: float, sides: int = 6) -> Solid:
     """Return a round rod between two points, with flat ends."""
     a, b = np.array(start), np.array(end)
     axis = (b - a) / np.linalg.norm(b - a)
@@ -210,7 +213,7 @@ def _point(vector: npt.NDArray[np.float64]) -> Point:
     return float(vector[0]), float(vector[1]), float(vector[2])
 
 
-def pipe(points: Sequence[Point], radius: float, sides: int = 8) -> Solid:
+def pipe(points: Sequence[Point], radius: float, sides: int = 6) -> Solid:
     """Return a bent tube: a rod for each stretch."""
     return join(rod(a, b, radius, sides) for a, b in itertools.pairwise(points))
 
@@ -219,10 +222,13 @@ def hoop(x: float, y: float, z: float, radius: float, thickness: float, sides: i
     """Return a tyre that stands along x: a torus about the level axis across.
 
     Args:
-        x, y, z: Its middle.
+        x: Its middle.
+        y: Its middle.
+        z: Its middle.
         radius: To the outside, so that it is what a wheel of that radius needs.
         thickness: Of the tyre.
-        sides, around: Corners of the large and of the small circle.
+        sides: Corners of the large circle.
+        around: Corners of the small one.
     """
     large, small = radius - thickness / 2, thickness / 2
     u = np.arange(sides) * 2 * math.pi / sides

@@ -76,7 +76,7 @@ class Trails:
             colours: Whose colour is which.
         """
         points, tints = segments(histories, now, colours)
-        colors = tints.astype(np.uint8)
+        colors = palette.light_bytes(tints)
         if self._lines is not None:
             self._lines.visible = bool(len(points))
             if len(points):

@@ -10,6 +10,7 @@ import math
 from collections.abc import Iterator
 from typing import Final
 
+import msgspec
 import viser
 
 from intellwheels_maps.check import wall_pieces
@@ -21,6 +22,8 @@ from intellwheels_viewer.drawings.polygons import Point
 from intellwheels_viewer.drawings.solids import Solid, join, prism
 
 _CAP: Final = 0.025
+TALLER: Final = 0.25
+"""Metres by which a cut obstacle stands out of cut walls."""
 _EVERY: Final = 0.5
 """How far apart the points are by which a bed finds its wall, in metres."""
 
@@ -44,12 +47,15 @@ def extruded(floor: Map, height: float | None) -> tuple[Solid, Solid]:
     return join(sides), join(caps)
 
 
-def obstacles(floor: Map) -> Painted:
-    """Return all obstacles, by colour."""
+def obstacles(floor: Map, height: float | None) -> Painted:
+    """Return all obstacles, by colour; what is taller than the walls' cut is cut a little higher, so that it shows."""
     walls = list(_wall_points(floor))
     made: dict[palette.RGB, list[Solid]] = {}
     for obstacle in floor.obstacle:
-        for colour, solid in furniture(obstacle, walls).items():
+        top = obstacle.top if height is None else min(obstacle.top, height + TALLER)
+        if obstacle.bottom >= top:
+            continue
+        for colour, solid in furniture(msgspec.structs.replace(obstacle, top=top), walls).items():
             made.setdefault(colour, []).append(solid)
     return {colour: join(solids) for colour, solids in sorted(made.items())}
 
@@ -73,7 +79,7 @@ class Walls:
         """Show another map, its walls cut at a height in metres, or whole."""
         sides, caps = extruded(map, height)
         made = {"/walls/sides": (sides, palette.WALL), "/walls/caps": (caps, palette.CAP)}
-        for colour, solid in obstacles(map).items():
+        for colour, solid in obstacles(map, height).items():
             made["/obstacles/" + palette.hexadecimal(colour)[1:]] = (solid, colour)
         for name, node in self._nodes.items():
             if name not in made:

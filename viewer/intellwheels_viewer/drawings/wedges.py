@@ -9,9 +9,10 @@ from __future__ import annotations
 import math
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Final, Literal, TypeAlias
+from typing import Final, Literal, NamedTuple, TypeAlias
 
 import numpy as np
+import numpy.typing as npt
 import viser
 
 from intellwheels_schemas.messages import Body, Entity, Lidar, Measures, Proximity, ProximityReading
@@ -20,6 +21,7 @@ from intellwheels_viewer.drawings import layers
 from intellwheels_viewer.drawings.batch import Batch, quaternions
 from intellwheels_viewer.drawings.solids import Array, Solid, band, sheet
 
+Rows: TypeAlias = npt.NDArray[np.float64]
 State: TypeAlias = Literal["near", "middle", "far", "nothing", "failed"]
 
 NEAR: Final = 0.5
@@ -50,8 +52,7 @@ _LIFTS: Final = 64
 _LIFT: Final = 0.0002
 
 
-@dataclass(frozen=True)
-class Wedge:
+class Wedge(NamedTuple):
     """One sensor's reading on the floor.
 
     Attributes:
@@ -142,50 +143,52 @@ def bars(shown: Sequence[Wedge]) -> Bars:
 
     An arc is a bar for each ten degrees: at 4 m a bar's middle is 1.5 cm nearer than its ends.
     """
-    rows: list[tuple[float, float, float, float, float, palette.RGB]] = []
+    rows: list[Rows] = [np.zeros((0, 8))]
+    arcs: dict[int, list[Wedge]] = {}
     for each in shown:
         if each.state == "failed":
-            rows += _dashes(each)
+            rows.append(_dashes(each))
         elif each.state != "nothing":
-            rows += _arc(each, each.reach, range(_pieces(each)))
-    return Bars(
-        positions=np.array([(x, y, layers.ARC) for x, y, *_ in rows], np.float32).reshape(-1, 3),
-        headings=np.array([row[2] for row in rows], np.float32),
-        sizes=np.array([(row[3], row[4], 1.0) for row in rows], np.float32).reshape(-1, 3),
-        colours=np.array([row[5] for row in rows], np.float32).reshape(-1, 3),
+            arcs.setdefault(max(1, math.ceil(each.cone / _PIECE - 1e-9)), []).append(each)
+    rows += [_arcs(group, pieces) for pieces, group in arcs.items()]
+    table = np.concatenate(rows)
+    flat = np.zeros((len(table), 3), np.float32)
+    flat[:, :2], flat[:, 2] = table[:, :2], layers.ARC
+    sizes = np.ones((len(table), 3), np.float32)
+    sizes[:, :2] = table[:, 3:5]
+    return Bars(flat, table[:, 2].astype(np.float32), sizes, table[:, 5:].astype(np.float32))
+
+
+def _arcs(group: Sequence[Wedge], pieces: int) -> Rows:
+    """Return the bars (N x pieces, 8) of arcs: x, y, heading, length, width, colour."""
+    x, y, direction, cone, reach = (
+        column[:, None] for column in np.array([(w.x, w.y, w.direction, w.cone, w.reach) for w in group]).T
     )
-
-
-def _pieces(each: Wedge) -> int:
-    return max(1, math.ceil(each.cone / _PIECE - 1e-9))
-
-
-def _arc(
-    each: Wedge, reach: float, pieces: Iterable[int], share: float = 1.0
-) -> list[tuple[float, float, float, float, float, palette.RGB]]:
-    turn = each.cone / _pieces(each)
+    turn = cone / pieces
+    angle = direction - cone / 2 + turn * (np.arange(pieces) + 0.5)
     middle = reach - ARC / 2
-    # Bars that meet at an angle leave a notch outside unless they overlap by the thickness.
-    length = (2 * reach * math.tan(turn / 2)) * share
-    colour = COLOURS[each.state]
-    rows = []
-    for piece in pieces:
-        angle = each.direction - each.cone / 2 + turn * (piece + 0.5)
-        x, y = each.x + middle * math.cos(angle), each.y + middle * math.sin(angle)
-        rows.append((x, y, angle + math.pi / 2, length, ARC, colour))
-    return rows
+    rows = np.empty((*angle.shape, 8))
+    rows[..., 0], rows[..., 1] = x + middle * np.cos(angle), y + middle * np.sin(angle)
+    rows[..., 2] = angle + math.pi / 2
+    rows[..., 3], rows[..., 4] = 2 * reach * np.tan(turn / 2), ARC
+    rows[..., 5:] = np.array([COLOURS[w.state] for w in group], np.float64)[:, None, :]
+    return rows.reshape(-1, 8)
 
 
-def _dashes(each: Wedge) -> list[tuple[float, float, float, float, float, palette.RGB]]:
-    """Return a dashed outline: dashes of 12 cm and gaps of 8 along both sides, and the arc with gaps."""
-    rows = []
+def _dashes(each: Wedge) -> Rows:
+    """Return a dashed outline: dashes of 12 cm and gaps of 8 along both sides and the arc."""
+    rows: list[tuple[float, ...]] = []
     for side in (-each.cone / 2, each.cone / 2):
         angle = each.direction + side
-        for dash in range(math.floor(each.reach / 0.2)):
+        for dash in range(1, math.floor(each.reach / 0.2)):
             at = 0.2 * dash + 0.06
-            x, y = each.x + at * math.cos(angle), each.y + at * math.sin(angle)
-            rows.append((x, y, angle, 0.12, 0.02, COLOURS["failed"]))
-    return rows + [(*row[:4], 0.02, row[5]) for row in _arc(each, each.reach, range(_pieces(each)), 0.5)]
+            rows.append((each.x + at * math.cos(angle), each.y + at * math.sin(angle), angle, 0.12))
+    count = max(2, math.ceil(each.reach * each.cone / 0.2))
+    for dash in range(count):
+        angle = each.direction - each.cone / 2 + each.cone * (dash + 0.5) / count
+        x, y = each.x + each.reach * math.cos(angle), each.y + each.reach * math.sin(angle)
+        rows.append((x, y, angle + math.pi / 2, 0.6 * each.reach * each.cone / count))
+    return np.array([(*row, 0.02, *COLOURS["failed"]) for row in rows])
 
 
 def legend() -> str:

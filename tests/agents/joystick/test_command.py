@@ -1,0 +1,47 @@
+"""The command line of `iw-joystick`."""
+
+from __future__ import annotations
+
+import threading
+from pathlib import Path
+
+import pytest
+
+from intellwheels_agents.joystick import __main__ as command
+from intellwheels_agents.joystick import main
+from intellwheels_agents.joystick.script import ScriptSource
+from intellwheels_agents.joystick.wish import Source, Wish
+from intellwheels_schemas.link import Link
+
+
+def test_a_script_is_operated_with_what_was_asked_for(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    asked: list[tuple[str, str, bool]] = []
+
+    def operate(where: Link, agent: str, source: Source, *, take: bool, stop: threading.Event, retry_for: float) -> int:
+        assert isinstance(source, ScriptSource)
+        assert source.wish(0.0, None) == Wish(0.5, 0.0)
+        asked.append((where.world, agent, take))
+        return 0
+
+    monkeypatch.setattr(command, "operate", operate)
+    file = tmp_path / "drive.txt"
+    file.write_text("0 0.5 0\n1 0 0\n")
+    assert main(["chair1", "--source", "script", "--script", str(file), "--take", "--world", "lab"]) == 0
+    assert asked == [("lab", "chair1", True)]
+
+
+def test_wrong_usage_is_exit_2(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    file = tmp_path / "drive.txt"
+    file.write_text("nonsense\n")
+    assert main(["chair1", "--source", "script", "--script", str(file)]) == 2
+    assert "drive.txt:1: expected seconds, forward and turn" in capsys.readouterr().err
+    assert main(["No Name", "--source", "words"]) == 2
+    for words in (["chair1", "--source", "script"], ["chair1", "--script", "x"], ["chair1", "--turn", "2"]):
+        with pytest.raises(SystemExit) as ended:
+            main(words)
+        assert ended.value.code == 2
+
+
+def test_a_script_that_is_not_there_is_exit_1(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["chair1", "--source", "script", "--script", str(tmp_path / "none.txt")]) == 1
+    assert "none.txt" in capsys.readouterr().err

@@ -1,0 +1,155 @@
+"""People who walk: free, past each other, out of the way of a chair, and in a crowd."""
+
+from __future__ import annotations
+
+import math
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from intellwheels_agents.options import OptionError
+from intellwheels_maps import robot, scene
+from intellwheels_schemas.messages import Corner, Map, Position, Wall
+from tests.agents.arena import Arena
+from tests.agents.minds.corridor import Corridor, weidmann
+
+SEEDS = [str(seed) for seed in range(1, 21)]
+STRETCH = {"MotorNoise": "0.05"}
+
+
+def corridor(length: float, width: float) -> Map:
+    x, y = length + 2.0, width / 2.0 + 0.05
+    corners = [(-2.0, -y), (x, -y), (x, y), (-2.0, y), (-2.0, -y)]
+    wall = Wall(corner=tuple(Corner(x=x, y=y) for x, y in corners), height=2.5, thickness=0.1)
+    return Map(format="iw.v1", name="corridor", wall=(wall,))
+
+
+def walker(arena: Arena, name: str, start: tuple[float, float], goal: tuple[float, float], **options: str) -> None:
+    heading = math.atan2(goal[1] - start[1], goal[0] - start[0])
+    options = {"points": f"{goal[0]:.3f} {goal[1]:.3f}"} | STRETCH | options
+    arena.join(name, "person", "person", None, options, Position(x=start[0], y=start[1], heading=heading))
+
+
+def far(arena: Arena, name: str, goal: tuple[float, float]) -> float:
+    return math.dist(arena.paths[name][-1][:2], goal)
+
+
+@pytest.mark.parametrize("seed", SEEDS[:3])
+def test_free_walk_is_as_fast_as_people_like_it(seed: str) -> None:
+    arena = Arena(corridor(30.0, 6.0), seed)
+    walker(arena, "one", (0.0, 0.0), (30.0, 0.0))
+    arena.run(3.0)
+    (x, y, _), began = arena.paths["one"][-1], arena.state.time
+    arena.run(15.0)
+    speed = math.dist(arena.paths["one"][-1][:2], (x, y)) / (arena.state.time - began)
+    assert speed == pytest.approx(1.34, rel=0.02)
+
+
+@pytest.mark.parametrize("seed", SEEDS[:5])
+@pytest.mark.parametrize("aside", [0.0, 0.15, -0.15])
+def test_two_who_meet_pass_each_other(seed: str, aside: float) -> None:
+    arena = Arena(corridor(12.0, 2.4), seed)
+    walker(arena, "east", (0.0, 0.0), (12.0, 0.0))
+    walker(arena, "west", (12.0, aside), (0.0, aside))
+    took = arena.run(
+        20.0, lambda arena: far(arena, "east", (12.0, 0.0)) < 0.5 and far(arena, "west", (0.0, aside)) < 0.5
+    )
+    assert took < 13.0
+    assert arena.contacts() == []
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_people_get_out_of_the_way_of_a_chair_that_does_not_look(seed: str) -> None:
+    rng = np.random.default_rng(int(seed))
+    arena = Arena(corridor(20.0, 3.4), seed)
+    power = f"{0.5 / robot('rear-wheel').top_speed:.4f}"
+    across = float(rng.uniform(-0.4, 0.4))
+    at = Position(x=0.0, y=across, heading=0.0)
+    arena.join("chair", "drive", "rear-wheel", None, {"left": power, "right": power}, at)
+    for i in range(4):
+        y = float(rng.uniform(-1.0, 1.0))
+        walker(arena, f"to{i}", (6.0 + 3.0 * i + float(rng.uniform(-1.0, 1.0)), y), (-1.2, y))
+    y = float(rng.uniform(-0.4, 0.4))
+    walker(arena, "behind", (-1.2, y), (20.0, y))
+    arena.run(16.0)
+    assert arena.contacts() == []
+    assert arena.paths["chair"][-1][0] == pytest.approx(8.0, abs=0.3)
+    behind = [arena.paths[f"to{i}"][-1][0] < arena.paths["chair"][-1][0] for i in range(4)]
+    assert sum(behind) >= 3
+
+
+@pytest.mark.parametrize("name", ["crossing", "corner"])
+@pytest.mark.parametrize("seed", SEEDS)
+def test_all_of_the_scene_arrive_without_a_contact(name: str, seed: str) -> None:
+    document = scene(name)
+    arena = Arena.of(document, seed)
+    assert document.end
+    assert document.end.timeout
+    assert arena.setup.floor.grid
+    places = {place.name: (place.x, place.y) for place in arena.setup.floor.grid.position}
+    left = {reach.agent: reach for reach in document.end.reach}
+
+    def there(arena: Arena) -> bool:
+        for agent, reach in list(left.items()):
+            if far(arena, agent, places[reach.place]) < reach.within:
+                del left[agent]
+        return not left
+
+    arena.run(document.end.timeout.seconds, there)
+    assert left == {}
+    assert arena.contacts() == []
+
+
+@pytest.mark.parametrize(("density", "settle", "seconds"), [(0.5, 6.0, 8.0), (1.0, 4.0, 6.0), (2.0, 3.0, 3.0)])
+def test_flow_of_a_crowd_is_near_weidmann_s(density: float, settle: float, seconds: float) -> None:
+    crowd = Corridor(density)
+    assert crowd.flow(settle, seconds) == pytest.approx(density * weidmann(density), rel=0.2)
+
+
+@pytest.mark.soak
+@pytest.mark.parametrize("density", [0.5, 1.0, 2.0])
+@pytest.mark.parametrize("width", [2.0, 3.0])
+def test_flow_of_a_crowd_is_near_weidmann_s_for_minutes(density: float, width: float) -> None:
+    flows = [Corridor(density, width=width, seed=seed).flow(10.0, 30.0) for seed in (1, 2, 3)]
+    assert sum(flows) / len(flows) == pytest.approx(density * weidmann(density), rel=0.2)
+
+
+def apart(*, together: bool) -> float:
+    arena = Arena(corridor(30.0, 4.0))
+    for name, other, y, speed in (("slow", "fast", 0.4, "0.9"), ("fast", "slow", -0.4, "1.4")):
+        walker(arena, name, (0.0, y), (30.0, y), speed=speed, **({"with": other} if together else {}))
+    arena.run(18.0)
+    return math.dist(arena.paths["slow"][-1][:2], arena.paths["fast"][-1][:2])
+
+
+def test_two_who_walk_together_stay_together_and_strangers_do_not() -> None:
+    assert apart(together=True) < 3.0
+    assert apart(together=False) > 6.0
+
+
+def test_who_walks_in_a_loop_comes_back_and_goes_on() -> None:
+    arena = Arena(corridor(12.0, 4.0))
+    arena.join(
+        "one", "person", "person", None, {"points": "4 0 0 0", "loop": "true"}, Position(x=0.0, y=0.0, heading=0.0)
+    )
+    arena.run(20.0)
+    xs = [x for x, _, _ in arena.paths["one"]]
+    assert sum(a < 2.0 <= b for a, b in pairwise(xs)) >= 2
+
+
+def test_who_has_no_goal_stands_and_steps_aside_for_a_chair() -> None:
+    arena = Arena(corridor(12.0, 3.4))
+    arena.join("one", "person", "person", None, {}, Position(x=6.0, y=0.2, heading=math.pi))
+    arena.run(2.0)
+    assert arena.paths["one"][-1][:2] == pytest.approx((6.0, 0.2), abs=0.05)
+    power = f"{0.5 / robot('rear-wheel').top_speed:.4f}"
+    at = Position(x=0.0, y=0.0, heading=0.0)
+    arena.join("chair", "drive", "rear-wheel", None, {"left": power, "right": power}, at)
+    arena.run(18.0)
+    assert arena.contacts() == []
+
+
+def test_robot_without_encoders_cannot_walk() -> None:
+    with pytest.raises(OptionError, match="expected a robot with encoders"):
+        Arena("room").join("blind", "person", "crate", "start1")

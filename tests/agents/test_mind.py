@@ -1,0 +1,46 @@
+"""What a mind is told of its way."""
+
+from __future__ import annotations
+
+import pytest
+
+from intellwheels_agents.mind import Context
+from intellwheels_agents.options import OptionError, Options
+from intellwheels_agents.path import path_of
+from intellwheels_maps import floor, robot
+from intellwheels_schemas.messages import Parameters, Position
+
+
+def context(**options: str) -> Context:
+    return Context(
+        agent="one",
+        robot=robot("person"),
+        position=Position(x=1.0, y=1.0, heading=0.0),
+        parameters=Parameters(
+            world="w", period=0.05, pace="lockstep", say_limit=100, say_range=8.0, command_timeout=0.5, grace=3.0
+        ),
+        options=Options(options),
+        fetch_map=lambda: floor("crossing"),
+    )
+
+
+def test_way_is_points_then_via_then_to() -> None:
+    found = context(to="north-side", via="south-side south-corner", points="1 2 3 4").way()
+    assert found == [(1.0, 2.0), (3.0, 4.0), (-0.6, -5.2), (2.4, -5.2), (0.0, 4.4)]
+
+
+def test_place_that_the_map_has_not_is_refused() -> None:
+    with pytest.raises(OptionError, match="option to: expected a place of the map"):
+        context(to="nowhere").way()
+
+
+def test_path_begins_where_the_body_stands() -> None:
+    path = path_of(context(points="1 4"))
+    assert path is not None
+    assert path.length == 3.0
+
+
+def test_path_to_where_the_body_stands_is_none_and_no_points_are_refused() -> None:
+    assert path_of(context(points="1 1")) is None
+    with pytest.raises(OptionError, match="option points: expected points, via or to, got none"):
+        path_of(context())

@@ -1,0 +1,232 @@
+"""A page of a real viewer in a real browser, as a test sees it: what its scene holds, where a body is on the screen.
+
+What viser keeps in the page is read, never pixels computed by hand; a frame is asked for, because viser draws on
+demand only.
+"""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import Any, NamedTuple, TypeVar
+
+from playwright.sync_api import Page
+
+from intellwheels_experiments.processes import AwaitedError
+from tests.e2e.stage import Peer, Stage
+
+OPENING = 25.0
+"""Seconds from the opening of a page until it shows the scene, on a busy machine."""
+WAIT = 20.0
+"""Seconds for anything else."""
+
+# In the page: bodies by node, arrays as plain lists.
+_BODIES = """() => {
+  const state = window.__viserSceneTree ? window.__viserSceneTree.getState() : {}, found = [];
+  const plain = (value, type) => value instanceof Uint8Array && type !== Uint8Array
+    ? [...new type(value.buffer.slice(value.byteOffset, value.byteOffset + value.byteLength))] : [...value];
+  for (const [name, node] of Object.entries(state)) {
+    if (!/^\\/bodies\\/\\d+-[^/]+(\\/stale)?\\/paint$/.test(name) || !node.message) continue;
+    const shown = node.overrideVisibility ?? node.visibility;
+    if (shown === false) continue;
+    const props = node.message.props;
+    found.push([name, plain(props.batched_positions, Float32Array), plain(props.batched_wxyzs, Float32Array)]);
+  }
+  return found;
+}"""
+
+_PIXEL = """([x, y, z]) => {
+  const view = window.__viserMutable, root = view.nodeRefFromName[''] ?? view.nodeRefFromName['/bodies'];
+  const point = view.camera.position.clone().set(x, y, z);
+  view.camera.updateMatrixWorld();
+  root.updateWorldMatrix(true, false);
+  root.localToWorld(point);
+  point.project(view.camera);
+  const box = view.canvas.getBoundingClientRect();
+  return [box.left + (point.x + 1) / 2 * box.width, box.top + (1 - point.y) / 2 * box.height];
+}"""
+
+_PICTURE = """() => {
+  const canvas = window.__viserMutable.canvas, small = document.createElement('canvas');
+  small.width = 128; small.height = 96;
+  const pen = small.getContext('2d');
+  pen.drawImage(canvas, 0, 0, 128, 96);
+  return [...pen.getImageData(0, 0, 128, 96).data];
+}"""
+
+_T = TypeVar("_T")
+
+
+class Pose(NamedTuple):
+    """Where a body stands in the scene: metres, radians."""
+
+    x: float
+    y: float
+    heading: float
+
+
+class Screen:
+    """A page with a viewer in it.
+
+    Args:
+        page: Of Playwright.
+        stage: Whose processes' ends and lines are heard while it waits.
+    """
+
+    def __init__(self, page: Page, stage: Stage) -> None:
+        self.page, self._stage = page, stage
+
+    def open(self, url: str) -> float:
+        """Open the viewer's page, wait until it shows bodies, and return how many seconds that took."""
+        begun = time.monotonic()
+        self.page.goto(f"{url}/?fixedDpr=1")
+        self.wait(lambda: self.poses() or None, "bodies in the scene", OPENING)
+        took = time.monotonic() - begun
+        self.clear()
+        return took
+
+    def clear(self) -> None:
+        """Close all notices, such as that it draws in software."""
+        for close in self.page.query_selector_all(".mantine-Notification-closeButton"):
+            close.click()
+
+    def wait(self, look: Callable[[], _T | None], what: str, timeout: float = WAIT) -> _T:
+        """Look until there is something, which is returned; the page goes on meanwhile."""
+        deadline = time.monotonic() + timeout
+        while True:
+            self._stage.hear()
+            found = look()
+            if found is not None:
+                return found
+            if time.monotonic() > deadline:
+                raise AwaitedError(f"{what} did not come in {timeout:g} s; the page says:\n{self.text()}")
+            self.page.wait_for_timeout(50)
+
+    def text(self) -> str:
+        """Return all words of the page."""
+        return str(self.page.evaluate("document.body.innerText"))
+
+    def says(self, words: str, timeout: float = WAIT) -> None:
+        """Wait until the page says so."""
+        self.wait(lambda: words in self.text() or None, f"{words!r} on the page", timeout)
+
+    def phase(self, phase: str, timeout: float = WAIT) -> None:
+        """Wait until the connection is so."""
+        self.page.wait_for_selector(f"[data-testid=connection] [data-phase={phase}]", timeout=timeout * 1000)
+
+    # ------------------------------------------------------------ the scene
+
+    def poses(self) -> list[Pose]:
+        """Return where bodies stand in the scene, sorted."""
+        found = []
+        for _, places, turns in self.page.evaluate(_BODIES):
+            for index in range(len(places) // 3):
+                w, z = turns[4 * index], turns[4 * index + 3]
+                found.append(Pose(places[3 * index], places[3 * index + 1], 2 * math.atan2(z, w)))
+        return sorted(found)
+
+    def frame(self) -> None:
+        """Wait until the newest is drawn."""
+        count = "window.__viserTestpoints.rendererInfo.render.frame"
+        before = self.page.evaluate(count)
+
+        def drawn() -> bool | None:
+            self.page.evaluate("window.__viserMutable.requestRender()")
+            return self.page.evaluate(count) >= before + 3 or None
+
+        self.wait(drawn, "a frame")
+
+    def picture(self) -> list[int]:
+        """Return the canvas as bytes of R, G, B, A, 128 x 96 pixels."""
+        self.frame()
+        return [int(byte) for byte in self.page.evaluate(_PICTURE)]
+
+    def pixel(self, x: float, y: float, z: float = 0.0) -> tuple[float, float]:
+        """Return where on the page a point of the world is."""
+        across, down = self.page.evaluate(_PIXEL, [x, y, z])
+        return float(across), float(down)
+
+    def camera(self) -> list[float]:
+        """Return where this page's camera stands, in the page's own axes."""
+        return [float(part) for part in self.page.evaluate("window.__viserMutable.camera.position.toArray()")]
+
+    def rest(self) -> None:
+        """Wait until the camera stands still."""
+        seen: list[list[float]] = []
+
+        def still() -> bool | None:
+            seen.append(self.camera())
+            return (len(seen) > 4 and all(one == seen[-1] for one in seen[-4:])) or None
+
+        self.wait(still, "a camera that stands still")
+        self.frame()
+
+    # ------------------------------------------------------------ the hand
+
+    def tab(self, name: str) -> None:
+        """Open a tab."""
+        self.page.get_by_role("tab", name=name).click()
+
+    def press(self, name: str) -> None:
+        """Press a button."""
+        self.page.get_by_role("button", name=name, exact=True).click()
+
+    def select(self, agent: str) -> None:
+        """Select by the row in the table of agents."""
+        self.tab("Agents")
+        self.page.get_by_test_id(f"agent-{agent}").locator("b").first.click()
+        self.page.wait_for_selector(f"tr.chosen[data-agent={agent}]", timeout=WAIT * 1000)
+
+    def drag(self, start: tuple[float, float], end: tuple[float, float]) -> None:
+        """Drag what is under a point of the page to another, as slowly as a hand."""
+        mouse = self.page.mouse
+        mouse.move(start[0] - 2, start[1] - 2)
+        self.frame()
+        mouse.move(*start)
+        # Viser hears of what is under the pointer by frames.
+        self.frame()
+        self.page.wait_for_timeout(500)
+        mouse.down()
+        self.page.wait_for_timeout(150)
+        for step in range(1, 11):
+            mouse.move(start[0] + (end[0] - start[0]) * step / 10, start[1] + (end[1] - start[1]) * step / 10)
+            self.page.wait_for_timeout(80)
+        mouse.move(end[0] + 1, end[1])
+        self.page.wait_for_timeout(150)
+        mouse.move(*end)
+        self.page.wait_for_timeout(150)
+        mouse.up()
+
+
+class Theatre(Stage):
+    """A stage with a viewer."""
+
+    def viewer(self, *words: str, endpoint: str | None = None) -> str:
+        """Start a viewer of this world and return its address."""
+        self.viewing = self.start(
+            "viewer", "intellwheels_viewer", "--connect", endpoint or self.endpoint, "--world", self.world,
+            "--port", "0", *words,
+        )  # fmt: skip
+        return self.line(self.viewing, "ready")["url"]
+
+    @contextmanager
+    def screen(self, chromium: Any, *, width: int = 1080, height: int = 640) -> Iterator[Screen]:
+        """A page of its own: no storage, no camera of another's."""
+        page = chromium.new_page(viewport={"width": width, "height": height}, device_scale_factor=1)
+        try:
+            yield Screen(page, self)
+        finally:
+            page.close()
+
+
+def poses_of(peer: Peer) -> list[Pose]:
+    """Return where the simulator says that bodies stand, sorted as the scene's are."""
+    bodies = peer.entities().values()
+    return sorted(Pose(body["X"], body["Y"], math.radians(body.get("HeadingDeg", 0.0))) for body in bodies)
+
+
+def turned(one: float, other: float) -> float:
+    """Return the angle between two headings, in [0, pi]."""
+    return abs(math.remainder(one - other, math.tau))

@@ -1,0 +1,402 @@
+"""The viewer as a user has it: a simulator, agents, the viewer and a browser, each a process of its own.
+
+What the page shows is compared with what the simulator says, and what a hand does in the page with what then is in
+the simulator. One world is shared, put back before each test; what is killed is a test's own.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+import re
+import signal
+import statistics
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from tests.e2e import strict_router
+from tests.e2e.screen import OPENING, WAIT, Screen, Theatre, poses_of, turned
+from tests.e2e.stage import Peer, free_port, run
+from tests.viewer.growth import raw_page
+from tests.viewer.panels.board import CHROMIUM, browser
+
+pytestmark = pytest.mark.browser
+
+PLACES = {"chair1": (1.2, 2.6, 0.0), "chair2": (7.6, 6.8, math.pi)}
+HOME = 1e-6
+"""Metres by which a body that was put back may be elsewhere."""
+CONNECTED = 40.0
+"""Seconds until a page shows again what was killed and restarted: Zenoh tries every few seconds."""
+STILL = 2e-3
+"""Metres a second: who is slower stands."""
+
+
+@pytest.fixture(scope="module")
+def chromium() -> Iterator[Any]:
+    """One for all: while Playwright runs, no other event loop does in this thread."""
+    if CHROMIUM is None:
+        words = "no Chromium: the page is not tested; install chromium"
+        if os.environ.get("REQUIRE_BROWSER") == "1":
+            pytest.fail(words)
+        pytest.skip(words)
+    with browser() as one:
+        yield one
+
+
+@pytest.fixture(scope="module")
+def world(tmp_path_factory: pytest.TempPathFactory, chromium: Any) -> Iterator[tuple[Theatre, str]]:
+    """A room with two chairs that stand, and a viewer."""
+    with Theatre(tmp_path_factory.mktemp("viewer"), "shown") as theatre:
+        theatre.server("--map", "room", "--pace", "realtime")
+        furnish(theatre)
+        yield theatre, theatre.viewer()
+
+
+@pytest.fixture
+def peer(world: tuple[Theatre, str]) -> Iterator[Peer]:
+    """Someone who asks the simulator itself; the world is as it was."""
+    with world[0].peer() as peer:
+        peer.ctl("resume")
+        peer.ctl("speed", Factor=1.0)
+        for name in peer.entities().keys() - PLACES.keys():
+            peer.ctl("delete", Agent=name)
+        for name in PLACES:
+            teleport(peer, name, *PLACES[name])
+        yield peer
+
+
+@pytest.fixture
+def screen(world: tuple[Theatre, str], peer: Peer, chromium: Any) -> Iterator[Screen]:
+    """A page that shows the world."""
+    theatre, url = world
+    with theatre.screen(chromium) as screen:
+        screen.open(url)
+        yield screen
+
+
+def furnish(theatre: Theatre) -> None:
+    theatre.agent("chair1", "drive", "--place", "start1")
+    theatre.agent("chair2", "drive", "--place", "start2", robot="mid-wheel")
+
+
+def teleport(peer: Peer, name: str, x: float, y: float, heading: float = 0.0) -> None:
+    answer = peer.ctl("teleport", Agent=name, Position={"X": x, "Y": y, "Heading": heading})
+    assert answer["Code"] == "ok", answer
+    peer.entity(name, lambda body: math.hypot(body["X"] - x, body["Y"] - y) < HOME)
+
+
+def at(peer: Peer, name: str) -> tuple[float, float, float]:
+    body = peer.entities()[name]
+    return body["X"], body["Y"], body.get("Heading", 0.0)
+
+
+def moves(screen: Screen, peer: Peer, name: str) -> None:
+    """Wait until a body moves or turns."""
+    x, y, heading = at(peer, name)
+
+    def away() -> bool | None:
+        now = at(peer, name)
+        return math.hypot(now[0] - x, now[1] - y) > 0.02 or turned(now[2], heading) > 0.05 or None
+
+    screen.wait(away, f"motion of {name}")
+
+
+def stands(screen: Screen, peer: Peer, name: str) -> None:
+    """Wait until a body stands, and see that it stays."""
+    screen.wait(lambda: abs(peer.entities()[name].get("Speed", 0.0)) < STILL or None, f"halt of {name}")
+    before = at(peer, name)
+    peer.ticks_on(8)
+    assert at(peer, name)[:2] == pytest.approx(before[:2], abs=0.01)
+
+
+def shown(screen: Screen, peer: Peer) -> None:
+    """Wait until the scene is what the simulator says."""
+
+    def same() -> bool | None:
+        scene, state = screen.poses(), poses_of(peer)
+        return len(scene) == len(state) and all(
+            math.hypot(one.x - other.x, one.y - other.y) < 1e-5 and turned(one.heading, other.heading) < 1e-5
+            for one, other in zip(scene, state, strict=True)
+        ) or None
+
+    screen.wait(same, f"the simulator's poses {poses_of(peer)} in the scene {screen.poses()}")
+
+
+def away(body: dict[str, Any], x: float, y: float) -> float:
+    return math.hypot(body["X"] - x, body["Y"] - y)
+
+
+# ---------------------------------------------------------------- what is seen
+
+
+def test_the_scene_is_there_soon_after_opening_and_changes_when_a_chair_moves(
+    world: tuple[Theatre, str], peer: Peer, chromium: Any
+) -> None:
+    theatre, url = world
+    with theatre.screen(chromium) as screen:
+        assert screen.open(url) < OPENING
+        screen.rest()
+        before = screen.picture()
+        assert statistics.pstdev(before) > 20
+        assert len({tuple(before[pixel : pixel + 3]) for pixel in range(0, len(before), 4)}) > 100
+        teleport(peer, "chair1", 5.0, 4.0, 1.0)
+        shown(screen, peer)
+        after = screen.picture()
+        assert sum(abs(one - other) > 30 for one, other in zip(before, after, strict=True)) > 100
+
+
+def test_poses_in_the_scene_are_the_simulators(screen: Screen, peer: Peer) -> None:
+    lease = peer.ctl("take", Agent="chair1", Seconds=30.0)["Lease"]
+    for number in range(1, 400):
+        peer.put("user/chair1", {"Lease": lease, "Seq": number, "Forward": 0.5, "Turn": 0.3})
+        if away(peer.entities()["chair1"], 1.2, 2.6) > 0.2:
+            break
+    peer.ctl("pause")
+    assert away(peer.entities()["chair1"], 1.2, 2.6) > 0.2
+    shown(screen, peer)
+    teleport(peer, "chair2", 6.123456, 5.654321, 2.345678)
+    shown(screen, peer)
+    peer.ctl("take", Agent="chair1", Lease=lease, Seconds=0.0)
+
+
+def test_two_browsers_look_each_in_its_own_way(
+    world: tuple[Theatre, str], screen: Screen, peer: Peer, chromium: Any
+) -> None:
+    theatre, url = world
+    with theatre.screen(chromium) as other:
+        other.open(url)
+        screen.rest()
+        free = screen.camera()
+        other.page.keyboard.press("p")
+        other.wait(lambda: abs(other.camera()[1] - free[1]) > 10 or None, "the plan's camera")
+        other.tab("Layers")
+        other.page.get_by_label("Sensors").uncheck()
+
+        def visible(one: Screen) -> bool:
+            node = "window.__viserSceneTree.getState()['/wedges']"
+            return bool(one.page.evaluate(f"{node}.effectiveVisibility"))
+
+        other.wait(lambda: not visible(other) or None, "hidden wedges")
+        other.select("chair2")
+        shown(screen, peer)
+        assert visible(screen)
+        assert screen.camera() == free
+        assert screen.page.query_selector("tr.chosen") is None
+
+
+# ---------------------------------------------------------------- driven
+
+
+def test_the_chair_selected_drives_by_keys_until_they_are_released_or_the_page_is_left(
+    screen: Screen, peer: Peer
+) -> None:
+    other = at(peer, "chair1")
+    screen.select("chair2")
+    screen.tab("Drive")
+    screen.says("You drive chair2")
+    for key in "ijk":
+        screen.page.keyboard.down(key)
+        moves(screen, peer, "chair2")
+        screen.page.keyboard.up(key)
+        stands(screen, peer, "chair2")
+    screen.page.keyboard.down("l")
+    moves(screen, peer, "chair2")
+    screen.page.evaluate("window.dispatchEvent(new Event('blur'))")
+    stands(screen, peer, "chair2")
+    screen.page.keyboard.up("l")
+    assert at(peer, "chair1") == other
+
+
+def test_a_chair_clicked_in_the_scene_drives_and_stops_when_the_page_is_closed(screen: Screen, peer: Peer) -> None:
+    screen.rest()
+    screen.page.mouse.click(*screen.pixel(1.2, 2.6, 0.5))
+    screen.page.wait_for_selector("tr.chosen[data-agent=chair1]", timeout=WAIT * 1000)
+    screen.tab("Drive")
+    screen.says("You drive chair1")
+    screen.page.keyboard.down("i")
+    moves(screen, peer, "chair1")
+    screen.page.close()
+    peer.entity("chair1", lambda body: abs(body.get("Speed", 0.0)) < STILL)
+    halted = at(peer, "chair1")
+    peer.ticks_on(10)
+    assert at(peer, "chair1") == pytest.approx(halted, abs=0.01)
+
+
+# ---------------------------------------------------------------- the clock
+
+
+def test_pause_step_speed_and_reset_act_on_the_simulator(screen: Screen, peer: Peer) -> None:
+    def clock(like: Callable[[dict[str, Any]], bool], what: str) -> dict[str, Any]:
+        def found() -> dict[str, Any] | None:
+            now = peer.clock()
+            return now if like(now) else None
+
+        return screen.wait(found, what)
+
+    screen.press("Pause")
+    paused = clock(lambda now: now["State"] == "paused", "a pause")
+    screen.page.wait_for_selector("[data-testid=clock] [data-state=paused]", timeout=WAIT * 1000)
+    screen.press("10")
+    clock(lambda now: now["Tick"] == paused["Tick"] + 10, "ten steps")
+    screen.press("Resume")
+    clock(lambda now: now["State"] == "running", "the run going on")
+    screen.press("5")
+    assert clock(lambda now: now.get("Speed", 1.0) == 5.0, "five times the speed")["Run"] == paused["Run"]
+    screen.press("Reset")
+    clock(lambda now: now["Run"] != paused["Run"], "another run")
+    screen.wait(lambda: len(peer.entities()) == 2 or None, "the agents in the new run")
+    shown(screen, peer)
+
+
+# ---------------------------------------------------------------- placed
+
+
+def test_a_body_dragged_goes_where_it_may_and_a_refused_drop_says_why(screen: Screen, peer: Peer) -> None:
+    screen.rest()
+    screen.drag(screen.pixel(1.2, 2.6, 0.45), screen.pixel(4.2, 3.4, 0.45))
+    moved = peer.entity("chair1", lambda body: away(body, 4.2, 3.4) < 0.5)
+    shown(screen, peer)
+    screen.frame()
+    screen.drag(screen.pixel(7.6, 6.8, 0.45), screen.pixel(moved["X"], moved["Y"], 0.45))
+    screen.says("Not placed")
+    screen.wait(lambda: re.search(r"overlap", screen.text()), "the reason of the refusal")
+    assert away(peer.entities()["chair2"], 7.6, 6.8) < HOME
+
+
+def test_things_are_placed_by_a_click_on_the_floor_and_taken_away(screen: Screen, peer: Peer) -> None:
+    screen.rest()
+    screen.tab("Place")
+    screen.press("Box")
+    screen.says("Click the floor where the box shall stand")
+    screen.page.mouse.move(*screen.pixel(4.5, 4.5))
+    screen.page.mouse.click(*screen.pixel(5.0, 4.0))
+    crate = peer.entity("crate1", lambda body: away(body, 5.0, 4.0) < 0.1)
+    shown(screen, peer)
+    screen.page.mouse.click(*screen.pixel(7.6, 6.8))
+    screen.says("Not placed")
+    screen.press("Stop placing")
+    screen.select(crate["Name"])
+    screen.tab("Place")
+    screen.press("+90")
+    peer.entity("crate1", lambda body: turned(body.get("Heading", 0.0), math.pi / 2) < 1e-6)
+    screen.press("Remove crate1")
+    screen.wait(lambda: "crate1" not in peer.entities() or None, "the crate gone")
+    shown(screen, peer)
+
+
+# ---------------------------------------------------------------- what breaks
+
+
+def test_ticks_go_on_while_the_viewer_is_stopped_and_while_a_page_never_reads(
+    world: tuple[Theatre, str], screen: Screen, peer: Peer
+) -> None:
+    theatre, url = world
+    with raw_page(url):
+        late = peer.clock()["Late"]
+        peer.ticks_on(30)
+        # The other page is served meanwhile.
+        teleport(peer, "chair1", 4.0, 3.0)
+        shown(screen, peer)
+    theatre.signal(theatre.viewing, signal.SIGSTOP)
+    try:
+        peer.ticks_on(40)
+        assert peer.clock()["Late"] - late < 60, "a busy machine's, not the viewer's"
+    finally:
+        theatre.signal(theatre.viewing, signal.SIGCONT)
+    teleport(peer, "chair1", 5.0, 3.0)
+    shown(screen, peer)
+
+
+def test_an_open_page_outlives_simulator_and_router(tmp_path: Path, chromium: Any) -> None:
+    with Theatre(tmp_path, "killed") as theatre:
+        meeting = f"tcp/127.0.0.1:{free_port()}"
+
+        def router() -> str:
+            child = theatre.start("router", "intellwheels_server.router", "--listen", meeting)
+            theatre.line(child, "ready")
+            return child
+
+        first = router()
+        simulator = theatre.server("--map", "room", "--connect", meeting)
+        url = theatre.viewer(endpoint=meeting)
+        theatre.agent("chair1", "drive", "--place", "start1", joined=True)
+        with theatre.screen(chromium) as screen:
+            screen.open(url)
+            theatre.signal(simulator, signal.SIGKILL)
+            screen.phase("gone")
+            screen.says("It comes back when its simulator does")
+            theatre.server("--map", "room", "--connect", meeting)
+            screen.phase("live", CONNECTED)
+            theatre.signal(first, signal.SIGKILL)
+            screen.phase("no-router")
+            screen.says(f"No router at {meeting}")
+            router()
+            screen.phase("live", CONNECTED)
+            with theatre.peer() as peer:
+                peer.entity("chair1", lambda body: True)
+                shown(screen, peer)
+
+
+def test_without_the_right_to_steer_every_control_says_so(tmp_path: Path, chromium: Any) -> None:
+    with Theatre(tmp_path, "looked-at") as theatre:
+        meeting = f"tcp/127.0.0.1:{free_port()}"
+        file = strict_router.write(tmp_path / "router.json", meeting)
+        theatre.line(theatre.start("router", "tests.e2e.strict_router", str(file)), "ready")
+        theatre.server("--map", "room", "--connect", meeting)
+        furnish(theatre)
+        url = theatre.viewer(endpoint=meeting)
+        with theatre.screen(chromium) as screen, theatre.peer() as peer:
+            screen.open(url)
+            run_before = peer.clock()["Run"]
+            screen.rest()
+
+            def told(what: str, act: Callable[[], object]) -> None:
+                act()
+                screen.says(f"{what}: You may look, not steer")
+
+            for what, button in (
+                ("Not paused", "Pause"), ("Not stepped", "10"), ("Speed not changed", "5"), ("Not begun anew", "Reset"),
+            ):  # fmt: skip
+                told(what, lambda button=button: screen.press(button))  # type: ignore[misc]
+            screen.select("chair1")
+            told("Not placed", lambda: screen.drag(screen.pixel(1.2, 2.6, 0.45), screen.pixel(3.5, 3.4, 0.45)))
+            screen.tab("Drive")
+            told("Not driven", lambda: screen.page.keyboard.down("i"))
+            screen.page.keyboard.up("i")
+            field = screen.page.locator("form input:visible").first
+            field.fill("hello")
+            told("Not said", lambda: field.press("Enter"))
+            screen.tab("Place")
+            told("Not turned", lambda: screen.press("+15"))
+            told("Not removed", lambda: screen.press("Remove chair1"))
+            assert peer.clock()["Run"] == run_before
+            assert peer.clock()["State"] == "running"
+            for name in PLACES:
+                assert at(peer, name) == pytest.approx(PLACES[name], abs=1e-6)
+
+
+# ---------------------------------------------------------------- what it costs
+
+
+def grown(updates: int, timeout: float) -> None:
+    """Hold the figures of `tests.viewer.growth` against the promise: from the first thousand updates on."""
+    done = run("tests.viewer.growth", str(updates), timeout=timeout)
+    assert done.returncode == 0, done.stderr
+    figures = [look for look in json.loads(done.stdout.splitlines()[-1])["figures"] if look[0] >= 1000]
+    assert figures[-1][0] == updates
+    resident, kept = [look[1] for look in figures], {look[2] for look in figures}
+    assert max(resident) - resident[0] <= 5 * 2**20
+    assert len(kept) == 1, f"messages that viser keeps: {sorted(kept)}"
+
+
+def test_the_viewer_does_not_grow_with_updates() -> None:
+    grown(2000, 120.0)
+
+
+@pytest.mark.soak
+def test_the_viewer_does_not_grow_with_half_an_hour_of_updates() -> None:
+    grown(36_000, 1200.0)

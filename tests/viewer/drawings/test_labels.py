@@ -1,0 +1,52 @@
+from __future__ import annotations
+
+import viser
+
+from intellwheels_viewer.drawings.labels import Labels, cut, name_of, tags
+from intellwheels_viewer.seen import Words
+from tests.viewer.drawings.cast import body, entity, node
+
+CAST = {"a": body("rear-wheel"), "table": body("table"), "door": body("door")}
+
+
+def test_long_words_are_cut_at_forty_characters() -> None:
+    assert cut("x" * 40) == "x" * 40
+    assert cut("x" * 41) == "x" * 39 + "…"
+    assert cut("two\n  lines") == "two lines"
+
+
+def test_a_name_has_the_speed_of_what_moves() -> None:
+    assert name_of(entity("a", speed=-0.25)) == "a  -0.25 m/s"
+    assert name_of(entity("a")) == "a"
+
+
+def test_what_goes_has_a_label_above_it_and_furniture_has_not() -> None:
+    shown = tags(CAST, [entity("a", 1.0, 2.0), entity("table"), entity("door")], (), 0.0, ())
+    assert set(shown) == {"a"}
+    assert shown["a"].z > 1.3
+    assert shown["a"].x == 1.0
+
+
+def test_words_stand_over_the_name_for_three_seconds() -> None:
+    said = [Words("a", 10.0, "old"), Words("a", 11.0, "new"), Words("nobody", 11.0, "hm")]
+    now = [tags(CAST, [entity("a")], said, time, ())["a"].text for time in (9.0, 11.0, 13.9, 14.0)]
+    assert now == ["a", "“new”\na", "“new”\na", "a"]
+
+
+def test_above_thirty_bodies_only_the_wanted_and_the_speaking_have_names() -> None:
+    many = {f"a{index}": CAST["a"] for index in range(31)}
+    entities = [entity(name) for name in many]
+    assert set(tags(many, entities, [Words("a7", 1.0, "hi")], 1.0, {"a3"})) == {"a3", "a7"}
+    assert len(tags(many, entities[:30], (), 1.0, ())) == 30
+
+
+def test_nodes_are_kept_and_hidden(scene: viser.SceneApi) -> None:
+    labels = Labels(scene)
+    labels.show(CAST, [entity("a")], (), 0.0)
+    handle = node(scene, "/labels/a")
+    labels.show(CAST, [], (), 0.0)
+    assert not handle.visible
+    labels.show(CAST, [entity("a", speed=1.0)], (), 0.0)
+    assert node(scene, "/labels/a") is handle
+    assert handle.visible
+    assert handle.text == "a  1.00 m/s"
