@@ -212,7 +212,7 @@ class Theatre(Stage):
         return self.line(self.viewing, "ready")["url"]
 
     @contextmanager
-    def screen(self, chromium: Any, *, width: int = 1080, height: int = 640) -> Iterator[Screen]:
+    def screen(self, chromium: Any, *, width: int = 960, height: int = 560) -> Iterator[Screen]:
         """A page of its own: no storage, no camera of another's."""
         page = chromium.new_page(viewport={"width": width, "height": height}, device_scale_factor=1)
         try:
@@ -224,7 +224,7 @@ class Theatre(Stage):
 def poses_of(peer: Peer) -> list[Pose]:
     """Return where the simulator says that bodies stand, sorted as the scene's are."""
     bodies = peer.entities().values()
-    return sorted(Pose(body["X"], body["Y"], math.radians(body.get("HeadingDeg", 0.0))) for body in bodies)
+    return sorted(Pose(body["X"], body["Y"], body.get("Heading", 0.0)) for body in bodies)
 
 
 def turned(one: float, other: float) -> float:

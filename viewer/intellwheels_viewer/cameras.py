@@ -113,7 +113,8 @@ def on_floor(origin: Iterable[float], direction: Iterable[float]) -> tuple[float
     if dz >= -1e-9 or oz <= 0.0:
         return None
     along = -oz / dz
-    x, y = ox + along * dx, oy + along * dy
+    # Plain floats: what comes of numpy's is no number to the codec.
+    x, y = float(ox + along * dx), float(oy + along * dy)
     return (x, y) if abs(x) < 1e4 and abs(y) < 1e4 else None  # what a coordinate may be; no NaN of a page's either
 
 

@@ -116,6 +116,13 @@ class Wishes:
             asking.done(result)
 
 
+def _report(asked: Future[None]) -> None:
+    """Print a fault of ours, which the worker would keep to itself."""
+    error = asked.exception()
+    if error is not None:
+        traceback.print_exception(error)
+
+
 class Driving:
     """A page's hand on a body: the lease, and what the stick says.
 
