@@ -131,7 +131,7 @@ def _factor(text: str) -> float:
 
 
 def _port(text: str) -> int:
-    if not text.isdecimal() or int(text) > 65535:  # noqa: PLR2004  # the last port there is
+    if not text.isdecimal() or int(text) > 65535:  # the last port there is
         raise argparse.ArgumentTypeError(f"expected a port, 0 to 65535, got {text!r}")
     return int(text)
 

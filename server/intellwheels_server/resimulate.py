@@ -6,7 +6,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
-from intellwheels_server.log import Line, LogError, read_header, read_lines
+from intellwheels_schemas.errors import RequestRefusedError
+from intellwheels_server.log import Header, Line, LogError, read_header, read_lines
 from intellwheels_server.world import Outputs, State, advance, apply, begin, digest
 
 
@@ -29,17 +30,30 @@ class Finding:
     differs: str | None = None
 
 
+def first_state(header: Header, name: str) -> State:
+    """Return the state at the beginning of a log.
+
+    Raises:
+        LogError: There is no such world.
+    """
+    try:
+        return begin(header.world_setup(), header.run)
+    except ValueError as error:
+        raise LogError(f"{name}:1: {error}") from None
+
+
 def replay(state: State, line: Line, where: str) -> tuple[State, Outputs]:
     """Return the state after a line of a log, and what came out.
 
     Raises:
-        LogError: The line is of another tick.
+        LogError: The line is of another tick, or nothing that a simulator would have done.
     """
-    if not line.stepped:
-        return apply(state, line.inputs.changes)
-    if line.tick != state.tick:
+    if line.stepped and line.tick != state.tick:
         raise LogError(f"{where}: expected tick {state.tick}, got {line.tick}")
-    return advance(state, line.inputs)
+    try:
+        return advance(state, line.inputs) if line.stepped else apply(state, line.inputs.changes)
+    except RequestRefusedError as error:
+        raise LogError(f"{where}: {error.text}") from None
 
 
 def difference(state: State, line: Line, number: int, found: str) -> str:
@@ -60,7 +74,7 @@ def resimulate(path: Path, progress: Callable[[int], None] = lambda _ticks: None
     """
     with path.open("rb") as file:
         header = read_header(file, str(path))
-        state = begin(header.world_setup(), header.run)
+        state = first_state(header, str(path))
         steps, last = 0, digest(state)
         for number, line in enumerate(read_lines(file, str(path)), start=2):
             if line is None:
