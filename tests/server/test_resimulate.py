@@ -103,14 +103,3 @@ def test_a_header_of_no_world_is_an_error_in_words(
         resimulate(tmp_path / "log")
     with pytest.raises(LogError, match=message):
         Recording(tmp_path / "log")
-
-
-def test_a_line_that_no_simulator_would_have_obeyed_is_an_error_with_its_number(tmp_path: Path) -> None:
-    run(tmp_path / "log")
-    lines = (tmp_path / "log").read_bytes().split(b"\n")
-    end = {"Reach": [{"Agent": "one", "Place": "moon", "Within": 1.0}]}
-    restart = {"Do": "Restart", "Seed": "1", "Run": "c" * 16, "End": end}
-    lines[2] = json.dumps({"Tick": 1, "Inputs": {"Changes": [restart]}, "Hash": "", "Stepped": False}).encode()
-    (tmp_path / "log").write_bytes(b"\n".join(lines))
-    with pytest.raises(LogError, match=r"log:3: .*moon"):
-        resimulate(tmp_path / "log")

@@ -82,7 +82,7 @@ def test_words_that_come_at_once_are_put_one_after_the_other_and_none_is_lost() 
     said = spoken()
     for word in ("forward", "horn", "lights", "horn"):
         said.hear(word, 10.0)
-    times = [10.0 + 0.05 * k for k in range(30)]
+    times = [10.0 + 0.05 * k for k in range(40)]
     words = [said.wish(time).word for time in times]
     assert [word for word, _ in groupby(words)] == ["forward", "horn", "lights", "horn", None]
     assert all(len(list(group)) >= 5 for _, group in groupby(words))
