@@ -61,7 +61,7 @@ def parser() -> argparse.ArgumentParser:
         "--hide-truth",
         action="store_true",
         default=None,
-        help="put no true pose on the network, it stays in the log: a laboratory whose chairs are real to another world",
+        help="true poses stay in the log, off the network: a laboratory, whose chairs are real to another world",
     )
     what.add_argument("--say-limit", type=_count, default=100, metavar="N", help="characters of one say (default: 100)")
     what.add_argument(
