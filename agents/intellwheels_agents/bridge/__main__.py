@@ -60,7 +60,7 @@ def parser() -> argparse.ArgumentParser:
         epilog=EXAMPLES,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
-    result.add_argument("driver", choices=("world", "serial"), help="another simulation's chair, or one on a line")
+    result.add_argument("driver", choices=("world", "serial"), help="another simulation's, or one on a line")
     body = result.add_argument_group("body")
     body.add_argument("--name", required=True, metavar="NAME", help="the agent's name, in both worlds")
     body.add_argument(
@@ -70,7 +70,7 @@ def parser() -> argparse.ArgumentParser:
     body.add_argument("--option", action="append", default=[], metavar="FIELD=VALUE", help="a field of it; repeated")
     body.add_argument("--place", metavar="PLACE", help="where the chair stands when the bridge starts")
     body.add_argument(
-        "--sensors", choices=SENSORS, default="virtual", help="what its mind perceives: virtual sensors, the chair's own"
+        "--sensors", choices=SENSORS, default="virtual", help="what its mind perceives: virtual sensors, its own"
         " sonars under their names, or both, its own as real-ID (default: virtual)",
     )  # fmt: skip
     chair = result.add_argument_group("the chair as built")

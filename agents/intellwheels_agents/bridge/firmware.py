@@ -6,8 +6,9 @@
 50 times a second it says its telemetry; it obeys powers, and gives none once 0.2 s passed without a valid one: its own
 watchdog, by its own clock, which trusts neither the line nor the bridge. `PROTOCOL.md` has the lines.
 
-Faults are asked for on standard input, or a named pipe, one a line: `cut S` (nothing passes for S seconds), `noise S` (garbage both
-ways), `unplug S` (the terminal is gone), `boot` (counts begin anew), `stick F T` (thousandths), `fix X Y SD` (mm).
+Faults are asked for on standard input, or a named pipe, one a line: `cut S` (nothing passes for S seconds),
+`noise S` (garbage both ways), `unplug S` (the terminal is gone), `boot` (counts begin anew), `stick F T`
+(thousandths), `fix X Y SD` (mm).
 On standard output: `ready port=...`, `moving ms=...`, and `stopped ms=... silence=...` when it stands by command
 (silence -1) or by its watchdog (milliseconds since the last valid power).
 """
