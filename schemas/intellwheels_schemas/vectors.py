@@ -174,6 +174,32 @@ EVERY_SENSOR: Final = Robot(
     truth=(Truth(id="truth"),),
 )  # fmt: skip
 
+ERRING: Final = Robot(
+    name="lab-2", kind="wheelchair", instance=INSTANCE, top_speed=1.5, length=1.1, width=0.62, wheel_ratio=1.002,
+    wheel_scale=0.99, track_ratio=1.01,
+    proximity=(
+        Proximity(
+            id="ir", x=0.5, y=0.0, z=0.4, direction_deg=0.0, cone_deg=10.0, max_range=1.5, model="infrared",
+            noise_volts=0.02, dropout=0.01,
+        ),
+        Proximity(
+            id="sonar", x=0.5, y=0.0, z=0.4, direction_deg=0.0, cone_deg=30.0, max_range=4.0, model="sonar",
+            dropout=0.01, crosstalk=0.5, group=1, every=4,
+        ),
+    ),
+    lidar=(
+        Lidar(
+            id="lidar", x=0.4, y=0.0, z=0.3, direction_deg=0.0, fov_deg=270.0, rays=271, max_range=8.0,
+            incidence_deg=80.0, dropout=0.001,
+        ),
+    ),
+    encoders=(Encoders(id="wheels", drift=0.000001),),
+    compass=(Compass(id="compass", walk_deg=0.5),),
+    gps=(GPS(id="gps", walk=0.05, step=0.01),),
+    imu=(IMU(id="imu", walk=0.01, turn_walk=0.001, step=0.01, turn_step=0.001),),
+    beacon=(Beacon(id="bed", place="bed1", walk_deg=0.5, step_deg=1.0),),
+)  # fmt: skip
+
 DOOR: Final = Robot(
     format="iw.v1", kind="door", top_speed=0.3, track=0.5, length=1.0, width=0.1, center=0.99, top=2.0,
     proximity=(
@@ -231,6 +257,7 @@ _PERCEIVED = Sensors(
 VALID: Final[dict[str, Record]] = {
     "Robot-chair": CHAIR,
     "Robot-every-sensor": EVERY_SENSOR,
+    "Robot-errors": ERRING,
     "Robot-mind": Robot(role="mind", instance=INSTANCE, barrier=True, crew="crew1", user_input=("drive",)),
     "Robot-file": DOOR,
     "Joined": Joined(

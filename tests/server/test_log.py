@@ -12,10 +12,11 @@ from intellwheels_server.log import Line, Log, LogError, read_header, read_lines
 from intellwheels_server.world import Setup
 
 RUN = "0123456789abcdef"
+SETUP = Setup(floor=floor("room"), seed="7", say_walls=True, say_loss=0.1, say_delay=0.2)
 
 
 def written(path: Path, count: int = 3) -> list[Line]:
-    log = Log(path, Setup(floor=floor("room"), seed="7"), RUN)
+    log = Log(path, SETUP, RUN)
     lines = [
         Line(tick=k, inputs=Inputs(actions={"one": Actions(left_motor=0.1 + 0.2 * k)}), hash="0" * 16)
         for k in range(count)
@@ -32,7 +33,7 @@ def test_what_is_written_is_read_again(tmp_path: Path) -> None:
     with path.open("rb") as file:
         header = read_header(file, "log")
         assert (header.run, header.seed, header.period) == (RUN, "7", 0.05)
-        assert header.world_setup() == Setup(floor=floor("room"), seed="7")
+        assert header.world_setup() == SETUP
         assert {"python", "numpy", "numba", "intellwheels"} <= header.versions.keys()
         assert list(read_lines(file, "log")) == lines
 

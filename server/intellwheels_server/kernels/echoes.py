@@ -219,7 +219,7 @@ def _faces_of_piece(edges: Floats, first: int, end: int, x: float, y: float, fac
         faces[face, 3] = edges[after, EDGE_Y] - y
         faces[face, 4] = edges[first + face, NORMAL_X]
         faces[face, 5] = edges[first + face, NORMAL_Y]
-    return count
+    return int(count)
 
 
 @njit(cache=True, error_model="numpy")
@@ -325,6 +325,7 @@ def _hear_others(
 ) -> None:
     """Shorten what sonars that are prone to it heard to half the way to the nearest that chirps at them."""
     order = due[np.argsort(poses[due, 0])]
+    ordered_x = poses[order, 0]
     for sensor in due:
         share = ears[sensor, CROSSTALK]
         if share <= 0.0:
@@ -334,7 +335,7 @@ def _hear_others(
             continue
         x, y, z = poses[sensor, 0], poses[sensor, 1], eyes[sensor, EYE_Z]
         farthest = eyes[sensor, FARTHEST]
-        first = np.searchsorted(poses[order, 0], x - farthest)
+        first = np.searchsorted(ordered_x, x - farthest)
         for at in range(first, order.shape[0]):
             other = order[at]
             dx, dy = poses[other, 0] - x, poses[other, 1] - y
@@ -458,17 +459,17 @@ def sense_sonars(
             timetable, heard,
         )  # fmt: skip
 
-    for sensor in due:
-        slot = slots[sensor]
-        way = heard[sensor]
+    for ear in due:
+        slot = slots[ear]
+        way = heard[ear]
         samples[slot + 1] = 0.0
-        if ears[sensor, DROPOUT] > 0.0 and ears[sensor, DROPOUT] > uniform(
-            np.uint64(timetable[sensor, KEY0]), np.uint64(timetable[sensor, KEY1]), tick, _DROPOUT_DRAW
+        if ears[ear, DROPOUT] > 0.0 and ears[ear, DROPOUT] > uniform(
+            np.uint64(timetable[ear, KEY0]), np.uint64(timetable[ear, KEY1]), tick, _DROPOUT_DRAW
         ):
             samples[slot] = FAULT
-        elif way > eyes[sensor, FARTHEST]:
+        elif way > eyes[ear, FARTHEST]:
             samples[slot] = NONE
-        elif way < eyes[sensor, NEAREST] or way == 0.0:
+        elif way < eyes[ear, NEAREST] or way == 0.0:
             samples[slot] = NEAR
         else:
             samples[slot] = OK

@@ -85,14 +85,14 @@ def _incidence_cos(
 ) -> float:
     """Return the cosine of the angle between a ray and the normal of the face it enters."""
     if edge >= 0:
-        return abs(edges[edge, NORMAL_X] * dx + edges[edge, NORMAL_Y] * dy)
+        return float(abs(edges[edge, NORMAL_X] * dx + edges[edge, NORMAL_Y] * dy))
     c = around[COS, met]
     s = around[SIN, met]
     px = x + way * dx - around[CENTRE_X, met]
     py = y + way * dy - around[CENTRE_Y, met]
     from_end = abs(abs(c * px + s * py) - around[LONG, met])
     from_side = abs(abs(c * py - s * px) - around[WIDE, met])
-    return abs(c * dx + s * dy) if from_end < from_side else abs(c * dy - s * dx)
+    return float(abs(c * dx + s * dy) if from_end < from_side else abs(c * dy - s * dx))
 
 
 @njit(cache=True, error_model="numpy")

@@ -83,13 +83,29 @@ class ProximityBlock:
 
     def take(self, tick: int, view: View, samples: Floats) -> None:
         """Store the samples that are due at a tick."""
-        bodies = (view.numbers, view.parts, view.part_start)
+        numbers, parts, part_start = view.numbers, view.parts, view.part_start
         if len(self.seeing_times):
-            sense_proximity(tick, *bodies, *view.walls, *self.seeing, self.seeing_times, samples)
+            of = self.seeing
+            sense_proximity(
+                tick,
+                numbers,
+                parts,
+                part_start,
+                *view.walls,
+                of.stations,
+                of.crews,
+                of.eyes,
+                self.seeing_times,
+                samples,
+            )
         if len(self.infrared_times):
             _spoil(tick, self.infrared, self.infrared_times, samples)
         if len(self.sonar_times):
-            sense_sonars(tick, *bodies, *view.walls, *self.sonars, self.ears, self.sonar_times, samples)
+            of = self.sonars
+            sense_sonars(
+                tick, numbers, parts, part_start, *view.walls, of.stations, of.crews, of.eyes, self.ears,
+                self.sonar_times, samples,
+            )  # fmt: skip
 
 
 class ProximityKind:

@@ -38,12 +38,14 @@ def test_odometry_of_a_chair_as_it_should_be_is_its_way_since_joining() -> None:
 def test_odometry_moves_by_whole_ticks_of_the_encoders() -> None:
     coarse = {"encoder_ticks": 10, "wheel_diameter": 1.0 / math.pi}
     state = world({"a": cart(odometry=(Odometry(id="o"),), encoders=(Encoders(id="w"),), **coarse)})
+    count = 0
     for _ in range(30):
         state, _ = run(state, 1, {"a": (0.33, 0.33)})
         sensors = measures(state, "a").sensors
         assert sensors is not None
-        assert _told(state).x == pytest.approx(0.1 * sensors.encoders[0].left, abs=1e-12)
-    assert sensors.encoders[0].left == 5
+        count = sensors.encoders[0].left
+        assert _told(state).x == pytest.approx(0.1 * count, abs=1e-12)
+    assert count == 5
 
 
 def test_odometry_errs_as_the_encoders_do_that_it_reads() -> None:
@@ -93,8 +95,8 @@ _SIDE, _TRACK = 4.0, 0.5
 def _square(side: int, e_d: float, e_b: float) -> tuple[float, float]:
     """Return by how much a chair misses its start by its own odometry after a square, +1 to the left, m.
 
-    Nothing slips and the wheels obey at once, so equal turns of the motors are equal counts: 4 m a leg and a quarter turn
-    on the spot by the nominal figures.
+    Nothing slips and the wheels obey at once, so equal turns of the motors are equal counts: 4 m a leg and a quarter
+    turn on the spot by the nominal figures.
     """
     state = world({"a": cart(track=_TRACK, wheel_ratio=e_d, track_ratio=e_b, **_FINE)})
     turn = 0.25 * math.pi * _TRACK / (20 * 0.05)

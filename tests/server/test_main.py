@@ -1,0 +1,25 @@
+"""The options of `iw-server` that make a world what it is."""
+
+from __future__ import annotations
+
+import pytest
+
+from intellwheels_server.__main__ import main, parser
+
+
+def test_say_is_kept_lost_or_late_by_options_and_by_default_not() -> None:
+    given = parser().parse_args([])
+    assert (given.say_walls, given.say_loss, given.say_delay) == (False, 0.0, 0.0)
+    given = parser().parse_args(["--say-walls", "--say-loss", "0.3", "--say-delay", "0.2"])
+    assert (given.say_walls, given.say_loss, given.say_delay) == (True, 0.3, 0.2)
+
+
+@pytest.mark.parametrize(
+    ("option", "text"),
+    [("--say-loss", "expected a number in [0, 1], got 1.5"), ("--say-delay", "expected seconds in [0, 3600], got 1e9")],
+)
+def test_share_or_time_out_of_range_is_wrong_usage(option: str, text: str, capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit) as left:
+        main([option, text.rsplit(" ", 1)[1]])
+    assert left.value.code == 2
+    assert text in capsys.readouterr().err
