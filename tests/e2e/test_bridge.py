@@ -118,6 +118,36 @@ def test_a_real_chair_stops_for_a_virtual_table_the_same_each_time(stage: Stage,
     assert hashes(tmp_path / "again.jsonl", 200) == first
 
 
+@pytest.mark.parametrize("first", ["lab", "here"])
+def test_a_reset_of_both_worlds_begins_the_same_run_again(stage: Stage, lab: Stage, tmp_path: Path, first: str) -> None:
+    log = tmp_path / "run.jsonl"
+    with (
+        two_worlds(stage, lab, log, "--delay", "0.08", "--jitter", "0.1", "--loss", "0.1") as peer,
+        lab.peer() as there,
+    ):
+        peer.tick(120)
+        run = peer.clock()["Run"]
+        for one in (there, peer) if first == "lab" else (peer, there):
+            assert one.ctl("reset", Seed="5")["Code"] == "ok"
+
+        def anew() -> bool | None:
+            clock = peer.clock()
+            return True if clock["Run"] != run and clock["Tick"] >= 120 else None
+
+        stage.wait(anew, "tick 120 of the new run")
+    runs = log.read_text().split('"Do":"Restart"')
+    assert len(runs) == 2
+    lines = [[json.loads(line) for line in part.splitlines() if line.startswith('{"Tick"')] for part in
+             (log.read_text()[: len(runs[0])], log.read_text()[len(runs[0]) :])]  # fmt: skip
+    poses = [
+        [line["Inputs"]["Poses"]["chair1"]["X"] for line in part if "Poses" in line.get("Inputs", {})][:100]
+        for part in lines
+    ]
+    assert len(poses[0]) == 100
+    assert poses[1][:95] == poses[0][:95]
+    assert poses[0][99] > poses[0][0] + 0.5
+
+
 # ---------------------------------------------------------------- two worlds in real time
 
 

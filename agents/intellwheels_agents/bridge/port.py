@@ -55,7 +55,8 @@ class Port:
         self._readings: deque[Reading] = deque(maxlen=ROOM)
         self._splitter = Splitter()
         self._fix: Fix | None = None
-        self._line: serial.SerialBase | None = None
+        self._lock = threading.Lock()
+        self._line: serial.Serial | None = None
         self._garbage = self._opened = self._unwritten = 0
         self._thread = threading.Thread(target=self._live, name="serial", daemon=True)
 
@@ -74,13 +75,9 @@ class Port:
 
     def write(self, left: float, right: float) -> None:
         """Tell the controller a power; where there is no line nothing is told, and it stops by itself."""
-        line = self._line
-        if line is None:
-            return
-        try:
-            line.write(written(PowerLine(round(1000.0 * left), round(1000.0 * right))))
-        except OSError:  # pyserial's own errors are OSErrors
-            self._unwritten += 1
+        with self._lock:
+            if self._line is not None:
+                self._tell(self._line, left, right)
 
     def meet(self, run: str, tick: int, pace: Pace) -> bool:  # noqa: ARG002 - as `Driver` has it
         """Return False: real hardware waits for nobody."""
@@ -98,8 +95,7 @@ class Port:
         }
 
     def close(self) -> None:
-        """Stop the motors; `stop` is set already."""
-        self.write(0.0, 0.0)
+        """Let go; `stop` is set already, and the thread's last word is a zero."""
         if self._thread.is_alive():
             self._thread.join(timeout=2.0)
 
@@ -114,17 +110,37 @@ class Port:
             return
         while not self._stop.is_set():
             try:
-                with serial.serial_for_url(self._name, self._baud, timeout=0.05, write_timeout=0.1) as line:
-                    self._line = line
-                    self._opened += 1
-                    self._splitter.feed(b"\n")
-                    while not self._stop.is_set():
-                        self._hear(line.read(max(1, line.in_waiting)), time.monotonic())
+                line = serial.serial_for_url(self._name, self._baud, timeout=0.05, write_timeout=0.1)
             except OSError:
-                pass  # gone, or not there yet
-            finally:
-                self._line = None
+                self._stop.wait(AGAIN)  # not there yet
+                continue
+            self._opened += 1
+            with line:
+                self._use(line)
             self._stop.wait(AGAIN)
+
+    def _use(self, line: serial.Serial) -> None:
+        """Listen to an open line until it is gone or all ends."""
+        self._splitter.feed(b"\n")
+        with self._lock:
+            self._line = line
+        try:
+            while not self._stop.is_set():
+                self._hear(line.read(max(1, line.in_waiting)), time.monotonic())
+        except OSError:
+            pass  # gone
+        finally:
+            # Nobody writes to a line that is being closed: pyserial's own state is gone under the writer's hands.
+            with self._lock:
+                self._line = None
+                if self._stop.is_set():
+                    self._tell(line, 0.0, 0.0)
+
+    def _tell(self, line: serial.Serial, left: float, right: float) -> None:
+        try:
+            line.write(written(PowerLine(round(1000.0 * left), round(1000.0 * right))))
+        except OSError:  # pyserial's own errors are OSErrors
+            self._unwritten += 1
 
     def _hear(self, data: bytes, now: float) -> None:
         for line in self._splitter.feed(data):
