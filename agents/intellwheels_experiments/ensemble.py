@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import signal
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import Final
 
@@ -72,10 +73,15 @@ class Ensemble:
     # ------------------------------------------------------------ faults
 
     def kill(self, name: str) -> None:
-        """Kill an agent's process at once and wait until it is gone; it says no word to anybody."""
+        """Kill an agent's process at once and wait until it is gone; it says no word to anybody.
+
+        Raises:
+            AwaitedError: It is gone already, as of every fault.
+        """
         child = self._child(name)
         self._may_end.add(child)
-        self.processes.signal(child, signal.SIGKILL)
+        self._signal(child, signal.SIGKILL)
+        self._frozen.discard(name)
         self.processes.exit(child)
 
     def exit(self, name: str) -> int:
@@ -86,18 +92,18 @@ class Ensemble:
 
     def freeze(self, name: str) -> None:
         """Stop an agent's process where it is, until `thaw`."""
+        self._signal(self._child(name), signal.SIGSTOP)
         self._frozen.add(name)
-        self.processes.signal(self._child(name), signal.SIGSTOP)
 
     def thaw(self, name: str) -> None:
         """Let a frozen agent's process go on."""
-        self.processes.signal(self._child(name), signal.SIGCONT)
+        self._signal(self._child(name), signal.SIGCONT)
         self._frozen.discard(name)
 
     def end_simulator(self) -> int:
         """Tell the simulator to end, wait until it did, its log written, and return its exit code."""
         self._may_end.add(self._simulator)
-        self.processes.signal(self._simulator, signal.SIGTERM)
+        self._signal(self._simulator, signal.SIGTERM)
         return self.processes.exit(self._simulator)
 
     def cut_router(self) -> None:
@@ -105,15 +111,15 @@ class Ensemble:
 
         In lockstep the world then waits for the agents: a test of a cut is one at pace `realtime`, or `elastic`.
         """
+        self._check_router()
         self._may_end.add(self._router_child)
-        self.processes.signal(self._router_child, signal.SIGKILL)
+        self._signal(self._router_child, signal.SIGKILL)
         self.processes.exit(self._router_child)
 
     def mend_router(self) -> None:
         """Start the router again and wait until it is ready; agents and simulator find it by themselves."""
-        if self._router is None:
-            raise ValueError("expected a world with router=True")
-        self._router_child = self.processes.start(ROUTER, "intellwheels_server.router", "--listen", self._router)
+        self._check_router()
+        self._router_child = self.processes.start(ROUTER, "intellwheels_server.router", "--listen", self._meeting)
         self.processes.line(self._router_child, "ready")
 
     # ------------------------------------------------------------ within
@@ -124,7 +130,8 @@ class Ensemble:
 
     def _kill_simulator(self) -> None:
         self._may_end.add(self._simulator)
-        self.processes.signal(self._simulator, signal.SIGKILL)
+        if self.processes.ended(self._simulator) is None:
+            self._signal(self._simulator, signal.SIGKILL)
         self.processes.exit(self._simulator)
 
     def _start_agent(
@@ -136,9 +143,10 @@ class Ensemble:
         encoding: str,
         options: Mapping[str, object],
     ) -> None:
+        check_agent(name, "name")
         given = tuple(Option(name=option, value=_text(value)) for option, value in options.items())
         if isinstance(mind, str):
-            cast = Cast(name=check_agent(name, "name"), robot=robot or "", mind=mind, place=place, option=given)
+            cast = Cast(name=name, robot=robot or "", mind=mind, place=place, option=given)
             self._start_agent_of(cast, self._folder, encoding)
             return
         if robot or place or given:
@@ -168,10 +176,25 @@ class Ensemble:
         return sorted(running - self._frozen)
 
     def _child(self, name: str) -> str:
-        special = {"simulator": self._simulator, "router": self._router_child}
+        special = {"simulator": self._simulator} | ({"router": self._router_child} if self._router else {})
         if name not in self._agents and name not in special:
             raise LookupError(f"expected an agent that was started ({', '.join(self._agents) or 'none'}), got {name!r}")
         return self._agents.get(name) or special[name]
+
+    def _check_router(self) -> None:
+        if self._router is None:
+            raise ValueError("expected a world with router=True")
+
+    def _signal(self, child: str, number: signal.Signals) -> None:
+        """Send a process that must still be there a signal."""
+        with suppress(ProcessLookupError):
+            self.processes.hear()
+            if self.processes.ended(child) is None:
+                self.processes.signal(child, number)
+                return
+        gone = self.processes.wait(lambda: self.processes.ended(child), f"end of {child}")
+        tail = self.processes.tail(child)
+        raise AwaitedError(f"{child}: expected a process that runs, got {gone.how}; its last lines:\n{tail}")
 
     def _check(self, timeout: float = 0.0) -> None:
         """Fail when a process ended that should not have."""

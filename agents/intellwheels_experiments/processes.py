@@ -84,8 +84,9 @@ class Processes:
         while name in self._lines:
             number += 1
             name = f"{child}.{number}"
-        self._lines[name] = deque()
         self.children.start(name, command, environment)
+        # What cannot be started is no process, and none that runs.
+        self._lines[name] = deque()
         return name
 
     def hear(self, timeout: float = 0.0) -> None:

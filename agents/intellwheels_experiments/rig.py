@@ -8,10 +8,12 @@ looked at. Nothing is waited for by sleeping, and every wait has a deadline.
 from __future__ import annotations
 
 import importlib.util
+import math
+import signal
 import threading
 import time
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from contextlib import ExitStack, suppress
+from contextlib import ExitStack, contextmanager, suppress
 from itertools import chain
 from pathlib import Path
 from typing import Any, Final, Self
@@ -152,10 +154,15 @@ class Rig(Ensemble):
 
         Raises:
             AwaitedError: One did not join, or there is no scene.
+            LookupError: The scene has nobody of a name.
         """
         if self._scene is None or self._source is None:
             raise AwaitedError("cast: expected a scene, got a floor only")
         folder = Path(self._source).parent if Path(self._source).is_absolute() else None
+        known = [cast.name for cast in self._scene.cast]
+        for name in names:
+            if name not in known:
+                raise LookupError(f"cast: expected one of the scene's ({', '.join(known) or 'none'}), got {name!r}")
         wanted = [cast for cast in self._scene.cast if not names or cast.name in names]
         self._watched().look(self._film)
         since = self._film.wanted
@@ -191,8 +198,11 @@ class Rig(Ensemble):
 
         Raises:
             AwaitedError: The condition did not hold, the run came to its end, or a process died.
+            ValueError: `seconds` is no time that ends.
         """
         __tracebackhide__ = True
+        if not 0.0 <= seconds < math.inf:
+            raise ValueError(f"seconds: expected simulated seconds from 0 on, got {seconds}")
         begun = self.now
         until = begun.time + seconds - ROUNDING
         for now in chain([begun], self._moments(begun, seconds)):
@@ -325,8 +335,27 @@ class Rig(Ensemble):
         self._session.close()
         self._kill_simulator()
         self._film = Film()
-        self._begin()
-        self._await_joined(self._awake(), 0)
+        awake = self._awake()
+        # Who joins before the new world stands would make it go on by a chance number of ticks.
+        with self._held(awake if self.pace == "lockstep" else ()):
+            self._begin()
+        self._await_joined(awake, 0)
+
+    @contextmanager
+    def _held(self, names: Iterable[str]) -> Iterator[None]:
+        held = [self._child(name) for name in names]
+
+        def signal_all(number: signal.Signals) -> None:
+            for child in held:
+                # One that is gone is not held; `_check` will say so.
+                with suppress(ProcessLookupError):
+                    self.processes.signal(child, number)
+
+        signal_all(signal.SIGSTOP)
+        try:
+            yield
+        finally:
+            signal_all(signal.SIGCONT)
 
     def _watched(self) -> Watch:
         if self._watch is None:

@@ -32,6 +32,7 @@ from intellwheels_server.arrival import Ask
 from intellwheels_server.barrier import Answer, Barrier
 from intellwheels_server.cadence import Cadence
 from intellwheels_server.complaint import Complaints, Gate
+from intellwheels_server.hiding import placeless
 from intellwheels_server.inputs import (
     Change,
     Inputs,
@@ -98,6 +99,7 @@ class Options:
         grace: Seconds a lost token is waited for.
         deadline: Seconds a lockstep answer is waited for.
         quit_at_end: Whether the end of the run is the end of the service.
+        hide_truth: Whether true poses stay in the log: the world is a laboratory (`hiding`).
     """
 
     world: str
@@ -109,6 +111,7 @@ class Options:
     grace: float = 3.0
     deadline: float = 1.0
     quit_at_end: bool = False
+    hide_truth: bool = False
 
 
 @dataclass(slots=True)
@@ -267,6 +270,8 @@ class Desk:
 
     def put_event(self, event: Event) -> None:
         """Keep an event and put it."""
+        if self.options.hide_truth:
+            event = placeless(event)
         self.ring.add(event)
         self.out.event(event)
 

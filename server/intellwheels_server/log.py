@@ -11,11 +11,12 @@ import platform
 from collections.abc import Iterator
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
-from typing import IO, Final
+from typing import IO, Annotated, Final
 
 import msgspec
+from msgspec import Meta
 
-from intellwheels_schemas.messages import End, Map
+from intellwheels_schemas.messages import End, Hex, Map
 from intellwheels_server.inputs import Inputs
 from intellwheels_server.world import Setup
 
@@ -27,27 +28,27 @@ FLUSH_AFTER: Final = 1.0
 
 
 class Rules(msgspec.Struct, frozen=True, kw_only=True, rename="pascal"):
-    """What a world is made of besides map, seed and period."""
+    """What a world is made of besides map, seed and period. Bounds are those of `iw-server`'s options."""
 
-    say_limit: int
-    say_range: float
-    command_timeout: float
+    say_limit: Annotated[int, Meta(ge=1, le=1000)]
+    say_range: Annotated[float, Meta(gt=0.0)]
+    command_timeout: Annotated[float, Meta(gt=0.0)]
     truth: bool
     strict: bool
     end: End | None = None
     say_walls: bool = False
-    say_loss: float = 0.0
-    say_delay: float = 0.0
+    say_loss: Annotated[float, Meta(ge=0.0, le=1.0)] = 0.0
+    say_delay: Annotated[float, Meta(ge=0.0, le=3600.0)] = 0.0
 
 
 class Header(msgspec.Struct, frozen=True, kw_only=True, rename="pascal"):
     """The first line."""
 
     log: str
-    run: str
+    run: Hex
     map: Map
     seed: str
-    period: float
+    period: Annotated[float, Meta(ge=0.001, le=1.0)]
     setup: Rules
     world: str = DEFAULT_WORLD
     versions: dict[str, str] = {}

@@ -18,8 +18,8 @@ import msgspec
 
 from intellwheels_schemas.messages import Event
 from intellwheels_server.log import Line, LogError, parse_line, read_header
-from intellwheels_server.resimulate import difference, replay
-from intellwheels_server.world import State, advance, apply, begin, digest
+from intellwheels_server.resimulate import difference, first_state, replay
+from intellwheels_server.world import State, advance, apply, digest
 
 BUDGET: Final = 0.05
 """Seconds of running a log from one kept state to the next, at first."""
@@ -133,7 +133,7 @@ class Recording:
         self._file.close()
 
     def _run_through(self, progress: Callable[[int], None]) -> None:
-        state = begin(self.header.world_setup(), self.header.run)
+        state = first_state(self.header, self._name)
         self._keyframes.offer(0, state, 0.0)
         offset = self._file.tell()
         for position, text in enumerate(iter(self._file.readline, b""), start=1):

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
-from intellwheels_server.log import Line, LogError, read_header, read_lines
+from intellwheels_server.log import Header, Line, LogError, read_header, read_lines
 from intellwheels_server.world import Outputs, State, advance, apply, begin, digest
 
 
@@ -27,6 +27,18 @@ class Finding:
     hash: str
     cut: bool = False
     differs: str | None = None
+
+
+def first_state(header: Header, name: str) -> State:
+    """Return the state at the beginning of a log.
+
+    Raises:
+        LogError: There is no such world.
+    """
+    try:
+        return begin(header.world_setup(), header.run)
+    except ValueError as error:
+        raise LogError(f"{name}:1: {error}") from None
 
 
 def replay(state: State, line: Line, where: str) -> tuple[State, Outputs]:
@@ -60,7 +72,7 @@ def resimulate(path: Path, progress: Callable[[int], None] = lambda _ticks: None
     """
     with path.open("rb") as file:
         header = read_header(file, str(path))
-        state = begin(header.world_setup(), header.run)
+        state = first_state(header, str(path))
         steps, last = 0, digest(state)
         for number, line in enumerate(read_lines(file, str(path)), start=2):
             if line is None:

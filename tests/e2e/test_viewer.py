@@ -118,10 +118,14 @@ def shown(screen: Screen, peer: Peer) -> None:
 
     def same() -> bool | None:
         scene, state = screen.poses(), poses_of(peer)
-        return len(scene) == len(state) and all(
-            math.hypot(one.x - other.x, one.y - other.y) < 1e-5 and turned(one.heading, other.heading) < 1e-5
-            for one, other in zip(scene, state, strict=True)
-        ) or None
+        return (
+            len(scene) == len(state)
+            and all(
+                math.hypot(one.x - other.x, one.y - other.y) < 1e-5 and turned(one.heading, other.heading) < 1e-5
+                for one, other in zip(scene, state, strict=True)
+            )
+            or None
+        )
 
     screen.wait(same, f"the simulator's poses {poses_of(peer)} in the scene {screen.poses()}")
 

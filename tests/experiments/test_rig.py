@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import sys
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +12,9 @@ import pytest
 
 from intellwheels_experiments.processes import AwaitedError
 from intellwheels_experiments.rig import Rig
+from intellwheels_schemas.errors import WireError
+from intellwheels_schemas.keys import Verb
+from intellwheels_schemas.messages import Result
 
 AVOID = Path(__file__).parents[2] / "agents" / "examples" / "python" / "avoid.py"
 AHEAD: dict[str, Any] = {"left": 0.3, "right": 0.3}
@@ -179,3 +183,55 @@ def test_nothing_runs_when_it_is_over(tmp_path: Path) -> None:
         children = sim.processes.children
         assert len(children.living) == 2
     assert len(children.living) == 0
+
+
+def test_fault_that_comes_too_late_is_said_with_the_last_words(tmp_path: Path) -> None:
+    with Rig(tmp_path, floor="corner") as sim:
+        sim.agent("chair1", "drive")
+        sim.kill("chair1")
+        for fault in (sim.kill, sim.freeze, sim.thaw):
+            with pytest.raises(AwaitedError, match="agent-chair1: expected a process that runs, got killed by SIGKILL"):
+                fault("chair1")
+        with pytest.raises(ValueError, match="expected a world with router=True"):
+            sim.cut_router()
+        with pytest.raises(LookupError, match="expected an agent that was started"):
+            sim.log("router")
+        assert sim.end_simulator() == 0
+        sim.restart_simulator()
+        assert sim.now.tick == 0
+
+
+def test_name_is_checked_before_a_file_is_called_so(tmp_path: Path) -> None:
+    with Rig(tmp_path / "logs", floor="corner") as sim:
+        with pytest.raises(WireError, match=r"name: expected a name of a-z"):
+            sim.agent("../../chair1", [sys.executable, "-c", ""])
+        with pytest.raises(OSError, match="no-such-program"):
+            sim.agent("chair1", ["no-such-program"])
+        assert [title for title, _ in sim.sections()] == ["server (runs)"]
+        for seconds in (math.nan, math.inf, -1.0):
+            with pytest.raises(ValueError, match="seconds: expected simulated seconds from 0 on"):
+                sim.run_until(lambda now: False, seconds=seconds)
+
+
+def test_somebody_who_is_not_in_the_scene_cannot_be_cast(tmp_path: Path) -> None:
+    wanted = r"cast: expected one of the scene's \(chair, door\), got 'chiar'"
+    with Rig(tmp_path, scene="door") as sim, pytest.raises(LookupError, match=wanted):
+        sim.cast("chiar")
+
+
+class Slow(Rig):
+    """Is so slow to pause a world that whoever wants to joins it before."""
+
+    def ctl(self, verb: Verb, **fields: Any) -> Result:
+        if verb == "pause":
+            with suppress(AwaitedError):
+                self.processes.line(self._simulator, "joined", 1.5)
+        return super().ctl(verb, **fields)
+
+
+def test_world_that_comes_back_stands_at_its_beginning_however_slow_the_machine(tmp_path: Path) -> None:
+    with Slow(tmp_path, floor="corner") as sim:
+        sim.agent("chair1", "drive", place="leader", **AHEAD)
+        sim.run_for(0.5)
+        sim.restart_simulator()
+        assert (sim.now.tick, list(sim.now.bodies)) == (0, ["chair1"])

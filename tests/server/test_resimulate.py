@@ -1,6 +1,9 @@
 from __future__ import annotations
 
+import json
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import msgspec
 import pytest
@@ -10,6 +13,7 @@ from intellwheels_schemas.messages import Actions
 from intellwheels_server.__main__ import main
 from intellwheels_server.inputs import Inputs, Join
 from intellwheels_server.log import Line, Log, LogError
+from intellwheels_server.recording import Recording
 from intellwheels_server.resimulate import resimulate
 from intellwheels_server.world import Setup, advance, begin, digest
 
@@ -72,3 +76,30 @@ def test_a_tick_that_is_missing_is_an_error(tmp_path: Path) -> None:
 def test_a_file_that_is_not_there_is_said(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["--resimulate", str(tmp_path / "none")]) == 1
     assert "No such file" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("edit", "message"),
+    [
+        (lambda header: header.update(Period=0), r"log:1: expected the header of an input log, got .*Period"),
+        (lambda header: header.update(Run="../.."), r"log:1: expected the header of an input log, got .*Run"),
+        (lambda header: header["Setup"].update(SayLoss=7.0), r"log:1: expected the header .*Setup\.SayLoss"),
+        (lambda header: header["Map"]["Wall"][0].update(Corner=[]), r"log:1: wall 0: a line needs at least 2 corners"),
+        (
+            lambda header: header["Setup"].update(End={"Reach": [{"Agent": "one", "Place": "moon", "Within": 1.0}]}),
+            r"log:1: .*moon",
+        ),
+    ],
+)
+def test_a_header_of_no_world_is_an_error_in_words(
+    tmp_path: Path, edit: Callable[[dict[str, Any]], None], message: str
+) -> None:
+    run(tmp_path / "log")
+    lines = (tmp_path / "log").read_bytes().split(b"\n")
+    header = json.loads(lines[0])
+    edit(header)
+    (tmp_path / "log").write_bytes(b"\n".join([json.dumps(header).encode(), *lines[1:]]))
+    with pytest.raises(LogError, match=message):
+        resimulate(tmp_path / "log")
+    with pytest.raises(LogError, match=message):
+        Recording(tmp_path / "log")

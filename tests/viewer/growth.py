@@ -126,13 +126,9 @@ class MadeUp:
                 ProximityReading(id=sensor.id, value=1.5 + math.sin(tick / 9 + number))
                 for sensor in library.robot("rear-wheel").proximity
             )
-            fold.on_measures(
-                name, Measures(run=RUN, tick=tick, time=tick * 0.05, sensors=Sensors(proximity=readings))
-            )
+            fold.on_measures(name, Measures(run=RUN, tick=tick, time=tick * 0.05, sensors=Sensors(proximity=readings)))
         if tick % 2 == 0:
-            fold.on_event(
-                Event(run=RUN, tick=tick, number=tick // 2 - 1, code="contact", agent="chair1", x=2.0, y=2.0)
-            )
+            fold.on_event(Event(run=RUN, tick=tick, number=tick // 2 - 1, code="contact", agent="chair1", x=2.0, y=2.0))
         if tick % 10 == 0:
             fold.on_clock(self._clock())
         if tick % EVERY == 0:
@@ -156,8 +152,13 @@ class MadeUp:
             say = f"here at {self._tick // 100}" if number == self._tick // 100 % 5 else None
             found.append(
                 Entity(
-                    name=name, x=4.5 + 3 * math.cos(along), y=4 + 3 * math.sin(along),
-                    heading=math.remainder(along + math.pi / 2, math.tau), speed=0.5, say=say, contact=number == 0,
+                    name=name,
+                    x=4.5 + 3 * math.cos(along),
+                    y=4 + 3 * math.sin(along),
+                    heading=math.remainder(along + math.pi / 2, math.tau),
+                    speed=0.5,
+                    say=say,
+                    contact=number == 0,
                 )  # fmt: skip
             )
         return tuple(found)

@@ -89,3 +89,11 @@ def test_doors_and_tables_use_no_colour_up() -> None:
 def test_an_agents_text_is_css() -> None:
     assert Colours().text("anybody") == palette.hexadecimal(palette.text_safe(palette.AGENTS[0]))
     assert palette.hexadecimal((0, 114, 178)) == "#0072b2"
+
+
+def test_a_cast_that_begins_anew_has_the_same_colours_in_whatever_order_it_came_before() -> None:
+    colours = Colours()
+    colours.see({"chair2": mover("chair2")})
+    colours.begin()
+    colours.see({name: mover(name) for name in ("chair1", "chair2")})
+    assert (colours.index("chair1"), colours.index("chair2")) == (0, 1)

@@ -100,7 +100,7 @@ def mark_of(index: int) -> int:
 
 
 class Colours:
-    """Which colour each agent has: in the order in which they were first seen, for as long as the page lives.
+    """Which colour each agent has: in the order in which they were first seen, for as long as the run goes on.
 
     Bodies that do not go about (doors, tables, obstacles) have the colour of what they are and use none up.
     """
@@ -108,6 +108,11 @@ class Colours:
     def __init__(self) -> None:
         self._index: dict[str, int] = {}
         self._fixtures: dict[str, RGB] = {}
+
+    def begin(self) -> None:
+        """Begin anew. Before a run's first step agents come in any order; a cast shall look the same each time."""
+        self._index.clear()
+        self._fixtures.clear()
 
     def see(self, bodies: Mapping[str, Body]) -> None:
         """Give colours to those that are new, in the order of the mapping."""

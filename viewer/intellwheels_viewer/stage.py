@@ -83,6 +83,8 @@ class Stage:
                 self._revision = seen.revision
                 self._floor.show(seen.floor)
                 self._walls.show(seen.floor)
+            if seen.tick == 0:
+                self.colours.begin()
             self.bodies.show(seen.bodies, seen.entities, self.colours, seen.stale)
             agents = watched(seen, wanted)
             self._wedges.show(seen.bodies, seen.entities, seen.measures, agents)

@@ -10,6 +10,7 @@ import math
 import queue
 import threading
 import time
+import traceback
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Final, Protocol
@@ -101,7 +102,10 @@ class Wishes:
             if asking is None:
                 open_ = False
             else:
-                self._ask(asking)
+                try:
+                    self._ask(asking)
+                except Exception:  # a fault of ours costs this wish, not those that come after it
+                    traceback.print_exc()
 
     def _ask(self, asking: _Asking) -> None:
         try:
@@ -114,13 +118,6 @@ class Wishes:
             return
         if asking.done is not None:
             asking.done(result)
-
-
-def _report(asked: Future[None]) -> None:
-    """Print a fault of ours, which the worker would keep to itself."""
-    error = asked.exception()
-    if error is not None:
-        traceback.print_exception(error)
 
 
 class Driving:

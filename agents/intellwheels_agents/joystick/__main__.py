@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from intellwheels_agents.joystick.network import operate
-from intellwheels_agents.joystick.script import ScriptError, ScriptSource, parse
+from intellwheels_agents.joystick.script import ScriptError, ScriptSource, read
 from intellwheels_agents.joystick.window import DeviceError, GamepadSource, KeyboardSource, is_gamepad_there
 from intellwheels_agents.joystick.wish import Source
 from intellwheels_agents.joystick.words import Spoken, WordsSource
@@ -99,8 +99,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 def _source(options: argparse.Namespace, stop: threading.Event) -> Source:
     name, shares = options.source, (options.forward, options.turn)
     if name == "script":
-        script = parse(options.script.read_text(), str(options.script))
-        return ScriptSource(script, simulated=options.clock == "simulated", stop=stop)
+        return ScriptSource(read(options.script), simulated=options.clock == "simulated", stop=stop)
     if name == "words":
         return WordsSource(Spoken(*shares, options.hold), sys.stdin.fileno())
     if name == "gamepad" or (name == "auto" and is_gamepad_there()):
@@ -109,17 +108,25 @@ def _source(options: argparse.Namespace, stop: threading.Event) -> Source:
 
 
 def _share(text: str) -> float:
-    value = float(text)
+    value = _number(text)
     if not 0.0 <= value <= 1.0:
         raise argparse.ArgumentTypeError(f"expected a share in [0, 1], got {text!r}")
     return value
 
 
 def _seconds(text: str) -> float:
-    value = float(text)
+    value = _number(text)
     if not 0.0 < value < math.inf:
         raise argparse.ArgumentTypeError(f"expected seconds above 0, got {text!r}")
     return value
+
+
+def _number(text: str) -> float:
+    """Return a number, NaN for what is none: no range has it."""
+    try:
+        return float(text)
+    except ValueError:
+        return math.nan
 
 
 if __name__ == "__main__":

@@ -46,6 +46,11 @@ class Grip:
         self._asked = True
         return Take(agent=self._agent, lease=self.lease, seconds=SECONDS)
 
+    @property
+    def is_asking(self) -> bool:
+        """Whether an answer is still to come."""
+        return self._asked
+
     def answered(self, result: Result | None, now: float) -> bool:
         """Take an answer, None when nobody gave one; return whether the lease is new."""
         self._asked = False

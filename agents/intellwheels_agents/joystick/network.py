@@ -10,6 +10,8 @@ import queue
 import sys
 import threading
 import time
+from contextlib import suppress
+from typing import Final
 
 import msgspec
 import zenoh
@@ -24,8 +26,10 @@ from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.keys import Keys
 from intellwheels_schemas.messages import Body, Clock, Result, Take, UserInput
 
-ANSWER = 1.5
+ANSWER: Final = 1.5
 """Seconds an answer is waited for: less than a lease."""
+LAST_ANSWER: Final = ANSWER + 1.0
+"""Seconds until whoever asks says that there was none, and some for a busy machine."""
 
 
 def operate(
@@ -132,6 +136,10 @@ class _Loop:
 
     def _end(self) -> None:
         self._send(self._hand.off(time.monotonic()))
+        if self._grip is not None and self._grip.is_asking:
+            # A lease that is being granted is given back too.
+            with suppress(queue.Empty):
+                self._grip.answered(self._asker.answers.get(timeout=LAST_ANSWER), time.monotonic())
         back = None if self._grip is None else self._grip.back()
         if back is not None:
             result = self._asker.ask(back)

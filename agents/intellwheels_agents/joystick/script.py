@@ -13,6 +13,7 @@ from __future__ import annotations
 import math
 import threading
 from bisect import bisect_right
+from pathlib import Path
 from typing import NamedTuple
 
 from intellwheels_agents.joystick.wish import NOTHING, Wish
@@ -35,6 +36,19 @@ class Script(NamedTuple):
             return None
         index = bisect_right(self.times, seconds + 1e-9) - 1
         return self.wishes[index] if index >= 0 else NOTHING
+
+
+def read(path: Path) -> Script:
+    """Return the script in a file.
+
+    Raises:
+        ScriptError: It is no text, a line is none, or there is none.
+        OSError: The file cannot be read.
+    """
+    try:
+        return parse(path.read_text("utf-8"), str(path))
+    except UnicodeDecodeError as error:
+        raise ScriptError(f"{path}: expected a text in UTF-8, got byte 0x{error.object[error.start]:02x}") from None
 
 
 def parse(text: str, where: str) -> Script:

@@ -16,6 +16,7 @@ from intellwheels_agents.joystick.wish import NOTHING, Wish
 SIZE = (460, 150)
 """Pixels of the window."""
 _LINES = ("arrows or w a s d drive, shift halves, space stops", "0-9 buttons, escape ends")
+_UNSEEN = ("offscreen", "dummy")
 
 
 class DeviceError(RuntimeError):
@@ -64,6 +65,12 @@ class KeyboardSource:
             self._screen = pygame.display.set_mode(SIZE)
         except pygame.error as error:
             raise DeviceError(f"no display for the keyboard's window: {error}") from None
+        # Where there is no display SDL makes do with a window that nobody can see or type into.
+        if pygame.display.get_driver() in _UNSEEN and "SDL_VIDEODRIVER" not in os.environ:
+            pygame.quit()
+            raise DeviceError(
+                "no display for the keyboard's window: expected DISPLAY or WAYLAND_DISPLAY; or give another --source"
+            )
         pygame.display.set_caption(title)
         pygame.font.init()
         self._font = pygame.font.Font(None, 24)

@@ -2,7 +2,9 @@
 
 `forward`, `back`, `left` and `right` drive, for so long only: a recogniser that hears nothing more must not drive a
 chair for ever. `stop` stops at once. Every word is also put as `UserInput.Word`, for minds that know others; a word
-that does not drive leaves the driving as it is. The end of the input, a recogniser that died, stops at once.
+that does not drive leaves the driving as it is, and of several that come at once each is put in its turn. A word that
+drives is put at once, and no more when another did: a mind may drive by it. The end of the input, a recogniser that
+died, stops at once; what waits to be put is put still.
 """
 
 from __future__ import annotations
@@ -11,6 +13,7 @@ import os
 import re
 import select
 import sys
+from collections import deque
 from typing import Final
 
 from intellwheels_agents.joystick.wish import Wish
@@ -18,7 +21,9 @@ from intellwheels_agents.user import WORDS
 from intellwheels_schemas.messages import WORD_PATTERN
 
 SAID: Final = 0.3
-"""Seconds a word that does not drive is put: some ticks of any simulation hear it."""
+"""Seconds a word is put at least before the next: some ticks of any simulation hear it."""
+WAITING: Final = 16
+"""Words that wait their turn at most; of more the oldest are dropped."""
 LONGEST: Final = 4096
 """Bytes of a line that does not end; it is dropped."""
 _WORD = re.compile(WORD_PATTERN)
@@ -44,22 +49,34 @@ class Spoken:
         self._drive = (0.0, 0.0)
         self._drive_until = self._word_until = -1.0
         self._word: str | None = None
+        self._next_at = -1.0
+        self._waiting: deque[str] = deque(maxlen=WAITING)
 
     def hear(self, word: str, now: float) -> None:
         """Take a word; what is none is dropped."""
         word = word.lower()
         if not is_word(word):
             return
-        self._word, self._word_until = word, now + SAID
-        if word in WORDS:
-            forward, turn = WORDS[word]
-            self._drive = forward * self._shares[0], turn * self._shares[1]
-            self._drive_until = now + self._hold
-            if any(self._drive):
-                self._word_until = self._drive_until
+        if word not in WORDS:
+            self._waiting.append(word)
+            return
+        self._word, self._next_at = word, now + SAID
+        forward, turn = WORDS[word]
+        self._drive = forward * self._shares[0], turn * self._shares[1]
+        self._drive_until = now + self._hold
+        self._word_until = self._drive_until if any(self._drive) else self._next_at
+
+    def end(self) -> None:
+        """Drive no more; nothing further will be said."""
+        self._drive = (0.0, 0.0)
+        if self._word in WORDS:
+            self._word, self._next_at = None, -1.0
 
     def wish(self, now: float) -> Wish:
         """Return what is wanted now."""
+        if self._waiting and now >= self._next_at:
+            self._word = self._waiting.popleft()
+            self._next_at = self._word_until = now + SAID
         forward, turn = self._drive if now < self._drive_until else (0.0, 0.0)
         return Wish(forward, turn, word=self._word if now < self._word_until else None)
 
@@ -76,7 +93,8 @@ class WordsSource:
 
     def wait(self, seconds: float) -> None:
         """Return when something was said, at the latest after so long."""
-        if self._over or not select.select([self._descriptor], [], [], seconds)[0]:
+        heard = () if self._over else (self._descriptor,)
+        if not select.select(heard, (), (), seconds)[0]:
             return
         data = os.read(self._descriptor, LONGEST)
         self._over = not data
@@ -89,8 +107,12 @@ class WordsSource:
         self._new += [word for line in lines for word in line.decode(errors="replace").split()]
 
     def wish(self, now: float, time: float | None) -> Wish | None:  # noqa: ARG002 - as `Source` has it
-        """Return what is wanted, or None after the end."""
+        """Return what is wanted, or None after the end and the last word."""
         for word in self._new:
             self._spoken.hear(word, now)
         self._new = []
-        return None if self._over else self._spoken.wish(now)
+        if not self._over:
+            return self._spoken.wish(now)
+        self._spoken.end()
+        last = self._spoken.wish(now)
+        return None if last.is_nothing else last

@@ -40,7 +40,10 @@ class Mind:
         if not robot.encoders:
             raise OptionError("mind follow: expected a robot with encoders, got one without")
         self._robot = robot
-        (self._leader,) = options.words("leader") or ("leader",)
+        leaders = options.words("leader") or ("leader",)
+        if len(leaders) != 1:
+            raise OptionError(f"option leader: expected one name, got {' '.join(leaders)!r}")
+        (self._leader,) = leaders
         self._gap = options.number("gap", 2.0, 0.1, 100.0)
         self._stop = options.number("stop", 0.4, 0.05, 10.0)
         self._silence = options.number("silence", 3.0, 0.1, 60.0)

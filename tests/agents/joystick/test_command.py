@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import threading
 from pathlib import Path
 
@@ -45,3 +46,26 @@ def test_wrong_usage_is_exit_2(tmp_path: Path, capsys: pytest.CaptureFixture[str
 def test_a_script_that_is_not_there_is_exit_1(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["chair1", "--source", "script", "--script", str(tmp_path / "none.txt")]) == 1
     assert "none.txt" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("option", "value", "wanted"),
+    [
+        ("--forward", "much", r"expected a share in \[0, 1\], got 'much'"),
+        ("--turn", "nan", r"expected a share in \[0, 1\], got 'nan'"),
+        ("--hold", "long", "expected seconds above 0, got 'long'"),
+    ],
+)
+def test_a_number_that_is_none_is_said_in_words(
+    option: str, value: str, wanted: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with pytest.raises(SystemExit):
+        main(["chair1", option, value])
+    assert re.search(f"argument {option}: {wanted}", capsys.readouterr().err)
+
+
+def test_a_script_that_is_no_text_is_wrong_usage(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    file = tmp_path / "drive.txt"
+    file.write_bytes(b"\xff")
+    assert main(["chair1", "--source", "script", "--script", str(file)]) == 2
+    assert "expected a text in UTF-8" in capsys.readouterr().err

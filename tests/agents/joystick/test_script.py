@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import threading
+from pathlib import Path
 
 import pytest
 
-from intellwheels_agents.joystick.script import ScriptError, ScriptSource, parse
+from intellwheels_agents.joystick.script import ScriptError, ScriptSource, parse, read
 from intellwheels_agents.joystick.wish import NOTHING, Wish
 
 TEXT = """\
@@ -65,3 +66,11 @@ def test_its_seconds_are_the_simulations_from_the_first_clock_and_anew_after_a_r
     assert source.wish(200.0, 7.5) == Wish(1.0, 0.0)
     assert source.wish(200.0, 0.0) == NOTHING
     assert source.wish(200.0, 3.5) is None
+
+
+def test_a_file_that_is_no_text_is_said(tmp_path: Path) -> None:
+    (tmp_path / "drive.txt").write_bytes(b"0 1 0\n\xff\xfe\n")
+    with pytest.raises(ScriptError, match=r"drive\.txt: expected a text in UTF-8, got byte 0xff$"):
+        read(tmp_path / "drive.txt")
+    (tmp_path / "drive.txt").write_text("0 1 0  # für dich\n1 0 0\n", encoding="utf-8")
+    assert read(tmp_path / "drive.txt").at(0.5) == Wish(1.0)

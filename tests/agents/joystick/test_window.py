@@ -95,3 +95,11 @@ def test_a_gamepad_that_is_pulled_out_wants_nothing_until_it_is_back(monkeypatch
     source.wait(1.0)
     assert source.wish(0.0, None) == Wish(0.5, 0.0, (1,))
     pygame.quit()
+
+
+def test_without_a_display_it_is_said_and_no_window_opens_that_nobody_sees(monkeypatch: pytest.MonkeyPatch) -> None:
+    for name in ("SDL_VIDEODRIVER", "DISPLAY", "WAYLAND_DISPLAY"):
+        monkeypatch.delenv(name, raising=False)
+    with pytest.raises(window.DeviceError, match="no display for the keyboard's window"):
+        window.KeyboardSource("test", 1.0, 0.5)
+    assert not pygame.display.get_init()

@@ -97,3 +97,8 @@ def test_point_is_heard_only_where_one_is_said(text: str, point: tuple[float, fl
 def test_robot_without_encoders_cannot_follow() -> None:
     with pytest.raises(OptionError, match="expected a robot with encoders"):
         Arena("corner").join("blind", "follow", "crate", "follower1", {"leader": "leader"})
+
+
+def test_two_leaders_are_refused_in_words() -> None:
+    with pytest.raises(OptionError, match="option leader: expected one name, got 'one two'"):
+        Arena("corner").join("torn", "follow", "mid-wheel", "follower1", {"leader": "one, two"})

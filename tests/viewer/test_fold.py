@@ -1,0 +1,301 @@
+"""What the simulator says becomes what is seen, in whatever order it comes and whatever is lost."""
+
+from __future__ import annotations
+
+import msgspec
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from intellwheels_maps import library
+from intellwheels_schemas.messages import Events, Record, Robot
+from intellwheels_viewer.fold import RETURNS, RUNS_KNOWN, Fold
+from intellwheels_viewer.seen import EVENTS_KEPT, HISTORY, Seen
+from tests.viewer.wire import HASH, OTHER, RUN, body, clock, entity, event, info, measures, state
+
+
+def seen(fold: Fold) -> Seen:
+    return fold.seen("live", "w", ("w",), "tcp/127.0.0.1:1")
+
+
+def names(fold: Fold) -> list[str]:
+    return [each.name for each in seen(fold).entities]
+
+
+@pytest.fixture
+def fold() -> Fold:
+    made = Fold()
+    for name in "abc":
+        made.on_body(body(name))
+    return made
+
+
+# ---------------------------------------------------------------- clocks and runs
+
+
+def test_the_clock_is_the_one_with_the_newest_stamp(fold: Fold) -> None:
+    fold.on_clock(clock(5, stamp=100.5))
+    fold.on_clock(clock(4, stamp=100.4))
+    found = seen(fold).clock
+    assert found is not None
+    assert found.tick == 5
+
+
+def test_another_run_makes_the_old_one_forgotten(fold: Fold) -> None:
+    fold.on_clock(clock(9))
+    fold.on_state(state(9, entity("a", say="hello")))
+    fold.on_event(event(0))
+    fold.on_measures("a", measures(9, 1.0))
+    fold.on_clock(clock(0, OTHER, stamp=100.1))
+    now = seen(fold)
+    assert (now.run, now.tick, now.time) == (OTHER, 0, 0.0)
+    assert not (now.entities or now.events or now.words or now.measures or now.history or now.bodies)
+    assert fold.wants_events_since == 0
+
+
+@pytest.mark.parametrize(
+    "late",
+    [
+        ("on_clock", clock(12, stamp=100.2)), ("on_state", state(12, entity("a"))), ("on_event", event(3)),
+        ("on_body", body("a")), ("on_map_info", info(hash_="0" * 16)),
+        ("on_events", Events(run=RUN, oldest=0, next=9, event=(event(8),))),
+    ],
+)  # fmt: skip
+def test_what_comes_late_of_an_old_run_is_not_taken(fold: Fold, late: tuple[str, Record]) -> None:
+    fold.on_clock(clock(9, stamp=100.0))
+    fold.on_clock(clock(0, OTHER, stamp=100.1))
+    before = seen(fold)
+    getattr(fold, late[0])(late[1])
+    assert seen(fold) == before
+
+
+def test_a_strangers_message_with_another_run_blinds_only_until_the_next_newer_clock(fold: Fold) -> None:
+    fold.on_clock(clock(9, stamp=100.0))
+    fold.on_body(body("a", run=OTHER))
+    fold.on_clock(clock(10, stamp=100.05))
+    assert seen(fold).run == OTHER
+    fold.on_clock(clock(40, stamp=100.1 + RETURNS))
+    assert seen(fold).run == RUN
+    assert fold.wants_events_since == 0  # all else is asked for anew
+
+
+def test_runs_that_are_known_as_past_are_bounded(fold: Fold) -> None:
+    for number in range(200):
+        fold.on_clock(clock(0, f"{number:016x}", stamp=100.0 + number))
+    assert len(fold._past) == RUNS_KNOWN
+
+
+# ---------------------------------------------------------------- states
+
+
+def test_a_state_counts_when_all_its_parts_are_there_and_in_their_order(fold: Fold) -> None:
+    fold.on_state(state(1, entity("c"), part=1, parts=2))
+    assert names(fold) == []
+    fold.on_state(state(1, entity("a"), entity("b"), part=0, parts=2))
+    assert names(fold) == ["a", "b", "c"]
+    assert seen(fold).tick == 1
+
+
+def test_a_lost_part_leaves_the_last_whole_state_until_the_next(fold: Fold) -> None:
+    fold.on_state(state(1, entity("a", 1.0)))
+    fold.on_state(state(2, entity("a", 2.0), part=0, parts=2))
+    fold.on_state(state(3, entity("a", 3.0), part=1, parts=2))
+    assert seen(fold).entities[0].x == 1.0
+    fold.on_state(state(3, entity("b", 3.0), part=0, parts=2))
+    assert seen(fold).tick == 3
+    assert names(fold) == ["b", "a"]
+
+
+def test_parts_of_another_division_do_not_mix(fold: Fold) -> None:
+    fold.on_state(state(1, entity("a"), part=1, parts=3))
+    fold.on_state(state(1, entity("b"), part=0, parts=2))
+    assert names(fold) == []
+    fold.on_state(state(1, entity("c"), part=1, parts=2))
+    assert names(fold) == ["b", "c"]
+
+
+def test_parts_beyond_their_number_are_not_kept(fold: Fold) -> None:
+    for part in range(2, 50):
+        fold.on_state(state(1, entity("a"), part=part, parts=2))
+    assert fold._parts == {}
+
+
+def test_an_older_tick_is_old_news(fold: Fold) -> None:
+    fold.on_state(state(5, entity("a", 5.0)))
+    fold.on_state(state(4, entity("a", 4.0)))
+    assert (seen(fold).tick, seen(fold).entities[0].x) == (5, 5.0)
+
+
+def test_bodies_are_seen_to_move_while_the_tick_stands(fold: Fold) -> None:
+    fold.on_state(state(5, entity("a", 5.0)))
+    before = seen(fold)
+    fold.on_state(state(5, entity("a", 7.0)))
+    assert seen(fold).entities[0].x == 7.0
+    assert seen(fold).version > before.version
+
+
+def test_seeking_back_in_a_log_is_followed_and_the_future_forgotten(fold: Fold) -> None:
+    fold.on_clock(clock(90, last=100))
+    for tick in (80, 85, 90):
+        fold.on_state(state(tick, entity("a", tick / 10, say="later")))
+    fold.on_measures("a", measures(90, 1.0))
+    fold.on_state(state(10, entity("a", 1.0)))
+    fold.on_measures("a", measures(10, 0.5))
+    now = seen(fold)
+    assert (now.tick, now.last_tick) == (10, 100)
+    assert [sample.time for sample in now.history["a"]] == [pytest.approx(0.5)]
+    assert now.words == ()
+    assert now.measures["a"].tick == 10
+
+
+def test_only_who_has_a_body_is_seen_and_who_has_none_is_lacked(fold: Fold) -> None:
+    fold.on_state(state(1, entity("a"), entity("ghost")))
+    assert names(fold) == ["a"]
+    assert fold.lacks == {"ghost"}
+    fold.on_body(body("ghost"))
+    assert fold.lacks == frozenset()
+    assert list(seen(fold).bodies) == ["a", "ghost"]
+
+
+def test_a_body_without_a_name_is_nobody_s(fold: Fold) -> None:
+    fold.on_body(msgspec.structs.replace(body("a"), robot=Robot()))
+    assert set(fold._bodies) == set("abc")
+
+
+# ---------------------------------------------------------------- events
+
+
+def test_a_number_too_high_tells_that_events_were_missed(fold: Fold) -> None:
+    fold.on_events(Events(run=RUN, oldest=0, next=0))
+    fold.on_event(event(0))
+    assert fold.wants_events_since is None
+    fold.on_event(event(4))
+    fold.on_event(event(9))
+    assert fold.wants_events_since == 1
+    fold.on_events(Events(run=RUN, oldest=0, next=10, event=tuple(event(k) for k in range(1, 10))))
+    assert fold.wants_events_since is None
+    assert [each.number for each in seen(fold).events] == list(range(10))
+
+
+def test_events_that_came_twice_are_seen_once(fold: Fold) -> None:
+    fold.on_event(event(0))
+    fold.on_events(Events(run=RUN, oldest=0, next=1, event=(event(0),)))
+    assert len(seen(fold).events) == 1
+
+
+def test_the_newest_events_are_kept(fold: Fold) -> None:
+    for number in range(EVENTS_KEPT + 50):
+        fold.on_event(event(number))
+    kept = [each.number for each in seen(fold).events]
+    assert kept == list(range(50, EVENTS_KEPT + 50))
+
+
+# ---------------------------------------------------------------- measures, words, history
+
+
+def test_measures_are_the_newest_and_those_of_who_is_there(fold: Fold) -> None:
+    fold.on_state(state(5, entity("a")))
+    fold.on_measures("a", measures(5, 1.0))
+    fold.on_measures("a", measures(4, 2.0))
+    fold.on_measures("elsewhere", measures(5, 2.0))
+    assert {name: found.tick for name, found in seen(fold).measures.items()} == {"a": 5}
+    fold.forget(["a", "nobody"])
+    assert seen(fold).measures == {}
+
+
+def test_words_are_noted_once_while_they_sound_and_again_when_said_again(fold: Fold) -> None:
+    for tick, text in ((1, "hi"), (2, "hi"), (3, None), (4, "hi"), (5, "bye")):
+        fold.on_state(state(tick, entity("a", say=text)))
+    assert [(words.text, words.time) for words in seen(fold).words] == [
+        ("hi", 0.05), ("hi", pytest.approx(0.2)), ("bye", 0.25),
+    ]  # fmt: skip
+
+
+def test_the_history_has_ten_samples_a_second_of_the_last_seconds(fold: Fold) -> None:
+    fold.on_measures("a", measures(0, 1.5, 2.5))
+    for tick in range(20 * 60):
+        fold.on_state(state(tick, entity("a", tick * 0.01, speed=0.2)))
+    samples = seen(fold).history["a"]
+    assert samples[-1].time - samples[0].time == pytest.approx(HISTORY, abs=0.11)
+    assert len(samples) == pytest.approx(HISTORY * 10, abs=2)
+    assert samples[-1].ranges == (1.5, 2.5)
+    assert samples[-1].speed == 0.2
+
+
+def test_the_history_of_who_left_does_not_pile_up() -> None:
+    fold = Fold()
+    for tick in range(500):
+        name = f"n{tick}"
+        fold.on_body(body(name))
+        fold.on_state(state(tick, entity(name)))
+    assert len(fold._history) < 20
+    assert len(seen(fold).history) == 1
+
+
+# ---------------------------------------------------------------- the floor
+
+
+def test_the_map_is_lacked_until_it_is_the_one_in_use(fold: Fold) -> None:
+    room = library.floor("room")
+    assert fold.lacks_map
+    fold.on_floor(room)
+    assert not fold.lacks_map
+    fold.on_map_info(info())
+    assert fold.lacks_map
+    fold.on_floor(room)
+    assert not fold.lacks_map
+    assert seen(fold).revision == 0  # the same floor is not drawn again
+    fold.on_floor(library.floor("ward"))
+    assert seen(fold).revision == 1
+
+
+def test_the_floor_stays_over_a_new_run_until_another_comes(fold: Fold) -> None:
+    fold.on_floor(library.floor("room"))
+    fold.on_clock(clock(0, OTHER, stamp=101.0))
+    assert seen(fold).floor is not None
+    assert fold.lacks_map
+
+
+def test_a_map_that_was_asked_for_before_another_was_loaded_is_not_taken_for_it(fold: Fold) -> None:
+    fold.on_map_info(info(hash_=HASH))
+    asked = fold.map_in_use
+    fold.on_map_info(info(hash_="0" * 16))
+    fold.on_floor(library.floor("room"), asked)
+    assert seen(fold).floor is None
+    assert fold.lacks_map
+    fold.on_floor(library.floor("ward"), fold.map_in_use)
+    assert not fold.lacks_map
+
+
+# ---------------------------------------------------------------- anything at all
+
+_ANYTHING = st.one_of(
+    st.builds(
+        lambda tick, run, stamp, last: ("on_clock", (clock(tick, run, stamp=stamp, last=last),)),
+        st.integers(0, 5), st.sampled_from([RUN, OTHER]), st.floats(99, 103), st.none() | st.integers(0, 9),
+    ),
+    st.builds(
+        lambda tick, run, part, parts, who: ("on_state", (state(tick, *map(entity, who), run=run, part=part, parts=parts),)),
+        st.integers(0, 5), st.sampled_from([RUN, OTHER]), st.integers(0, 3), st.integers(0, 3),
+        st.lists(st.sampled_from("abcd"), max_size=3),
+    ),
+    st.builds(lambda number, run: ("on_event", (event(number, run=run),)), st.integers(0, 9), st.sampled_from([RUN, OTHER])),
+    st.builds(lambda name, run: ("on_body", (body(name, run=run),)), st.sampled_from("abcd"), st.sampled_from([RUN, OTHER])),
+    st.builds(lambda tick, run: ("on_measures", ("a", measures(tick, 1.0, run=run))), st.integers(0, 5), st.sampled_from([RUN, OTHER])),
+)  # fmt: skip
+
+
+@settings(max_examples=150, deadline=None)
+@given(st.lists(_ANYTHING, max_size=30))
+def test_whatever_comes_in_whatever_order_there_is_something_to_see(
+    messages: list[tuple[str, tuple[object, ...]]],
+) -> None:
+    fold = Fold()
+    version = 0
+    for method, arguments in messages:
+        getattr(fold, method)(*arguments)
+        now = seen(fold)
+        assert {each.name for each in now.entities} == now.bodies.keys()
+        assert all(each.run == now.run for each in (*now.bodies.values(), *now.events, *now.measures.values()))
+        assert now.version >= version
+        version = now.version
