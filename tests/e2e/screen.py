@@ -104,8 +104,8 @@ class Screen:
 
     def clear(self) -> None:
         """Close all notices, such as that it draws in software."""
-        for close in self.page.query_selector_all(".mantine-Notification-closeButton"):
-            close.click()
+        # In one step: a notice may go by itself between two.
+        self.page.evaluate("document.querySelectorAll('.mantine-Notification-closeButton').forEach(b => b.click())")
 
     def wait(self, look: Callable[[], _T | None], what: str, timeout: float = WAIT) -> _T:
         """Look until there is something, which is returned; the page goes on meanwhile."""

@@ -384,6 +384,29 @@ def test_without_the_right_to_steer_every_control_says_so(tmp_path: Path, chromi
                 assert at(peer, name) == pytest.approx(PLACES[name], abs=1e-6)
 
 
+# ---------------------------------------------------------------- what is kept
+
+
+def test_a_recorded_run_plays_in_a_browser_without_a_server(
+    world: tuple[Theatre, str], peer: Peer, chromium: Any, tmp_path: Path
+) -> None:
+    theatre, _ = world
+    file = tmp_path / "run.html"
+    viewer = theatre.start(
+        "recorder", "intellwheels_viewer", "--connect", theatre.endpoint, "--world", theatre.world, "--port", "0",
+        "--record", str(file), "--seconds", "1",
+    )  # fmt: skip
+    theatre.line(viewer, "recorded", file=str(file))
+    assert theatre.exit(viewer) == 0
+    with theatre.screen(chromium) as screen:
+        wanted: list[str] = []
+        screen.page.on("request", lambda request: wanted.append(request.url))
+        screen.page.goto(file.as_uri())
+        screen.wait(lambda: screen.poses() or None, "the bodies", OPENING)
+        assert screen.poses() == pytest.approx(poses_of(peer), abs=1e-5)
+        assert not [url for url in wanted if url.startswith(("http", "ws"))]
+
+
 # ---------------------------------------------------------------- what it costs
 
 

@@ -19,8 +19,6 @@ if TYPE_CHECKING:
 
 ASPECT: Final = 1.6
 """Width over height of the picture that the first view is made for."""
-LONGEST: Final = 600.0
-"""Seconds: a longer file takes a browser minutes to open."""
 
 
 class Recording:
@@ -57,7 +55,8 @@ class Recording:
             # What was just drawn is in already: viser plays it at the time before.
             self._kept.insert_sleep(seen.time - self._at)
             self._at = seen.time
-        return self.length >= self._seconds
+        ended = seen.clock is not None and seen.clock.state == "ended"
+        return ended or self.length >= self._seconds
 
     def save(self, path: Path) -> int:
         """Write the file and return its bytes; 0 and no file when there was nothing to see.
