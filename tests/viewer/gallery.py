@@ -38,7 +38,7 @@ class Album:
         screen.page.wait_for_timeout(700)  # a picture for people: what is seen, not what is waited for
         for quality in (85, 75, 65, 50, 35):
             picture = screen.page.screenshot(type="jpeg", quality=quality)
-            if len(picture) <= MOST:
+            if len(picture) <= MOST:  # as good as fits
                 break
         (self._folder / f"{name}.jpg").write_bytes(picture)
         for fault in dict.fromkeys(screen.page.evaluate(FAULTS)):
@@ -83,23 +83,26 @@ def run_of_figure6(album: Album, top: Album, chromium: Any, scratch: Path, log: 
                     with stage.screen(chromium, width=width, height=height) as screen:
                         screen.open(url)
                         screen.rest()
-                        tour(album, screen, f"{theme}-{width}")
+                        tour(album, screen, f"{theme}-{width}", brief=width != SMALL[0])
         rig.end_simulator()
 
 
-def tour(album: Album, screen: Screen, prefix: str) -> None:
-    """Cameras, tabs and layers in one page."""
+def tour(album: Album, screen: Screen, prefix: str, *, brief: bool) -> None:
+    """Cameras, tabs and layers in one page; of a brief one those that a larger window changes."""
 
     def shoot(name: str) -> None:
         album.shoot(screen, f"{prefix}-{name}")
 
-    shoot("nothing-selected")
-    screen.select("chair1")
+    if not brief:
+        shoot("nothing-selected")
+    screen.select("chair3")
     shoot("camera-free")
     for key, name in (("p", "plan"), ("f", "follow"), ("h", "first")):
         screen.page.keyboard.press(key)
         screen.page.wait_for_timeout(1500)
         shoot(f"camera-{name}")
+        if brief:
+            return
     screen.page.keyboard.press("o")
     screen.rest()
     screen.tab("Drive")
