@@ -65,8 +65,8 @@ def peer(world: tuple[Theatre, str]) -> Iterator[Peer]:
         peer.ctl("speed", Factor=1.0)
         for name in peer.entities().keys() - PLACES.keys():
             peer.ctl("delete", Agent=name)
-        for name in PLACES:
-            teleport(peer, name, *PLACES[name])
+        for name, place in PLACES.items():
+            teleport(peer, name, *place)
         yield peer
 
 
@@ -125,8 +125,7 @@ def shown(screen: Screen, peer: Peer) -> None:
                 math.hypot(one.x - other.x, one.y - other.y) < 1e-5 and turned(one.heading, other.heading) < 1e-5
                 for one, other in zip(scene, state, strict=True)
             )
-            or None
-        )
+        ) or None
 
     screen.wait(same, f"the simulator's poses {poses_of(peer)} in the scene {screen.poses()}")
 
@@ -378,8 +377,8 @@ def test_without_the_right_to_steer_every_control_says_so(tmp_path: Path, chromi
             told("Not removed", lambda: screen.press("Remove chair1"))
             assert peer.clock()["Run"] == run_before
             assert peer.clock()["State"] == "running"
-            for name in PLACES:
-                assert at(peer, name) == pytest.approx(PLACES[name], abs=1e-6)
+            for name, place in PLACES.items():
+                assert at(peer, name) == pytest.approx(place, abs=1e-6)
 
 
 # ---------------------------------------------------------------- what is kept
