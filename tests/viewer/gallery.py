@@ -137,10 +137,13 @@ def tour(album: Album, screen: Screen, prefix: str, *, brief: bool) -> None:
 def states(album: Album, theatre: Theatre, chromium: Any, theme: str, words: tuple[str, ...]) -> None:
     """What is there when something is missing."""
     meeting = f"tcp/127.0.0.1:{free_port()}"
-    viewer = theatre.start("viewer", "intellwheels_viewer", "--connect", meeting, "--port", "0", *words)
-    url = theatre.line(viewer, "ready")["url"]
+
+    def viewer() -> str:
+        child = theatre.start("viewer", "intellwheels_viewer", "--connect", meeting, "--port", "0", *words)
+        return theatre.line(child, "ready")["url"] + "/?fixedDpr=1"
+
     with theatre.screen(chromium, width=SMALL[0], height=SMALL[1]) as screen:
-        screen.page.goto(f"{url}/?fixedDpr=1")
+        screen.page.goto(viewer())
 
         def shoot(phase: str, name: str, timeout: float = 40.0) -> None:
             screen.phase(phase, timeout)
@@ -153,6 +156,8 @@ def states(album: Album, theatre: Theatre, chromium: Any, theme: str, words: tup
         for world in ("lab", "ward"):
             theatre.world, theatre.endpoint = world, f"tcp/127.0.0.1:{free_port()}"
             theatre.server("--map", "room", "--connect", meeting)
+        # The first viewer took the world that was there first.
+        screen.page.goto(viewer())
         shoot("choose", "choose")
         screen.page.locator("input:visible").first.click()
         screen.page.get_by_role("option", name="ward").click()
