@@ -115,6 +115,16 @@ Limit = Annotated[float, Meta(gt=0.0, le=1000.0, description="a limit; absent: n
 Acceleration = Annotated[float, Meta(ge=-1000.0, le=1000.0, extra=_unit("m/s2"))]
 AccelerationNoise = Annotated[float, Meta(ge=0.0, le=100.0, description="standard deviation", extra=_unit("m/s2"))]
 TurnRateNoise = Annotated[float, Meta(ge=0.0, le=100.0, description="standard deviation", extra=_unit("rad/s"))]
+Volts = Annotated[float, Meta(ge=0.0, le=10.0, description="standard deviation of its voltage", extra=_unit("V"))]
+Incidence = Annotated[
+    float, Meta(ge=0.0, le=90.0, description="largest angle between ray and normal that returns", extra=_unit("deg"))
+]
+WayVariance = Annotated[
+    float, Meta(ge=0.0, le=1.0, description="variance of a wheel's way, m2 a metre rolled", extra=_unit("m"))
+]
+Walk = Annotated[float, Meta(ge=0.0, le=1000.0, description="standard deviation that a bias gains in a second")]
+StepSize = Annotated[float, Meta(ge=0.0, le=1000.0, description="quantisation step; 0: none")]
+FigureRatio = Annotated[float, Meta(ge=0.5, le=2.0, extra=_unit("1"))]
 Seconds = Annotated[float, Meta(ge=0.0, le=1e9, extra=_unit("s"))]
 Period = Annotated[float, Meta(ge=0.001, le=1.0, description="simulated time of a tick", extra=_unit("s"))]
 Stamp = Annotated[float, Meta(ge=0.0, le=1e12, description="Unix time", extra=_unit("s"))]
@@ -211,6 +221,10 @@ class Proximity(Record, frozen=True, kw_only=True):
     min_range: Length = 0.0
     max_range: Size
     model: Model = "ideal"
+    noise_volts: Volts = 0.01
+    dropout: Annotated[Share, Meta(description="share of samples that fail; not of ideal")] = 0.0
+    crosstalk: Annotated[Share, Meta(description="sonar: share of others' chirps in sight taken for an echo")] = 0.0
+    group: Annotated[Cycles, Meta(description="ticks that it fires after group 0, less than Every")] = 0
     mount: Mount = "body"
     every: Every = 1
     latency: Cycles = 0
@@ -231,6 +245,8 @@ class Lidar(Record, frozen=True, kw_only=True):
     max_range: Size
     noise: Annotated[Length, Meta(description="standard deviation at least")] = 0.0
     noise_share: Annotated[Share, Meta(description="standard deviation as a share of the range")] = 0.0
+    incidence_deg: Incidence = 90.0
+    dropout: Annotated[Share, Meta(description="share of rays that fail")] = 0.0
     mount: Mount = "body"
     every: Every = 1
     latency: Cycles = 0
@@ -241,13 +257,14 @@ class Encoders(Record, frozen=True, kw_only=True):
     """Ticks of both wheels since joining."""
 
     id: Id
+    drift: WayVariance = 0.0
     every: Every = 1
     latency: Cycles = 0
     source: Source = "simulated"
 
 
 class Odometry(Record, frozen=True, kw_only=True):
-    """The pose integrated from the encoders with the nominal figures."""
+    """The pose integrated from the robot's first encoders with the nominal figures; without any, from perfect ones."""
 
     id: Id
     every: Every = 1
@@ -261,6 +278,7 @@ class Compass(Record, frozen=True, kw_only=True):
     id: Id
     noise_deg: NoiseDegrees = 0.0
     step_deg: StepDegrees = 0.0
+    walk_deg: Annotated[Walk, Meta(extra=_unit("deg"))] = 0.0
     every: Every = 1
     latency: Cycles = 0
     source: Source = "simulated"
@@ -273,6 +291,8 @@ class GPS(Record, frozen=True, kw_only=True):
     x: Coordinate = 0.0
     y: Coordinate = 0.0
     noise: Annotated[Length, Meta(description="standard deviation on each axis")] = 0.0
+    walk: Annotated[Walk, Meta(extra=_unit("m"))] = 0.0
+    step: Annotated[StepSize, Meta(extra=_unit("m"))] = 0.0
     every: Every = 1
     latency: Cycles = 0
     source: Source = "simulated"
@@ -284,6 +304,10 @@ class IMU(Record, frozen=True, kw_only=True):
     id: Id
     noise: AccelerationNoise = 0.0
     turn_noise: TurnRateNoise = 0.0
+    walk: Annotated[Walk, Meta(extra=_unit("m/s2"))] = 0.0
+    turn_walk: Annotated[Walk, Meta(extra=_unit("rad/s"))] = 0.0
+    step: Annotated[StepSize, Meta(extra=_unit("m/s2"))] = 0.0
+    turn_step: Annotated[StepSize, Meta(extra=_unit("rad/s"))] = 0.0
     every: Every = 1
     latency: Cycles = 0
     source: Source = "simulated"
@@ -301,6 +325,8 @@ class Beacon(Record, frozen=True, kw_only=True):
     cone_deg: Cone = 360.0
     max_range: Size = 20.0
     noise_deg: NoiseDegrees = 0.0
+    walk_deg: Annotated[Walk, Meta(extra=_unit("deg"))] = 0.0
+    step_deg: StepDegrees = 0.0
     every: Every = 1
     latency: Cycles = 0
     source: Source = "simulated"
@@ -368,6 +394,9 @@ class Robot(Record, frozen=True, kw_only=True):
     track: Annotated[Size, Meta(description="distance between the wheels")] = 0.6
     wheel_diameter: Size = 0.35
     encoder_ticks: Annotated[int, Meta(ge=1, le=1_000_000, description="ticks of a whole turn of a wheel")] = 2000
+    wheel_ratio: Annotated[FigureRatio, Meta(description="true right wheel over true left one, UMBmark's E_d")] = 1.0
+    wheel_scale: Annotated[FigureRatio, Meta(description="true mean wheel over WheelDiameter")] = 1.0
+    track_ratio: Annotated[FigureRatio, Meta(description="true track over Track, UMBmark's E_b")] = 1.0
     command_timeout: Annotated[Seconds, Meta(description="absent: the simulation's own")] | None = None
     anchored: Annotated[bool, Meta(description="a hinge holds it: never slides")] = False
     acceleration_limit: Annotated[Limit, Meta(extra=_unit("m/s2"))] | None = None

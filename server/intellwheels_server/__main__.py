@@ -59,6 +59,15 @@ def parser() -> argparse.ArgumentParser:
     what.add_argument(
         "--say-range", type=_positive, default=8.0, metavar="M", help="metres a say is heard (default: 8)"
     )
+    what.add_argument("--say-walls", action="store_true", help="walls and closed doors keep a say from being heard")
+    what.add_argument(
+        "--say-loss", type=_share, default=0.0, metavar="P",
+        help="share of what agents say that a listener misses (default: 0)",
+    )  # fmt: skip
+    what.add_argument(
+        "--say-delay", type=_seconds, default=0.0, metavar="S",
+        help="simulated seconds a say takes beyond the next tick (default: 0)",
+    )  # fmt: skip
     what.add_argument(
         "--command-timeout", type=_positive, default=0.5, metavar="S",
         help="simulated seconds a command of an agent that asked for none counts (default: 0.5)",
@@ -203,6 +212,9 @@ def _options(given: argparse.Namespace) -> tuple[Options, Link]:
         period=given.period or (written.period if written else 0.05),
         say_limit=given.say_limit,
         say_range=given.say_range,
+        say_walls=given.say_walls,
+        say_loss=given.say_loss,
+        say_delay=given.say_delay,
         command_timeout=given.command_timeout,
         truth=bool(given.truth) or bool(written and written.truth),
         end=written.end if written else None,
@@ -251,6 +263,20 @@ def _positive(text: str) -> float:
     value = float(text)
     if not 0.0 < value < 1e9:
         raise argparse.ArgumentTypeError(f"expected a number above 0, got {text}")
+    return value
+
+
+def _share(text: str) -> float:
+    value = float(text)
+    if not 0.0 <= value <= 1.0:
+        raise argparse.ArgumentTypeError(f"expected a number in [0, 1], got {text}")
+    return value
+
+
+def _seconds(text: str) -> float:
+    value = float(text)
+    if not 0.0 <= value <= 3600.0:
+        raise argparse.ArgumentTypeError(f"expected seconds in [0, 3600], got {text}")
     return value
 
 

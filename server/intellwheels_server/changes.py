@@ -96,6 +96,7 @@ class Draft:
         self.user = dict(state.user)
         self.forwarded = dict(state.forwarded)
         self.heard = state.heard
+        self.coming = state.coming
         self.spoken = state.spoken
         self.episodes = state.episodes
         self.event_count = state.event_count
@@ -168,7 +169,7 @@ class Draft:
             old = None if self.restarted else self.state
             fleet, samples = assemble(self.figures, self.setup, self.tick, old, self.arrived)
         numbers, flags = _columns(fleet, self.numbers, self.flags)
-        view = View(numbers, fleet.bodies.parts, fleet.bodies.part_start, self.walls)
+        view = View(numbers, fleet.bodies.parts, fleet.bodies.part_start, self.walls, self.setup.period)
         return State(
             run=self.run,
             tick=self.tick,
@@ -183,6 +184,7 @@ class Draft:
             user=self.user,
             forwarded=self.forwarded,
             heard=self.heard,
+            coming=self.coming,
             spoken=self.spoken,
             event_count=self.event_count,
             revision=self.revision,
@@ -381,6 +383,9 @@ def _restart(one: do.Restart, draft: Draft) -> Outcome:
         period=old.period,
         say_limit=old.say_limit,
         say_range=old.say_range,
+        say_walls=old.say_walls,
+        say_loss=old.say_loss,
+        say_delay=old.say_delay,
         command_timeout=old.command_timeout,
         truth=old.truth,
         end=one.end if one.end is not None else old.end,
@@ -411,7 +416,7 @@ def _restart(one: do.Restart, draft: Draft) -> Outcome:
     draft.run, draft.tick, draft.setup, draft.walls = one.run, 0, setup, walls
     draft.figures, draft.numbers, draft.flags = {}, {}, {}
     draft.manners, draft.user, draft.forwarded = {}, {}, {}
-    draft.heard = draft.spoken = ()
+    draft.heard = draft.coming = draft.spoken = ()
     draft.episodes, draft.event_count = no_episodes(), 0
     draft.revision += one.map is not None
     draft.ended = draft.end_waived = False

@@ -12,10 +12,11 @@ from intellwheels_server.state import State
 
 
 def digest(state: State) -> str:
-    """Return 16 hex digits of BLAKE2b-64 over the tick and every body's numbers and flags.
+    """Return 16 hex digits of BLAKE2b-64 over the tick, every body's numbers and flags, and what sensors remember.
 
-    Little-endian float64, the tick first, then body by body in the order of names; -0.0 counts as
-    0.0. The run's name is no part of it, so equal runs have equal hashes.
+    Little-endian float64, the tick first, then body by body in the order of names, then what sensors remember
+    (`SensorPlan.memory`) in that order; -0.0 counts as 0.0. The run's name is no part of it, so equal runs have equal
+    hashes.
 
     Raises:
         FloatingPointError: A number of the state is not finite, which is a bug.
@@ -28,6 +29,11 @@ def digest(state: State) -> str:
         raise FloatingPointError(f"state of tick {state.tick}: expected finite numbers, got {block}")
     hashed = hashlib.blake2b(np.float64(state.tick).tobytes(), digest_size=8)
     hashed.update(block.tobytes())
+    if len(state.fleet.plan.memory):
+        remembered = (state.samples[state.fleet.plan.memory] + 0.0).astype("<f8")
+        if not np.isfinite(remembered).all():
+            raise FloatingPointError(f"sensors at tick {state.tick}: expected finite numbers, got {remembered}")
+        hashed.update(remembered.tobytes())
     return hashed.hexdigest()
 
 

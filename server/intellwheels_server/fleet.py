@@ -16,7 +16,7 @@ from intellwheels_schemas.errors import RequestRefusedError
 from intellwheels_schemas.messages import Position, Robot
 from intellwheels_schemas.rules import parts_of
 from intellwheels_server.kernels.arrays import Bodies, Box, Floats, Ints, Shape, bodies_from, key_of
-from intellwheels_server.kernels.motion import lag
+from intellwheels_server.kernels.motion import MOTOR_ROWS, lag, wheel_scales
 from intellwheels_server.kernels.noise import noise_key
 from intellwheels_server.sensors import SensorPlan, check_sensors, plan_sensors
 
@@ -65,10 +65,11 @@ class Fleet(msgspec.Struct, frozen=True, kw_only=True):
         by_key: The name of each key.
         figures: By name.
         bodies: Shapes, for contact and sensing.
-        motors: float64[6, n], motor figures, rows of `kernels.motion`.
+        motors: float64[8, n], motor figures, rows of `kernels.motion`.
         flaws: float64[2, n]: standard deviation of the motors' output, share by which blocked wheels turn on.
         noise: Keys of the motors' noise, uint64[2, n].
         limits: int64[2, n]: steps until a command times out; 1 for real bodies.
+        doors: int64[n], 1 for doors, which keep a say from being heard where walls do.
         plan: The sensors, compiled.
     """
 
@@ -81,6 +82,7 @@ class Fleet(msgspec.Struct, frozen=True, kw_only=True):
     flaws: Floats
     noise: Ints
     limits: Ints
+    doors: Ints
     plan: SensorPlan
 
 
@@ -94,7 +96,7 @@ def figure_of(name: str, robot: Robot, setup: Setup) -> Figure:
         raise RequestRefusedError("field", "Robot.Role: expected both or body, got 'mind'")
     robot = msgspec.structs.replace(robot, name=name, format=None)
     held = robot.type == "real"
-    check_sensors(robot, truth=setup.truth)
+    check_sensors(robot, setup.floor, truth=setup.truth)
     parts = parts_of(robot)
     if not parts:
         raise RequestRefusedError(
@@ -135,6 +137,7 @@ def assemble(
     plan, samples = plan_sensors(
         [(figure.robot, figure.start) for figure in ordered],
         setup.seed,
+        setup.floor,
         tick,
         None if old is None else (old.fleet.plan, old.samples),
         arrived,
@@ -145,7 +148,7 @@ def assemble(
         by_key={figures[name].key: name for name in names},
         figures={name: figures[name] for name in names},
         bodies=bodies_from([figure.shape for figure in ordered]),
-        motors=_block([_motor(figure.robot, setup.period) for figure in ordered], 6),
+        motors=_block([_motor(figure.robot, setup.period) for figure in ordered], MOTOR_ROWS),
         flaws=_block([(figure.robot.motor_noise, figure.robot.slip) for figure in ordered], 2),
         noise=np.array([[int(a) for a, _ in keys], [int(b) for _, b in keys]], dtype=np.uint64)
         .reshape(2, len(names))
@@ -153,6 +156,7 @@ def assemble(
         limits=np.array(
             [[figure.timeout for figure in ordered], [int(figure.held) for figure in ordered]], dtype=np.int64
         ).reshape(2, len(names)),
+        doors=np.array([figure.robot.kind == "door" for figure in ordered], dtype=np.int64),
         plan=plan,
     )
     return fleet, samples
@@ -161,12 +165,13 @@ def assemble(
 def _motor(robot: Robot, period: float) -> tuple[float, ...]:
     kept, settling = lag(robot.acceleration_curve, period)
     return (
-        robot.track,
+        robot.track * robot.track_ratio,
         robot.top_speed,
         kept,
         settling,
         math.inf if robot.acceleration_limit is None else robot.acceleration_limit,
         math.inf if robot.turn_limit is None else robot.turn_limit,
+        *wheel_scales(robot.wheel_ratio, robot.wheel_scale),
     )
 
 

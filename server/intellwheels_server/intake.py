@@ -189,8 +189,16 @@ def enter_verdicts(
     return happenings, user
 
 
-def words_of(state: State, inputs: Inputs, said: list[Utterance], numbers: Floats) -> tuple[Utterance, ...]:
-    """Return all that agents said in the step, one say each, in the order of names, from where they are after it."""
+def words_of(state: State, inputs: Inputs, said: list[Utterance], numbers: Floats, due: int) -> tuple[Utterance, ...]:
+    """Return all that agents said in the step, one say each, in the order of names, from where they are after it.
+
+    Args:
+        state: Before the step.
+        inputs: Of the step, for what is said without actions.
+        said: What was said with actions; is added to.
+        numbers: After the step.
+        due: Tick in whose measures it is heard.
+    """
     known = {words.sender for words in said}
     for words in inputs.says:
         if words.agent in state.fleet.index and words.agent not in known:
@@ -199,5 +207,5 @@ def words_of(state: State, inputs: Inputs, said: list[Utterance], numbers: Float
     placed = []
     for one in sorted(said, key=lambda one: one.sender):
         i = state.fleet.index[one.sender]
-        placed.append(msgspec.structs.replace(one, at=(float(numbers[X, i]), float(numbers[Y, i]))))
+        placed.append(msgspec.structs.replace(one, at=(float(numbers[X, i]), float(numbers[Y, i])), due=due))
     return tuple(placed)

@@ -35,6 +35,9 @@ class Rules(msgspec.Struct, frozen=True, kw_only=True, rename="pascal"):
     truth: bool
     strict: bool
     end: End | None = None
+    say_walls: bool = False
+    say_loss: float = 0.0
+    say_delay: float = 0.0
 
 
 class Header(msgspec.Struct, frozen=True, kw_only=True, rename="pascal"):
@@ -58,6 +61,9 @@ class Header(msgspec.Struct, frozen=True, kw_only=True, rename="pascal"):
             period=self.period,
             say_limit=self.setup.say_limit,
             say_range=self.setup.say_range,
+            say_walls=self.setup.say_walls,
+            say_loss=self.setup.say_loss,
+            say_delay=self.setup.say_delay,
             command_timeout=self.setup.command_timeout,
             truth=self.setup.truth,
             strict=self.setup.strict,
@@ -108,6 +114,9 @@ class Log:
             setup=Rules(
                 say_limit=setup.say_limit,
                 say_range=setup.say_range,
+                say_walls=setup.say_walls,
+                say_loss=setup.say_loss,
+                say_delay=setup.say_delay,
                 command_timeout=setup.command_timeout,
                 truth=setup.truth,
                 strict=setup.strict,

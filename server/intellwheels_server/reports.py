@@ -7,8 +7,9 @@ from typing import Any, Final
 
 import msgspec
 
-from intellwheels_schemas.messages import Entity, Heard, Measures, MotorState, PowerInForce, Sensors
+from intellwheels_schemas.messages import Entity, Measures, MotorState, PowerInForce, Sensors
 from intellwheels_schemas.rules import SENSOR_KINDS
+from intellwheels_server.hearing import heard_by
 from intellwheels_server.kernels.rows import (
     COLLISION,
     CONTACTS,
@@ -27,7 +28,7 @@ from intellwheels_server.kernels.rows import (
     Y,
 )
 from intellwheels_server.sensors import readings
-from intellwheels_server.state import Manner, State, Utterance
+from intellwheels_server.state import Manner, State
 
 SAY_SHOWN: Final = 3.0
 """Simulated seconds for which the last say stands in the world's state."""
@@ -51,7 +52,7 @@ def measures(state: State, agent: str) -> Measures:
         collision=bool(state.flags[COLLISION, i]),
         contact=bool(state.numbers[TOUCHING, i]),
         sensors=_sensors(state, agent, i),
-        message=_heard(state, agent, i) if state.heard else (),
+        message=heard_by(state, agent) if state.heard else (),
         user_input=state.user.get(agent) if figure.wants_user else None,
     )
 
@@ -75,26 +76,6 @@ def _sensors(state: State, agent: str, i: int) -> Sensors | None:
 def _unstamped(reading: Any, tick: int) -> Any:
     """Return a reading as it is told at a tick: without its own tick where that is this one."""
     return msgspec.structs.replace(reading, tick=None) if reading.tick == tick else reading
-
-
-def _heard(state: State, agent: str, i: int) -> tuple[Heard, ...]:
-    found = []
-    for words in state.heard:
-        if words.sender == agent or (words.to is not None and words.to != agent):
-            continue
-        distance = _distance(state, words, i)
-        if distance <= state.setup.say_range:
-            found.append(Heard(sender=words.sender, tick=words.tick, seq=words.seq, distance=distance, text=words.text))
-    return tuple(found)
-
-
-def _distance(state: State, words: Utterance, i: int) -> float:
-    """Return how far away the words were spoken, 0 for an operator's."""
-    if words.at is None:
-        return 0.0
-    dx = float(state.numbers[X, i]) - words.at[0]
-    dy = float(state.numbers[Y, i]) - words.at[1]
-    return math.sqrt(dx * dx + dy * dy)
 
 
 def entities(state: State) -> tuple[Entity, ...]:

@@ -27,6 +27,9 @@ class Setup(msgspec.Struct, frozen=True, kw_only=True):
         period: Simulated time of a tick, s.
         say_limit: Code points of one say.
         say_range: How far a say is heard, m.
+        say_walls: Walls and door leaves between speaker and listener keep what agents say from being heard.
+        say_loss: Share of what agents say that a listener misses, each on its own.
+        say_delay: Time after which what agents say is heard, beyond the next tick, s; whole ticks, rounded up.
         command_timeout: Time after which a command no longer counts, s; a robot may ask for its own.
         truth: Whether agents may have truth sensors.
         end: When the run ends, or never.
@@ -39,6 +42,9 @@ class Setup(msgspec.Struct, frozen=True, kw_only=True):
     period: float = 0.05
     say_limit: int = 100
     say_range: float = 8.0
+    say_walls: bool = False
+    say_loss: float = 0.0
+    say_delay: float = 0.0
     command_timeout: float = 0.5
     truth: bool = False
     end: End | None = None
@@ -55,10 +61,10 @@ class Manner(msgspec.Struct, frozen=True):
 
 
 class Utterance(msgspec.Struct, frozen=True):
-    """Words that are heard in the measures of this tick; `to` one agent or to all in range.
+    """Words that somebody said; `to` one agent or to all in range.
 
-    `at` is where the speaker was when they were heard first, m, so that who leaves is still heard; without a place
-    the sender is an operator, heard everywhere.
+    `at` is where the speaker was after the step they were said in, m, so that who leaves is still heard; without a
+    place the sender is an operator, heard everywhere. `due` is the tick in whose measures they are heard.
     """
 
     sender: str
@@ -67,6 +73,7 @@ class Utterance(msgspec.Struct, frozen=True):
     seq: int | None = None
     to: str | None = None
     at: tuple[float, float] | None = None
+    due: int = 0
 
 
 class Kept(msgspec.Struct, frozen=True):
@@ -92,7 +99,8 @@ class State(msgspec.Struct, frozen=True, kw_only=True):
         manners: What agents say of themselves, by name.
         user: The last input of each body's user, by name.
         forwarded: The last readings of each real body's own sensors, by name.
-        heard: What was said in the last step.
+        heard: What is heard at this tick.
+        coming: What agents said and is heard later.
         spoken: What operators said at this tick; heard at the next.
         event_count: Events of this run so far; the next event's number.
         revision: How often the map was changed.
@@ -114,6 +122,7 @@ class State(msgspec.Struct, frozen=True, kw_only=True):
     user: dict[str, UserInput] = {}
     forwarded: dict[str, Sensors] = {}
     heard: tuple[Utterance, ...] = ()
+    coming: tuple[Utterance, ...] = ()
     spoken: tuple[Utterance, ...] = ()
     event_count: int = 0
     revision: int = 0

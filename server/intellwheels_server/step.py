@@ -99,7 +99,13 @@ def step(state: State, inputs: Inputs) -> tuple[State, tuple[Event, ...], bool]:
     ]
     episodes, contact_events = follow(state, hits, hit_numbers, flags, state.event_count + len(events))
     events.extend(contact_events)
-    view = View(numbers, fleet.bodies.parts, fleet.bodies.part_start, state.walls)
+    coming, heard = state.coming, state.spoken
+    if said or inputs.says or coming:
+        late = steps_in(setup.say_delay, period)
+        coming += words_of(state, inputs, said, numbers, state.tick + 1 + late)
+        heard += tuple(words for words in coming if words.due <= state.tick + 1)
+        coming = tuple(words for words in coming if words.due > state.tick + 1)
+    view = View(numbers, fleet.bodies.parts, fleet.bodies.part_start, state.walls, period)
     new = State(
         run=state.run,
         tick=state.tick + 1,
@@ -113,7 +119,8 @@ def step(state: State, inputs: Inputs) -> tuple[State, tuple[Event, ...], bool]:
         manners=manners,
         user=user,
         forwarded=forwarded,
-        heard=state.spoken + (words_of(state, inputs, said, numbers) if said or inputs.says else ()),
+        heard=heard,
+        coming=coming,
         event_count=state.event_count + len(events),
         revision=state.revision,
         end_waived=state.end_waived,

@@ -12,7 +12,22 @@ from pathlib import Path
 from msgspec import structs
 
 from intellwheels_maps import floor, robot
-from intellwheels_schemas.messages import Actions, Position, Truth
+from intellwheels_schemas.messages import (
+    GPS,
+    IMU,
+    Actions,
+    Beacon,
+    Bumper,
+    Compass,
+    Encoders,
+    Ground,
+    Lidar,
+    Odometry,
+    Position,
+    Proximity,
+    Robot,
+    Truth,
+)
 from intellwheels_server.inputs import Inputs, Join, TeleportBody
 from intellwheels_server.kernel_cache import is_cold
 from intellwheels_server.world import Setup, State, advance, apply, begin, digest, entities, measures
@@ -73,17 +88,47 @@ def _compile_in_two() -> None:
 def join() -> State:
     """Return a world that somebody has just joined: compiles placing and sensing, not stepping."""
     state = begin(Setup(floor=floor("room"), truth=True), run="0" * 16)
-    chair = structs.replace(robot("rear-wheel"), truth=(Truth(id="truth"),))
-    return apply(state, [Join(agent="one", robot=chair)])[0]
+    return apply(state, [Join(agent="one", robot=_perceptive())])[0]
+
+
+def _perceptive() -> Robot:
+    """Return a chair with a sensor of every kind and model, each with all its errors."""
+    chair = robot("rear-wheel")
+    eye = Proximity(id="ideal", x=0.5, y=0.0, z=0.4, direction_deg=0.0, cone_deg=30.0, max_range=4.0)
+    grid = floor("room").grid
+    assert grid is not None
+    return structs.replace(
+        chair,
+        proximity=(
+            eye,
+            structs.replace(eye, id="infrared", model="infrared", dropout=0.5),
+            structs.replace(eye, id="sonar", model="sonar", dropout=0.5, crosstalk=1.0),
+        ),
+        lidar=(
+            Lidar(
+                id="lidar", x=0.5, y=0.0, z=0.4, direction_deg=0.0, fov_deg=180.0, rays=9, max_range=9.0, noise=0.01,
+                incidence_deg=80.0, dropout=0.1,
+            ),
+        ),
+        encoders=(Encoders(id="encoders", drift=1e-6),),
+        odometry=(Odometry(id="odometry"),),
+        compass=(Compass(id="compass", noise_deg=1.0, walk_deg=1.0, step_deg=1.0),),
+        gps=(GPS(id="gps", noise=0.1, walk=0.1, step=0.1),),
+        imu=(IMU(id="imu", noise=0.1, walk=0.1, step=0.1),),
+        beacon=(Beacon(id="beacon", place=grid.position[0].name, noise_deg=1.0, walk_deg=1.0),),
+        ground=(Ground(id="ground"),),
+        bumper=(Bumper(id="bumper"),),
+        truth=(Truth(id="truth"),),
+    )  # fmt: skip
 
 
 def _exercise() -> None:
     """Two chairs and a table for a few ticks: motion, sensing, contact of bodies and walls, episodes, digest."""
-    state = begin(Setup(floor=floor("room"), truth=True), run="0" * 16)
-    chair = structs.replace(robot("rear-wheel"), truth=(Truth(id="truth"),))
+    state = begin(Setup(floor=floor("room"), truth=True, say_walls=True, say_loss=0.01), run="0" * 16)
+    chair = _perceptive()
     joins = [Join(agent=name, robot=chair) for name in ("one", "two")]
     state, _ = apply(state, [*joins, Join(agent="three", robot=robot("table"))])
-    drive = {name: Actions(left_motor=1.0, right_motor=0.9) for name in ("one", "two")}
+    drive = {name: Actions(left_motor=1.0, right_motor=0.9, say="warm") for name in ("one", "two")}
     for _ in range(3):
         state, _ = advance(state, Inputs(actions=drive))
     at = state.fleet.figures["two"].start

@@ -112,7 +112,7 @@ def _of(count: int, times: int) -> list[Row]:
 
     whole = best(move, times)
     state = held[0]
-    view = View(state.numbers, state.fleet.bodies.parts, state.fleet.bodies.part_start, state.walls)
+    view = View(state.numbers, state.fleet.bodies.parts, state.fleet.bodies.part_start, state.walls, state.setup.period)
     sensing = best(lambda: sense(state.fleet.plan, view, state.tick, state.samples), times)
     packed = [encode(action) for action in powers[0].values()]
     decoding = best(lambda: [decode(Actions, data) for data in packed], times)

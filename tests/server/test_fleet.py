@@ -41,5 +41,5 @@ def test_arrays_of_a_fleet_are_in_the_order_of_names() -> None:
 
 def test_nobody_is_a_fleet_too() -> None:
     fleet, _ = assemble({}, Setup(floor=floor_of()), 0, None)
-    assert fleet.motors.shape == (6, 0)
+    assert fleet.motors.shape == (8, 0)
     assert fleet.noise.shape == (2, 0)

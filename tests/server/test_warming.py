@@ -8,16 +8,21 @@ import sys
 PROGRAM = """
 import numba.core.event as event
 from intellwheels_maps import floor, robot
-from intellwheels_schemas.messages import Actions, Position
+from msgspec import structs
+from intellwheels_schemas.messages import Actions, Lidar, Odometry, Position, Proximity
 from intellwheels_server.inputs import Inputs, Join, TeleportBody
 from intellwheels_server.warming import warm
 from intellwheels_server.world import Setup, advance, apply, begin, measures
 
 warm()
 with event.install_recorder("numba:compile") as compiled:
-    state = begin(Setup(floor=floor("ward")), run="0" * 16)
+    state = begin(Setup(floor=floor("ward"), say_walls=True), run="0" * 16)
     kinds = ["rear-wheel", "mid-wheel", "table", "door"]
     joins = [Join(agent=f"a{k}", robot=robot(kind)) for k, kind in enumerate(kinds)]
+    eye = Proximity(id="s", x=0.5, y=0.0, z=0.4, direction_deg=0.0, cone_deg=30.0, max_range=4.0, model="sonar")
+    lidar = Lidar(id="l", x=0.5, y=0.0, z=0.4, direction_deg=0.0, fov_deg=90.0, rays=91, max_range=4.0)
+    equipped = structs.replace(robot("mid-wheel"), proximity=(eye,), lidar=(lidar,), odometry=(Odometry(id="o"),))
+    joins.append(Join(agent="b", robot=equipped))
     state, _ = apply(state, joins)
     here = [name for name in state.names]
     if len(here) > 1:
@@ -25,7 +30,7 @@ with event.install_recorder("numba:compile") as compiled:
         there = Position(x=at.x + 0.3, y=at.y, heading=1.0)
         state, _ = apply(state, [TeleportBody(agent=here[1], position=there, force=True)])
     for _ in range(100):
-        drive = {name: Actions(left_motor=1.0, right_motor=0.8) for name in here}
+        drive = {name: Actions(left_motor=1.0, right_motor=0.8, say="hm") for name in here}
         state, outputs = advance(state, Inputs(actions=drive))
         for name in here:
             measures(state, name)

@@ -60,7 +60,7 @@ def powers(
     Args:
         numbers: float64[NUMBER_ROWS, n], in and out.
         flags: int64[FLAG_ROWS, n], in and out; ages count the step that begins.
-        motors: float64[6, n], rows of `motion`.
+        motors: float64[8, n], rows of `motion`.
         limits: int64[2, n].
         silence: Steps after which a user counts as silent, or -1 where verdicts say so.
         staleness: Steps after which a real body's pose is stale, or -1 likewise.

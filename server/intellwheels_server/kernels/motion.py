@@ -17,10 +17,12 @@ from intellwheels_server.kernels.elementary import exp, log
 # The cycle for which the paper gives AccelerationCurve, s.
 REFERENCE_CYCLE = 0.05
 
-# Rows of a motor block, float64[6, n]. TRACK is the distance of the wheels, m; TOP_SPEED a wheel's at power 1, m/s;
+# Rows of a motor block, float64[8, n]. TRACK is the distance of the wheels, m; TOP_SPEED a wheel's at power 1, m/s;
 # KEPT the share k of the last speed kept in a cycle; SETTLING is tau (1 - k), s; ACCELERATION m/s2 and TURN_RATE
-# rad/s are limits, inf where there is none.
-TRACK, TOP_SPEED, KEPT, SETTLING, ACCELERATION, TURN_RATE = 0, 1, 2, 3, 4, 5
+# rad/s are limits, inf where there is none. LEFT_SCALE and RIGHT_SCALE are the wheels as they are over the nominal one:
+# a motor turns a larger wheel as often and moves it farther.
+TRACK, TOP_SPEED, KEPT, SETTLING, ACCELERATION, TURN_RATE, LEFT_SCALE, RIGHT_SCALE = 0, 1, 2, 3, 4, 5, 6, 7
+MOTOR_ROWS = 8
 
 # Rows of a wheels or power block, float64[2, n].
 LEFT, RIGHT = 0, 1
@@ -29,6 +31,17 @@ LEFT, RIGHT = 0, 1
 _MOST_TURN_RATE = 60.0
 # Below this share of tau a cycle's 1 - k has lost five digits; the series then errs by less than 1e-16.
 _SHORT = 1e-5
+
+
+def wheel_scales(ratio: float, scale: float) -> tuple[float, float]:
+    """Return the left and the right wheel as they are over the nominal one.
+
+    Args:
+        ratio: E_d of UMBmark, the right wheel over the left one at the same mean.
+        scale: Their mean over the nominal wheel.
+    """
+    left = 2.0 / (1.0 + ratio)
+    return scale * left, scale * (ratio * left)
 
 
 @njit(cache=True, error_model="numpy")
@@ -86,7 +99,7 @@ def drive(motors: Floats, wheels: Floats, power: Floats, period: float, twist: F
     """Fill in the twist of the tick and the wheel speeds after it, for all bodies.
 
     Args:
-        motors: float64[6, n], rows `TRACK` to `TURN_RATE`.
+        motors: float64[8, n], rows `TRACK` to `RIGHT_SCALE`.
         wheels: float64[2, n], wheel speeds at the start, m/s.
         power: float64[2, n], shares of full power in force, with the motors' noise.
         period: T, s.
@@ -102,11 +115,12 @@ def drive(motors: Floats, wheels: Floats, power: Floats, period: float, twist: F
             new_wheels[RIGHT, i] = 0.0
             continue
         kept, settling, acceleration = motors[KEPT, i], motors[SETTLING, i], motors[ACCELERATION, i]
+        most_left, most_right = top * motors[LEFT_SCALE, i], top * motors[RIGHT_SCALE, i]
         left, rolled_left = wheel_cycle(
-            wheels[LEFT, i], power[LEFT, i] * top, kept, settling, acceleration, top, period
+            wheels[LEFT, i], power[LEFT, i] * most_left, kept, settling, acceleration, most_left, period
         )
         right, rolled_right = wheel_cycle(
-            wheels[RIGHT, i], power[RIGHT, i] * top, kept, settling, acceleration, top, period
+            wheels[RIGHT, i], power[RIGHT, i] * most_right, kept, settling, acceleration, most_right, period
         )
         track = motors[TRACK, i]
         travel = 0.5 * (rolled_left + rolled_right)

@@ -98,7 +98,7 @@ def tick_all(
         edges: Of the walls.
         cells: Of the walls.
         frame: Of the walls.
-        motors: float64[6, n], rows of `motion`.
+        motors: float64[8, n], rows of `motion`.
         flaws: float64[2, n], rows of `command`.
         noise: int64[2, n], bits of the motors' noise keys.
         limits: int64[2, n], rows of `command`.

@@ -23,7 +23,7 @@ _LEAST = 1e-300
 
 
 @njit(cache=True, error_model="numpy", inline="always")
-def _ray_to_box(x: float, y: float, dx: float, dy: float, half_length: float, half_width: float) -> float:
+def ray_to_box(x: float, y: float, dx: float, dy: float, half_length: float, half_width: float) -> float:
     """Return how far the ray from (x, y), outside, along the unit vector (dx, dy) travels to a box at the origin."""
     per_x = 1.0 / dx if dx != 0.0 else _NEVER
     per_y = 1.0 / dy if dy != 0.0 else _NEVER
@@ -74,8 +74,8 @@ def box_in_wedge(
     sx = direction_x * half_sin
     sy = direction_y * half_sin
     side = min(
-        _ray_to_box(x, y, cx - sy, cy + sx, half_length, half_width),
-        _ray_to_box(x, y, cx + sy, cy - sx, half_length, half_width),
+        ray_to_box(x, y, cx - sy, cy + sx, half_length, half_width),
+        ray_to_box(x, y, cx + sy, cy - sx, half_length, half_width),
     )
     return dx * dx + dy * dy if seen else side * side
 

@@ -17,9 +17,16 @@ import numpy as np
 
 from intellwheels_schemas.errors import RequestRefusedError
 from intellwheels_schemas.messages import (
+    GPS,
+    IMU,
+    Beacon,
     Bumper,
     Compass,
     Encoders,
+    Ground,
+    Lidar,
+    Map,
+    Odometry,
     Position,
     Proximity,
     Record,
@@ -29,35 +36,48 @@ from intellwheels_schemas.messages import (
 )
 from intellwheels_schemas.rules import sensors_of
 from intellwheels_server.kernels import timetable
-from intellwheels_server.kernels.arrays import Floats
+from intellwheels_server.kernels.arrays import Floats, Ints
 from intellwheels_server.kernels.noise import noise_key
+from intellwheels_server.sensors.beacon import BeaconKind, find_place
 from intellwheels_server.sensors.bumper import BumperKind
 from intellwheels_server.sensors.compass import CompassKind
 from intellwheels_server.sensors.encoders import EncodersKind
+from intellwheels_server.sensors.gps import GPSKind
+from intellwheels_server.sensors.ground import GroundKind
+from intellwheels_server.sensors.imu import IMUKind
 from intellwheels_server.sensors.kind import Block, Fitted, Kind, View
+from intellwheels_server.sensors.lidar import LidarKind
+from intellwheels_server.sensors.odometry import ODOMETRY_STREAM, OdometryKind, read_encoders
 from intellwheels_server.sensors.proximity import ProximityKind
 from intellwheels_server.sensors.truth import TruthKind
 
 KINDS: dict[type[Record], Kind] = {
     Proximity: ProximityKind(),
+    Lidar: LidarKind(),
     Encoders: EncodersKind(),
+    Odometry: OdometryKind(),
     Compass: CompassKind(),
+    GPS: GPSKind(),
+    IMU: IMUKind(),
+    Beacon: BeaconKind(),
+    Ground: GroundKind(),
     Bumper: BumperKind(),
     Truth: TruthKind(),
 }
-"""The kinds that are simulated, by their declaration. Whatever else the contract names is refused at joining."""
+"""The kinds, by their declaration: all that the contract names."""
 
 
-def check_sensors(robot: Robot, *, truth: bool) -> None:
+def check_sensors(robot: Robot, floor: Map, *, truth: bool) -> None:
     """Refuse a robot whose sensors cannot be simulated here.
 
     Args:
         robot: The robot as it wants to join; what documents must fulfil (`rules.check_robot`) it does.
+        floor: The map, for what a sensor names on it.
         truth: Whether agents may know the truth here.
 
     Raises:
-        RequestRefusedError: With code `field` for a kind that is not simulated yet, `value` for a model
-            that is not, `truth`, or `mount` for a real body's sensor that is fixed in the world.
+        RequestRefusedError: With code `value` for figures that do not go together, `truth`, `no-place`, or `mount` for
+            a real body's sensor that is fixed in the world.
     """
     for name, index, declaration in sensors_of(robot):
         where = f"Robot.{name}[{index}]"
@@ -67,20 +87,23 @@ def check_sensors(robot: Robot, *, truth: bool) -> None:
             raise RequestRefusedError("mount", f"{where}.Mount: expected body for a real robot, got 'start'")
         if declaration.source == "real":  # the bridge reads it
             continue
-        kind = KINDS.get(type(declaration))
-        if kind is None:
-            names = ", ".join(known.__name__ for known in KINDS)
-            raise RequestRefusedError("field", f"{where}: expected one of {names}; {name} is not simulated yet")
-        kind.check(where, declaration, robot)
+        if isinstance(declaration, Beacon) and find_place(floor, declaration.place) is None:
+            text = f"{where}.Place: expected a place of floor '{floor.name}', got '{declaration.place}'"
+            raise RequestRefusedError("no-place", text)
+        KINDS[type(declaration)].check(where, declaration, robot)
 
 
 class _Place(NamedTuple):
     """A sensor, and where its samples are among those of its body."""
 
     kind: Kind
-    declaration: Any
+    sensor: Fitted
     first: int
     depth: int
+    width: int
+    every: int
+    latency: int
+    phase: int
 
 
 @dataclass(frozen=True, slots=True)
@@ -102,15 +125,18 @@ class SensorPlan:
     Attributes:
         blocks: By kind, what takes their samples.
         fittings: By body, in the order of the state's arrays, where its samples are.
+        memory: int64[...], which places of the samples sensors remember from tick to tick, ascending.
     """
 
     blocks: tuple[Block, ...]
     fittings: tuple[_Fitting, ...]
+    memory: Ints
 
 
 def plan_sensors(
     bodies: Sequence[tuple[Robot, Position]],
     seed: str,
+    floor: Map,
     tick: int,
     before: tuple[SensorPlan, Floats] | None,
     arrived: Set[str] = frozenset(),
@@ -124,6 +150,7 @@ def plan_sensors(
         bodies: Each body's robot, with its name, and where it joined, in the order of the state's arrays.
             The robots have passed `check_sensors`.
         seed: The run's seed.
+        floor: The map.
         tick: Tick at which sensors that are new take their first sample.
         before: The plan until now and its samples, which bodies that stay go on with; None begins anew.
         arrived: Names of bodies that are new, though one of that name was here before.
@@ -136,6 +163,7 @@ def plan_sensors(
     kept: list[tuple[_Fitting, _Fitting]] = []
     fitted: dict[Kind, list[tuple[Fitted, list[int]]]] = {}
     size = 0
+    remembered: list[int] = []
     for body, (robot, start) in enumerate(bodies):
         old = None if robot.name in arrived else stayed.get(robot.name)
         stays = old is not None and old.robot == robot and old.start == start
@@ -146,11 +174,16 @@ def plan_sensors(
             if declaration.source == "real":
                 continue
             kind = KINDS[type(declaration)]
-            depth = timetable.depth(declaration.every, declaration.latency)
-            places.append(_Place(kind, declaration, size - begin, depth))
-            row = _row(body, declaration, joined, size, depth, noise_key(seed, str(robot.name), declaration.id))
-            fitted.setdefault(kind, []).append((Fitted(body, robot, start, declaration), row))
-            size += depth * kind.width
+            sensor = Fitted(body, robot, start, declaration, floor)
+            every, latency, phase = declaration.every, declaration.latency, getattr(declaration, "group", 0)
+            depth, width = timetable.depth(every, latency), kind.width(declaration)
+            places.append(_Place(kind, sensor, size - begin, depth, width, every, latency, phase))
+            key = noise_key(seed, str(robot.name), _stream(sensor))
+            row = _row(body, declaration, joined + phase, size, depth, key)
+            fitted.setdefault(kind, []).append((sensor, row))
+            size += depth * width
+            remembered.extend(range(size, size + kind.memory(declaration)))
+            size += kind.memory(declaration)
         fittings.append(_Fitting(robot, start, joined, begin, size, tuple(places)))
         if old is not None and stays:
             kept.append((old, fittings[-1]))
@@ -158,7 +191,16 @@ def plan_sensors(
     if before is not None:
         for old, new in kept:
             samples[new.begin : new.end] = before[1][old.begin : old.end]
-    return SensorPlan(tuple(_compiled(kind, sensors) for kind, sensors in fitted.items()), tuple(fittings)), samples
+    blocks = tuple(_compiled(kind, sensors) for kind, sensors in fitted.items())
+    return SensorPlan(blocks, tuple(fittings), np.array(remembered, dtype=np.int64)), samples
+
+
+def _stream(sensor: Fitted) -> str:
+    """Return the name of a sensor's noise: odometry errs as the encoders do that it reads."""
+    if isinstance(sensor.declaration, Odometry):
+        read = read_encoders(sensor.robot)
+        return ODOMETRY_STREAM if read is None else read.id
+    return str(sensor.declaration.id)
 
 
 def _row(
@@ -221,17 +263,17 @@ def readings(plan: SensorPlan, samples: Floats, tick: int, body: int) -> Sensors
         return None
     values = samples[fitting.begin : fitting.end].tolist()
     found: dict[str, list[Record]] = {}
-    for kind, declaration, first, depth in fitting.places:
+    for kind, sensor, first, depth, width, every, latency, phase in fitting.places:
         at, sampled = first, None
-        if depth > 1 or declaration.every > 1:
-            age = tick - declaration.latency - fitting.joined
+        if depth > 1 or every > 1:
+            age = tick - latency - fitting.joined - phase
             if age < 0:
                 continue
-            number, rest = divmod(age, declaration.every)
-            at += number % depth * kind.width
-            late = declaration.latency + rest
+            number, rest = divmod(age, every)
+            at += number % depth * width
+            late = latency + rest
             sampled = tick - late if late else None
-        reading = kind.reading(declaration, sampled, values[at : at + kind.width])
+        reading = kind.reading(sensor, sampled, values[at : at + width])
         if kind.field in found:
             found[kind.field].append(reading)
         else:

@@ -37,15 +37,22 @@ class BumperKind:
     """The kind that serves `Bumper`."""
 
     field = "bumper"
-    width = 1
 
     def check(self, where: str, declaration: Bumper, robot: Robot) -> None:
         """Refuse none."""
+
+    def width(self, declaration: Bumper) -> int:  # noqa: ARG002 - as `Kind` has it
+        """Return the numbers in a sample."""
+        return 1
+
+    def memory(self, declaration: Bumper) -> int:  # noqa: ARG002 - as `Kind` has it
+        """Return 0: it remembers nothing."""
+        return 0
 
     def compile(self, fitted: Sequence[Fitted], timetable: Ints) -> BumperBlock:  # noqa: ARG002 - as `Kind` has it
         """Return the block."""
         return BumperBlock(timetable)
 
-    def reading(self, declaration: Bumper, tick: int | None, sample: Sequence[float]) -> BumperReading:
+    def reading(self, sensor: Fitted, tick: int | None, sample: Sequence[float]) -> BumperReading:
         """Return whether it is pressed."""
-        return BumperReading(id=declaration.id, tick=tick, value=sample[0] != 0.0)
+        return BumperReading(id=sensor.declaration.id, tick=tick, value=sample[0] != 0.0)

@@ -1,4 +1,4 @@
-"""Compasses: the heading, with Gaussian noise and a quantisation step if declared."""
+"""Compasses: the heading, with Gaussian noise, a bias that walks and a quantisation step if declared."""
 
 from __future__ import annotations
 
@@ -11,25 +11,30 @@ from numba import njit
 
 from intellwheels_schemas.messages import Compass, CompassReading, Robot
 from intellwheels_server.kernels.arrays import Floats, Ints
+from intellwheels_server.kernels.bias import MEMORY, memory_of, walk
 from intellwheels_server.kernels.elementary import wrap
 from intellwheels_server.kernels.noise import normal
 from intellwheels_server.kernels.rows import HEADING
 from intellwheels_server.kernels.timetable import BODY, KEY0, KEY1, due_slot
 from intellwheels_server.sensors.kind import Fitted, View
 
-# Columns of the settings, float64[sensors, 2], rad.
-_SIGMA, _STEP = 0, 1
+# Columns of the settings, float64[sensors, 3], rad.
+_SIGMA, _STEP, _WALK = 0, 1, 2
 
 
 @njit(cache=True, error_model="numpy")
-def _take(tick: int, numbers: Floats, settings: Floats, timetable: Ints, samples: Floats) -> None:
+def _take(tick: int, period: float, numbers: Floats, settings: Floats, timetable: Ints, samples: Floats) -> None:
     for sensor in range(timetable.shape[0]):
+        if settings[sensor, _WALK] > 0.0:
+            walk(timetable, sensor, tick, 1, 1, settings[sensor, _WALK], 0.0, period, samples)
         slot = due_slot(timetable, sensor, tick, 1)
         if slot < 0:
             continue
         heading = numbers[HEADING, timetable[sensor, BODY]]
         sigma = settings[sensor, _SIGMA]
         step = settings[sensor, _STEP]
+        if settings[sensor, _WALK] > 0.0:
+            heading = wrap(heading + samples[memory_of(timetable, sensor, 1) + 1])
         if sigma > 0.0:
             key0 = np.uint64(timetable[sensor, KEY0])
             key1 = np.uint64(timetable[sensor, KEY1])
@@ -48,23 +53,30 @@ class CompassBlock:
 
     def take(self, tick: int, view: View, samples: Floats) -> None:
         """Store the samples that are due at a tick."""
-        _take(tick, view.numbers, self.settings, self.timetable, samples)
+        _take(tick, view.period, view.numbers, self.settings, self.timetable, samples)
 
 
 class CompassKind:
     """The kind that serves `Compass`."""
 
     field = "compass"
-    width = 1
 
     def check(self, where: str, declaration: Compass, robot: Robot) -> None:
         """Refuse none."""
 
+    def width(self, declaration: Compass) -> int:  # noqa: ARG002 - as `Kind` has it
+        """Return the numbers in a sample."""
+        return 1
+
+    def memory(self, declaration: Compass) -> int:
+        """Return the room of a bias that walks."""
+        return MEMORY if declaration.walk_deg > 0.0 else 0
+
     def compile(self, fitted: Sequence[Fitted], timetable: Ints) -> CompassBlock:
         """Return the block."""
-        degrees = [(sensor.declaration.noise_deg, sensor.declaration.step_deg) for sensor in fitted]
+        degrees = [(one.declaration.noise_deg, one.declaration.step_deg, one.declaration.walk_deg) for one in fitted]
         return CompassBlock(np.array(degrees, dtype=np.float64) * (math.pi / 180.0), timetable)
 
-    def reading(self, declaration: Compass, tick: int | None, sample: Sequence[float]) -> CompassReading:
+    def reading(self, sensor: Fitted, tick: int | None, sample: Sequence[float]) -> CompassReading:
         """Return the heading, rad."""
-        return CompassReading(id=declaration.id, tick=tick, value=sample[0])
+        return CompassReading(id=sensor.declaration.id, tick=tick, value=sample[0])

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any, NamedTuple, Protocol
 
-from intellwheels_schemas.messages import Position, Record, Robot
+from intellwheels_schemas.messages import Map, Position, Record, Robot
 from intellwheels_server.kernels.arrays import Floats, Ints, Walls
 
 Declaration = Any
@@ -25,12 +25,14 @@ class View(NamedTuple):
         parts: Part block of the bodies.
         part_start: int64[n + 1], the first part of each body and the end.
         walls: The floor.
+        period: Simulated time of a tick, s.
     """
 
     numbers: Floats
     parts: Floats
     part_start: Ints
     walls: Walls
+    period: float
 
 
 class Fitted(NamedTuple):
@@ -41,12 +43,14 @@ class Fitted(NamedTuple):
         robot: The body's robot.
         start: Where the body joined.
         declaration: The sensor.
+        floor: The map, for what is named on it.
     """
 
     body: int
     robot: Robot
     start: Position
     declaration: Declaration
+    floor: Map
 
 
 class Block(Protocol):
@@ -63,9 +67,14 @@ class Kind(Protocol):
     def field(self) -> str:
         """The field of `Robot` and of `Sensors` that lists its sensors."""
 
-    @property
-    def width(self) -> int:
-        """Numbers in a sample."""
+    def width(self, declaration: Declaration) -> int:
+        """Return the numbers in a sample."""
+
+    def memory(self, declaration: Declaration) -> int:
+        """Return the numbers that the sensor remembers from tick to tick, behind its samples; they begin as 0.
+
+        They are part of the hash. Sensing twice at one tick must leave them as sensing once does.
+        """
 
     def check(self, where: str, declaration: Declaration, robot: Robot) -> None:
         """Refuse a declaration that is well-formed but cannot be.
@@ -87,5 +96,5 @@ class Kind(Protocol):
             timetable: int64[sensors, 8], in the same order.
         """
 
-    def reading(self, declaration: Declaration, tick: int | None, sample: Sequence[float]) -> Record:
+    def reading(self, sensor: Fitted, tick: int | None, sample: Sequence[float]) -> Record:
         """Return the reading of a sample; `tick` only where it is not the tick of the measures."""

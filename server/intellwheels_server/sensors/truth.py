@@ -43,16 +43,25 @@ class TruthKind:
     """The kind that serves `Truth`."""
 
     field = "truth"
-    width = 5
 
     def check(self, where: str, declaration: Truth, robot: Robot) -> None:
         """Refuse none; whether truth is allowed is the simulation's to say, see `check_sensors`."""
+
+    def width(self, declaration: Truth) -> int:  # noqa: ARG002 - as `Kind` has it
+        """Return the numbers in a sample."""
+        return 5
+
+    def memory(self, declaration: Truth) -> int:  # noqa: ARG002 - as `Kind` has it
+        """Return 0: it remembers nothing."""
+        return 0
 
     def compile(self, fitted: Sequence[Fitted], timetable: Ints) -> TruthBlock:  # noqa: ARG002 - as `Kind` has it
         """Return the block."""
         return TruthBlock(timetable)
 
-    def reading(self, declaration: Truth, tick: int | None, sample: Sequence[float]) -> TruthReading:
+    def reading(self, sensor: Fitted, tick: int | None, sample: Sequence[float]) -> TruthReading:
         """Return pose and twist."""
         x, y, heading, speed, turn_rate = sample
-        return TruthReading(id=declaration.id, tick=tick, x=x, y=y, heading=heading, speed=speed, turn_rate=turn_rate)
+        return TruthReading(
+            id=sensor.declaration.id, tick=tick, x=x, y=y, heading=heading, speed=speed, turn_rate=turn_rate
+        )

@@ -29,7 +29,7 @@ class One:
     def __init__(self) -> None:
         self.numbers = np.zeros((NUMBER_ROWS, 1))
         self.flags = np.zeros((FLAG_ROWS, 1), dtype=np.int64)
-        self.motors = np.ones((6, 1))
+        self.motors = np.ones((8, 1))
         self.limits = np.array([[10], [0]], dtype=np.int64)
         self.numbers[LEFT_COMMAND], self.numbers[RIGHT_COMMAND] = 0.5, 0.4
 

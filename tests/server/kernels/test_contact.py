@@ -170,7 +170,7 @@ def test_chair_slides_along_a_wall_at_v_cos(angle_deg: int, period: float) -> No
     # A centimetre before the corner touches.
     floor = chair_at(1.99 - 0.85 * math.sin(angle) - 0.33 * math.cos(angle), -15.0, math.pi / 2 - angle)
     kept, settling = lag(0.9, period)
-    motors = np.array([[0.572], [1.0], [kept], [settling], [math.inf], [math.inf]])
+    motors = np.array([[0.572], [1.0], [kept], [settling], [math.inf], [math.inf], [1.0], [1.0]])
     wheels = np.zeros((2, 1))
 
     def run(seconds: float) -> None:

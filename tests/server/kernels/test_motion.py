@@ -7,7 +7,7 @@ import pytest
 
 from intellwheels_server.kernels.arrays import TRAVEL, TURN, Floats
 from intellwheels_server.kernels.geometry import arc
-from intellwheels_server.kernels.motion import LEFT, RIGHT, drive, lag, wheel_cycle
+from intellwheels_server.kernels.motion import LEFT, RIGHT, drive, lag, wheel_cycle, wheel_scales
 
 INF = math.inf
 
@@ -17,7 +17,7 @@ def driven(
 ) -> tuple[float, float, float]:
     """Return the pose after powers (left, right, seconds) from rest, one after another, at 1 m/s top speed."""
     kept, settling = lag(a, period)
-    motors = np.array([[track], [1.0], [kept], [settling], [INF], [INF]])
+    motors = np.array([[track], [1.0], [kept], [settling], [INF], [INF], [1.0], [1.0]])
     wheels, twist = np.zeros((2, 1)), np.zeros((2, 1))
     pose = (0.0, 0.0, 0.0)
     for left, right, seconds in powers:
@@ -38,6 +38,18 @@ def test_way_of_the_first_second_does_not_depend_on_the_cycle(period: float) -> 
 def test_way_is_the_closed_integral() -> None:
     tau = -0.05 / math.log(0.9)
     assert driven(0.9, 0.05, [(1.0, 1.0, 1.0)])[0] == pytest.approx(1.0 - tau * (1.0 - math.exp(-1.0 / tau)), abs=1e-14)
+
+
+def test_larger_wheel_rolls_farther_for_the_same_power_and_its_mean_stays() -> None:
+    left, right = wheel_scales(1.01, 1.0)
+    assert (right / left, 0.5 * (left + right)) == pytest.approx((1.01, 1.0), abs=1e-15)
+    assert wheel_scales(1.0, 1.0) == (1.0, 1.0)
+    motors = np.array([[0.5], [1.0], [0.0], [0.0], [INF], [INF], [left], [right]])
+    wheels, twist = np.zeros((2, 1)), np.zeros((2, 1))
+    drive(motors, wheels, np.array([[1.0], [1.0]]), 0.05, twist, wheels)
+    assert wheels[:, 0].tolist() == [left, right]
+    assert twist[TRAVEL, 0] == pytest.approx(0.05, abs=1e-15)
+    assert twist[TURN, 0] == pytest.approx((right - left) * 0.05 / 0.5, abs=1e-15)
 
 
 @pytest.mark.parametrize("a", [0.0, 0.3, 0.5, 0.9, 0.99])
@@ -121,7 +133,7 @@ def test_top_speed_is_kept_even_with_a_motor_that_gives_too_much() -> None:
 
 
 def limited(rate: float) -> tuple[Floats, Floats]:
-    motors = np.array([[0.5], [1.0], [0.0], [0.0], [INF], [rate]])
+    motors = np.array([[0.5], [1.0], [0.0], [0.0], [INF], [rate], [1.0], [1.0]])
     twist, wheels = np.zeros((2, 1)), np.zeros((2, 1))
     drive(motors, wheels, np.array([[0.0], [1.0]]), 0.05, twist, wheels)
     return twist, wheels
@@ -136,7 +148,9 @@ def test_turn_limit_scales_the_difference_and_leaves_the_mean() -> None:
 
 def test_body_without_motors_stands_still() -> None:
     twist, wheels = np.ones((2, 1)), np.ones((2, 1))
-    drive(np.array([[0.5], [0.0], [0.0], [0.0], [INF], [INF]]), wheels, np.ones((2, 1)), 0.05, twist, wheels)
+    drive(
+        np.array([[0.5], [0.0], [0.0], [0.0], [INF], [INF], [1.0], [1.0]]), wheels, np.ones((2, 1)), 0.05, twist, wheels
+    )
     assert not twist.any()
     assert not wheels.any()
 

@@ -75,3 +75,16 @@ def test_noise_of_one_agent_does_not_depend_on_who_else_is_there() -> None:
 def test_another_seed_gives_other_noise() -> None:
     robot = cart(compass=(Compass(id="c", noise_deg=2.0),))
     assert _heading(world({"a": robot}, seed="1")) != _heading(world({"a": robot}, seed="2"))
+
+
+def test_bias_walks_and_stays_in_range() -> None:
+    state = world({"a": cart(heading=math.pi, compass=tuple(Compass(id=f"c{k}", walk_deg=5.0) for k in range(60)))})
+    assert _heading(state) == math.pi
+    state, _ = run(state, 80)
+    sensors = measures(state, "a").sensors
+    assert sensors is not None
+    found = np.array([reading.value for reading in sensors.compass], dtype=np.float64)
+    assert (np.abs(found) <= math.pi).all()
+    walked = np.degrees(np.mod(found, 2 * math.pi) - math.pi)
+    # 5 deg a root second for 4 s; four standard errors of 60 walks.
+    assert walked.std() == pytest.approx(10.0, rel=0.37)

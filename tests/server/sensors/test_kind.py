@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from intellwheels_schemas.messages import Robot, Sensors
+from intellwheels_schemas.messages import Robot, SensorDeclaration, Sensors
+from intellwheels_schemas.rules import sensors_of
+from intellwheels_schemas.vectors import EVERY_SENSOR
 from intellwheels_server.sensors import KINDS
 
 
@@ -13,4 +15,11 @@ def test_each_kind_has_a_field_of_its_own_in_robot_and_in_sensors() -> None:
         assert kind.field == declaration.__name__.lower()
         assert hasattr(Robot(), kind.field)
         assert hasattr(Sensors(), kind.field)
-        assert kind.width >= 1
+
+
+def test_each_declaration_of_the_contract_has_a_kind_which_takes_samples_of_it() -> None:
+    assert set(KINDS) == set(SensorDeclaration.__args__)
+    for _, _, declaration in sensors_of(EVERY_SENSOR):
+        kind = KINDS[type(declaration)]
+        assert kind.width(declaration) >= 1
+        assert kind.memory(declaration) >= 0

@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
+import numpy as np
 import pytest
 
 from intellwheels_schemas.errors import RequestRefusedError
 from intellwheels_schemas.messages import Part, Position, Proximity, Robot
 from intellwheels_server.sensors import check_sensors
-from intellwheels_server.sensors.proximity import ProximityKind, unit_vector
+from intellwheels_server.sensors.proximity import ProximityKind
 from intellwheels_server.world import State, measures
-from tests.server.worlds import box_wall, cart, run, world
+from tests.server.worlds import box_wall, cart, floor_of, run, world
 
 # The paper's example: a top from 0.69 to 0.72 m on four legs of 5 cm.
 _TABLE = Robot(
@@ -24,9 +26,17 @@ _TABLE = Robot(
 )
 
 
-def _eye(sensor_id: str = "eye", **fields: float | str) -> Proximity:
-    known = {"x": 0.5, "y": 0.0, "z": 0.4, "direction_deg": 0.0, "cone_deg": 30.0, "min_range": 0.02, "max_range": 4.0}
-    return Proximity(id=sensor_id, **{**known, **fields})  # type: ignore[arg-type]
+def _eye(sensor_id: str = "eye", **fields: Any) -> Proximity:
+    known: dict[str, Any] = {
+        "x": 0.5,
+        "y": 0.0,
+        "z": 0.4,
+        "direction_deg": 0.0,
+        "cone_deg": 30.0,
+        "min_range": 0.02,
+        "max_range": 4.0,
+    }
+    return Proximity(id=sensor_id, **{**known, **fields})
 
 
 def _seen(state: State, agent: str = "a") -> list[float | str]:
@@ -74,22 +84,60 @@ def test_bodies_see_one_another_across_the_same_gap() -> None:
     assert _seen(state, "a") == _seen(state, "b") == [pytest.approx(2.0, abs=1e-12)]
 
 
-def test_direction_to_the_side_is_exactly_to_the_side() -> None:
-    assert [unit_vector(degrees) for degrees in (0.0, 90.0, -90.0, 180.0, -180.0, 360.0)] == [
-        (1.0, 0.0), (0.0, 1.0), (0.0, -1.0), (-1.0, 0.0), (-1.0, 0.0), (1.0, 0.0),
-    ]  # fmt: skip
-    assert unit_vector(30.0) == pytest.approx((math.sqrt(0.75), 0.5), abs=1e-15)
-
-
-def test_model_that_is_not_simulated_yet_is_refused() -> None:
-    with pytest.raises(
-        RequestRefusedError, match=r"Robot.Proximity\[2\].Model: expected ideal, got 'sonar'"
-    ) as refused:
-        ProximityKind().check("Robot.Proximity[2]", _eye(model="sonar"), Robot())
+@pytest.mark.parametrize(
+    ("fields", "text"),
+    [
+        ({"dropout": 0.1}, r"Dropout: expected 0 of the model ideal, got 0.1"),
+        ({"model": "infrared", "crosstalk": 0.1}, r"Crosstalk: expected 0 of the model infrared, got 0.1"),
+        ({"model": "sonar", "group": 2, "every": 2}, r"Group: expected less than Every 2, got 2"),
+    ],
+)
+def test_error_that_a_model_has_not_is_refused(fields: dict[str, Any], text: str) -> None:
+    with pytest.raises(RequestRefusedError, match=rf"Robot.Proximity\[2\].{text}") as refused:
+        ProximityKind().check("Robot.Proximity[2]", _eye(**fields), Robot())
     assert refused.value.code == "value"
+
+
+def _infrared_errors(distance: float, count: int = 64, ticks: int = 25, **fields: Any) -> list[float]:
+    """Return what so many infrared sensors tell too much of a wall ahead, m."""
+    eyes = tuple(_eye(f"e{k}", model="infrared", cone_deg=5.0, **fields) for k in range(count))
+    state = world({"a": cart(proximity=eyes)}, [box_wall(0.5 + distance, -2.0, 3.0 + distance, 2.0)])
+    found = []
+    for _ in range(ticks):
+        found += [value - distance for value in _seen(state) if not isinstance(value, str)]
+        state, _ = run(state, 1)
+    return found
+
+
+def test_infrared_error_grows_with_the_square_of_the_distance() -> None:
+    distances = (0.3, 0.5, 0.8, 1.2, 1.5)
+    deviations = [float(np.std(_infrared_errors(distance))) for distance in distances]
+    slope = float(np.polyfit(np.log(distances), np.log(deviations), 1)[0])
+    assert slope == pytest.approx(2.0, abs=0.1)
+    # SIMULATION.md: 2 mm and 48 mm of 10 mV; four standard errors of 1600 draws.
+    assert deviations[0] == pytest.approx(0.0019, rel=0.08)
+    assert deviations[-1] == pytest.approx(0.048, rel=0.08)
+
+
+def test_infrared_tells_nothing_beyond_its_range_and_fails_by_its_share() -> None:
+    assert max(_infrared_errors(1.4, max_range=1.45)) <= 0.05 + 1e-12
+    assert len(_infrared_errors(1.0, dropout=0.25)) == pytest.approx(1200, abs=90)
+    assert _infrared_errors(4.5) == []
+
+
+def test_failing_sensor_says_fault() -> None:
+    state = world({"a": cart(proximity=(_eye(model="infrared", dropout=1.0), _eye("b", model="sonar", dropout=1.0)))})
+    assert _seen(state) == ["fault", "fault"]
+
+
+def test_sonar_beside_an_ideal_sensor_leaves_that_as_it_is() -> None:
+    eyes = (_eye("sonar", model="sonar"), _eye("ideal"), _eye("fixed", model="sonar", mount="start"))
+    state = world({"a": cart(proximity=eyes)}, [box_wall(2.5, -2.0, 3.0, 2.0)])
+    # 231 steps of 8.65 mm are 1.99815 m.
+    assert _seen(state) == pytest.approx([1.99815, 2.0, 1.99815], abs=1e-12)
 
 
 def test_real_robot_has_no_sensor_that_is_fixed_in_the_world() -> None:
     with pytest.raises(RequestRefusedError, match=r"Mount: expected body for a real robot, got 'start'") as refused:
-        check_sensors(Robot(type="real", proximity=(_eye(mount="start"),)), truth=False)
+        check_sensors(Robot(type="real", proximity=(_eye(mount="start"),)), floor_of(), truth=False)
     assert refused.value.code == "mount"
