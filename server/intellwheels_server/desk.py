@@ -30,6 +30,7 @@ from intellwheels_server import world
 from intellwheels_server.admission import Roster, new_hex
 from intellwheels_server.arrival import Ask
 from intellwheels_server.barrier import Answer, Barrier
+from intellwheels_server.branch import Branch
 from intellwheels_server.cadence import Cadence
 from intellwheels_server.complaint import Complaints, Gate
 from intellwheels_server.inputs import (
@@ -98,6 +99,7 @@ class Options:
         grace: Seconds a lost token is waited for.
         deadline: Seconds a lockstep answer is waited for.
         quit_at_end: Whether the end of the run is the end of the service.
+        branch: The run that this one begins as, if any.
     """
 
     world: str
@@ -109,6 +111,7 @@ class Options:
     grace: float = 3.0
     deadline: float = 1.0
     quit_at_end: bool = False
+    branch: Branch | None = None
 
 
 @dataclass(slots=True)
