@@ -14,7 +14,7 @@ from typing import get_args
 import msgspec
 from rich.console import Console
 
-from intellwheels_experiments.plan import Plan, wall_limit
+from intellwheels_experiments.plan import WALL_LIMIT, Plan, wall_limit
 from intellwheels_experiments.progress import Progress
 from intellwheels_experiments.report import show, to_json
 from intellwheels_experiments.run import perform
@@ -22,7 +22,7 @@ from intellwheels_experiments.watch import watching
 from intellwheels_maps import floor, names, scene
 from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.link import Link
-from intellwheels_schemas.messages import Pace
+from intellwheels_schemas.messages import Map, Pace, Scene
 from intellwheels_schemas.names import check_name
 from intellwheels_schemas.process import stop_on_signals
 
@@ -32,6 +32,7 @@ examples:
   iw-run figure6 --pace realtime             the same, to be watched
   iw-run figure6 --seed 7 --json result.json
   iw-run my/scene.xml --encoding xml --logs logs
+  iw-run table1 --seeds 40 --jobs 2 --out t1 an experiment: every row with 40 seeds, and a report; again, it goes on
 
 exit: 0 what must hold held, 1 it did not, 2 wrong usage
 """
@@ -54,6 +55,14 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--log", type=Path, metavar="FILE", help="write the input log, for iw-server --resimulate")
     parser.add_argument("--logs", type=Path, metavar="DIR", help="keep what the processes print there")
     parser.add_argument("--timeout", type=_factor, metavar="S", help="wall time to break the run off after (600)")
+    batch = parser.add_argument_group(
+        "batch", "every row of the scene's experiment with every seed; needs the extra `experiments`"
+    )
+    batch.add_argument("--seeds", type=_count, metavar="N", help="run with the seeds 1 to N, and write a report")
+    batch.add_argument("--jobs", type=_count, metavar="N", default=1, help="runs at a time (1)")
+    batch.add_argument(
+        "--out", type=Path, metavar="DIR", help="its folder; what is done there is not done again (SCENE-runs)"
+    )
     link = parser.add_argument_group("link", "default: the simulator listens at a free port of this machine")
     link.add_argument("--world", type=_world, metavar="NAME", default="main", help="the world's name (main)")
     link.add_argument("--listen", action="append", default=[], metavar="ENDPOINT", help="where the simulator listens")
@@ -73,6 +82,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except WireError as error:
         print(f"iw-run: {error.text}", file=sys.stderr)
         return 2
+    if options.seeds is not None:
+        return _batch(options, wanted, plan_floor, folder)
     changes = {"pace": options.pace, "seed": options.seed}
     wanted = msgspec.structs.replace(wanted, **{name: value for name, value in changes.items() if value is not None})
     logs = options.logs or Path(tempfile.mkdtemp(prefix="iw-run-"))
@@ -107,6 +118,42 @@ def main(arguments: Sequence[str] | None = None) -> int:
     return 0 if result.held else 1
 
 
+def _batch(options: argparse.Namespace, wanted: Scene, plan_floor: Map, folder: Path | None) -> int:
+    try:
+        # These import numpy, scipy, shapely and matplotlib: a single run needs none of them.
+        from intellwheels_experiments.batch import Batch  # noqa: PLC0415
+        from intellwheels_experiments.rows import rows_of  # noqa: PLC0415
+        from intellwheels_experiments.trial import OtherBatchError, perform_batch  # noqa: PLC0415
+        from intellwheels_experiments.trial import show as show_batch  # noqa: PLC0415
+    except ModuleNotFoundError as error:
+        print(f"iw-run: --seeds: {error.name} is missing: pip install 'intellwheels[experiments]'", file=sys.stderr)
+        return 2
+    subject = wanted.experiment.subject if wanted.experiment else wanted.cast[0].name
+    try:
+        batch = Batch(
+            rows=rows_of(wanted),
+            seeds=tuple(str(seed) for seed in range(1, options.seeds + 1)),
+            subject=subject,
+            floor=plan_floor,
+            source=options.scene if folder is None else str(Path(options.scene).absolute()),
+            folder=folder,
+            out=options.out or Path(f"{wanted.name}-runs"),
+            jobs=options.jobs,
+            timeout=options.timeout or WALL_LIMIT,
+        )
+        stop = stop_on_signals()
+        summary = perform_batch(batch, wanted, Console(stderr=True), stop)
+    except WireError as error:
+        print(f"iw-run: {error.text}", file=sys.stderr)
+        return 2
+    except OtherBatchError as error:
+        print(f"iw-run: --out: {error}", file=sys.stderr)
+        return 2
+    show_batch(summary, Console())
+    print(f"report={batch.out / 'report.html'} csv={batch.out / 'batch.csv'}")
+    return 1 if stop.is_set() or any(line.died for line in summary.lines) else 0
+
+
 def _free_port() -> int:
     with socket.socket() as probe:
         probe.bind(("127.0.0.1", 0))
@@ -121,6 +168,12 @@ def _factor(text: str) -> float:
     if not 0.0 < value < 1e6:
         raise argparse.ArgumentTypeError(f"expected a number above 0, got {text!r}")
     return value
+
+
+def _count(text: str) -> int:
+    if not text.isdecimal() or not 1 <= int(text) <= 100_000:
+        raise argparse.ArgumentTypeError(f"expected a number from 1 on, got {text!r}")
+    return int(text)
 
 
 def _world(text: str) -> str:

@@ -2,7 +2,7 @@
 
     runs/ROW/SEED/  input.jsonl   the input log, for `iw-server --resimulate` and `--play`
                     true.tum reported.tum command.tum   trajectories: t x y z qx qy qz qw
-                    contacts.csv  along.csv  measures.csv  result.json
+                    contacts.csv  along.csv  robot.json  measures.csv  result.json
     batch.json      what is run, and where with
     batch.csv       a line a run; no wall time, host or date, so that equal batches have equal files
 
@@ -69,6 +69,7 @@ def keep(folder: Path, kept: Kept, course: Course | None = None, log: Path | Non
         shutil.copyfile(log, place / LOG)
     if course is not None:
         _write_course(place, course)
+        (place / "robot.json").write_bytes(msgspec.json.encode(course.robot) + b"\n")
     if kept.measured is not None:
         (place / "measures.csv").write_text(table([kept]))
     draft = place / f"{RESULT}.part"

@@ -73,7 +73,7 @@ class Course:
         clearance: m.
         speed: m/s.
         contacts: The events.
-        drift: k of its encoders, m; track between its wheels, m.
+        robot: The body as it joined.
     """
 
     times: Floats
@@ -83,7 +83,7 @@ class Course:
     clearance: Floats
     speed: Floats
     contacts: tuple[Event, ...]
-    drift: tuple[float, float]
+    robot: Robot
 
 
 def measured(trace: Trace, scene: Scene, floor: Map, subject: str, *, real: bool) -> tuple[Measured, Course]:
@@ -154,7 +154,7 @@ def _course(trace: Trace, floor: Map, subject: str, shown: list[Shown], robot: R
         clearance=clearance(true, robot, floor, others),
         speed=np.array([one.speed for one in shown]),
         contacts=tuple(one for one in trace.events if one.code == "contact" and subject in (one.agent, one.other)),
-        drift=(robot.encoders[0].drift if robot.encoders else 0.0, robot.track),
+        robot=robot,
     )
 
 

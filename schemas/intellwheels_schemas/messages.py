@@ -1078,10 +1078,10 @@ class Varied(Record, frozen=True, kw_only=True):
 
 
 class Compare(Record, frozen=True, kw_only=True):
-    """Two rows that are compared by their seeds, and what is expected of the first."""
+    """Two rows that are compared by their seeds, and what is expected of the first; without a second, of it alone."""
 
     first: Title
-    second: Title
+    second: Title | None = None
     expect: Literal["better", "worse", "equivalent", "collision-free"] | None = None
 
 

@@ -323,9 +323,11 @@ def _check_experiment(experiment: Experiment, cast: set[str], where: str) -> Non
     rows = {"+".join(level.name for level in levels) for levels in product(*(one.level for one in experiment.factor))}
     for index, compare in enumerate(experiment.compare):
         for side, row in (("First", compare.first), ("Second", compare.second)):
-            if row not in rows:
+            if row is not None and row not in rows:
                 known = ", ".join(sorted(rows)[:20])
                 raise _wrong(f"{where}.Compare[{index}].{side}", f"a row ({known})", shown(row))
+        if (compare.second is None) != (compare.expect == "collision-free"):
+            raise _wrong(f"{where}.Compare[{index}]", "a Second, or none for collision-free", "otherwise")
 
 
 def _check_once(names: list[str], where: str) -> None:

@@ -103,7 +103,7 @@ class Mind:
         return GOAL * off + AHEAD * abs(direction) + LAST * abs(direction - self._last)
 
     def _room(self, direction: float, reach: float) -> float:
-        """Return how far the body's strip in a direction is free, metres from the centre of movement, at most `reach`."""
+        """Return how far the body's strip in a direction is free, metres from its centre, at most `reach`."""
         c, s = math.cos(direction), math.sin(direction)
         half = self._body.side + self._clear
         room = reach
