@@ -64,7 +64,7 @@ def imported(path: Path) -> Iterator[str]:
 FILES = list(sources())
 COMMANDS = {
     "intellwheels_schemas.present", "intellwheels_server.router", "intellwheels_experiments.check.__main__",
-    "intellwheels_agents.joystick.__main__", "intellwheels_experiments.rig",
+    "intellwheels_agents.joystick.__main__", "intellwheels_agents.bridge.__main__", "intellwheels_experiments.rig",
 }  # fmt: skip
 """Commands that are files of their own, and the rig, which does a command's work for a test."""
 
@@ -105,10 +105,10 @@ def test_pure_files_do_not_import_the_doors() -> None:
 def test_harness_needs_neither_numpy_nor_numba_nor_shapely_nor_viser() -> None:
     program = (
         "import sys\n"
-        "for name in ('numpy', 'numba', 'shapely', 'viser', 'pygame'):\n"
+        "for name in ('numpy', 'numba', 'shapely', 'viser', 'pygame', 'serial'):\n"
         "    sys.modules[name] = None\n"
         "import intellwheels_agents.__main__, intellwheels_experiments.__main__, intellwheels_schemas.link\n"
-        "import intellwheels_agents.joystick.__main__\n"
+        "import intellwheels_agents.joystick.__main__, intellwheels_agents.bridge.__main__\n"
         "import importlib, pkgutil, intellwheels_agents.minds\n"
         "for mind in pkgutil.iter_modules(intellwheels_agents.minds.__path__):\n"
         "    importlib.import_module(f'intellwheels_agents.minds.{mind.name}')\n"

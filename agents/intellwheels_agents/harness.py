@@ -315,7 +315,7 @@ class Harness:
             pose = msgspec.structs.replace(answer, run=self._run, session=self._session, tick=measures.tick, seq=seq)
             self._answer = encode(pose, self._encoding)
             return [Put(self._answer)]
-        if not self._acts:
+        if answer is None or not self._acts:
             # Of a simulated body the mind is somebody else's, and its actions are awaited.
             return []
         if answer == _NOTHING and not self._awaited:

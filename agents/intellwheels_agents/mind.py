@@ -41,8 +41,8 @@ class Mind(Protocol):
 class Bridge(Protocol):
     """What stands for the body of a real chair: role `body`."""
 
-    def decide(self, measures: Measures) -> Pose:
-        """Return where the chair is."""
+    def decide(self, measures: Measures) -> Pose | None:
+        """Return where the chair is, or None when that is not known: then nothing is reported."""
         ...
 
 

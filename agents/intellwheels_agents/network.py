@@ -13,7 +13,7 @@ import queue
 import sys
 import threading
 import time
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 
 import zenoh
 
@@ -47,6 +47,7 @@ def run_agent(
     encoding: Encoding,
     retry_for: float,
     stop: threading.Event,
+    tell: Callable[[str], None] | None = None,
 ) -> int:
     """Join, decide until told to stop, leave, and return the exit code.
 
@@ -58,6 +59,7 @@ def run_agent(
         encoding: Of what is written, and so of what comes back.
         retry_for: Seconds to look for a simulator before giving up; may be infinite.
         stop: Set when the process must end.
+        tell: Takes the lines that scripts wait for; default: standard output.
 
     Raises:
         OptionError: The mind takes other options.
@@ -78,7 +80,7 @@ def run_agent(
         return 0
     with session:
         left = max(0.0, retry_for - (time.monotonic() - began))
-        return _Process(session, robot, make, options, where, encoding, left).run(stop)
+        return _Process(session, robot, make, options, where, encoding, left, tell or _print).run(stop)
 
 
 class _Process:
@@ -93,10 +95,12 @@ class _Process:
         where: link.Link,
         encoding: Encoding,
         retry_for: float,
+        tell: Callable[[str], None],
     ) -> None:
         agent = robot.name or ""
         keys = Keys(where.world)
         self._session = session
+        self._tell = tell
         self._encoding = encoding
         self._map_key = keys.map
         self._join_key = keys.join(agent)
@@ -209,7 +213,7 @@ class _Process:
             elif isinstance(output, Depart):
                 self._depart(output.payload)
             elif isinstance(output, Tell):
-                print(output.line, flush=True)  # noqa: T201 - what a script waits for
+                self._tell(output.line)
             elif isinstance(output, Note):
                 _log(output.line)
             elif isinstance(output, End):
@@ -246,6 +250,10 @@ class _Process:
         if not answer.ok:
             raise ConnectionError(f"the simulator gives no map: {answer.data[:200]!r}")
         return decode(Map, answer.data, encoding_of(answer.encoding, answer.data), strict=False)
+
+
+def _print(line: str) -> None:
+    print(line, flush=True)  # noqa: T201 - what a script waits for
 
 
 def _log(line: str) -> None:

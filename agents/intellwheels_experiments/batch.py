@@ -125,15 +125,18 @@ def _run_share(
 
 def _run_one(batch: Batch, row: Row, stand: Stand, seed: str, told: Callable[[Kept], None]) -> None:
     begun = time.monotonic()
-    place = stand.run(seed)
+    place, shown = stand.run(seed)
     try:
         trace = read_trace(place / "trace.jsonl", place / LOG)
+        image = None if shown is None else read_trace(shown / "trace.jsonl", shown / LOG)
     except (OSError, msgspec.MsgspecError) as error:
         raise StandError(f"the simulator's files of the run cannot be read: {error}") from error
-    numbers, course = measured(trace, row.scene, batch.floor, batch.subject, real=row.real)
+    numbers, course = measured(trace, row.scene, batch.floor, batch.subject, real=row.real, image=image)
     kept = Kept(row=row.name, seed=seed, measured=numbers, wall=time.monotonic() - begun)
-    keep(batch.out, kept, course, place / LOG)
-    shutil.rmtree(place, ignore_errors=True)
+    keep(batch.out, kept, course, place / LOG, None if shown is None else shown / LOG)
+    for each in (place, shown):
+        if each is not None:
+            shutil.rmtree(each, ignore_errors=True)
     told(kept)
 
 

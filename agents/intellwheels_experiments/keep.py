@@ -1,6 +1,7 @@
 """The files of a batch: a folder of each run, and what is told of all. A run is done when its `result.json` is there.
 
     runs/ROW/SEED/  input.jsonl   the input log, for `iw-server --resimulate` and `--play`
+                    image.jsonl   of a chair in a laboratory, the log of the world that shows it
                     true.tum reported.tum command.tum   trajectories: t x y z qx qy qz qw
                     contacts.csv  along.csv  robot.json  measures.csv  result.json
     batch.json      what is run, and where with
@@ -27,6 +28,7 @@ from intellwheels_experiments.metrics import Floats
 
 RESULT: Final = "result.json"
 LOG: Final = "input.jsonl"
+IMAGE: Final = "image.jsonl"
 
 
 class Kept(msgspec.Struct, frozen=True, kw_only=True):
@@ -61,12 +63,24 @@ def done(folder: Path, row: str, seed: str) -> Kept | None:
     return kept if kept.measured is not None else None
 
 
-def keep(folder: Path, kept: Kept, course: Course | None = None, log: Path | None = None) -> None:
-    """Write the files of a run, `result.json` last."""
+def keep(
+    folder: Path, kept: Kept, course: Course | None = None, log: Path | None = None, image: Path | None = None
+) -> None:
+    """Write the files of a run, `result.json` last.
+
+    Args:
+        folder: The batch's.
+        kept: What came of it.
+        course: The run along its time.
+        log: The input log of the world that its chair was truly in.
+        image: That of the world that showed it, of a chair in a laboratory.
+    """
     place = place_of(folder, kept.row, kept.seed)
     place.mkdir(parents=True, exist_ok=True)
     if log is not None:
         shutil.copyfile(log, place / LOG)
+    if image is not None:
+        shutil.copyfile(image, place / IMAGE)
     if course is not None:
         _write_course(place, course)
         (place / "robot.json").write_bytes(msgspec.json.encode(course.robot) + b"\n")

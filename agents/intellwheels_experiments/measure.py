@@ -25,6 +25,7 @@ class Measured(msgspec.Struct, frozen=True, kw_only=True):
     Attributes:
         success: It reached its place and touched nothing.
         reached: It was within its place at the end.
+        collided: It touched something where it truly was.
         contacts_physical: Episodes of contact with what is really there.
         contacts_virtual: Episodes of contact with what a simulation alone has there.
         clearance: Least distance from anything, m.
@@ -44,6 +45,7 @@ class Measured(msgspec.Struct, frozen=True, kw_only=True):
 
     success: bool
     reached: bool
+    collided: bool
     contacts_physical: int
     contacts_virtual: int
     clearance: float | None
@@ -86,7 +88,9 @@ class Course:
     robot: Robot
 
 
-def measured(trace: Trace, scene: Scene, floor: Map, subject: str, *, real: bool) -> tuple[Measured, Course]:
+def measured(
+    trace: Trace, scene: Scene, floor: Map, subject: str, *, real: bool, image: Trace | None = None
+) -> tuple[Measured, Course]:
     """Return the numbers of a run, and the run along its time.
 
     Args:
@@ -95,9 +99,10 @@ def measured(trace: Trace, scene: Scene, floor: Map, subject: str, *, real: bool
         floor: Its floor.
         subject: Whose run it is.
         real: Whether what it touches there is really there.
+        image: The world that shows the chair where it is reported, of a chair in a laboratory.
     """
     shown, robot = trace.shown(subject), trace.robots[subject]
-    course = _course(trace, floor, subject, shown, robot)
+    course = _course(trace, floor, subject, shown, robot, image)
     x, y, _ = course.true.T
     reach = next((one for one in scene.end.reach if one.agent == subject), None) if scene.end else None
     place = (
@@ -119,8 +124,9 @@ def measured(trace: Trace, scene: Scene, floor: Map, subject: str, *, real: bool
         Measured(
             success=success,
             reached=reached,
+            collided=contacts > 0,
             contacts_physical=contacts if real else 0,
-            contacts_virtual=0 if real else contacts,
+            contacts_virtual=_virtual(course, image, subject) if real else contacts,
             clearance=_finite(float(course.clearance.min())),
             time=float(course.times[-1]),
             path=length,
@@ -143,19 +149,33 @@ def _finite(value: float) -> float | None:
     return value if math.isfinite(value) else None
 
 
-def _course(trace: Trace, floor: Map, subject: str, shown: list[Shown], robot: Robot) -> Course:
+def _course(trace: Trace, floor: Map, subject: str, shown: list[Shown], robot: Robot, image: Trace | None) -> Course:
     true = trace.poses(subject)
     others = {name: (other, trace.poses(name)) for name, other in trace.robots.items() if name != subject}
     return Course(
         times=trace.times,
         true=true,
-        reported=reported(shown, robot),
+        reported=reported(shown, robot) if image is None else _image(image, subject, len(shown)),
         commanded=commanded(shown, robot, trace.heading.period),
         clearance=clearance(true, robot, floor, others),
         speed=np.array([one.speed for one in shown]),
-        contacts=tuple(one for one in trace.events if one.code == "contact" and subject in (one.agent, one.other)),
+        contacts=_contacts(trace, subject),
         robot=robot,
     )
+
+
+def _image(image: Trace, subject: str, ticks: int) -> Floats:
+    """Return where a chair was shown at each tick of its laboratory; where the image ends earlier, its last place."""
+    poses = image.poses(subject)[:ticks]
+    return np.concatenate([poses, np.repeat(poses[-1:], ticks - len(poses), axis=0)])
+
+
+def _virtual(course: Course, image: Trace | None, subject: str) -> int:
+    return 0 if image is None else sum(one.tick < len(course.times) for one in _contacts(image, subject))
+
+
+def _contacts(trace: Trace, subject: str) -> tuple[Event, ...]:
+    return tuple(one for one in trace.events if one.code == "contact" and subject in (one.agent, one.other))
 
 
 def _wish(shown: list[Shown]) -> tuple[Floats | None, Floats]:

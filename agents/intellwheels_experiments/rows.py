@@ -10,7 +10,7 @@ from typing import Final
 import msgspec
 
 from intellwheels_schemas.errors import WireError
-from intellwheels_schemas.messages import Cast, Level, Option, Scene, Setting
+from intellwheels_schemas.messages import Bridge, Cast, Level, Option, Scene, Setting
 
 RULES: Final[Mapping[str, str]] = {
     "SayRange": "--say-range",
@@ -32,6 +32,7 @@ class Row:
         title: Their titles.
         real: Whether its chair stands for one of hardware.
         scene: With the cast of this row.
+        bridges: Those of the cast whose bodies are chairs of a laboratory, by name.
         words: Further words for the simulator.
     """
 
@@ -40,6 +41,7 @@ class Row:
     real: bool
     scene: Scene
     words: tuple[str, ...]
+    bridges: Mapping[str, Bridge]
 
 
 def rows_of(scene: Scene) -> tuple[Row, ...]:
@@ -49,7 +51,7 @@ def rows_of(scene: Scene) -> tuple[Row, ...]:
         WireError: A setting names no rule of the simulation.
     """
     if scene.experiment is None or not scene.experiment.factor:
-        return (Row(scene.name, scene.title or scene.name, False, scene, ()),)
+        return (Row(scene.name, scene.title or scene.name, False, scene, (), {}),)
     factors = [factor.level for factor in scene.experiment.factor]
     return tuple(_row(scene, levels) for levels in product(*factors))
 
@@ -72,6 +74,7 @@ def _row(scene: Scene, levels: tuple[Level, ...]) -> Row:
         real=any(level.real for level in levels),
         scene=msgspec.structs.replace(scene, cast=tuple(cast.values())),
         words=tuple(words),
+        bridges={one.agent: one for level in levels for one in level.bridge},
     )
 
 

@@ -116,7 +116,7 @@ def _line(row: Row, runs: Sequence[Kept]) -> Line:
         succeeded=succeeded,
         interval=wilson(succeeded, len(ended)),
         reached=sum(one.reached for one in ended),
-        collided=sum(one.contacts_physical + one.contacts_virtual > 0 for one in ended),
+        collided=sum(one.collided for one in ended),
         physical=sum(one.contacts_physical for one in ended),
         virtual=sum(one.contacts_virtual for one in ended),
         spread=spread,

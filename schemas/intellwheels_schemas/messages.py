@@ -1059,6 +1059,17 @@ class Setting(Record, frozen=True, kw_only=True):
     value: Annotated[str, Meta(pattern=TEXT_PATTERN, description="text", max_length=1000)]
 
 
+class Bridge(Record, frozen=True, kw_only=True):
+    """One of the cast has a real chair in a laboratory: a second simulation of the same floor that plays the building.
+
+    An option with a capital letter is a field of the chair as built, any other an option of `iw-bridge`.
+    """
+
+    agent: Name
+    chair: Annotated[Title, Meta(description="its document as built; absent: the robot of the cast")] | None = None
+    option: tuple[Option, ...] = ()
+
+
 class Level(Record, frozen=True, kw_only=True):
     """A value of a factor: agents that stand in the place of those of the same name or beside them, and options."""
 
@@ -1066,6 +1077,7 @@ class Level(Record, frozen=True, kw_only=True):
     title: Title | None = None
     real: Annotated[bool, Meta(description="the chair stands for one of hardware: its contacts are physical")] = False
     cast: tuple[Cast, ...] = ()
+    bridge: tuple[Bridge, ...] = ()
     setting: tuple[Setting, ...] = ()
 
 

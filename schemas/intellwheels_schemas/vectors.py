@@ -18,6 +18,7 @@ from intellwheels_schemas.messages import (
     Beacon,
     BeaconReading,
     Body,
+    Bridge,
     Bumper,
     BumperReading,
     Cast,
@@ -361,7 +362,9 @@ VALID: Final[dict[str, Record]] = {
                 Varied(
                     name="mode", title="Mode",
                     level=(
-                        Level(name="x", title="X", real=True, setting=(Setting(agent="a", name="speed", value="1"),)),
+                        Level(name="x", title="X", real=True,
+                              bridge=(Bridge(agent="a", chair="c", option=(Option(name="pose", value="raw"),)),),
+                              setting=(Setting(agent="a", name="speed", value="1"),)),
                         Level(name="y", cast=(Cast(name="a", robot="r", mind="n"),),
                               setting=(Setting(name="SayRange", value="4"),)),
                     ),

@@ -31,8 +31,10 @@ Standard output says `ready ...` when agents may join, `running tick=0` when tho
 `ended tick=N hash=H` when the end condition is met. Exit code: 0 done, 1 refused or failed, 2 wrong usage.
 """
 
-LIVE = ("scene", "map", "seed", "period", "truth", "pace", "miss", "expect", "open_loop", "deadline", "log", "runs",
-        "branch")  # fmt: skip
+LIVE = (
+    "scene", "map", "seed", "period", "truth", "hide_truth", "pace", "miss", "expect", "open_loop", "deadline", "log",
+    "runs", "branch",
+)  # fmt: skip
 """Options of a live run, that a log which is played has no use for."""
 PLAYED_FROM = 27
 """Characters of a world's name to which `-play` can be added: a name has at most 32."""
@@ -57,6 +59,12 @@ def parser() -> argparse.ArgumentParser:
     what.add_argument("--seed", metavar="TEXT", help="all noise follows from it (default: 1)")
     what.add_argument("--period", type=_positive, metavar="S", help="simulated seconds of a tick (default: 0.05)")
     what.add_argument("--truth", action="store_true", default=None, help="allow sensors that tell the true pose")
+    what.add_argument(
+        "--hide-truth",
+        action="store_true",
+        default=None,
+        help="true poses stay in the log, off the network: a laboratory, whose chairs are real to another world",
+    )
     what.add_argument("--say-limit", type=_count, default=100, metavar="N", help="characters of one say (default: 100)")
     what.add_argument(
         "--say-range", type=_positive, default=8.0, metavar="M", help="metres a say is heard (default: 8)"
@@ -223,6 +231,8 @@ def _options(given: argparse.Namespace) -> tuple[Options, Link]:
         raise ValueError(f"--open-loop: the pace is {pace}; it is for --pace free")
     if not 0.001 <= (given.period or 0.05) <= 1.0:
         raise ValueError(f"--period: expected seconds in [0.001, 1], got {given.period}")
+    if given.hide_truth and (given.truth or (written and written.truth)):
+        raise ValueError("--hide-truth: expected a world without truth sensors, got one that allows them")
     strict = pace == "lockstep" and miss == "strict"
     setup = Setup(
         floor=_floor(given, written),
@@ -255,6 +265,7 @@ def _options(given: argparse.Namespace) -> tuple[Options, Link]:
         deadline=given.deadline or (STRICT_DEADLINE if strict else ELASTIC_DEADLINE),
         quit_at_end=given.quit_at_end,
         branch=branch,
+        hide_truth=bool(given.hide_truth),
     )
     return options, link_of(given)
 

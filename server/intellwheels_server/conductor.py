@@ -13,6 +13,7 @@ from typing import Final
 import msgspec
 
 from intellwheels_schemas.messages import (
+    Event,
     Load,
     Map,
     PowerInForce,
@@ -59,6 +60,10 @@ class Conductor:
     def digest(self) -> str:
         """Return the hash of the state."""
         return self._desk.digest()
+
+    def tell(self, witness: Callable[[Event], None]) -> None:
+        """Tell somebody each event as it is, before what is hidden is left out."""
+        self._desk.witness = witness
 
     def begin(self) -> None:
         """Publish what there is to know before anything happens."""

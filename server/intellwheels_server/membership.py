@@ -24,6 +24,7 @@ from intellwheels_server import publication
 from intellwheels_server.admission import Seat, new_hex, same_body
 from intellwheels_server.arrival import Ask, Token
 from intellwheels_server.desk import Bridge, Desk, Waiting
+from intellwheels_server.hiding import nominal
 from intellwheels_server.inputs import (
     Depart,
     Join,
@@ -249,6 +250,8 @@ def _position_of(desk: Desk, agent: str) -> Position:
 
 def _joined_of(desk: Desk, seat: Seat, position: Position) -> Joined:
     setup = desk.state.setup
+    figure = desk.state.fleet.figures[seat.agent]
+    hides = desk.options.hide_truth
     return Joined(
         run=desk.state.run,
         tick=desk.state.tick,
@@ -262,8 +265,9 @@ def _joined_of(desk: Desk, seat: Seat, position: Position) -> Joined:
             command_timeout=setup.command_timeout,
             grace=desk.options.grace,
         ),
-        position=position,
-        robot=desk.state.fleet.figures[seat.agent].robot,
+        # Who comes back to a laboratory learns where its chair began, not where it is.
+        position=figure.start if hides else position,
+        robot=nominal(figure.robot) if hides else figure.robot,
     )
 
 

@@ -16,6 +16,7 @@ from intellwheels_schemas.messages import (
 from intellwheels_server import world
 from intellwheels_server.arrival import Ask
 from intellwheels_server.desk import Desk
+from intellwheels_server.hiding import nominal
 from intellwheels_server.parts import cut
 
 
@@ -68,7 +69,9 @@ def publish(desk: Desk, now: float) -> None:
 
 
 def parts_of(desk: Desk) -> list[WorldState]:
-    """Return the state in parts that each fit a put."""
+    """Return the state in parts that each fit a put; none where the truth is hidden."""
+    if desk.options.hide_truth:
+        return []
     state = desk.state
     return cut(state.run, state.tick, state.time, world.entities(state))
 
@@ -93,7 +96,7 @@ def body_of(desk: Desk, agent: str) -> Body:
         tick=desk.state.tick,
         owner=seat.instance if seat and seat.instance else None,
         roles=roles,
-        robot=robot,
+        robot=nominal(robot) if desk.options.hide_truth else robot,
     )
 
 

@@ -132,19 +132,6 @@ class Network:
         note(line)
 
 
-class Noted(Network):
-    """The outlet of a world whose runs have files: its events stand there too."""
-
-    def __init__(self, session: zenoh.Session, keys: Keys, files: RunFiles) -> None:
-        super().__init__(session, keys)
-        self._files = files
-
-    def event(self, event: Event) -> None:
-        """Put `event`, and keep it."""
-        self._files.happened(event)
-        super().event(event)
-
-
 class Post:
     """Turns what zenoh brought into arrivals. Unknown keys are nobody's and become nothing.
 
@@ -318,10 +305,11 @@ def serve(
         run = new_hex()
         log = Log(log_file, options.setup, run, options.world) if log_file is not None else None
         files = None if runs is None else RunFiles(runs, options.world, lambda: conductor.state)
-        outlet = network if files is None else Noted(session, keys, files)
         try:
             record = _recorder(log, files)
-            conductor = Conductor(options, outlet, floor_of, time.time, record=record, run=run)
+            conductor = Conductor(options, network, floor_of, time.time, record=record, run=run)
+            if files is not None:
+                conductor.tell(files.happened)
             return _serve(options, route, session, keys, stop, conductor)
         finally:
             for each in (log, files):

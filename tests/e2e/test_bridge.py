@@ -1,0 +1,282 @@
+"""Real chairs among virtual ones: two worlds, or a controller on a pseudo-terminal. Real processes.
+
+World `lab` plays the building and its chairs; its truth stays in its log. The stage's own world is where they meet.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from intellwheels_maps import robot as robot_file
+from tests.e2e.stage import Peer, Stage
+
+WATCHDOG_MS = 200
+
+
+@pytest.fixture
+def lab(tmp_path: Path) -> Iterator[Stage]:
+    folder = tmp_path / "laboratory"
+    folder.mkdir()
+    with Stage(folder, "lab") as stage:
+        yield stage
+
+
+def bridge(stage: Stage, name: str, *words: str, joined: bool = True) -> str:
+    child = stage.start(
+        f"bridge-{name}", "intellwheels_agents.bridge", *words, "--name", name,
+        "--connect", stage.endpoint, "--world", stage.world,
+    )  # fmt: skip
+    if joined:
+        stage.line(child, "joined")
+    return child
+
+
+def mind(stage: Stage, name: str, which: str, *words: str) -> str:
+    child = stage.start(
+        f"mind-{name}", "intellwheels_agents", which, "--name", name, "--role", "mind",
+        "--connect", stage.endpoint, "--world", stage.world, *words,
+    )  # fmt: skip
+    stage.line(child, "joined")
+    return child
+
+
+def hashes(log: Path, ticks: int) -> list[str]:
+    found = [json.loads(line).get("Hash") for line in log.read_text().splitlines()]
+    return [one for one in found if one is not None][:ticks]
+
+
+def floor_with_a_table(folder: Path) -> str:
+    """Return a corridor in which a table can stand across the way."""
+    text = (Path(__file__).parents[2] / "maps/intellwheels_maps/floors/corner.xml").read_text()
+    place = '<Position Name="table" X="9.0" Y="0.0" HeadingDeg="90.0" Kinds="table"/>'
+    path = folder / "corner.xml"
+    path.write_text(text.replace("</Grid>", f"{place}</Grid>"))
+    return str(path)
+
+
+def robot_that_sees_tops(folder: Path) -> str:
+    """Return a chair with one more, virtual sensor, at the height of a table's top."""
+    text = (Path(__file__).parents[2] / "maps/intellwheels_maps/robots/intellwheels.xml").read_text()
+    high = '<Proximity Id="high" X="0.696" Y="0.0" Z="0.7" DirectionDeg="0.0" ConeDeg="30.0" MaxRange="4.0"/>'
+    path = folder / "seeing.xml"
+    path.write_text(text.replace("<Encoders", f"{high}\n  <Encoders"))
+    return str(path)
+
+
+# ---------------------------------------------------------------- two worlds, tick by tick
+
+
+@contextmanager
+def two_worlds(stage: Stage, lab: Stage, log: Path, *words: str) -> Iterator[Peer]:
+    """Run a real chair towards a virtual table, both worlds in strict lockstep."""
+    lockstep = ("--pace", "lockstep", "--miss", "strict", "--deadline", "60", "--seed", "5")
+    lab.server("--map", "corner", "--hide-truth", "--expect", "chair1", *lockstep)
+    stage.server("--map", floor_with_a_table(stage.folder), "--expect", "chair1,table", "--log", str(log), *lockstep)
+    bridge(
+        stage, "chair1", "world", "--lab-connect", lab.endpoint, "--place", "leader",
+        "--robot", robot_that_sees_tops(stage.folder), "--chair", "intellwheels", *words,
+    )  # fmt: skip
+    stage.agent("table", "table", "--place", "table")
+    mind(stage, "chair1", "waypoints", "--option", "points=11.2 0", "--option", "speed=0.8")
+    with stage.peer() as peer:
+        yield peer
+    # Its log is whole when it has ended.
+    stage.signal(stage.simulator, signal.SIGTERM)
+    assert stage.exit(stage.simulator) == 0
+
+
+def stood(peer: Peer) -> dict[str, Any]:
+    """Wait until the real chair has driven and stands; return its state."""
+    peer.entity("chair1", lambda one: one["X"] > 6.0)
+    return peer.entity("chair1", lambda one: abs(one.get("Speed", 0.0)) < 1e-3)
+
+
+def test_a_real_chair_stops_for_a_virtual_table_the_same_each_time(stage: Stage, lab: Stage, tmp_path: Path) -> None:
+    with two_worlds(stage, lab, tmp_path / "run.jsonl", "--chair-option", "WheelRatio=1.002") as peer:
+        chair = stood(peer)
+        # The top's edge is at 8.6, the chair's front 0.696 ahead; it keeps half a metre and a little more.
+        assert 6.9 < chair["X"] < 8.6 - 0.696 - 0.3
+        assert chair.get("Contacts", 0) == 0
+        assert [event for event in peer.events() if event["Code"] in ("contact", "stale", "late")] == []
+        peer.tick(300)
+    first = hashes(tmp_path / "run.jsonl", 200)
+    assert len(first) == 200
+    # Again, with other processes: the poses of two worlds are a function of the seeds.
+    with Stage(tmp_path / "again", "again") as other, Stage(tmp_path / "lab2", "lab") as lab2:
+        other.folder.mkdir(exist_ok=True)
+        lab2.folder.mkdir(exist_ok=True)
+        with two_worlds(other, lab2, tmp_path / "again.jsonl", "--chair-option", "WheelRatio=1.002") as peer:
+            peer.tick(300)
+    assert hashes(tmp_path / "again.jsonl", 200) == first
+
+
+# ---------------------------------------------------------------- two worlds in real time
+
+
+def test_a_virtual_chair_stops_for_a_real_one_and_no_truth_leaves_the_laboratory(stage: Stage, lab: Stage) -> None:
+    lab.server("--map", "corner", "--pace", "realtime", "--hide-truth")
+    stage.server("--map", "corner", "--pace", "realtime")
+    with lab.peer() as spy, stage.peer() as peer:
+        everything = spy.hear("**")
+        bridge(
+            stage, "real1", "world", "--lab-connect", lab.endpoint, "--place", "leader", "--pose", "corrected",
+            "--fix-noise", "0.1", "--chair-option", "WheelRatio=1.01",
+        )  # fmt: skip
+        stage.agent("virtual1", "waypoints", "--place", "follower2", "--option", "points=9 0", robot="intellwheels")
+        peer.entity("virtual1", lambda one: one["X"] > 1.5)
+        virtual = peer.entity("virtual1", lambda one: abs(one.get("Speed", 0.0)) < 1e-3)
+        # The real one's back is 0.504 behind 5.0.
+        assert 2.5 < virtual["X"] < 5.0 - 0.504 - 0.696 - 0.3
+        mind(stage, "real1", "drive", "--option", "left=0.5", "--option", "right=0.5")
+        moved = peer.entity("real1", lambda one: one["X"] > 5.5)
+        # What stood in its way goes, and it goes on.
+        peer.entity("virtual1", lambda one: one["X"] > virtual["X"] + 0.1)
+        heard = list(everything)
+    assert moved["Speed"] > 0.2
+    kinds = {key.removeprefix(spy.prefix) for key, _ in heard}
+    assert {"clock", "out/real1/measures", "in/real1/actions"} <= kinds
+    assert not any(kind.startswith("state") for kind in kinds)
+    for key, data in heard:
+        document = json.loads(data)
+        if key.endswith("/measures"):
+            sensors = document.get("Sensors", {})
+            assert "Truth" not in sensors
+            # Of places there are the receiver's, as it has them: 0.1 m wrong.
+            assert set(sensors) <= {"Proximity", "Encoders", "Compass", "Bumper", "GPS"}
+        elif "/event" in key:
+            assert not {"X", "Y", "Speed"} & document.keys()
+        elif "/body/" in key:
+            assert not {"WheelRatio", "WheelScale", "TrackRatio"} & document["Robot"].keys()
+        else:
+            assert not {"X", "Y", "Heading", "Entity"} & document.keys(), (key, document)
+
+
+def test_either_world_may_die_and_come_back_under_a_bridge_that_stays(stage: Stage, lab: Stage) -> None:
+    lab_server = lab.server("--map", "corner", "--pace", "realtime", "--hide-truth")
+    server = stage.server("--map", "corner", "--pace", "realtime")
+    child = bridge(stage, "real1", "world", "--lab-connect", lab.endpoint, "--place", "leader")
+    mind(stage, "real1", "drive", "--option", "left=0.3", "--option", "right=0.3")
+    with stage.peer() as peer:
+        peer.entity("real1", lambda one: one["X"] > 5.3)
+        lab.signal(lab_server, signal.SIGKILL)
+        peer.event("stale", "real1")
+        lab.server("--map", "corner", "--pace", "realtime", "--hide-truth")
+        stage.line(child, "lab-joined")
+        peer.event("fresh", "real1")
+        peer.entity("real1", lambda one: one.get("Speed", 0.0) > 0.1)
+    stage.signal(server, signal.SIGKILL)
+    stage.server("--map", "corner", "--pace", "realtime")
+    stage.line(child, "joined")
+    with stage.peer() as peer:
+        # A real chair is where it is: the new simulation learns it.
+        peer.entity("real1", lambda one: one["X"] > 5.1 and one.get("Speed", 0.0) > 0.1)
+    stage.signal(child, signal.SIGTERM)
+    assert stage.exit(child) == 0
+    assert "bridged agent=real1" in stage.log(child)
+
+
+def test_a_bridge_that_is_killed_lets_its_chair_come_to_rest(stage: Stage, lab: Stage) -> None:
+    lab.server("--map", "corner", "--pace", "realtime")
+    stage.server("--map", "corner", "--pace", "realtime")
+    child = bridge(stage, "real1", "world", "--lab-connect", lab.endpoint, "--place", "leader")
+    mind(stage, "real1", "drive", "--option", "left=0.3", "--option", "right=0.3")
+    with lab.peer() as there, stage.peer() as here:
+        there.entity("real1", lambda one: one.get("Speed", 0.0) > 0.2)
+        stage.signal(child, signal.SIGKILL)
+        assert stage.exit(child) == -signal.SIGKILL
+        there.entity("real1", lambda one: abs(one.get("Speed", 0.0)) < 1e-3)
+        here.event("stale", "real1")
+
+
+# ---------------------------------------------------------------- a controller on a line
+
+
+class Controller:
+    """The firmware stand-in as a process, and its faults."""
+
+    def __init__(self, stage: Stage) -> None:
+        self._stage = stage
+        self.port = stage.folder / "tty"
+        pipe = stage.folder / "ask"
+        os.mkfifo(pipe)
+        self.child = stage.start(
+            "firmware", "intellwheels_agents.bridge.firmware", "--link", str(self.port), "--ask", str(pipe)
+        )
+        stage.line(self.child, "ready")
+        self._pipe = pipe
+
+    def ask(self, line: str) -> None:
+        with self._pipe.open("w") as pipe:
+            pipe.write(line + "\n")
+
+    def says(self, verb: str) -> dict[str, int]:
+        return {name: int(value) for name, value in self._stage.line(self.child, verb).items()}
+
+
+@pytest.mark.parametrize("fault", ["cut 2", "noise 2", "unplug 2"])
+def test_a_line_that_fails_stops_the_motors_within_two_tenths_and_comes_back(stage: Stage, fault: str) -> None:
+    stage.server("--map", "corridor15m", "--pace", "realtime")
+    controller = Controller(stage)
+    child = bridge(stage, "real1", "serial", "--port", str(controller.port), "--place", "start")
+    mind(stage, "real1", "drive", "--option", "left=0.2", "--option", "right=0.2")
+    with stage.peer() as peer:
+        controller.says("moving")
+        before = peer.entity("real1", lambda one: one["X"] > 0.1)["X"]
+        controller.ask(fault)
+        stopped = controller.says("stopped")
+        # By its own watchdog, on its own clock. Half of the bytes are garbage: no line gets through whole.
+        assert 0 < stopped["silence"] <= WATCHDOG_MS
+        peer.event("stale", "real1")
+        controller.says("moving")
+        peer.event("fresh", "real1")
+        peer.entity("real1", lambda one: one["X"] > before + 0.1)
+    stage.signal(child, signal.SIGTERM)
+    assert stage.exit(child) == 0
+    # Told to stand, not left to.
+    assert controller.says("stopped")["silence"] == -1
+
+
+def test_a_bridge_that_is_killed_leaves_the_motors_to_the_controller_s_watchdog(stage: Stage) -> None:
+    stage.server("--map", "corridor15m", "--pace", "realtime")
+    controller = Controller(stage)
+    child = bridge(stage, "real1", "serial", "--port", str(controller.port), "--place", "start")
+    mind(stage, "real1", "drive", "--option", "left=0.2", "--option", "right=0.2")
+    controller.says("moving")
+    stage.signal(child, signal.SIGKILL)
+    assert 0 < controller.says("stopped")["silence"] <= WATCHDOG_MS
+
+
+def test_a_simulation_that_dies_stops_the_motors_by_the_bridge(stage: Stage) -> None:
+    server = stage.server("--map", "corridor15m", "--pace", "realtime")
+    controller = Controller(stage)
+    bridge(stage, "real1", "serial", "--port", str(controller.port), "--place", "start")
+    mind(stage, "real1", "drive", "--option", "left=0.2", "--option", "right=0.2")
+    controller.says("moving")
+    stage.signal(server, signal.SIGKILL)
+    # The bridge lives and says zero: silence is of the line, and there was none.
+    assert controller.says("stopped")["silence"] == -1
+
+
+def test_the_chair_s_own_joystick_is_the_user(stage: Stage) -> None:
+    stage.server("--map", "corridor15m", "--pace", "realtime")
+    controller = Controller(stage)
+    words = ("--port", str(controller.port), "--place", "start", "--joystick")
+    bridge(stage, "real1", "serial", *words)
+    mind(stage, "real1", "joystick")
+    controller.ask("stick 300 0")
+    controller.says("moving")
+    controller.ask("stick 0 0")
+    assert controller.says("stopped")["silence"] == -1
+
+
+def test_the_robot_of_these_tests_is_as_they_think() -> None:
+    part = robot_file("intellwheels").part[0]
+    assert (part.x + part.length / 2.0, part.x - part.length / 2.0) == pytest.approx((0.696, -0.504))
