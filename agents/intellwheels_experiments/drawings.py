@@ -120,7 +120,8 @@ def drift(runs: Sequence[Drawn], variance: float, track: float) -> str | None:
             )
             axes.legend(loc="upper left", frameon=False)
         axes.set(xlabel="way driven (m)", ylabel="error of place (m)", xlim=(0.0, grid[-1]))
-        axes.set_ylim(bottom=0.0)
+        # Errors of less than a few centimetres are as good as none, and are drawn so.
+        axes.set_ylim(0.0, max(0.1, axes.get_ylim()[1]))
         return _svg(figure)
 
 

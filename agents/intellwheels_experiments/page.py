@@ -17,15 +17,23 @@ from intellwheels_experiments.summary import Comparison, Line, Summary
 from intellwheels_schemas.messages import Map, Scene
 
 _STYLE: Final = """
-:root{color-scheme:light}body{font:15px/1.5 system-ui,sans-serif;color:#1c1c1a;max-width:1010px;margin:2rem auto;padding:0 1rem}
-h1{font-size:1.6rem;margin:0}h2{font-size:1.2rem;margin:2.2rem 0 .4rem}h3{font-size:1rem;margin:1.6rem 0 .2rem}
-table{border-collapse:collapse;margin:.6rem 0;font-size:.88rem}th,td{padding:.28rem .6rem;text-align:right;border-bottom:1px solid #ddd;
-vertical-align:top}th:first-child,td:first-child,td.t{text-align:left}th{border-bottom:2px solid #888;font-weight:600}
-td small{color:#666}p{max-width:52rem;margin:.4rem 0}.lead{color:#555;margin:.2rem 0 1rem}.yes{color:#00664a;font-weight:600}
-.no{color:#b00030;font-weight:600}.open{color:#8a5a00;font-weight:600}dl{display:grid;grid-template-columns:max-content 1fr;gap:.15rem 1rem;
-font-size:.86rem}dt{color:#555}dd{margin:0;font-family:ui-monospace,monospace;overflow-wrap:anywhere}.wide{overflow-x:auto}
-.key span{display:inline-block;margin-right:1.4em}.key i{display:inline-block;width:1.8em;height:0;border-top:3px solid;margin-right:.4em;
-vertical-align:middle}pre{background:#f4f4f1;padding:.6rem;overflow-x:auto;font-size:.8rem}figure{margin:.4rem 0}
+:root { color-scheme: light }
+body { font: 15px/1.5 system-ui, sans-serif; color: #1c1c1a; max-width: 1010px; margin: 2rem auto; padding: 0 1rem }
+h1 { font-size: 1.6rem; margin: 0 } h2 { font-size: 1.2rem; margin: 2.2rem 0 .4rem }
+h3 { font-size: 1rem; margin: 1.6rem 0 .2rem }
+table { border-collapse: collapse; margin: .6rem 0; font-size: .88rem }
+th, td { padding: .28rem .6rem; text-align: right; border-bottom: 1px solid #ddd; vertical-align: top }
+th { border-bottom: 2px solid #888; font-weight: 600 }
+th:first-child, td.t { text-align: left } td small { color: #666 }
+p { max-width: 52rem; margin: .4rem 0 } .lead { color: #555; margin: .2rem 0 1rem }
+.yes { color: #00664a; font-weight: 600 } .no { color: #b00030; font-weight: 600 }
+.open { color: #8a5a00; font-weight: 600 }
+dl { display: grid; grid-template-columns: max-content 1fr; gap: .15rem 1rem; font-size: .86rem }
+dt { color: #555 } dd { margin: 0; font-family: ui-monospace, monospace; overflow-wrap: anywhere }
+.wide { overflow-x: auto } figure { margin: .4rem 0 }
+.key span { display: inline-block; margin-right: 1.4em }
+.key i { display: inline-block; width: 1.8em; border-top: 3px solid; margin-right: .4em; vertical-align: middle }
+pre { background: #f4f4f1; padding: .6rem; overflow-x: auto; font-size: .8rem }
 """
 
 _MEASURES: Final = (
@@ -77,8 +85,8 @@ def render(page: Page) -> str:
     seeds = len({run.seed for run in page.runs})
     lead = f"{len(page.summary.lines)} rows, {seeds} seeds each, on the floor {page.floor.title or page.floor.name}."
     parts = [
-        f"<h1>{escape(title)}</h1><p class=lead>{escape(lead)} Rows share their seeds. Everything is scored by where the "
-        "chair truly was, never by what it believed.</p>",
+        f"<h1>{escape(title)}</h1><p class=lead>{escape(lead)} Rows share their seeds. Everything is scored by where "
+        "the chair truly was, never by what it believed.</p>",
         _results(page),
         _comparisons(page),
         _measures(page),
@@ -98,7 +106,8 @@ def _results(page: Page) -> str:
     heads = ("mode", "runs", "succeeded", "95 % interval", "runs with a collision", "contacts physical", "virtual")
     rows = [
         (
-            escape(line.title), str(line.runs), f"<b>{_percent(line.succeeded, line.runs)}</b> <small>{line.succeeded}</small>",
+            escape(line.title), str(line.runs),
+            f"<b>{_percent(line.succeeded, line.runs)}</b> <small>{line.succeeded}</small>",
             f"{100 * line.interval.low:.0f} to {100 * line.interval.high:.0f} %", str(line.collided),
             str(line.physical), str(line.virtual),
         )
@@ -106,8 +115,10 @@ def _results(page: Page) -> str:
     ]  # fmt: skip
     points = [(one.title, one.succeeded / one.runs if one.runs else 0.0, *one.interval) for one in page.summary.lines]
     return (
-        "<h2>Results</h2><p>A run succeeds when the chair reaches its place and touches nothing on the way. A contact counts "
-        "where it begins; physical ones are with what is really there, virtual ones with what a simulation alone has. "
+        "<h2>Results</h2><p>A run succeeds when the chair reaches its place and touches nothing where it "
+        "truly is. A contact counts where it begins; physical ones are of a chair of hardware with what is "
+        "really there, "
+        "virtual ones are within a simulation, where a chair of hardware is shown as it is reported. "
         "Intervals are Wilson's.</p>" + _table(heads, rows) + f"<figure>{drawings.intervals(points)}</figure>"
     )
 
@@ -117,13 +128,15 @@ def _comparisons(page: Page) -> str:
         return ""
     titles = {line.name: line.title for line in page.summary.lines}
     margin = page.scene.experiment.margin if page.scene.experiment else 0.0
-    heads = ("first, against second", "expected of the first", "difference", "95 % interval", "only first / only second",
-             "p", "equivalent", "found")  # fmt: skip
+    heads = (
+        "first, against second", "expected of the first", "difference", "95 % interval", "only first / only second",
+        "p", "equivalent", "found",
+    )  # fmt: skip
     rows = [_comparison(one, titles) for one in page.summary.comparisons]
     return (
-        "<h2>Comparisons</h2><p>Two rows are compared seed by seed. The difference is that of their success, first less "
-        "second, in percentage points, with Tango's score interval; p is of McNemar's exact test, two-sided, over the "
-        f"seeds that only one of the two succeeded with. Rows are equivalent when the difference is within "
+        "<h2>Comparisons</h2><p>Two rows are compared seed by seed. The difference is that of their success, first "
+        "less second, in percentage points, with Tango's score interval; p is of McNemar's exact test, two-sided, over "
+        f"the seeds that only one of the two succeeded with. Rows are equivalent when the difference is within "
         f"{100 * margin:.0f} points at 5 % each way. What these runs cannot tell is said to be undecided.</p>"
         + _table(heads, rows, words=2)
     )
@@ -192,9 +205,9 @@ def _row(page: Page, line: Line) -> str:
     ]
     if drift:
         parts.append(
-            "<h3>Drift of the odometry</h3><p>How far the place that the wheels tell is from the true one. The band is what "
-            "independent errors of the two wheels alone explain on a straight way, sd = &radic;(2kL<sup>3</sup>/3)/b; what lies "
-            f"above it is systematic.</p><figure>{drift}</figure>"
+            "<h3>Drift of what is reported</h3><p>How far the reported place is from the true one. The band is what "
+            "independent errors of the two wheels alone explain on a straight way, sd = &radic;(2kL<sup>3</sup>/3)/b; "
+            f"what lies above it is systematic.</p><figure>{drift}</figure>"
         )
     parts += [f"<h3>{escape(what)}</h3><figure>{drawn}</figure>" for what, drawn in page.timelines.get(line.name, ())]
     return "\n".join(parts)

@@ -10,7 +10,8 @@ import platform
 import shlex
 import sys
 import threading
-from collections.abc import Sequence
+import time
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Final
 
@@ -24,6 +25,7 @@ from intellwheels_experiments.batch import Batch, read_batch, run_batch, shares_
 from intellwheels_experiments.drawings import Drawn
 from intellwheels_experiments.keep import Kept, place_of, read_tum, table
 from intellwheels_experiments.page import Page, floor_hash, render
+from intellwheels_experiments.progress import PLAIN_EVERY
 from intellwheels_experiments.report import versions
 from intellwheels_experiments.rows import Row
 from intellwheels_experiments.summary import Summary, sum_up, to_json, to_junit
@@ -55,11 +57,16 @@ def perform_batch(batch: Batch, scene: Scene, console: Console, stop: threading.
     total = len(batch.rows) * len(batch.seeds)
     if left < total:
         console.print(f"going on: {total - left} of {total} runs are there", markup=False, highlight=False)
+    said = time.monotonic()
     with _bar(console) as bar:
         task = bar.add_task(scene.name, total=total, completed=total - left)
 
         def told(kept: Kept) -> None:
+            nonlocal said
             bar.advance(task)
+            if not console.is_terminal and time.monotonic() >= said + PLAIN_EVERY:
+                said = time.monotonic()
+                console.print(f"progress done={bar.tasks[task].completed:.0f} of={total}", highlight=False)
             if kept.died:
                 console.print(f"died row={kept.row} seed={kept.seed} why={kept.died}", markup=False, highlight=False)
 
@@ -67,8 +74,16 @@ def perform_batch(batch: Batch, scene: Scene, console: Console, stop: threading.
     return write_files(batch, scene)
 
 
-def write_files(batch: Batch, scene: Scene) -> Summary:
-    """Write what is told of all runs, and return it."""
+def write_files(
+    batch: Batch, scene: Scene, timelines: Mapping[str, Sequence[tuple[str, str]]] | None = None
+) -> Summary:
+    """Write what is told of all runs, and return it.
+
+    Args:
+        batch: The batch.
+        scene: Its scene.
+        timelines: Further drawings of a row, by its name: what it shows and the SVG.
+    """
     runs = read_batch(batch)
     summary = sum_up(batch.rows, runs, scene.experiment)
     out = batch.out
@@ -84,7 +99,7 @@ def write_files(batch: Batch, scene: Scene) -> Summary:
         drawn=drawn,
         drift={row.name: _drift(batch, row) for row in batch.rows},
         origin=_origin(batch, scene),
-        timelines={},
+        timelines=timelines or {},
     )
     (out / "report.html").write_text(render(page))
     return summary

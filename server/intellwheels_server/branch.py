@@ -1,8 +1,8 @@
 """A run that begins as another went: up to a tick the inputs are those of its log, from there on those that come.
 
 Whoever joins lives through the ticks before as well, perceives what was perceived and is asked for answers, which are
-XX
-a body that is another than the parent's shows at once.
+not obeyed: at the branch a mind has the memory it would have. Up to there the states are the parent's, to the hash; a
+body that is another than the parent's shows at once.
 """
 
 from __future__ import annotations
