@@ -1,0 +1,114 @@
+"""Drives to a place round what its proximity sensors see.
+
+    to       the place of the map
+    speed    metres a second with nothing near (default 0.6)
+    clear    metres kept to the side of what it drives past (default 0.12)
+    within   metres from the place that count as there (default 0.2)
+    and of `aided`: margin, ahead
+
+It knows the way to the place by its own odometry alone, and what stands in the way by its proximity sensors alone. Of
+the directions in which the body fits it takes the one that costs least; what it then wants is slowed and stopped as a
+user's wish is by `aided`. When nothing is free for a while it goes back a little.
+
+Source:
+    The candidate directions and their cost are those of VFH+: Ulrich and Borenstein (1998), VFH+: reliable obstacle
+    avoidance for fast mobile robots, ICRA; its weights are 5 for the goal, 2 for the heading and 2 for the last choice.
+    The histogram is left out: what was seen is kept as points, and the body is a strip along the direction, not a disc.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+from intellwheels_agents.chair import wrapped
+from intellwheels_agents.mind import Context
+from intellwheels_agents.minds.aided import Mind as Guard
+from intellwheels_agents.options import OptionError
+from intellwheels_agents.pilot import BRAKING, TURN_RATE, braking
+from intellwheels_agents.surroundings import outline
+from intellwheels_schemas.messages import Actions, Goal, Measures
+
+DIRECTIONS: Final = tuple(math.radians(5.0 * k) for k in range(-18, 19))
+GOAL, AHEAD, LAST = 5.0, 2.0, 2.0
+TURNS: Final = math.radians(50.0)
+"""A direction further to the side is turned to in place."""
+STUCK: Final = 1.5
+"""Seconds without anything free after which it goes back."""
+BACK: Final = 1.5
+"""Seconds for which it goes back, at 0.2 m/s."""
+
+
+class Mind:
+    """Seeks its place."""
+
+    def __init__(self, context: Context) -> None:
+        options = context.options
+        self._cruise = options.number("speed", 0.6, 0.05, 5.0)
+        self._clear = options.number("clear", 0.12, 0.0, 1.0)
+        self._within = options.number("within", 0.2, 0.01, 10.0)
+        names = options.words("to")
+        if len(names) != 1:
+            raise OptionError(f"option to: expected a place of the map, got {' '.join(names) or 'none'}")
+        place = context.place(names[0], "to")
+        self._goal = Goal(x=place.x, y=place.y)
+        self._guard = Guard(context)
+        self._body = outline(context.robot)
+        self._last = 0.0
+        self._arrived = False
+        self._free_at = 0.0
+        self._back_until = -math.inf
+
+    def decide(self, measures: Measures) -> Actions:
+        """Return the powers towards the place."""
+        self._guard.perceive(measures)
+        pose = self._guard.pose
+        dx, dy = self._goal.x - pose.x, self._goal.y - pose.y
+        distance, bearing = math.hypot(dx, dy), wrapped(math.atan2(dy, dx) - pose.heading)
+        if self._arrived or distance <= self._within:
+            self._arrived = True
+            return self._with_goal(self._guard.drive(0.0, 0.0, "arrived"))
+        if measures.time < self._back_until:
+            return self._with_goal(self._guard.drive(-0.2, 0.0, "backing"))
+        actions = self._with_goal(self._towards(bearing, distance))
+        if self._guard.gives:
+            self._free_at = measures.time
+        elif measures.time - self._free_at > STUCK:
+            self._free_at = self._back_until = measures.time + BACK
+        return actions
+
+    def _with_goal(self, actions: Actions) -> Actions:
+        return Actions(
+            left_motor=actions.left_motor, right_motor=actions.right_motor, mode=actions.mode, goal=self._goal
+        )
+
+    def _towards(self, bearing: float, distance: float) -> Actions:
+        reach = self._body.front + min(self._cruise**2 / (2.0 * BRAKING) + 0.8, distance)
+        rooms = {direction: self._room(direction, reach) for direction in DIRECTIONS}
+        free = [direction for direction, room in rooms.items() if room >= reach]
+        if free:
+            direction = min(free, key=lambda one: self._cost(one, bearing))
+        else:
+            # Nowhere is it wholly free: the direction with most room, as far as it goes.
+            direction = max(DIRECTIONS, key=lambda one: (rooms[one], -self._cost(one, bearing)))
+        self._last = direction
+        if abs(direction) > TURNS:
+            return self._guard.drive(0.0, math.copysign(TURN_RATE, direction), "autonomous")
+        speed = min(self._cruise, braking(max(0.0, rooms[direction] - self._body.front - 0.1)), braking(distance))
+        rate = min(max(1.5 * direction, -TURN_RATE), TURN_RATE)
+        return self._guard.drive(max(speed, 0.1) * math.cos(direction), rate, "autonomous")
+
+    def _cost(self, direction: float, bearing: float) -> float:
+        off = abs(wrapped(direction - bearing))
+        return GOAL * off + AHEAD * abs(direction) + LAST * abs(direction - self._last)
+
+    def _room(self, direction: float, reach: float) -> float:
+        """Return how far the body's strip in a direction is free, metres from its centre, at most `reach`."""
+        c, s = math.cos(direction), math.sin(direction)
+        half = self._body.side + self._clear
+        room = reach
+        for x, y in self._guard.seen.points:
+            along = c * x + s * y
+            if 0.0 < along < room and abs(c * y - s * x) < half:
+                room = along
+        return room
