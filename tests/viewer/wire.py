@@ -54,7 +54,7 @@ def state(tick: int, *entities: Entity, run: str = RUN, part: int = 0, parts: in
 
 
 def body(name: str, run: str = RUN, robot: str = "rear-wheel", **more: Any) -> Body:
-    return Body(run=run, tick=0, robot=msgspec.structs.replace(library.robot(robot), name=name, **more))
+    return Body(run=run, tick=0, robot=msgspec.structs.replace(library.robot(robot), name=name, format=None, **more))
 
 
 def event(number: int, code: str = "joined", run: str = RUN, tick: int = 0, **more: Any) -> Event:

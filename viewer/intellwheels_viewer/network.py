@@ -128,8 +128,9 @@ class Network:
                 session.close()  # type: ignore[no-untyped-call]
 
     def choose(self, world: str) -> None:
-        """Watch another world."""
-        self._wanted = world
+        """Watch another world; a text that is no world's name changes nothing."""
+        if is_name(world):
+            self._wanted = world
 
     # ------------------------------------------------------------ in, on the drawing thread
 
@@ -209,6 +210,8 @@ class Network:
         }  # fmt: skip
         while world.answers:
             kind, answer, asked = world.answers.popleft()
+            if kind is Clock:
+                world.heard = now
             _give(kind, answer, takes.get(kind, partial(fold.on_floor, asked=asked)))
         arrivals = [arrival for arrival in world.inbox.take() if isinstance(arrival, Put)]
         # Of what is put each tick only the newest is decoded; that keeps a slow viewer from falling behind.
