@@ -10,7 +10,7 @@ import math
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from typing import Any, NamedTuple, TypeVar
+from typing import Any, Final, NamedTuple, TypeVar
 
 from playwright.sync_api import Page
 
@@ -56,6 +56,21 @@ _PICTURE = """() => {
   return [...pen.getImageData(0, 0, 128, 96).data];
 }"""
 
+# What is dragged is heard on its way out.
+_HEAR_DRAGS = """() => {
+  const view = window.__viserMutable;
+  window.iwDrags = [];
+  if (window.iwSend) return;
+  window.iwSend = view.sendMessage;
+  view.sendMessage = message => {
+    if (message.type === 'SceneNodeDragMessage') window.iwDrags.push(message.phase);
+    window.iwSend(message);
+  };
+}"""
+
+COMPILED: Final = 150.0
+"""Seconds until a simulator is ready in a checkout in which none ran before, on a busy machine."""
+
 _T = TypeVar("_T")
 
 
@@ -89,8 +104,8 @@ class Screen:
 
     def clear(self) -> None:
         """Close all notices, such as that it draws in software."""
-        for close in self.page.query_selector_all(".mantine-Notification-closeButton"):
-            close.click()
+        # In one step: a notice may go by itself between two.
+        self.page.evaluate("document.querySelectorAll('.mantine-Notification-closeButton').forEach(b => b.click())")
 
     def wait(self, look: Callable[[], _T | None], what: str, timeout: float = WAIT) -> _T:
         """Look until there is something, which is returned; the page goes on meanwhile."""
@@ -127,20 +142,20 @@ class Screen:
                 found.append(Pose(places[3 * index], places[3 * index + 1], 2 * math.atan2(z, w)))
         return sorted(found)
 
-    def frame(self) -> None:
-        """Wait until the newest is drawn."""
-        count = "window.__viserTestpoints.rendererInfo.render.frame"
-        before = self.page.evaluate(count)
+    def frame(self, count: int = 1) -> None:
+        """Wait until so many frames were drawn."""
+        drawings = "window.__viserTestpoints.rendererInfo.render.frame"
+        before = self.page.evaluate(drawings)
 
         def drawn() -> bool | None:
             self.page.evaluate("window.__viserMutable.requestRender()")
-            return self.page.evaluate(count) >= before + 3 or None
+            return self.page.evaluate(drawings) >= before + count or None
 
         self.wait(drawn, "a frame")
 
     def picture(self) -> list[int]:
         """Return the canvas as bytes of R, G, B, A, 128 x 96 pixels."""
-        self.frame()
+        self.frame(3)
         return [int(byte) for byte in self.page.evaluate(_PICTURE)]
 
     def pixel(self, x: float, y: float, z: float = 0.0) -> tuple[float, float]:
@@ -180,28 +195,51 @@ class Screen:
         self.page.wait_for_selector(f"tr.chosen[data-agent={agent}]", timeout=WAIT * 1000)
 
     def drag(self, start: tuple[float, float], end: tuple[float, float]) -> None:
-        """Drag what is under a point of the page to another, as slowly as a hand."""
+        """Drag what is under a point of the page to another, as slowly as a hand.
+
+        Viser knows by frames what is under the pointer: where they are few it is taken hold of again.
+        """
+        self.page.evaluate(_HEAR_DRAGS)
         mouse = self.page.mouse
-        mouse.move(start[0] - 2, start[1] - 2)
-        self.frame()
-        mouse.move(*start)
-        # Viser hears of what is under the pointer by frames.
-        self.frame()
-        self.page.wait_for_timeout(500)
-        mouse.down()
-        self.page.wait_for_timeout(150)
-        for step in range(1, 11):
-            mouse.move(start[0] + (end[0] - start[0]) * step / 10, start[1] + (end[1] - start[1]) * step / 10)
-            self.page.wait_for_timeout(80)
+
+        def held() -> bool | None:
+            mouse.move(start[0] - 2, start[1] - 2)
+            self.frame()
+            mouse.move(*start)
+            self.frame(2)
+            self.page.wait_for_timeout(300)
+            mouse.down()
+            self.page.wait_for_timeout(150)
+            mouse.move(start[0] + 2, start[1] + 1)
+            mouse.move(start[0] + 4, start[1] + 2)
+            self.frame(2)
+            self.page.wait_for_timeout(150)
+            if self.page.evaluate("window.iwDrags.includes('start')"):
+                return True
+            mouse.up()
+            return None
+
+        self.wait(held, "a body in the hand")
+        for step in range(1, 9):
+            mouse.move(start[0] + (end[0] - start[0]) * step / 8, start[1] + (end[1] - start[1]) * step / 8)
+            self.page.wait_for_timeout(60)
         mouse.move(end[0] + 1, end[1])
         self.page.wait_for_timeout(150)
         mouse.move(*end)
         self.page.wait_for_timeout(150)
         mouse.up()
+        self.wait(lambda: self.page.evaluate("window.iwDrags.includes('end')") or None, "the end of the drag")
 
 
 class Theatre(Stage):
     """A stage with a viewer."""
+
+    def server(self, *words: str, ready: bool = True) -> str:
+        """Start a simulator and wait until it is ready; in a new checkout it is compiled first."""
+        child = super().server(*words, ready=False)
+        if ready:
+            self.line(child, "ready", COMPILED)
+        return child
 
     def viewer(self, *words: str, endpoint: str | None = None) -> str:
         """Start a viewer of this world and return its address."""

@@ -23,7 +23,8 @@ from typing import Any, Final
 import msgspec
 import viser
 from collections.abc import Iterator
-from websockets.sync.client import ClientConnection, connect
+from websockets.sync.client import connect
+from websockets.sync.connection import Connection
 
 from intellwheels_maps import library
 from intellwheels_schemas.keys import Verb
@@ -67,7 +68,7 @@ CAMERA: Final = {
 
 
 @contextmanager
-def raw_page(url: str) -> Iterator[ClientConnection]:
+def raw_page(url: str) -> Iterator[Connection]:
     """Connect as a page does that draws nothing. What is not received is not read from the socket either."""
     with connect(
         url.replace("http://", "ws://"),

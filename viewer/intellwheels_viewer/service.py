@@ -14,6 +14,7 @@ import time
 import traceback
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Final
 
 import viser
@@ -22,6 +23,7 @@ from intellwheels_schemas.link import Link
 from intellwheels_viewer.guard import open_server
 from intellwheels_viewer.network import Network
 from intellwheels_viewer.page import Page
+from intellwheels_viewer.recording import Recording
 from intellwheels_viewer.seen import Seen
 from intellwheels_viewer.stage import Stage, watched
 
@@ -43,6 +45,8 @@ class Options:
         allowed: Further names by which browsers may reach us.
         dark: Whether the page is dark.
         chosen: Whether the world was named; else the only one there is is taken.
+        record: Where the run is kept as an HTML file, which ends the viewer; None: it is not.
+        seconds: How much of it, in simulated seconds.
     """
 
     host: str = "127.0.0.1"
@@ -50,6 +54,8 @@ class Options:
     allowed: frozenset[str] = field(default_factory=frozenset)
     dark: bool = False
     chosen: bool = False
+    record: Path | None = None
+    seconds: float = 20.0
 
 
 class Viewer:
@@ -65,7 +71,7 @@ class Viewer:
     """
 
     def __init__(self, options: Options, link: Link, stop: threading.Event) -> None:
-        self._stop = stop
+        self._stop, self._link = stop, link
         self.server = open_server(options.host, options.port, options.allowed)
         self.server.gui.configure_theme(
             show_logo=False, show_share_button=False, dark_mode=options.dark, brand_color=(0, 90, 158)
@@ -74,12 +80,18 @@ class Viewer:
         self._stage = Stage(self.server, dark=options.dark)
         self._network = Network(link, stop, chosen=options.chosen)
         self._faults: set[str] = set()
+        self._recording = Recording(self.server, options.seconds, dark=options.dark) if options.record else None
         self._pages: dict[int, Page] = {}
         self._lock = threading.Lock()
         self._stage.on_pick(self._picked)
         self._stage.bodies.on_drag(self._dragged)
         self.server.on_client_connect(self._came)
         self.server.on_client_disconnect(self._went)
+
+    @property
+    def endpoint(self) -> str:
+        """Where it looks for worlds."""
+        return self._link.where()
 
     @property
     def failure(self) -> str:
@@ -110,10 +122,17 @@ class Viewer:
 
     def _draw(self, seen: Seen, pages: Mapping[int, Page]) -> None:
         wanted = {page.selected for page in pages.values() if page.selected is not None}
-        self._network.watch(watched(seen, wanted) if pages else ())
+        # Also while nobody looks: a page that comes to a paused run must show what was measured before.
+        self._network.watch(watched(seen, wanted))
         self._shield(self._stage.show, seen, wanted)
         for page in pages.values():
             self._shield(page.draw, seen)
+        if self._recording is not None and self._recording.drawn(seen):
+            self._stop.set()
+
+    def save(self, path: Path) -> int:
+        """Write what was recorded, see `Recording.save`."""
+        return 0 if self._recording is None else self._recording.save(path)
 
     def _end(self) -> None:
         # First what is driven is given back, while there is a link.
@@ -183,4 +202,18 @@ def serve(options: Options, link: Link, stop: threading.Event) -> int:
     if viewer.failure:
         sys.stderr.write(f"iw-viewer: {viewer.failure}\n")
         return 1
+    return 0 if options.record is None else _save(viewer, options.record)
+
+
+def _save(viewer: Viewer, path: Path) -> int:
+    try:
+        size = viewer.save(path)
+    except OSError as error:
+        sys.stderr.write(f"iw-viewer: cannot write {path}: {error.strerror}\n")
+        return 1
+    if not size:
+        sys.stderr.write(f"iw-viewer: nothing to record: no world was seen at {viewer.endpoint}\n")
+        return 1
+    sys.stdout.write(f"recorded file={path} bytes={size}\n")
+    sys.stdout.flush()
     return 0
