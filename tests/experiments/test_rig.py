@@ -227,8 +227,12 @@ class Slow(Rig):
     def ctl(self, verb: Verb, **fields: Any) -> Result:
         if verb == "pause" and self.comes_back:
             with suppress(AwaitedError):
-                self.processes.wait(lambda: self.now.tick or None, "a tick", 3.0)
+                self.processes.wait(self._tick, "a tick", 4.0)
         return super().ctl(verb, **fields)
+
+    def _tick(self) -> int | None:
+        self._look()
+        return self._film.newest.tick or None if self._film.newest else None
 
 
 def test_world_that_comes_back_stands_at_its_beginning_however_slow_the_machine(tmp_path: Path) -> None:
