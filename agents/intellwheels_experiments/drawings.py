@@ -81,15 +81,16 @@ def paths(floor: Map, runs: Sequence[Drawn], goal: tuple[float, float, float] | 
 
 def along(runs: Sequence[Drawn]) -> str:
     """Return clearance and speed along the way: the median of a row's runs and the middle 80 % of them."""
-    longest = max(float(run.way[-1]) for run in runs)
+    longest = max(0.1, *(float(run.way[-1]) for run in runs))
     grid = np.linspace(0.0, longest, GRID)
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(WIDTH, 2.6), layout="constrained")
         upper, lower = figure.subplots(2, 1, sharex=True)
         for axes, name, colour in ((upper, "clearance", "#009E73"), (lower, "speed", TRUE)):
             values = np.array([_on(grid, run.way, getattr(run, name)) for run in runs])
-            with np.errstate(all="ignore"):
-                low, median, high = np.nanquantile(values, (0.1, 0.5, 0.9), axis=0)
+            there = ~np.isnan(values).all(axis=0)
+            low, median, high = np.full((3, GRID), np.nan)
+            low[there], median[there], high[there] = np.nanquantile(values[:, there], (0.1, 0.5, 0.9), axis=0)
             axes.fill_between(grid, low, high, color=colour, alpha=0.22, lw=0)
             axes.plot(grid, median, color=colour, lw=1.3)
             axes.set_ylim(bottom=0.0)
@@ -112,7 +113,7 @@ def drift(runs: Sequence[Drawn], variance: float, track: float) -> str | None:
             assert run.reported is not None  # noqa: S101 - chosen so
             off = np.hypot(*(run.reported[:, 1:3] - run.true[:, 1:3]).T)
             axes.plot(run.way, off, color=REPORTED, lw=0.8, alpha=_faint(shown))
-        grid = np.linspace(0.0, max(float(run.way[-1]) for run in shown), GRID)
+        grid = np.linspace(0.0, max(0.1, *(float(run.way[-1]) for run in shown)), GRID)
         if variance > 0.0:
             _, aside = drift_band(grid, variance, track)
             axes.fill_between(

@@ -25,7 +25,8 @@ class Measured(msgspec.Struct, frozen=True, kw_only=True):
     Attributes:
         success: It reached its place and touched nothing.
         reached: It was within its place at the end.
-        collided: It touched something where it truly was.
+        collided: It touched something where it truly was, or, of a chair in a laboratory, a body that is in the
+            simulation alone.
         contacts_physical: Episodes of contact with what is really there.
         contacts_virtual: Episodes of contact with what a simulation alone has there.
         clearance: Least distance from anything, m.
@@ -114,7 +115,10 @@ def measured(
         start = float(x[0]), float(y[0])
         shortest = max(0.0, shortest_way(floor, start, (place.x, place.y), half_width(robot)) - reach.within)
     contacts, length = len(course.contacts), metrics.path_length(x, y)
-    success = reached and contacts == 0
+    seen = _seen(course, image, subject)
+    # What stands in the simulation alone is touched there; its walls are in the laboratory too.
+    touched = contacts + sum(one.other != "wall" for one in seen)
+    success = reached and touched == 0
     rate = np.array([one.turn_rate for one in shown])
     movement = course.speed[metrics.moving(course.speed, rate)]
     wanted, done = _wish(shown)
@@ -124,9 +128,9 @@ def measured(
         Measured(
             success=success,
             reached=reached,
-            collided=contacts > 0,
+            collided=touched > 0,
             contacts_physical=contacts if real else 0,
-            contacts_virtual=_virtual(course, image, subject) if real else contacts,
+            contacts_virtual=len(seen) if real else contacts,
             clearance=_finite(float(course.clearance.min())),
             time=float(course.times[-1]),
             path=length,
@@ -170,8 +174,11 @@ def _image(image: Trace, subject: str, ticks: int) -> Floats:
     return np.concatenate([poses, np.repeat(poses[-1:], ticks - len(poses), axis=0)])
 
 
-def _virtual(course: Course, image: Trace | None, subject: str) -> int:
-    return 0 if image is None else sum(one.tick < len(course.times) for one in _contacts(image, subject))
+def _seen(course: Course, image: Trace | None, subject: str) -> tuple[Event, ...]:
+    """Return the contacts of a chair's image, of a chair in a laboratory."""
+    if image is None:
+        return ()
+    return tuple(one for one in _contacts(image, subject) if one.tick < len(course.times))
 
 
 def _contacts(trace: Trace, subject: str) -> tuple[Event, ...]:

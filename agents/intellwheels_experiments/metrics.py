@@ -163,3 +163,25 @@ def drift_band(length: Floats, variance: float, track: float) -> tuple[Floats, F
         its integral.
     """
     return np.sqrt(2.0 * variance * length) / track, np.sqrt(2.0 * variance * length**3 / 3.0) / track
+
+
+def umbmark(left: Floats, right: Floats, side: float, track: float) -> tuple[float, float]:
+    """Return what squares driven by odometry tell of a chair's wheels: E_d, right wheel over left one, and E_b.
+
+    Args:
+        left: float64[n, 2], where the chair truly ended less where its odometry says, x and y, m, after squares to the
+            left from the origin along x.
+        right: The same after squares to the right.
+        side: Of the square, m.
+        track: Nominal, m.
+
+    Source:
+        Borenstein and Feng (1996), Measurement and correction of systematic odometry errors in mobile robots, IEEE
+        Transactions on Robotics and Automation 12(6), equations 11 to 20, from the centres of gravity in x.
+    """
+    ccw, cw = float(left[:, 0].mean()), float(right[:, 0].mean())
+    alpha = (cw + ccw) / (-4.0 * side)
+    beta = (cw - ccw) / (-4.0 * side)
+    radius = (side / 2.0) / math.sin(beta / 2.0) if beta else math.inf
+    ratio = (radius + track / 2.0) / (radius - track / 2.0) if math.isfinite(radius) else 1.0
+    return ratio, (math.pi / 2.0) / (math.pi / 2.0 - alpha)

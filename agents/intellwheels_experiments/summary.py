@@ -89,7 +89,12 @@ def sum_up(rows: Sequence[Row], runs: Sequence[Kept], experiment: Experiment | N
     """Return a batch summed up."""
     of_row = {row.name: [run for run in runs if run.row == row.name] for row in rows}
     lines = {row.name: _line(row, of_row[row.name]) for row in rows}
-    asked = experiment.compare if experiment else ()
+    # Of a batch of some rows only those comparisons are made that it has both rows of.
+    asked = (
+        [one for one in experiment.compare if {one.first, one.second or one.first} <= lines.keys()]
+        if experiment
+        else []
+    )
     margin = experiment.margin if experiment else 0.0
     return Summary(
         lines=tuple(lines.values()),

@@ -89,11 +89,6 @@ class Mind:
         top = self._robot.top_speed or 1.0
         return Actions(left_motor=self._told.left / top, right_motor=self._told.right / top, mode=mode)
 
-    @property
-    def gives(self) -> bool:
-        """Whether anything was free of what was wanted last."""
-        return self._told != Wheels(0.0, 0.0)
-
     def _measure_wheels(self, sensors: Sensors | None) -> None:
         """Set the wheels' speeds: what the motors' model says, unless the encoders say something else."""
         self._wheels = self._wheels.lagged(self._told, self._footprint.inertia)

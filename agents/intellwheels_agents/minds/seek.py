@@ -33,8 +33,10 @@ DIRECTIONS: Final = tuple(math.radians(5.0 * k) for k in range(-18, 19))
 GOAL, AHEAD, LAST = 5.0, 2.0, 2.0
 TURNS: Final = math.radians(50.0)
 """A direction further to the side is turned to in place."""
-STUCK: Final = 1.5
-"""Seconds without anything free after which it goes back."""
+NARROW: Final = (1.0, 0.75, 0.5)
+"""Shares of the reach that are tried in turn: where nothing is free so far, something may be less far."""
+STUCK: Final = 4.0
+"""Seconds without moving 0.15 m or turning 0.5 rad after which it goes back."""
 BACK: Final = 1.5
 """Seconds for which it goes back, at 0.2 m/s."""
 
@@ -56,7 +58,8 @@ class Mind:
         self._body = outline(context.robot)
         self._last = 0.0
         self._arrived = False
-        self._free_at = 0.0
+        self._side = 0.0
+        self._anchor = (0.0, math.inf, 0.0, 0.0)
         self._back_until = -math.inf
 
     def decide(self, measures: Measures) -> Actions:
@@ -70,12 +73,19 @@ class Mind:
             return self._with_goal(self._guard.drive(0.0, 0.0, "arrived"))
         if measures.time < self._back_until:
             return self._with_goal(self._guard.drive(-0.2, 0.0, "backing"))
-        actions = self._with_goal(self._towards(bearing, distance))
-        if self._guard.gives:
-            self._free_at = measures.time
-        elif measures.time - self._free_at > STUCK:
-            self._free_at = self._back_until = measures.time + BACK
-        return actions
+        if self._is_stuck(measures.time):
+            self._back_until = measures.time + BACK
+        return self._with_goal(self._towards(bearing, distance))
+
+    def _is_stuck(self, time: float) -> bool:
+        pose, (since, x, y, turned) = self._guard.pose, self._anchor
+        if math.hypot(pose.x - x, pose.y - y) > 0.15 or abs(pose.turned - turned) > 0.5:
+            self._anchor = (time, pose.x, pose.y, pose.turned)
+            return False
+        if time - since <= STUCK:
+            return False
+        self._anchor = (time + BACK, pose.x, pose.y, pose.turned)
+        return True
 
     def _with_goal(self, actions: Actions) -> Actions:
         return Actions(
@@ -85,12 +95,17 @@ class Mind:
     def _towards(self, bearing: float, distance: float) -> Actions:
         reach = self._body.front + min(self._cruise**2 / (2.0 * BRAKING) + 0.8, distance)
         rooms = {direction: self._room(direction, reach) for direction in DIRECTIONS}
-        free = [direction for direction, room in rooms.items() if room >= reach]
-        if free:
-            direction = min(free, key=lambda one: self._cost(one, bearing))
+        for share in NARROW:
+            least = self._body.front + share * (reach - self._body.front)
+            free = [direction for direction, room in rooms.items() if room >= least]
+            if free:
+                direction = min(free, key=lambda one: self._cost(one, bearing))
+                break
         else:
-            # Nowhere is it wholly free: the direction with most room, as far as it goes.
-            direction = max(DIRECTIONS, key=lambda one: (rooms[one], -self._cost(one, bearing)))
+            # Nowhere to go: it turns to the side it once chose until there is.
+            self._side = self._side or math.copysign(1.0, self._last or bearing)
+            return self._guard.drive(0.0, self._side * TURN_RATE, "autonomous")
+        self._side = 0.0
         self._last = direction
         if abs(direction) > TURNS:
             return self._guard.drive(0.0, math.copysign(TURN_RATE, direction), "autonomous")
