@@ -79,7 +79,7 @@ def test_bodies_stand_where_the_state_says(server: viser.ViserServer, stage: Sta
     )
 
 
-def test_a_thousand_ticks_leave_no_more_behind_than_a_few(server: viser.ViserServer, stage: Stage) -> None:
+def test_hundreds_of_ticks_leave_no_more_behind_than_a_few(server: viser.ViserServer, stage: Stage) -> None:
     def run(first: int, last: int) -> None:
         for tick in range(first, last):
             moved = tuple(entity(f"n{k}", k + tick * 0.01, say=f"word {tick // 40}" if k == tick % 3 else None)
@@ -89,7 +89,7 @@ def test_a_thousand_ticks_leave_no_more_behind_than_a_few(server: viser.ViserSer
 
     run(1, 100)
     before = nodes(server)
-    run(100, 1000)
+    run(100, 300)
     assert nodes(server) <= before
 
 

@@ -19,7 +19,6 @@ from intellwheels_schemas.keys import VERBS, Keys
 from intellwheels_schemas.messages import (
     Body,
     Clock,
-    Delete,
     Entity,
     Event,
     Events,
@@ -194,6 +193,3 @@ def simulator(world: str) -> Iterator[tuple[Simulator, str]]:
             yield made, endpoint
         finally:
             made.close()
-
-
-UNUSED: Final = Delete(agent="nobody")
