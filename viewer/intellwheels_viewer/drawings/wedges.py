@@ -98,7 +98,10 @@ def mounted(sensor: Proximity | Lidar, body: Body, entity: Entity) -> tuple[floa
 
 def wedge(sensor: Proximity, reading: ProximityReading, body: Body, entity: Entity) -> Wedge:
     """Return what is drawn of a reading."""
-    x, y, direction = mounted(sensor, body, entity)
+    return _wedge(sensor, reading, *mounted(sensor, body, entity))
+
+
+def _wedge(sensor: Proximity, reading: ProximityReading, x: float, y: float, direction: float) -> Wedge:
     state = state_of(reading)
     if state in ("nothing", "failed"):
         reach = sensor.max_range
@@ -117,9 +120,17 @@ def wedges(
         if entity.name not in agents or body is None or seen is None or seen.sensors is None:
             continue
         readings = {reading.id: reading for reading in seen.sensors.proximity}
-        made += [
-            wedge(sensor, readings[sensor.id], body, entity) for sensor in body.robot.proximity if sensor.id in readings
-        ]
+        cos, sin = math.cos(entity.heading), math.sin(entity.heading)  # once for all sensors of a body
+        for sensor in body.robot.proximity:
+            reading = readings.get(sensor.id)
+            if reading is None:
+                continue
+            if sensor.mount == "start":
+                made.append(wedge(sensor, reading, body, entity))
+                continue
+            x = entity.x + sensor.x * cos - sensor.y * sin
+            y = entity.y + sensor.x * sin + sensor.y * cos
+            made.append(_wedge(sensor, reading, x, y, entity.heading + math.radians(sensor.direction_deg)))
     return made
 
 
