@@ -15,14 +15,13 @@ import sys
 import threading
 import time
 import warnings
-from collections.abc import Collection
+from collections.abc import Collection, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, Final
 
 import msgspec
 import viser
-from collections.abc import Iterator
 from websockets.sync.client import ClientConnection, connect
 
 from intellwheels_maps import library

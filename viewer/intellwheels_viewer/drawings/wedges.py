@@ -243,6 +243,7 @@ class Wedges:
         entities: Iterable[Entity],
         measures: Mapping[str, Measures],
         agents: Collection[str],
+        arcs: Collection[str] | None = None,
     ) -> None:
         """Show the wedges of some agents.
 
@@ -251,6 +252,7 @@ class Wedges:
             entities: States.
             measures: By agent; those of agents whose measures nobody watches are not there.
             agents: Whose wedges are shown; a wedge is 35 bytes a tick and its arc 43 for each ten degrees.
+            arcs: Of those, whose readings have arcs; None for all. Failures are dashed for everybody.
         """
         shown = wedges(bodies, entities, measures, agents)
         groups: dict[float, list[Wedge]] = {cone: [] for cone in self._fans}
@@ -259,7 +261,13 @@ class Wedges:
                 groups.setdefault(round(each.cone, 4), []).append(each)
         for cone, group in groups.items():
             self._fan(cone, group)
-        lines = bars(shown)
+        if arcs is None:
+            lines = bars(shown)
+        else:
+            edged = wedges(bodies, [entity for entity in entities if entity.name in arcs], measures, agents)
+            lines = bars(
+                [*(each for each in shown if each.state == "failed"), *(e for e in edged if e.state != "failed")]
+            )
         self._bars.show(lines.positions, quaternions(lines.headings), lines.colours, scales=lines.sizes)
 
     def _fan(self, cone: float, group: Sequence[Wedge]) -> None:
