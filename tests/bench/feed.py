@@ -79,7 +79,12 @@ def main() -> None:
     simulator.floor = msgspec.structs.replace(hospital(1))
     simulator.bodies = [body(name) for name in names]
     ended = threading.Event()
-    threading.Thread(target=lambda: (sys.stdin.read(), ended.set()), daemon=True).start()
+
+    def listen() -> None:
+        sys.stdin.read()
+        ended.set()
+
+    threading.Thread(target=listen, daemon=True).start()
     print("ready", flush=True)
     begun = time.monotonic()
     for tick in itertools.count(1):

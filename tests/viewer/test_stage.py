@@ -98,7 +98,12 @@ def test_hundreds_of_ticks_leave_no_more_behind_than_a_few(server: viser.ViserSe
 def test_a_floor_is_drawn_once_and_another_one_anew(server: viser.ViserServer, stage: Stage) -> None:
     drawn: list[Map] = []
     show = stage._floor.show
-    stage._floor.show = lambda floor: (drawn.append(floor), show(floor))[1]  # type: ignore[method-assign]
+
+    def noted(map: Map) -> None:  # noqa: A002
+        drawn.append(map)
+        show(map)
+
+    stage._floor.show = noted  # type: ignore[method-assign]
     room = made_up.seen()
     for _ in range(3):
         stage.show(room, ())
@@ -141,7 +146,8 @@ def test_a_click_names_the_browser_and_the_body(server: viser.ViserServer, stage
     with opened(server.get_port()) as browser:
         browser.wait(lambda: node in browser.scene)
         click = {
-            "type": "SceneNodeClickMessage", "name": node, "ray_origin": (0.0, 0.0, 1.0), "ray_direction": (0.0, 0.0, -1.0),
+            "type": "SceneNodeClickMessage", "name": node, "ray_origin": (0.0, 0.0, 1.0),
+            "ray_direction": (0.0, 0.0, -1.0),
             "screen_pos": (0.5, 0.5), "modifier": None, "owner": "",
         }  # fmt: skip
         for index in (7, -1, None, 1):
