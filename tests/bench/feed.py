@@ -36,13 +36,14 @@ from tests.viewer.wire import HASH, RUN, Simulator
 PERIOD: Final = 0.05
 PART: Final = 250
 """Entities in a part of the state."""
+WEDGES: Final = SENSORS[:6]
 
 
 def body(name: str) -> Body:
     """Return a chair with wedges."""
     robot = Robot(
         name=name, kind="wheelchair", length=1.2, width=0.7, center=0.4, top=1.3, top_speed=1.0, track=0.57,
-        proximity=SENSORS,
+        proximity=WEDGES,
     )  # fmt: skip
     return Body(run=RUN, tick=0, robot=robot)
 
@@ -63,7 +64,7 @@ def measures(tick: int, number: int) -> Measures:
     """Return what a chair perceives: every reading another than the tick before."""
     readings = tuple(
         ProximityReading(id=sensor.id, value=1.5 + 1.2 * math.sin(0.1 * tick + number + index))
-        for index, sensor in enumerate(SENSORS)
+        for index, sensor in enumerate(WEDGES)
     )
     return Measures(run=RUN, tick=tick, time=tick * PERIOD, sensors=Sensors(proximity=readings))
 
@@ -78,7 +79,12 @@ def main() -> None:
     simulator.floor = msgspec.structs.replace(hospital(1))
     simulator.bodies = [body(name) for name in names]
     ended = threading.Event()
-    threading.Thread(target=lambda: (sys.stdin.read(), ended.set()), daemon=True).start()
+
+    def listen() -> None:
+        sys.stdin.read()
+        ended.set()
+
+    threading.Thread(target=listen, daemon=True).start()
     print("ready", flush=True)
     begun = time.monotonic()
     for tick in itertools.count(1):

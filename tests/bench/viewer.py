@@ -101,11 +101,11 @@ def draw(chairs: int, seconds: float) -> None:
     os._exit(0)
 
 
-def bench(chairs: tuple[int, ...] = (10, 100, 1000), *, seconds: float = 20.0) -> list[Row]:
+def bench(chairs: tuple[int, ...] = (10, 100, 1000), *, seconds: float = 10.0) -> list[Row]:
     """Return the rows."""
     rows = []
     for count in chairs:
-        case = f"{count} chairs with wedges, 20 Hz, 1 page"
+        case = f"{count} chairs with 6 wedges, 20 Hz, 1 page"
         share, sent = drawing(count, seconds)
         rows.append(Row("viewer", case, "CPU of drawing and sending", 100.0 * share, "% of a core", _goal(count, 10)))
         rows.append(Row("viewer", case, "sent while drawing alone", sent / 1000, "kB/s"))

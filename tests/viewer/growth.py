@@ -15,14 +15,13 @@ import sys
 import threading
 import time
 import warnings
-from collections.abc import Collection
+from collections.abc import Collection, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, Final
 
 import msgspec
 import viser
-from collections.abc import Iterator
 from websockets.sync.client import connect
 from websockets.sync.connection import Connection
 
@@ -160,7 +159,7 @@ class MadeUp:
                     speed=0.5,
                     say=say,
                     contact=number == 0,
-                )  # fmt: skip
+                )
             )
         return tuple(found)
 

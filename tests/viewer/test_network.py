@@ -154,8 +154,8 @@ def test_a_simulator_that_goes_is_gone_and_comes_back(world: tuple[Simulator, Ne
     made.leave()
     seen = sees(network, lambda seen: seen.phase == "gone")
     assert len(seen.entities) == 2  # the last picture
+    made.verdict = lambda verb, data: None
     with pytest.raises(Refusal, match="not there"):
-        made.verdict = lambda verb, data: None
         network.ask("pause", Pause())
     made.come()
     made.run(0, entity("a"), run=OTHER)

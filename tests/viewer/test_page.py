@@ -134,7 +134,7 @@ def test_a_selected_chair_is_followed_and_nobody_ends_it(here: Opened) -> None:
     here.page.select("b")
     assert (here.page.selected, here.page.camera.mode) == ("b", "follow")
     here.page.select(None)
-    assert here.page.camera.mode == "free"
+    assert str(here.page.camera.mode) == "free"
 
 
 def test_every_way_to_look_is_in_the_list_and_all_modes_are_drawn(here: Opened) -> None:
@@ -241,11 +241,11 @@ def test_the_stick_drives_who_is_selected_and_a_closed_page_stops(here: Opened) 
     here.page._stick(0.5, 0.0, 1)
     assert here.network.puts == []
     here.page.select("a")
-    until(lambda: (here.page._stick(0.5, 0.0, 2), here.network.puts)[1])
+    until(lambda: here.page._stick(0.5, 0.0, 2) or here.network.puts)  # type: ignore[func-returns-value]
     assert here.network.puts[0][0] == "a"
     here.page.select("b")
     assert (here.network.puts[-1][0], here.network.puts[-1][1].forward) == ("a", 0.0)
-    until(lambda: (here.page._stick(0.5, 0.0, 3), here.network.puts[-1][0] == "b")[1])
+    until(lambda: here.page._stick(0.5, 0.0, 3) or here.network.puts[-1][0] == "b")  # type: ignore[func-returns-value]
     here.page.close()
     assert here.network.puts[-1][1].forward == 0.0
     here.page.join(5.0)
@@ -263,6 +263,7 @@ def test_what_is_placed_is_shown_then_wished_where_the_floor_was_clicked(here: O
     here.page._clicked((2.0, 3.0))
     wish = here.network.wished()
     assert isinstance(wish, Spawn)
+    assert wish.position is not None
     assert (wish.position.x, wish.position.y) == (2.0, 3.0)
     assert wish.position.heading == pytest.approx(math.pi / 2)
     assert wish.robot.name == f"{PALETTE[label]}1"
@@ -294,7 +295,8 @@ def test_a_dragged_body_is_asked_to_go_and_only_a_ghost_moves(here: Opened) -> N
     here.drag("a", ("end", (3.0, 2.0)))
     wish = here.network.wished()
     assert isinstance(wish, Teleport)
-    assert (wish.agent, wish.position.x, wish.position.y) == ("a", pytest.approx(3.0), pytest.approx(2.0))
+    assert wish.agent == "a"
+    assert (wish.position.x, wish.position.y) == pytest.approx((3.0, 2.0))
     until(lambda: not here.ghost())
 
 

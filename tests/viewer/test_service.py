@@ -1,13 +1,13 @@
-"""The viewer's life, with real pages and a made-up simulator: what comes, what is drawn, what ends and what does not."""
+"""The viewer's life, with real pages and a made-up simulator: what comes, what is drawn, what ends and what not."""
 
 from __future__ import annotations
 
-import os
 import socket
 import threading
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
+from pathlib import Path
 
 import pytest
 
@@ -20,6 +20,10 @@ from tests.viewer.wire import OTHER, Simulator, body, clock, entity, simulator, 
 
 pytestmark = pytest.mark.filterwarnings("ignore::DeprecationWarning")
 HERE = Options(port=0)
+
+
+def _open_files() -> int:
+    return len(list(Path("/proc/self/fd").iterdir()))
 
 
 class Running:
@@ -155,7 +159,7 @@ def test_agents_that_vanish_and_runs_that_begin_anew_are_drawn(world: tuple[Simu
     with opened(viewer.port) as browser:
         browser.element("Camera")
         viewer.selects("a")
-        page = list(viewer.viewer._present().values())[0]
+        page = next(iter(viewer.viewer._present().values()))
         page.look("follow")
         made.run(5)
         until(lambda: painted(viewer) == {})
@@ -222,10 +226,10 @@ def test_what_is_driven_is_given_back_when_the_viewer_ends() -> None:
             with opened(viewer.port) as browser:
                 browser.element("Camera")
                 viewer.selects("a")
-                page = list(viewer.viewer._present().values())[0]
+                page = next(iter(viewer.viewer._present().values()))
                 page._stick(0.5, 0.0, 1)
                 until(lambda: made.asked)
-                until(lambda: (page._stick(0.5, 0.0, 2), made.users)[1])
+                until(lambda: page._stick(0.5, 0.0, 2) or made.users)  # type: ignore[func-returns-value]
                 assert viewer.end() < 8.0
         until(lambda: made.users[-1].forward == 0.0)
         assert b'"Seconds":0' in made.asked[-1][1]
@@ -292,10 +296,10 @@ def test_nothing_of_a_browser_is_left_open(world: tuple[Simulator, Running]) -> 
     with opened(viewer.port) as browser:
         browser.element("Camera")
     until(lambda: viewer.pages() == 0)
-    open_now = len(os.listdir("/proc/self/fd"))
+    open_now = _open_files()
     for _ in range(5):
         with opened(viewer.port) as browser:
             assert isinstance(browser, Browser)
             browser.element("Camera")
         until(lambda: viewer.pages() == 0)
-    until(lambda: len(os.listdir("/proc/self/fd")) <= open_now + 1)
+    until(lambda: _open_files() <= open_now + 1)

@@ -13,6 +13,8 @@ from intellwheels_schemas.messages import Map, Robot
 from intellwheels_viewer.guard import open_server
 from intellwheels_viewer.seen import Seen
 from intellwheels_viewer.stage import FEW, LAYERS, Stage, background, period_of, watched
+from tests.bench.feed import body as feed_body
+from tests.bench.feed import measures as feed_measures
 from tests.viewer.browser import opened
 from tests.viewer.panels import made_up
 from tests.viewer.wire import RUN, body, entity
@@ -96,7 +98,12 @@ def test_hundreds_of_ticks_leave_no_more_behind_than_a_few(server: viser.ViserSe
 def test_a_floor_is_drawn_once_and_another_one_anew(server: viser.ViserServer, stage: Stage) -> None:
     drawn: list[Map] = []
     show = stage._floor.show
-    stage._floor.show = lambda floor: (drawn.append(floor), show(floor))[1]  # type: ignore[method-assign]
+
+    def noted(map: Map) -> None:  # noqa: A002
+        drawn.append(map)
+        show(map)
+
+    stage._floor.show = noted  # type: ignore[method-assign]
     room = made_up.seen()
     for _ in range(3):
         stage.show(room, ())
@@ -139,7 +146,8 @@ def test_a_click_names_the_browser_and_the_body(server: viser.ViserServer, stage
     with opened(server.get_port()) as browser:
         browser.wait(lambda: node in browser.scene)
         click = {
-            "type": "SceneNodeClickMessage", "name": node, "ray_origin": (0.0, 0.0, 1.0), "ray_direction": (0.0, 0.0, -1.0),
+            "type": "SceneNodeClickMessage", "name": node, "ray_origin": (0.0, 0.0, 1.0),
+            "ray_direction": (0.0, 0.0, -1.0),
             "screen_pos": (0.5, 0.5), "modifier": None, "owner": "",
         }  # fmt: skip
         for index in (7, -1, None, 1):
@@ -149,3 +157,17 @@ def test_a_click_names_the_browser_and_the_body(server: viser.ViserServer, stage
 
         until(lambda: picked)
     assert [name for _, name in picked] == ["b"]
+
+
+def test_of_many_only_the_selected_ones_readings_have_arcs(stage: Stage) -> None:
+    names = [each.name for each in CROWD.entities[:40]]
+    crowd = replace(
+        CROWD, entities=CROWD.entities[:40],
+        bodies={name: feed_body(name) for name in names}, measures={name: feed_measures(1, 0) for name in names},
+    )  # fmt: skip
+    stage.show(crowd, {"n003"})
+    handle = stage._wedges._bars.handle
+    assert handle is not None
+    few = len(handle.batched_positions)
+    stage.show(replace(crowd, entities=crowd.entities[:4]), ())
+    assert len(handle.batched_positions) == 4 * few

@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 
 from intellwheels_schemas.keys import Verb
-from intellwheels_schemas.messages import Pause, Record, Resume, Result, Take, UserInput
+from intellwheels_schemas.messages import Pause, Record, Result, Resume, Take, UserInput
 from intellwheels_viewer.steering import AGAIN, IDLE, LEASE, Driving, Refusal, Wishes
 
 FIRST = "00000000000000a1"
