@@ -19,7 +19,7 @@ from tests.e2e.stage import Peer, Stage
 
 OPENING = 25.0
 """Seconds from the opening of a page until it shows the scene, on a busy machine."""
-WAIT = 20.0
+WAIT = 40.0
 """Seconds for anything else."""
 
 # In the page: bodies by node, arrays as plain lists.
@@ -169,12 +169,15 @@ class Screen:
 
     def rest(self) -> None:
         """Wait until the camera stands still."""
-        seen: list[list[float]] = []
+        seen = [self.camera()]
 
         def still() -> bool | None:
+            self.page.evaluate("window.__viserMutable.requestRender()")
             seen.append(self.camera())
-            return (len(seen) > 4 and all(one == seen[-1] for one in seen[-4:])) or None
+            return math.dist(seen[-1], seen[-2]) < 1e-3 or None
 
+        # The first report of the page's size is what it is framed by; the answer takes a few beats.
+        self.page.wait_for_timeout(500)
         self.wait(still, "a camera that stands still")
         self.frame()
 
@@ -193,6 +196,12 @@ class Screen:
         self.tab("Agents")
         self.page.get_by_test_id(f"agent-{agent}").locator("b").first.click()
         self.page.wait_for_selector(f"tr.chosen[data-agent={agent}]", timeout=WAIT * 1000)
+
+    def hold(self, agent: str) -> None:
+        """Open the tab Drive and wait until keys drive an agent: the page's handler comes a moment after the words."""
+        self.tab("Drive")
+        self.says(f"You drive {agent}")
+        self.page.wait_for_function("window.__iwDrive && !document.getElementById('iw-drive-off')")
 
     def drag(self, start: tuple[float, float], end: tuple[float, float]) -> None:
         """Drag what is under a point of the page to another, as slowly as a hand.

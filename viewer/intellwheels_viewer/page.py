@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import math
 import threading
+import time
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Final, Literal, Protocol
 
@@ -63,6 +64,8 @@ MODES: Final[dict[str, Mode]] = {
 """The ways to look, with their keys."""
 LABELS: Final = {mode: label for label, mode in MODES.items()}
 GHOST_COLOUR: Final = (90, 100, 115)
+REFUSED: Final = 20.0
+"""Seconds for which the page says why the last wish was refused."""
 NUDGE: Final = 0.05
 """Metres: a body pulled less far was clicked."""
 
@@ -95,7 +98,7 @@ class Page:
         self._driving = Driving(network, self._wishes)
         self._seen = Seen()
         self.selected: str | None = None
-        self._refusal = ""
+        self._refusal, self._refused_at = "", 0.0
         self._placing: str | None = None
         self._aiming = False
         self._turn = 0.0
@@ -169,7 +172,7 @@ class Page:
             selected=self.selected,
             colours=colours,
             placing=self._placing,
-            refusal=self._refusal,
+            refusal=self._refusal if time.monotonic() < self._refused_at + REFUSED else "",
             quiet=self._network.quiet,
         )
 
@@ -231,7 +234,9 @@ class Page:
                 on_remove=self._remove,
             )
         with tabs.add_tab("Layers"):
-            self._layers_panel = LayersPanel(gui, self._layers, self._relayer, legend=wedges.legend())
+            self._layers_panel = LayersPanel(
+                gui, self._layers, self._relayer, legend=f'<div style="padding:4px 10px">{wedges.legend()}</div>'
+            )
         self._hover = Hover(gui, self._hovered)
         self._commands(gui)
 
@@ -460,7 +465,7 @@ class Page:
     # ------------------------------------------------------------ said
 
     def _refused(self, what: str, why: str) -> None:
-        self._refusal = f"{what}: {why}"
+        self._refusal, self._refused_at = f"{what}: {why}", time.monotonic()
         self._client.add_notification(what, why, color="red", auto_close_seconds=8.0)
 
     def _notify(self, title: str, text: str) -> None:
