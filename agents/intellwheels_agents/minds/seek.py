@@ -2,7 +2,7 @@
 
     to       the place of the map
     speed    metres a second with nothing near (default 0.6)
-    clear    metres kept to the side of what it drives past (default 0.12)
+    clear    metres kept to the side of what it drives past (default 0.06: what `aided` keeps, and a little)
     within   metres from the place that count as there (default 0.2)
     and of `aided`: margin, ahead
 
@@ -47,7 +47,7 @@ class Mind:
     def __init__(self, context: Context) -> None:
         options = context.options
         self._cruise = options.number("speed", 0.6, 0.05, 5.0)
-        self._clear = options.number("clear", 0.12, 0.0, 1.0)
+        self._clear = options.number("clear", 0.06, 0.0, 1.0)
         self._within = options.number("within", 0.2, 0.01, 10.0)
         names = options.words("to")
         if len(names) != 1:
@@ -58,6 +58,7 @@ class Mind:
         self._body = outline(context.robot)
         self._last = 0.0
         self._arrived = False
+        self._near: list[tuple[float, float]] = []
         self._side = 0.0
         self._anchor = (0.0, math.inf, 0.0, 0.0)
         self._back_until = -math.inf
@@ -94,6 +95,9 @@ class Mind:
 
     def _towards(self, bearing: float, distance: float) -> Actions:
         reach = self._body.front + min(self._cruise**2 / (2.0 * BRAKING) + 0.8, distance)
+        # What is behind, or further off than any strip reaches, is in no direction's way.
+        far = reach + self._body.side + self._clear
+        self._near = [point for point in self._guard.seen.points if point[0] > -1.0 and math.hypot(*point) < far]
         rooms = {direction: self._room(direction, reach) for direction in DIRECTIONS}
         for share in NARROW:
             least = self._body.front + share * (reach - self._body.front)
@@ -122,7 +126,7 @@ class Mind:
         c, s = math.cos(direction), math.sin(direction)
         half = self._body.side + self._clear
         room = reach
-        for x, y in self._guard.seen.points:
+        for x, y in self._near:
             along = c * x + s * y
             if 0.0 < along < room and abs(c * y - s * x) < half:
                 room = along
