@@ -227,8 +227,7 @@ def test_what_is_driven_is_given_back_when_the_viewer_ends() -> None:
                 browser.element("Camera")
                 viewer.selects("a")
                 page = next(iter(viewer.viewer._present().values()))
-                page._stick(0.5, 0.0, 1)
-                until(lambda: made.asked)
+                until(lambda: page._stick(0.5, 0.0, 1) or made.asked)  # type: ignore[func-returns-value]
                 until(lambda: page._stick(0.5, 0.0, 2) or made.users)  # type: ignore[func-returns-value]
                 assert viewer.end() < 8.0
         until(lambda: made.users[-1].forward == 0.0)

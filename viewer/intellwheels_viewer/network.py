@@ -231,7 +231,9 @@ class Network:
             elif keys.parse_state(put.key) is not None:
                 _give(WorldState, put, fold.on_state)
             elif (out := keys.parse_out(put.key)) is not None and out.kind == "measures":
-                _give(Measures, put, partial(fold.on_measures, out.agent))
+                # What was under way when its subscription ended would stay for ever.
+                if out.agent in world.watched or "*" in world.watched:
+                    _give(Measures, put, partial(fold.on_measures, out.agent))
 
     # ------------------------------------------------------------ what is missing
 
