@@ -68,7 +68,7 @@ def shortest_way(floor: Map, start: tuple[float, float], goal: tuple[float, floa
     free = ~shapely.intersects(inner, shapely.linestrings(ends))
     lengths = np.hypot(*(ends[:, 1] - ends[:, 0]).T)
     rows, columns = np.array(pairs).T
-    graph = csr_array((lengths[free], (rows[free], columns[free])), shape=(len(points), len(points)))
+    graph: Any = csr_array((lengths[free], (rows[free], columns[free])), shape=(len(points), len(points)))
     return float(dijkstra(graph, directed=False, indices=0)[1])
 
 
