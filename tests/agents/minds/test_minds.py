@@ -20,7 +20,7 @@ def test_the_shipped_minds() -> None:
 
 
 def test_a_name_that_is_none_is_refused_with_those_there_are() -> None:
-    with pytest.raises(OptionError, match="mind: expected one of aided, avoid, .*, waypoints or a Python file"):
+    with pytest.raises(OptionError, match=r"mind: expected one of aided, avoid, .*, waypoints or a Python file"):
         minds.find("dance")
 
 
