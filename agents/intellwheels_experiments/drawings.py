@@ -23,7 +23,7 @@ from intellwheels_schemas.messages import Map
 TRUE, REPORTED, HIT, FLOOR, THING = "#0072B2", "#D55E00", "#CC0033", "#f4f4f1", "#9a9a94"
 WIDTH: Final = 9.6
 """Inches: a page of 960 px."""
-STYLE: Final = {"svg.fonttype": "none", "svg.hashsalt": "iw", "font.family": "sans-serif", "font.size": 9.0,
+STYLE: Final[Any] = {"svg.fonttype": "none", "svg.hashsalt": "iw", "font.family": "sans-serif", "font.size": 9.0,
                 "axes.spines.top": False, "axes.spines.right": False}  # fmt: skip
 GRID: Final = 400
 

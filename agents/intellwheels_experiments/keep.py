@@ -3,7 +3,7 @@
     runs/ROW/SEED/  input.jsonl   the input log, for `iw-server --resimulate` and `--play`
                     image.jsonl   of a chair in a laboratory, the log of the world that shows it
                     true.tum reported.tum command.tum   trajectories: t x y z qx qy qz qw
-                    contacts.csv  along.csv  robot.json  measures.csv  result.json
+                    contacts.csv  along.csv  bodies.csv (the others that moved)  robot.json  measures.csv  result.json
     batch.json      what is run, and where with
     batch.csv       a line a run; no wall time, host or date, so that equal batches have equal files
 
@@ -98,6 +98,11 @@ def _write_course(place: Path, course: Course) -> None:
     heads = ("time", "agent", "other", "x", "y", "speed")
     rows = [(one.tick, one.agent, one.other, one.x, one.y, one.speed) for one in course.contacts]
     (place / "contacts.csv").write_text(_csv([("tick", *heads[1:]), *rows]))
+    if course.others:
+        columns = [f"{name}_{what}" for name in course.others for what in ("x", "y", "heading")]
+        values = np.column_stack([course.times, *course.others.values()])
+        lines = [[f"{value:.6g}" for value in line] for line in values]
+        (place / "bodies.csv").write_text(_csv([("time", *columns), *lines]))
     error = np.full((len(course.times), 2), math.nan)
     if course.reported is not None:
         error = course.reported[:, :2] - course.true[:, :2]

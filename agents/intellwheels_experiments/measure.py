@@ -77,6 +77,7 @@ class Course:
         speed: m/s.
         contacts: The events.
         robot: The body as it joined.
+        others: The other bodies that moved, by name: float64[n, 3].
     """
 
     times: Floats
@@ -87,6 +88,7 @@ class Course:
     speed: Floats
     contacts: tuple[Event, ...]
     robot: Robot
+    others: dict[str, Floats]
 
 
 def measured(
@@ -165,6 +167,7 @@ def _course(trace: Trace, floor: Map, subject: str, shown: list[Shown], robot: R
         speed=np.array([one.speed for one in shown]),
         contacts=_contacts(trace, subject),
         robot=robot,
+        others={name: poses for name, (_, poses) in others.items() if np.nanmax(np.ptp(poses, axis=0)) > 0.0},
     )
 
 

@@ -22,7 +22,7 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 from rich.table import Table
 
 from intellwheels_experiments.batch import Batch, read_batch, run_batch, shares_of
-from intellwheels_experiments.drawings import Drawn
+from intellwheels_experiments.drawings import Drawn, timeline
 from intellwheels_experiments.keep import Kept, place_of, read_tum, table
 from intellwheels_experiments.page import Page, floor_hash, render
 from intellwheels_experiments.progress import PLAIN_EVERY
@@ -99,7 +99,7 @@ def write_files(
         drawn=drawn,
         drift={row.name: _drift(batch, row) for row in batch.rows},
         origin=_origin(batch, scene),
-        timelines=timelines or {},
+        timelines={**{row.name: _doors(batch, row) for row in batch.rows}, **(timelines or {})},
     )
     (out / "report.html").write_text(render(page))
     return summary
@@ -178,6 +178,27 @@ def _drawn(batch: Batch, row: Row, runs: Sequence[Kept]) -> list[Drawn]:
             )
         )
     return found
+
+
+def _doors(batch: Batch, row: Row) -> list[tuple[str, str]]:
+    """Return the timeline of the doors of a row, in the first of its runs that has them."""
+    doors = [cast.name for cast in row.scene.cast if cast.mind == "door"]
+    for seed in batch.seeds:
+        place = place_of(batch.out, row.name, seed)
+        path, true = place / "bodies.csv", read_tum(place / "true.tum")
+        if not doors or true is None or not path.exists():
+            continue
+        values = np.atleast_1d(np.genfromtxt(path, delimiter=",", names=True))
+        series = []
+        for door in doors:
+            if f"{door}_heading" in (values.dtype.names or ()):
+                turned = np.degrees(np.unwrap(values[f"{door}_heading"]) - values[f"{door}_heading"][0])
+                series.append((f"{door}: leaf (deg)", values["time"], np.abs(turned)))
+                off = np.hypot(true[:, 1] - values[f"{door}_x"], true[:, 2] - values[f"{door}_y"])
+                series.append((f"{batch.subject} to the hinge of {door} (0.1 m)", true[:, 0], 10.0 * off))
+        if series:
+            return [(f"Door over time, seed {seed}", timeline(series, "deg, 0.1 m"))]
+    return []
 
 
 def _drift(batch: Batch, row: Row) -> tuple[float, float]:

@@ -40,8 +40,8 @@ def straight(ticks: int = 100, speed: float = 0.5, *, aside: float = 0.0, hits: 
 
 NUMBERS = Measured(
     success=True, reached=True, collided=False, contacts_physical=0, contacts_virtual=0, clearance=0.2, time=25.0,
-    path=15.0, shortest=14.5, spl=0.97, ldlj=-15.0, sparc=-2.4, effort=None, agreement=None, interventions=0, odometry_error=0.1,
-    heading_error=0.01, hash="f" * 16,
+    path=15.0, shortest=14.5, spl=0.97, ldlj=-15.0, sparc=-2.4, effort=None, agreement=None, interventions=0,
+    odometry_error=0.1, heading_error=0.01, hash="f" * 16,
 )  # fmt: skip
 
 

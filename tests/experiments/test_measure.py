@@ -67,7 +67,8 @@ def test_effort_is_of_runs_by_hand_only() -> None:
         for one in trace.moments
     ]
     numbers, _ = measured(dataclasses.replace(trace, moments=manual), SCENE, FLOOR, "chair", real=False)
-    assert (numbers.effort, numbers.agreement, numbers.interventions) == (pytest.approx(0.5), 1.0, 0)
+    assert numbers.effort == pytest.approx(0.5)
+    assert (numbers.agreement, numbers.interventions) == (1.0, 0)
 
 
 def test_taking_the_chair_is_an_intervention() -> None:

@@ -19,7 +19,9 @@ def test_other_mind_and_options_are_in_the_cast() -> None:
     other = changed(row, ["chair=driver"], ["chair.to=goal", "chair.speed=0.3"])
     (cast,) = other.scene.cast
     assert cast.mind == "driver"
-    assert {one.name for one in cast.option} == {"Proximity.Model", "WheelRatio", "Encoders.Drift", "to", "speed"}
+    own, body = ({one.name for one in cast.option if one.name[0].isupper() is upper} for upper in (False, True))
+    assert own == {"to", "speed"}
+    assert body == {"MotorNoise", "Proximity.Model", "WheelRatio", "Encoders.Drift"}
 
 
 @pytest.mark.parametrize(

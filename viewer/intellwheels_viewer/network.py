@@ -230,10 +230,12 @@ class Network:
                 _give(Clock, put, fold.on_clock)
             elif keys.parse_state(put.key) is not None:
                 _give(WorldState, put, fold.on_state)
-            elif (out := keys.parse_out(put.key)) is not None and out.kind == "measures":
-                # What was under way when its subscription ended would stay for ever.
-                if out.agent in world.watched or "*" in world.watched:
-                    _give(Measures, put, partial(fold.on_measures, out.agent))
+            elif (
+                (out := keys.parse_out(put.key)) is not None
+                and out.kind == "measures"
+                and _is_watched(world, out.agent)
+            ):
+                _give(Measures, put, partial(fold.on_measures, out.agent))
 
     # ------------------------------------------------------------ what is missing
 
@@ -322,6 +324,11 @@ class Network:
                 return
             self._tokens = watch_tokens(session, EVERY_ALIVE, self._presence)
             self._session = session
+
+
+def _is_watched(world: _World, agent: str) -> bool:
+    """Return whether measures are kept: what was under way when its subscription ended would stay for ever."""
+    return agent in world.watched or "*" in world.watched
 
 
 def _give(kind: type[_M], put: Put | Answer, take: Callable[[_M], None]) -> None:

@@ -81,8 +81,9 @@ class Mind:
     def _shaken(self, measures: Measures) -> tuple[float, float]:
         """Return the hand's unrest on both axes."""
         found = [one for one in measures.sensors.gps if one.id == HAND] if measures.sensors else []
-        noise = (found[0].x - self._eyes.x, found[0].y - self._eyes.y) if found else (0.0, 0.0)
-        return self._forward.next(noise[0]), self._turn.next(noise[1])
+        if not found or found[0].x is None or found[0].y is None:
+            return self._forward.next(0.0), self._turn.next(0.0)
+        return self._forward.next(found[0].x - self._eyes.x), self._turn.next(found[0].y - self._eyes.y)
 
     def _meant(self) -> tuple[float, float]:
         path, eyes = self._path, self._eyes
@@ -105,7 +106,7 @@ class Tremor:
     """Radius of the resonance's poles at 20 samples a second: it loses its phase in half a second."""
 
     def __init__(self, size: float, frequency: float, period: float) -> None:
-        radius = self.DAMPING ** (period / 0.05)
+        radius = math.pow(self.DAMPING, period / 0.05)
         self._a1, self._a2 = 2.0 * radius * math.cos(2.0 * math.pi * frequency * period), -(radius**2)
         # Variance of x = a1 x' + a2 x'' + e: (1 - a2) / ((1 + a2) ((1 - a2)^2 - a1^2)) of that of e.
         gain = (1.0 - self._a2) / ((1.0 + self._a2) * ((1.0 - self._a2) ** 2 - self._a1**2))

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
+import random
 import statistics
+from itertools import pairwise
 
 import pytest
 
@@ -51,12 +53,12 @@ def test_hand_moves_the_reaction_time_after_something_is_seen() -> None:
 
 
 def test_tremor_has_its_size_and_its_frequency() -> None:
-    noise = __import__("random").Random(3)
+    noise = random.Random(3)
     tremor = Tremor(0.05, 5.0, 0.05)
     values = [tremor.next(noise.gauss(0.0, 1.0)) for _ in range(40_000)]
     # 40,000 samples of which some ten are one: the sd is known to 1 %, and three of these are allowed.
     assert statistics.pstdev(values) == pytest.approx(0.05, rel=0.03)
-    rises = sum(a < 0.0 <= b for a, b in zip(values, values[1:], strict=False))
+    rises = sum(a < 0.0 <= b for a, b in pairwise(values))
     assert rises / (len(values) * 0.05) == pytest.approx(5.0, rel=0.05)
 
 
