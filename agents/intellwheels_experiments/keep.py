@@ -99,7 +99,7 @@ def _write_course(place: Path, course: Course) -> None:
     rows = [(one.tick, one.agent, one.other, one.x, one.y, one.speed) for one in course.contacts]
     (place / "contacts.csv").write_text(_csv([("tick", *heads[1:]), *rows]))
     if course.others:
-        columns = [f"{name}_{what}" for name in course.others for what in ("x", "y", "heading")]
+        titles = [f"{name}_{what}" for name in course.others for what in ("x", "y", "heading")]
         values = np.column_stack([course.times, *course.others.values()])
         lines = [[f"{value:.6g}" for value in line] for line in values]
         (place / "bodies.csv").write_text(_csv([("time", *columns), *lines]))
