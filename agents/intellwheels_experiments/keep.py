@@ -102,7 +102,7 @@ def _write_course(place: Path, course: Course) -> None:
         titles = [f"{name}_{what}" for name in course.others for what in ("x", "y", "heading")]
         values = np.column_stack([course.times, *course.others.values()])
         lines = [[f"{value:.6g}" for value in line] for line in values]
-        (place / "bodies.csv").write_text(_csv([("time", *columns), *lines]))
+        (place / "bodies.csv").write_text(_csv([("time", *titles), *lines]))
     error = np.full((len(course.times), 2), math.nan)
     if course.reported is not None:
         error = course.reported[:, :2] - course.true[:, :2]
