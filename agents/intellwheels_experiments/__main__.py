@@ -14,15 +14,16 @@ from typing import get_args
 import msgspec
 from rich.console import Console
 
-from intellwheels_experiments.plan import Plan, wall_limit
+from intellwheels_experiments.plan import WALL_LIMIT, Plan, wall_limit
 from intellwheels_experiments.progress import Progress
 from intellwheels_experiments.report import show, to_json
+from intellwheels_experiments.rows import Row, rows_of
 from intellwheels_experiments.run import perform
 from intellwheels_experiments.watch import watching
 from intellwheels_maps import floor, names, scene
 from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.link import Link
-from intellwheels_schemas.messages import Pace
+from intellwheels_schemas.messages import Map, Pace, Scene
 from intellwheels_schemas.names import check_name
 from intellwheels_schemas.process import stop_on_signals
 
@@ -32,6 +33,9 @@ examples:
   iw-run figure6                             the same, as fast as it goes
   iw-run figure6 --seed 7 --json result.json
   iw-run my/scene.xml --encoding xml --logs logs
+  iw-run table1 --seeds 40 --jobs 2 --out t1 an experiment: every row with 40 seeds, and a report; again, it goes on
+  iw-run table1 --row real-autonomous --branch t1/runs/real-autonomous/3/input.jsonl --at 200 \\
+      --option chair.speed=0.3 --out what-if      that run once more, slower from tick 200 on
 
 exit: 0 what must hold held, 1 it did not, 2 wrong usage
 """
@@ -59,6 +63,24 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--log", type=Path, metavar="FILE", help="write the input log, for iw-server --resimulate")
     parser.add_argument("--logs", type=Path, metavar="DIR", help="keep what the processes print there")
     parser.add_argument("--timeout", type=_factor, metavar="S", help="wall time to break the run off after (600)")
+    batch = parser.add_argument_group(
+        "batch", "every row of the scene's experiment with every seed; needs the extra `experiments`"
+    )
+    batch.add_argument("--seeds", type=_count, metavar="N", help="run with the seeds 1 to N, and write a report")
+    batch.add_argument("--jobs", type=_count, metavar="N", default=1, help="runs at a time (1)")
+    batch.add_argument("--row", metavar="ROW", action="append", help="only this row; may be repeated")
+    batch.add_argument(
+        "--out", type=Path, metavar="DIR", help="its folder; what is done there is not done again (SCENE-runs)"
+    )
+    branch = parser.add_argument_group(
+        "branch", "what if: a run that begins as another went; writes a report of both to --out"
+    )
+    branch.add_argument("--branch", type=Path, metavar="LOG", help="the input log of a run of this scene (and --row)")
+    branch.add_argument("--at", type=_tick, metavar="TICK", default=0, help="until when it goes as that one (0)")
+    branch.add_argument(
+        "--mind", action="append", default=[], metavar="AGENT=MIND", help="another mind from the start on"
+    )
+    branch.add_argument("--option", action="append", default=[], metavar="AGENT.NAME=VALUE", help="an option of a mind")
     link = parser.add_argument_group("link", "default: the simulator listens at a free port of this machine")
     link.add_argument("--world", type=_world, metavar="NAME", default="main", help="the world's name (main)")
     link.add_argument("--listen", action="append", default=[], metavar="ENDPOINT", help="where the simulator listens")
@@ -78,6 +100,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except WireError as error:
         print(f"iw-run: {error.text}", file=sys.stderr)
         return 2
+    if options.seeds is not None or options.branch is not None:
+        return _batch(options, wanted, plan_floor, folder)
     pace = options.pace or ("realtime" if options.view else None)
     changes = {"pace": pace, "seed": options.seed}
     wanted = msgspec.structs.replace(wanted, **{name: value for name, value in changes.items() if value is not None})
@@ -114,6 +138,58 @@ def main(arguments: Sequence[str] | None = None) -> int:
     return 0 if result.held else 1
 
 
+def _batch(options: argparse.Namespace, wanted: Scene, plan_floor: Map, folder: Path | None) -> int:
+    try:
+        # These import numpy, scipy, shapely and matplotlib: a single run needs none of them.
+        from intellwheels_experiments.batch import Batch  # noqa: PLC0415
+        from intellwheels_experiments.trial import OtherBatchError, perform_batch  # noqa: PLC0415
+        from intellwheels_experiments.trial import show as show_batch  # noqa: PLC0415
+        from intellwheels_experiments.what_if import ParentError, changed, perform_branch  # noqa: PLC0415
+    except ModuleNotFoundError as error:
+        print(f"iw-run: --seeds: {error.name} is missing: pip install 'intellwheels[experiments]'", file=sys.stderr)
+        return 2
+    subject = wanted.experiment.subject if wanted.experiment else wanted.cast[0].name
+    try:
+        rows = _rows(rows_of(wanted), options.row)
+        batch = Batch(
+            rows=rows,
+            seeds=tuple(str(seed) for seed in range(1, (options.seeds or 1) + 1)),
+            subject=subject,
+            floor=plan_floor,
+            source=options.scene if folder is None else str(Path(options.scene).absolute()),
+            folder=folder,
+            out=options.out or Path(f"{wanted.name}-runs"),
+            jobs=options.jobs,
+            timeout=options.timeout or WALL_LIMIT,
+        )
+        stop = stop_on_signals()
+        if options.branch is not None:
+            other = changed(rows[0], options.mind, options.option)
+            summary = perform_branch(batch, wanted, other, options.branch, options.at, stop)
+        else:
+            summary = perform_batch(batch, wanted, Console(stderr=True), stop)
+    except WireError as error:
+        print(f"iw-run: {error.text}", file=sys.stderr)
+        return 2
+    except OtherBatchError as error:
+        print(f"iw-run: --out: {error}", file=sys.stderr)
+        return 2
+    except ParentError as error:
+        print(f"iw-run: --branch: {error}", file=sys.stderr)
+        return 1
+    show_batch(summary, Console())
+    print(f"report={batch.out / 'report.html'} csv={batch.out / 'batch.csv'}")
+    return 1 if stop.is_set() or any(line.died for line in summary.lines) else 0
+
+
+def _rows(rows: tuple[Row, ...], names: Sequence[str] | None) -> tuple[Row, ...]:
+    known = [row.name for row in rows]
+    for name in names or ():
+        if name not in known:
+            raise WireError("value", f"--row: expected a row ({', '.join(known)}), got {name!r}", "--row")
+    return tuple(row for row in rows if not names or row.name in names)
+
+
 def _free_port() -> int:
     with socket.socket() as probe:
         probe.bind(("127.0.0.1", 0))
@@ -133,6 +209,18 @@ def _factor(text: str) -> float:
 def _port(text: str) -> int:
     if not text.isdecimal() or int(text) > 65535:  # the last port there is
         raise argparse.ArgumentTypeError(f"expected a port, 0 to 65535, got {text!r}")
+    return int(text)
+
+
+def _tick(text: str) -> int:
+    if not text.isdecimal():
+        raise argparse.ArgumentTypeError(f"expected a tick, got {text!r}")
+    return int(text)
+
+
+def _count(text: str) -> int:
+    if not text.isdecimal() or not 1 <= int(text) <= 100_000:
+        raise argparse.ArgumentTypeError(f"expected a number from 1 on, got {text!r}")
     return int(text)
 
 

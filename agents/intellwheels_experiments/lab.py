@@ -2,8 +2,8 @@
 
 Eleven processes, each started as anybody would start it. World `lab` is the building with the real chairs in it: their
 wheels are not quite what their data sheets say, and where they truly are stays in its log. In world `main` they meet
-wheels are not quite what their data sheets say, and where they truly are stays in its log. In world `main` they meet
-a second; both are driven by the same mind as the virtual ones, by virtual sensors and the chair's own sonars.
+two virtual chairs and a virtual table. `real1` is reported by its encoders alone, `real2` is corrected by a position
+once a second; both are driven by the same mind as the virtual ones, by virtual sensors and the chair's own sonars.
 
 Watch it with `iw-viewer`; play both logs afterwards (`iw-server --play`) to see truth beside report. To put a chair of
 metal in: `iw-bridge serial --port ... --name real1` in place of its `iw-bridge world`.

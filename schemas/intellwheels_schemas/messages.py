@@ -1051,6 +1051,61 @@ class Hold(Record, frozen=True, kw_only=True):
     reached: Literal["all"] | None = None
 
 
+class Setting(Record, frozen=True, kw_only=True):
+    """An option that a level gives an agent; without an agent, a rule of the simulation such as `SayRange`."""
+
+    agent: Name | None = None
+    name: Word
+    value: Annotated[str, Meta(pattern=TEXT_PATTERN, description="text", max_length=1000)]
+
+
+class Bridge(Record, frozen=True, kw_only=True):
+    """One of the cast has a real chair in a laboratory: a second simulation of the same floor that plays the building.
+
+    An option with a capital letter is a field of the chair as built, any other an option of `iw-bridge`.
+    """
+
+    agent: Name
+    chair: Annotated[Title, Meta(description="its document as built; absent: the robot of the cast")] | None = None
+    option: tuple[Option, ...] = ()
+
+
+class Level(Record, frozen=True, kw_only=True):
+    """A value of a factor: agents that stand in the place of those of the same name or beside them, and options."""
+
+    name: Word
+    title: Title | None = None
+    real: Annotated[bool, Meta(description="the chair stands for one of hardware: its contacts are physical")] = False
+    cast: tuple[Cast, ...] = ()
+    bridge: tuple[Bridge, ...] = ()
+    setting: tuple[Setting, ...] = ()
+
+
+class Varied(Record, frozen=True, kw_only=True):
+    """What an experiment varies."""
+
+    name: Word
+    title: Title | None = None
+    level: tuple[Level, ...] = ()
+
+
+class Compare(Record, frozen=True, kw_only=True):
+    """Two rows that are compared by their seeds, and what is expected of the first; without a second, of it alone."""
+
+    first: Title
+    second: Title | None = None
+    expect: Literal["better", "worse", "equivalent", "collision-free"] | None = None
+
+
+class Experiment(Record, frozen=True, kw_only=True):
+    """Runs of a scene that are compared: every combination of levels is a row, its name theirs with `+` between."""
+
+    subject: Annotated[Name, Meta(description="whose runs they are")]
+    margin: Annotated[Share, Meta(description="difference of success up to which rows are equivalent")] = 0.15
+    factor: tuple[Varied, ...] = ()
+    compare: tuple[Compare, ...] = ()
+
+
 class Scene(Record, frozen=True, kw_only=True):
     """A run to be started: the floor, the cast, the pace, the end and what must hold."""
 
@@ -1066,6 +1121,7 @@ class Scene(Record, frozen=True, kw_only=True):
     cast: tuple[Cast, ...] = ()
     end: End | None = None
     hold: Hold | None = None
+    experiment: Experiment | None = None
 
 
 DOCUMENTS: Final[dict[str, tuple[type[Record], ...]]] = {

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Sequence
+from itertools import product
 from typing import Any, Final
 
 from intellwheels_schemas.errors import WireError
@@ -19,6 +20,7 @@ from intellwheels_schemas.messages import (
     CrewActions,
     CrewMeasures,
     ErrorCode,
+    Experiment,
     GPSReading,
     Joined,
     LidarReading,
@@ -298,6 +300,40 @@ def _check_scene(scene: Scene, where: str) -> None:
     for index, reach in enumerate(scene.end.reach if scene.end is not None else ()):
         if reach.agent not in names:
             raise _wrong(f"{where}.End.Reach[{index}].Agent", "one of the cast", shown(reach.agent))
+    if scene.experiment is not None:
+        _check_experiment(scene.experiment, names, f"{where}.Experiment")
+
+
+def _check_experiment(experiment: Experiment, cast: set[str], where: str) -> None:
+    here = cast | {one.name for factor in experiment.factor for level in factor.level for one in level.cast}
+    if experiment.subject not in here:
+        raise _wrong(f"{where}.Subject", "one of the cast", shown(experiment.subject))
+    _check_once([factor.name for factor in experiment.factor], f"{where}.Factor")
+    for index, factor in enumerate(experiment.factor):
+        place = f"{where}.Factor[{index}]"
+        if not factor.level:
+            raise _wrong(place, "at least one Level", "none")
+        _check_once([level.name for level in factor.level], f"{place}.Level")
+        for at, level in enumerate(factor.level):
+            for number, setting in enumerate(level.setting):
+                if setting.agent is not None and setting.agent not in here:
+                    raise _wrong(
+                        f"{place}.Level[{at}].Setting[{number}].Agent", "one of the cast", shown(setting.agent)
+                    )
+    rows = {"+".join(level.name for level in levels) for levels in product(*(one.level for one in experiment.factor))}
+    for index, compare in enumerate(experiment.compare):
+        for side, row in (("First", compare.first), ("Second", compare.second)):
+            if row is not None and row not in rows:
+                known = ", ".join(sorted(rows)[:20])
+                raise _wrong(f"{where}.Compare[{index}].{side}", f"a row ({known})", shown(row))
+        if (compare.second is None) != (compare.expect == "collision-free"):
+            raise _wrong(f"{where}.Compare[{index}]", "a Second, or none for collision-free", "otherwise")
+
+
+def _check_once(names: list[str], where: str) -> None:
+    for index, name in enumerate(names):
+        if name in names[:index]:
+            raise _wrong(f"{where}[{index}].Name", "each name once", f"{shown(name)} twice")
 
 
 _RULES: Final[dict[type[Record], Callable[[Any, str], None]]] = {

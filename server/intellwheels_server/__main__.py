@@ -13,6 +13,7 @@ from intellwheels_schemas.link import DEFAULT_WORLD, Link, add_link_options, lin
 from intellwheels_schemas.messages import Map, Scene
 from intellwheels_schemas.names import check_name
 from intellwheels_schemas.process import add_process_options, stop_on_signals
+from intellwheels_server.branch import read_branch
 from intellwheels_server.desk import Options
 from intellwheels_server.log import LogError, read_header
 from intellwheels_server.resimulate import resimulate
@@ -32,6 +33,7 @@ Standard output says `ready ...` when agents may join, `running tick=0` when tho
 
 LIVE = (
     "scene", "map", "seed", "period", "truth", "hide_truth", "pace", "miss", "expect", "open_loop", "deadline", "log",
+    "runs", "branch",
 )  # fmt: skip
 """Options of a live run, that a log which is played has no use for."""
 PLAYED_FROM = 27
@@ -107,6 +109,17 @@ def parser() -> argparse.ArgumentParser:
     )
     run = found.add_argument_group("run")
     run.add_argument("--log", type=Path, metavar="FILE", help="write the input log (JSON Lines)")
+    run.add_argument(
+        "--runs", type=Path, metavar="DIR", help="write input log and trace (what was true) of each run there"
+    )
+    run.add_argument("--trace", type=Path, metavar="FILE", help="with --resimulate: write what was true at each tick")
+    run.add_argument(
+        "--branch", type=Path, metavar="FILE",
+        help="begin as the run of this input log went, with its floor, seed, period and end",
+    )  # fmt: skip
+    run.add_argument(
+        "--at", type=_tick, metavar="TICK", default=0, help="with --branch: where what comes is obeyed (0)"
+    )
     run.add_argument("--resimulate", type=Path, metavar="FILE", help="run an input log again and compare; nothing else")
     run.add_argument(
         "--play", type=Path, metavar="FILE",
@@ -123,8 +136,10 @@ def main(arguments: list[str] | None = None) -> int:
     """Run the command and return its exit code."""
     grammar = parser()
     given = grammar.parse_args(arguments)
+    if given.trace is not None and given.resimulate is None:
+        grammar.error("--trace: it goes with --resimulate")
     if given.resimulate is not None:
-        return _resimulate(given.resimulate)
+        return _resimulate(given.resimulate) if given.trace is None else _trace(given.resimulate, given.trace)
     if given.play is not None:
         for name in LIVE:
             if getattr(given, name):
@@ -135,6 +150,9 @@ def main(arguments: list[str] | None = None) -> int:
         options, route = _options(given)
     except WireError as error:
         print(f"iw-server: {error.text}", file=sys.stderr)
+        return 2
+    except (LogError, OSError) as error:
+        print(f"iw-server: --branch: {error}", file=sys.stderr)
         return 2
     except ValueError as error:
         grammar.error(str(error))
@@ -148,11 +166,11 @@ def main(arguments: list[str] | None = None) -> int:
     gc.collect()
     gc.freeze()
     try:
-        return serve(options, route, stop, given.log)
+        return serve(options, route, stop, given.log, runs=given.runs)
     except (ConnectionError, WorldTakenError) as error:
         print(f"iw-server: {error}", file=sys.stderr)
     except OSError as error:
-        print(f"iw-server: --log {given.log}: {error.strerror}", file=sys.stderr)
+        print(f"iw-server: --log {given.log or given.runs}: {error.strerror}", file=sys.stderr)
     return 1
 
 
@@ -230,6 +248,12 @@ def _options(given: argparse.Namespace) -> tuple[Options, Link]:
         end=written.end if written else None,
         strict=strict,
     )
+    branch = None if given.branch is None else read_branch(given.branch, given.at)
+    if branch is not None:
+        if pace != "lockstep" or written is not None or given.map is not None or given.seed is not None:
+            raise ValueError("--branch: the log says floor and seed; give --pace lockstep and no scene, map or seed")
+        setup = branch.setup({"strict": strict})
+        expect = expect or branch.agents
     options = Options(
         world=check_name(given.world, "--world"),
         setup=setup,
@@ -240,6 +264,7 @@ def _options(given: argparse.Namespace) -> tuple[Options, Link]:
         grace=given.grace,
         deadline=given.deadline or (STRICT_DEADLINE if strict else ELASTIC_DEADLINE),
         quit_at_end=given.quit_at_end,
+        branch=branch,
         hide_truth=bool(given.hide_truth),
     )
     return options, link_of(given)
@@ -268,6 +293,25 @@ def _resimulate(path: Path) -> int:
         return 1
     print(f"same ticks={found.ticks} tick={found.tick} hash={found.hash}", flush=True)
     return 0
+
+
+def _trace(log: Path, target: Path) -> int:
+    from intellwheels_server.trace import trace_lines  # noqa: PLC0415
+
+    try:
+        with target.open("wb") as file:
+            file.writelines(trace_lines(log))
+    except (LogError, OSError) as error:
+        print(f"iw-server: {error}", file=sys.stderr)
+        return 1
+    return 0
+
+
+def _tick(text: str) -> int:
+    value = int(text)
+    if not 0 <= value <= 1 << 40:
+        raise argparse.ArgumentTypeError(f"expected a tick, got {text}")
+    return value
 
 
 def _positive(text: str) -> float:

@@ -13,12 +13,14 @@ from typing import Final
 import msgspec
 
 from intellwheels_schemas.messages import (
+    Event,
     Load,
     Map,
     PowerInForce,
 )
 from intellwheels_server import membership, publication, reception, verbs, world
 from intellwheels_server.arrival import Arrival, Ask, Put, Token
+from intellwheels_server.branch import Branch
 from intellwheels_server.desk import Bridge, Desk, Options, Outlet, Recorder
 from intellwheels_server.inputs import (
     Inputs,
@@ -58,6 +60,10 @@ class Conductor:
     def digest(self) -> str:
         """Return the hash of the state."""
         return self._desk.digest()
+
+    def tell(self, witness: Callable[[Event], None]) -> None:
+        """Tell somebody each event as it is, before what is hidden is left out."""
+        self._desk.witness = witness
 
     def begin(self) -> None:
         """Publish what there is to know before anything happens."""
@@ -197,8 +203,15 @@ class Conductor:
         desk = self._desk
         closed = desk.state.tick
         inputs = desk.tray.collect((), self._verdicts(now))
-        state, outputs = world.advance(desk.state, inputs)
+        branch = desk.options.branch
+        told = branch.inputs(closed) if branch is not None else None
+        state, outputs = world.advance(desk.state, inputs if told is None else told)
         desk.state = state
+        if branch is not None and told is not None:
+            inputs = told
+            self._compare(branch, closed)
+        for event in outputs.events:
+            desk.put_event(event)
         if desk.record is not None:
             if desk.changes:
                 inputs = msgspec.structs.replace(inputs, changes=tuple(desk.changes))
@@ -209,8 +222,6 @@ class Conductor:
         desk.cadence.note()
         if desk.bridges:
             publication.put_powers(desk, closed)
-        for event in outputs.events:
-            desk.put_event(event)
         if desk.pending:
             desk.change(now)
         if state.ended and desk.state.ended:
@@ -226,6 +237,17 @@ class Conductor:
             publication.put_all_measures(desk)
         elif desk.members:
             self._open_barrier(now)
+
+    def _compare(self, branch: Branch, tick: int) -> None:
+        """End a branch that is not as its parent was; tell where it is free."""
+        desk = self._desk
+        differs = branch.differs(tick, desk.digest())
+        if differs is not None:
+            desk.out.note(f"branch {differs}; its bodies and options of bodies must be the parent's")
+            desk.out.tell(f"differs tick={tick + 1}")
+            desk.exit = 1
+        elif tick + 1 == branch.at:
+            desk.out.tell(f"branched tick={branch.at} hash={desk.digest()}")
 
     def _end(self, now: float) -> None:
         desk = self._desk

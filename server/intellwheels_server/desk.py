@@ -30,6 +30,7 @@ from intellwheels_server import world
 from intellwheels_server.admission import Roster, new_hex
 from intellwheels_server.arrival import Ask
 from intellwheels_server.barrier import Answer, Barrier
+from intellwheels_server.branch import Branch
 from intellwheels_server.cadence import Cadence
 from intellwheels_server.complaint import Complaints, Gate
 from intellwheels_server.hiding import placeless
@@ -99,6 +100,7 @@ class Options:
         grace: Seconds a lost token is waited for.
         deadline: Seconds a lockstep answer is waited for.
         quit_at_end: Whether the end of the run is the end of the service.
+        branch: The run that this one begins as, if any.
         hide_truth: Whether true poses stay in the log: the world is a laboratory (`hiding`).
     """
 
@@ -111,6 +113,7 @@ class Options:
     grace: float = 3.0
     deadline: float = 1.0
     quit_at_end: bool = False
+    branch: Branch | None = None
     hide_truth: bool = False
 
 
@@ -158,6 +161,7 @@ class Desk:
         open: Whether the barrier of this tick is open.
         held: Whether the run waits for those it expects.
         played: The log that is played; None in a live run.
+        witness: Is told each event as it is, hidden or not, if there is one.
     """
 
     def __init__(
@@ -212,6 +216,7 @@ class Desk:
         self.played: Played | None = None
         self.hashed: tuple[State, str] | None = None
         self.idle_power_at = 0.0
+        self.witness: Callable[[Event], None] | None = None
 
     def digest(self) -> str:
         """Return the hash of the state."""
@@ -270,6 +275,8 @@ class Desk:
 
     def put_event(self, event: Event) -> None:
         """Keep an event and put it."""
+        if self.witness is not None:
+            self.witness(event)
         if self.options.hide_truth:
             event = placeless(event)
         self.ring.add(event)

@@ -33,6 +33,7 @@ from intellwheels_server.inputs import Inputs
 from intellwheels_server.log import Line, Log
 from intellwheels_server.player import Player
 from intellwheels_server.recording import Recording
+from intellwheels_server.run_files import RunFiles
 from intellwheels_server.world import State
 
 KEYS_KNOWN: Final = 4_096
@@ -271,6 +272,7 @@ def serve(
     stop: threading.Event,
     log_file: Path | None = None,
     recording: Recording | None = None,
+    runs: Path | None = None,
 ) -> int:
     """Serve a world until it is over and return the exit code.
 
@@ -280,6 +282,7 @@ def serve(
         stop: Set when the process must end.
         log_file: Where the input log goes, if anywhere.
         recording: The log to play; without one the run is live.
+        runs: A folder for the log and the trace of each run, if any.
 
     Raises:
         ConnectionError: The network cannot be reached, in words.
@@ -301,13 +304,17 @@ def serve(
             return _serve(options, route, session, keys, stop, Player(options, network, time.time, recording))
         run = new_hex()
         log = Log(log_file, options.setup, run, options.world) if log_file is not None else None
-        record = None if log is None else _recorder(log)
+        files = None if runs is None else RunFiles(runs, options.world, lambda: conductor.state)
         try:
+            record = _recorder(log, files)
             conductor = Conductor(options, network, floor_of, time.time, record=record, run=run)
+            if files is not None:
+                conductor.tell(files.happened)
             return _serve(options, route, session, keys, stop, conductor)
         finally:
-            if log is not None:
-                log.close()
+            for each in (log, files):
+                if each is not None:
+                    each.close()
 
 
 def _serve(
@@ -341,9 +348,15 @@ def _serve(
     return conductor.exit or 0
 
 
-def _recorder(log: Log) -> Recorder:
+def _recorder(log: Log | None, files: RunFiles | None) -> Recorder | None:
+    if log is None and files is None:
+        return None
+
     def record(tick: int, inputs: Inputs, digest: str, *, stepped: bool) -> None:
-        log.write(Line(tick=tick, inputs=inputs, hash=digest, stepped=stepped), time.monotonic())
+        if log is not None:
+            log.write(Line(tick=tick, inputs=inputs, hash=digest, stepped=stepped), time.monotonic())
+        if files is not None:
+            files.record(tick, inputs, digest, stepped=stepped)
 
     return record
 

@@ -34,4 +34,4 @@ def test_benchmarks_run_and_say_every_share_of_a_tick(tmp_path: Path) -> None:
     shares = {row["figure"] for row in rows if row["bench"] == "tick"}
     assert {"receive", "decode", "step", "sense", "encode JSON", "put"} <= shares
     assert all(float(row["value"]) > 0.0 for row in rows if row["figure"] != "late ticks")
-    assert {row["bench"] for row in rows} == {"tick", "network", "lockstep"}
+    assert {row["bench"] for row in rows} == {"tick", "network", "lockstep", "viewer"}

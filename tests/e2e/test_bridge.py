@@ -135,17 +135,22 @@ def test_a_reset_of_both_worlds_begins_the_same_run_again(stage: Stage, lab: Sta
             return True if clock["Run"] != run and clock["Tick"] >= 120 else None
 
         stage.wait(anew, "tick 120 of the new run")
-    runs = log.read_text().split('"Do":"Restart"')
-    assert len(runs) == 2
-    lines = [[json.loads(line) for line in part.splitlines() if line.startswith('{"Tick"')] for part in
-             (log.read_text()[: len(runs[0])], log.read_text()[len(runs[0]) :])]  # fmt: skip
-    poses = [
-        [line["Inputs"]["Poses"]["chair1"]["X"] for line in part if "Poses" in line.get("Inputs", {})][:100]
-        for part in lines
-    ]
-    assert len(poses[0]) == 100
-    assert poses[1][:95] == poses[0][:95]
-    assert poses[0][99] > poses[0][0] + 0.5
+    lines = log.read_text().splitlines()
+    (anew_at,) = [i for i, line in enumerate(lines) if '"Do":"Restart"' in line]
+    first_run, second_run = places(lines[:anew_at]), places(lines[anew_at + 1 :])
+    ticks = range(100)
+    assert [second_run[tick] for tick in ticks] == [first_run[tick] for tick in ticks]
+    assert first_run[99] > first_run[0] + 0.5
+
+
+def places(lines: list[str]) -> dict[int, float]:
+    """Return where a log's lines say that the real chair was reported, by tick."""
+    entries = [json.loads(line) for line in lines]
+    return {
+        entry["Tick"]: entry["Inputs"]["Poses"]["chair1"]["X"]
+        for entry in entries
+        if "Poses" in entry.get("Inputs", {})
+    }
 
 
 # ---------------------------------------------------------------- two worlds in real time

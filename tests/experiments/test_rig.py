@@ -220,18 +220,24 @@ def test_somebody_who_is_not_in_the_scene_cannot_be_cast(tmp_path: Path) -> None
 
 
 class Slow(Rig):
-    """Is so slow to pause a world that whoever wants to joins it before."""
+    """Is so slow to pause a world that comes back that whoever is there makes it go on before."""
+
+    comes_back = False
 
     def ctl(self, verb: Verb, **fields: Any) -> Result:
-        if verb == "pause":
+        if verb == "pause" and self.comes_back:
             with suppress(AwaitedError):
-                self.processes.line(self._simulator, "joined", 1.5)
+                self.processes.wait(self._tick, "a tick", 4.0)
         return super().ctl(verb, **fields)
+
+    def _tick(self) -> int | None:
+        self._look()
+        return self._film.newest.tick or None if self._film.newest else None
 
 
 def test_world_that_comes_back_stands_at_its_beginning_however_slow_the_machine(tmp_path: Path) -> None:
     with Slow(tmp_path, floor="corner") as sim:
         sim.agent("chair1", "drive", place="leader", **AHEAD)
-        sim.run_for(0.5)
+        sim.comes_back = True
         sim.restart_simulator()
         assert (sim.now.tick, list(sim.now.bodies)) == (0, ["chair1"])

@@ -93,7 +93,7 @@ def test_floor_has_a_title_and_a_source(name: str) -> None:
 
 
 def test_the_floors_of_the_issue_are_there() -> None:
-    assert FLOORS == ["corner", "corridor15m", "crossing", "door", "room", "ward"]
+    assert FLOORS == ["corner", "corridor15m", "crossing", "door", "lounge", "room", "square", "ward"]
 
 
 @pytest.mark.parametrize("name", FLOORS)

@@ -58,8 +58,7 @@ def test_unknown_name_says_which_there_are() -> None:
     with pytest.raises(WireError) as caught:
         floor("wart")
     assert caught.value.text == (
-        "expected one of the floors (corner, corridor15m, crossing, door, room, ward) "
-        "or a path ending in .xml, got 'wart'"
+        f"expected one of the floors ({', '.join(names('floors'))}) or a path ending in .xml, got 'wart'"
     )
 
 
@@ -131,5 +130,5 @@ def test_scene_of_an_unknown_place_or_robot_is_refused_with_its_line(tmp_path: P
         scene(path)
     place, body = caught.value.text.splitlines()
     assert place == f"{path}:3: expected one of the places of 'mine' (goal, start), got 'bed'"
-    assert body.startswith(f"{path}:3: agent 'b': expected one of the robots (car, crate, ")
+    assert body.startswith(f"{path}:3: agent 'b': expected one of the robots (")
     assert body.endswith("got 'create'")

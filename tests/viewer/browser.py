@@ -1,4 +1,7 @@
-"""A browser without a window: viser's own protocol over a raw websocket. It keeps what it is told, and sends anything."""
+"""A browser without a window: viser's own protocol over a raw websocket.
+
+It keeps what it is told, and sends anything.
+"""
 
 from __future__ import annotations
 
@@ -18,7 +21,8 @@ from websockets.typing import Origin, Subprotocol
 DEADLINE: Final = 20.0
 CAMERA: Final = {
     "type": "ViewerCameraMessage", "wxyz": (1.0, 0.0, 0.0, 0.0), "position": (3.0, 3.0, 3.0), "fov": 0.8, "near": 0.1,
-    "far": 1000.0, "image_height": 800, "image_width": 1280, "look_at": (0.0, 0.0, 0.0), "up_direction": (0.0, 0.0, 1.0),
+    "far": 1000.0, "image_height": 800, "image_width": 1280, "look_at": (0.0, 0.0, 0.0),
+    "up_direction": (0.0, 0.0, 1.0),
 }  # fmt: skip
 
 
@@ -138,7 +142,8 @@ def dial(port: int, *, origin: str | None = None, **named: Any) -> ClientConnect
 @contextmanager
 def opened(port: int, *, reads: bool = True, storage: str | None = "none", looks: bool = True) -> Iterator[Browser]:
     """Open the page, and close it."""
-    with dial(port) as connection:
+    connection = dial(port)
+    with connection:
         browser = Browser(connection, reads=reads, storage=storage)
         if looks:
             browser.look()

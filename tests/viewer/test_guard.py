@@ -56,7 +56,8 @@ def shake(host: str, *more: str) -> str:
 @pytest.mark.parametrize(
     ("value", "name"),
     [
-        ("localhost", "localhost"), ("LocalHost:8080", "localhost"), ("[::1]:8080", "::1"), ("127.0.0.1:1", "127.0.0.1"),
+        ("localhost", "localhost"), ("LocalHost:8080", "localhost"), ("[::1]:8080", "::1"),
+        ("127.0.0.1:1", "127.0.0.1"),
         ("", None), (None, None), ("[::1", None), ("localhost:1@evil.example", "evil.example"),
     ],
 )  # fmt: skip
@@ -75,7 +76,8 @@ def test_a_host_that_is_not_ours_is_refused(host: str | None) -> None:
 
 @pytest.mark.parametrize(
     "origin",
-    ["http://evil.example", "https://localhost.evil.example:8080", "null", "", "http://localhost:9999", "http://localhost",
+    ["http://evil.example", "https://localhost.evil.example:8080", "null", "", "http://localhost:9999",
+     "http://localhost",
      "file://", "http://localhost:8080,http://evil.example", "ftp://localhost:8080", "http://[", "http://127.0.0.1:8080",
      "http://localhost:8080@evil.example"],
 )  # fmt: skip
@@ -182,7 +184,7 @@ def test_a_port_that_is_taken_is_told_in_words() -> None:
 
 
 def test_an_address_that_is_none_of_ours_is_told_in_words() -> None:
-    with pytest.raises(ConnectionError, match="cannot serve the page at 192.0.2.1:8080"):
+    with pytest.raises(ConnectionError, match=r"cannot serve the page at 192\.0\.2\.1:8080"):
         check_free("192.0.2.1", 8080)
     with pytest.raises(ConnectionError, match="cannot serve the page"):
         check_free("no.such.host.invalid", 8080)

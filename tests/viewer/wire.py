@@ -19,7 +19,6 @@ from intellwheels_schemas.keys import VERBS, Keys
 from intellwheels_schemas.messages import (
     Body,
     Clock,
-    Delete,
     Entity,
     Event,
     Events,
@@ -54,7 +53,7 @@ def state(tick: int, *entities: Entity, run: str = RUN, part: int = 0, parts: in
 
 
 def body(name: str, run: str = RUN, robot: str = "rear-wheel", **more: Any) -> Body:
-    return Body(run=run, tick=0, robot=msgspec.structs.replace(library.robot(robot), name=name, **more))
+    return Body(run=run, tick=0, robot=msgspec.structs.replace(library.robot(robot), name=name, format=None, **more))
 
 
 def event(number: int, code: str = "joined", run: str = RUN, tick: int = 0, **more: Any) -> Event:
@@ -194,6 +193,3 @@ def simulator(world: str) -> Iterator[tuple[Simulator, str]]:
             yield made, endpoint
         finally:
             made.close()
-
-
-UNUSED: Final = Delete(agent="nobody")

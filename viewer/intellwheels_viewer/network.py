@@ -128,8 +128,9 @@ class Network:
                 session.close()  # type: ignore[no-untyped-call]
 
     def choose(self, world: str) -> None:
-        """Watch another world."""
-        self._wanted = world
+        """Watch another world; a text that is no world's name changes nothing."""
+        if is_name(world):
+            self._wanted = world
 
     # ------------------------------------------------------------ in, on the drawing thread
 
@@ -209,6 +210,8 @@ class Network:
         }  # fmt: skip
         while world.answers:
             kind, answer, asked = world.answers.popleft()
+            if kind is Clock:
+                world.heard = now
             _give(kind, answer, takes.get(kind, partial(fold.on_floor, asked=asked)))
         arrivals = [arrival for arrival in world.inbox.take() if isinstance(arrival, Put)]
         # Of what is put each tick only the newest is decoded; that keeps a slow viewer from falling behind.
@@ -227,7 +230,11 @@ class Network:
                 _give(Clock, put, fold.on_clock)
             elif keys.parse_state(put.key) is not None:
                 _give(WorldState, put, fold.on_state)
-            elif (out := keys.parse_out(put.key)) is not None and out.kind == "measures":
+            elif (
+                (out := keys.parse_out(put.key)) is not None
+                and out.kind == "measures"
+                and _is_watched(world, out.agent)
+            ):
                 _give(Measures, put, partial(fold.on_measures, out.agent))
 
     # ------------------------------------------------------------ what is missing
@@ -317,6 +324,11 @@ class Network:
                 return
             self._tokens = watch_tokens(session, EVERY_ALIVE, self._presence)
             self._session = session
+
+
+def _is_watched(world: _World, agent: str) -> bool:
+    """Return whether measures are kept: what was under way when its subscription ended would stay for ever."""
+    return agent in world.watched or "*" in world.watched
 
 
 def _give(kind: type[_M], put: Put | Answer, take: Callable[[_M], None]) -> None:

@@ -6,6 +6,8 @@ come and go on viser's threads.
 
 from __future__ import annotations
 
+import contextlib
+import io
 import sys
 import threading
 import time
@@ -141,7 +143,8 @@ class Viewer:
         for page in pages:
             page.join(max(deadline - time.monotonic(), 0.0))
         self._network.close()
-        self.server.stop()
+        with contextlib.redirect_stdout(io.StringIO()):  # our lines are read by programs; viser says a word of its own
+            self.server.stop()
 
     def _shield(self, call: Callable[..., None], *arguments: object) -> None:
         """Draw; a fault of ours is told with its trace, once, and ends neither other drawings nor the pages."""

@@ -87,11 +87,12 @@ class Stage:
                 self.colours.begin()
             self.bodies.show(seen.bodies, seen.entities, self.colours, seen.stale)
             agents = watched(seen, wanted)
-            self._wedges.show(seen.bodies, seen.entities, seen.measures, agents)
+            many = len(seen.entities) > FEW // 3
+            # Three quarters of a wedge's bytes are its arc.
+            self._wedges.show(seen.bodies, seen.entities, seen.measures, agents, wanted if many else None)
             self._lidars.show(seen.bodies, seen.entities, seen.measures, agents)
             self._contacts.show(seen.events, seen.tick, period_of(seen))
             self._goals.show(seen.entities, self.colours)
-            many = len(seen.entities) > FEW // 3
             run, at = self._slow_at
             is_due = seen.run != run or not at <= seen.time < at + SLOW_EVERY
             if is_due or not many:

@@ -146,6 +146,10 @@ class RealChair:
             self._run = run
             self._line.renew()
             self._motors.renew()
+            if self.lockstep and self._driver.returns:
+                # Both worlds begin anew: what is late must not be where it ended.
+                self._source.renew()
+                self._newest = None
 
     def _take(self, reading: Reading, came: float, due: float) -> None:
         newest = self._newest
@@ -163,7 +167,9 @@ class RealChair:
     def _pose(self, now: float, limit: float) -> Pose | None:
         newest, estimate = self._newest, self._source.estimate
         if newest is None or estimate is None:
-            return None
+            # In lockstep it is awaited, and until the first reading arrived it is where it began.
+            start = self._source.start
+            return Pose(x=start.x, y=start.y, heading=start.heading) if self.lockstep else None
         stale = now - self._heard > limit
         if stale != self._is_stale:
             self._is_stale = stale

@@ -76,7 +76,7 @@ class Laboratory:
         self._enter = enter
         self._stop = stop
         self._pairing = Pairing(stop)
-        self._readings: deque[Reading] = deque(maxlen=ROOM)
+        self._readings: deque[tuple[int, Reading]] = deque(maxlen=ROOM)
         self._power = (0.0, 0.0)
         self._written = float("-inf")
         self._pace_here: Pace | None = None
@@ -93,10 +93,14 @@ class Laboratory:
         self._thread.start()
 
     def read(self) -> list[Reading]:
-        """Return what was measured since the last call."""
+        """Return what was measured since the last call; of two lockstep worlds, in the run that pairs with this one."""
         found = []
-        while self._readings:
-            found.append(self._readings.popleft())
+        paired = self._pace_here == self._pace_there == "lockstep"
+        here = self._pairing.here
+        while self._readings and not (paired and self._readings[0][0] > here):
+            number, reading = self._readings.popleft()
+            if not paired or number == here:
+                found.append(reading)
         return found
 
     def write(self, left: float, right: float) -> None:
@@ -149,25 +153,25 @@ class Laboratory:
 
     def _note(self, measures: Measures) -> None:
         sensors = measures.sensors or Sensors()
+        number = self._pairing.lab_entered(measures.run)
         if measures.run != self._run:
             self._run, self._fixed_at = measures.run, -1
         if sensors.encoders:
             counts, user = sensors.encoders[0], measures.user_input
-            self._readings.append(
-                Reading(
-                    era=measures.run,
-                    seq=measures.tick,
-                    taken=measures.time,
-                    arrived=time.monotonic(),
-                    left=counts.left,
-                    right=counts.right,
-                    tick=measures.tick,
-                    proximity=sensors.proximity,
-                    fix=self._fix(sensors.gps, measures.tick),
-                    forward=None if user is None else user.forward,
-                    turn=None if user is None else user.turn,
-                )
+            reading = Reading(
+                era=measures.run,
+                seq=measures.tick,
+                taken=measures.time,
+                arrived=time.monotonic(),
+                left=counts.left,
+                right=counts.right,
+                tick=measures.tick,
+                proximity=sensors.proximity,
+                fix=self._fix(sensors.gps, measures.tick),
+                forward=None if user is None else user.forward,
+                turn=None if user is None else user.turn,
             )
+            self._readings.append((number, reading))
             self.heard.set()
         self._pairing.lab_measured(measures.run, measures.tick)
 

@@ -58,6 +58,17 @@ class Pairing:
         self._lab = Side()
         self._here = Side()
 
+    @property
+    def here(self) -> int:
+        """The number of the simulation's run."""
+        return self._here.number
+
+    def lab_entered(self, run: str) -> int:
+        """Note that the laboratory is in a run; return the run's number."""
+        with self._news:
+            self._lab.enter(run)
+            return self._lab.number
+
     def lab_measured(self, run: str, tick: int) -> None:
         """Note that the laboratory's measures of a tick came."""
         with self._news:

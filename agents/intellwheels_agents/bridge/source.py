@@ -71,6 +71,11 @@ class PoseSource:
         if self._start is None:
             self._start = start
 
+    def renew(self) -> None:
+        """Forget every reading: the chair is at its start again."""
+        self.estimate = self._last = None
+        self.left = self.right = 0
+
     @property
     def start(self) -> Position:
         """Where it began."""

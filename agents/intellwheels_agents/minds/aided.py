@@ -44,7 +44,12 @@ def equip(robot: Robot, options: Options) -> Robot:  # noqa: ARG001 - as `Equip`
 
 
 class Mind:
-    """Gives as much of what its user wants as there is room for."""
+    """Gives as much of what its user wants as there is room for.
+
+    Attributes:
+        pose: Where it believes it is.
+        seen: What may stand around it.
+    """
 
     def __init__(self, context: Context) -> None:
         options, robot = context.options, context.robot
@@ -56,8 +61,8 @@ class Mind:
         self._words = options.number("words", 0.5, 0.0, 1.0)
         self._margin = options.number("margin", 0.05, 0.01, 1.0)
         self._ahead = options.number("ahead", 1.0, 0.2, 5.0)
-        self._pose = Odometry(robot, context.position, compass_share=0.0)
-        self._seen = Seen(robot)
+        self.pose = Odometry(robot, context.position, compass_share=0.0)
+        self.seen = Seen(robot)
         self._footprint = Projection(outline(robot), robot.track, robot.acceleration_curve, context.parameters.period)
         body = self._footprint.outline
         # The room a corner needs to swing by.
@@ -68,13 +73,21 @@ class Mind:
 
     def decide(self, measures: Measures) -> Actions:
         """Return the powers for as much as there is room for."""
-        self._pose.update(measures.sensors)
-        self._seen.update(measures, self._pose)
-        self._measure_wheels(measures.sensors)
+        self.perceive(measures)
         forward, turn = wanted(measures.user_input, self._words)
-        self._told = self._allowed(forward * self._speed, turn * self._turn)
+        return self.drive(forward * self._speed, turn * self._turn, "aided")
+
+    def perceive(self, measures: Measures) -> None:
+        """Take what is perceived at a tick, for another that decides what is wanted."""
+        self.pose.update(measures.sensors)
+        self.seen.update(measures, self.pose)
+        self._measure_wheels(measures.sensors)
+
+    def drive(self, speed: float, rate: float, mode: str) -> Actions:
+        """Return the powers for as much of a speed, m/s, and a turn rate, rad/s, as there is room for."""
+        self._told = self._allowed(speed, rate)
         top = self._robot.top_speed or 1.0
-        return Actions(left_motor=self._told.left / top, right_motor=self._told.right / top, mode="aided")
+        return Actions(left_motor=self._told.left / top, right_motor=self._told.right / top, mode=mode)
 
     def _measure_wheels(self, sensors: Sensors | None) -> None:
         """Set the wheels' speeds: what the motors' model says, unless the encoders say something else."""
@@ -96,7 +109,7 @@ class Mind:
         # No share of the wish moves the body by more than the whole and its rolling out together.
         ways = (footprint.poses(now, wheels, self._ahead) for wheels in (self._wheels_of(speed, rate), still))
         longest = sum(way[-1][3] for way in ways)
-        points = self._seen.points
+        points = self.seen.points
         # Who drives keeps room to turn by; who turns in place uses it.
         ahead = self._front_swing if speed > 0.0 else self._back_swing
         turning = footprint.watched(points, self._margin / 2.0, 0.0, longest)

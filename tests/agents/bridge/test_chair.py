@@ -119,6 +119,18 @@ def test_in_lockstep_the_tick_is_the_time_and_an_answer_never_misses() -> None:
     assert all(pose is not None and pose.stamp is None for pose in poses)  # type: ignore[attr-defined]
 
 
+def test_in_lockstep_what_is_late_begins_at_the_start_in_every_run() -> None:
+    made = Made("lockstep", Faults(delay=0.1))
+    made.driver.paired = made.driver.returns = True
+    for run in (RUN, "b" * 16):
+        places = []
+        for tick in range(10):
+            made.driver.waiting.append(reading(tick, METRE * tick, METRE * tick, tick=tick, era=run))
+            places.append(made.decide(tick, run).x)  # type: ignore[attr-defined]
+        assert places[:3] == [1.0, 1.0, 1.0]
+        assert places[9] == pytest.approx(8.0, abs=0.01)
+
+
 def test_powers_of_a_tick_reach_the_motors_and_the_driver_is_told() -> None:
     made = Made("lockstep")
     made.driver.paired = True

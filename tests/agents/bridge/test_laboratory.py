@@ -102,6 +102,17 @@ def test_in_lockstep_power_of_the_tick_before_is_given() -> None:
     assert laboratory.meet(RUN, 1, "lockstep")
 
 
+def test_of_two_lockstep_worlds_only_readings_of_the_paired_runs_are_read() -> None:
+    laboratory = made("lockstep")
+    laboratory.decide(measures(0))
+    laboratory.meet(RUN, 0, "lockstep")
+    laboratory.decide(msgspec.structs.replace(measures(0), run="c" * 16))
+    assert [one.era for one in laboratory.read()] == [LAB]
+    assert laboratory.read() == []
+    laboratory.meet("d" * 16, 0, "lockstep")
+    assert [one.era for one in laboratory.read()] == ["c" * 16]
+
+
 def test_a_laboratory_that_is_left_for_good_ends_the_bridge() -> None:
     stop = threading.Event()
 

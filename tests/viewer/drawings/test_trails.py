@@ -44,9 +44,9 @@ def test_it_fades_towards_its_old_end() -> None:
 def test_the_node_is_kept_and_hidden_when_nobody_has_gone(scene: viser.SceneApi) -> None:
     trails = Trails(scene)
     trails.show({"a": straight(100)}, 5.0, Colours())
-    handle = node(scene, "/trails")
+    handle = node(scene, "/trails/lines")
     trails.show({}, 5.0, Colours())
     assert not handle.visible
     trails.show({"a": straight(200)}, 10.0, Colours())
-    assert node(scene, "/trails") is handle
+    assert node(scene, "/trails/lines") is handle
     assert handle.visible

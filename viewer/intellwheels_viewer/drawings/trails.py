@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
-import math
 from collections.abc import Mapping, Sequence
 from typing import Final
 
@@ -22,42 +20,53 @@ STEP: Final = 0.08
 JUMP: Final = 0.6
 """Metres between two samples that no body goes: it was put there, and the trail begins anew."""
 
+_STEP_SQUARED: Final = STEP**2
+_JUMP_SQUARED: Final = JUMP**2
+
 
 def trail(history: Sequence[Sample], now: float) -> list[tuple[float, float, float]]:
     """Return the corners (x, y, age in seconds) of a trail, oldest first; its end is the newest sample."""
     corners: list[tuple[float, float, float]] = []
     before: Sample | None = None
+    newest = history[-1] if history else None
+    x = y = 0.0
     for sample in history:
         age = now - sample.time
         if not 0.0 <= age <= LENGTH:
             continue
-        if before is not None and math.hypot(sample.x - before.x, sample.y - before.y) > JUMP:
+        if before is not None and (sample.x - before.x) ** 2 + (sample.y - before.y) ** 2 > _JUMP_SQUARED:
             corners.clear()
         before = sample
-        last = sample is history[-1]
-        if corners and not last and math.hypot(sample.x - corners[-1][0], sample.y - corners[-1][1]) < STEP:
+        if corners and sample is not newest and (sample.x - x) ** 2 + (sample.y - y) ** 2 < _STEP_SQUARED:
             continue
-        corners.append((sample.x, sample.y, age))
+        x, y = sample.x, sample.y
+        corners.append((x, y, age))
     return corners
 
 
 def segments(histories: Mapping[str, Sequence[Sample]], now: float, colours: palette.Colours) -> tuple[Array, Array]:
     """Return the trails' stretches (N, 2, 3) in metres and the colours of their ends (N, 2, 3) in sRGB bytes."""
-    points: list[tuple[tuple[float, float, float], tuple[float, float, float]]] = []
-    tints: list[tuple[palette.RGB, palette.RGB]] = []
+    points, tints = [np.zeros((0, 2, 3), np.float32)], [np.zeros((0, 2, 3), np.float32)]
     for name, history in histories.items():
-        rgb = colours.rgb(name)
-        corners = trail(history, now)
-        for (ax, ay, age_a), (bx, by, age_b) in itertools.pairwise(corners):
-            points.append(((ax, ay, layers.TRAIL), (bx, by, layers.TRAIL)))
-            tints.append((_faded(rgb, age_a), _faded(rgb, age_b)))
-    return np.array(points, np.float32).reshape(-1, 2, 3), np.array(tints, np.float32).reshape(-1, 2, 3)
+        corners = np.array(trail(history, now), np.float32).reshape(-1, 3)
+        if len(corners) > 1:
+            tints.append(_paired(_faded(colours.rgb(name), corners[:, 2])))
+            corners[:, 2] = layers.TRAIL
+            points.append(_paired(corners))
+    return np.concatenate(points), np.concatenate(tints)
 
 
-def _faded(rgb: palette.RGB, age: float) -> palette.RGB:
-    share = 0.25 + 0.7 * min(age / LENGTH, 1.0)
-    red, green, blue = (round(c + (f - c) * share) for c, f in zip(rgb, palette.FLOOR, strict=True))
-    return red, green, blue
+def _paired(rows: Array) -> Array:
+    """Return each row with the next, (N - 1, 2, 3)."""
+    return np.stack([rows[:-1], rows[1:]], axis=1)
+
+
+def _faded(rgb: palette.RGB, ages: Array) -> Array:
+    """Return a colour at so many ages, (N, 3)."""
+    shares = 0.25 + 0.7 * np.minimum(ages / LENGTH, 1.0)[:, None]
+    own = np.array(rgb, np.float32)
+    faded: Array = np.round(own + (np.array(palette.FLOOR, np.float32) - own) * shares)
+    return faded
 
 
 class Trails:

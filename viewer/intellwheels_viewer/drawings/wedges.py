@@ -98,7 +98,10 @@ def mounted(sensor: Proximity | Lidar, body: Body, entity: Entity) -> tuple[floa
 
 def wedge(sensor: Proximity, reading: ProximityReading, body: Body, entity: Entity) -> Wedge:
     """Return what is drawn of a reading."""
-    x, y, direction = mounted(sensor, body, entity)
+    return _wedge(sensor, reading, *mounted(sensor, body, entity))
+
+
+def _wedge(sensor: Proximity, reading: ProximityReading, x: float, y: float, direction: float) -> Wedge:
     state = state_of(reading)
     if state in ("nothing", "failed"):
         reach = sensor.max_range
@@ -117,9 +120,17 @@ def wedges(
         if entity.name not in agents or body is None or seen is None or seen.sensors is None:
             continue
         readings = {reading.id: reading for reading in seen.sensors.proximity}
-        made += [
-            wedge(sensor, readings[sensor.id], body, entity) for sensor in body.robot.proximity if sensor.id in readings
-        ]
+        cos, sin = math.cos(entity.heading), math.sin(entity.heading)  # once for all sensors of a body
+        for sensor in body.robot.proximity:
+            reading = readings.get(sensor.id)
+            if reading is None:
+                continue
+            if sensor.mount == "start":
+                made.append(wedge(sensor, reading, body, entity))
+                continue
+            x = entity.x + sensor.x * cos - sensor.y * sin
+            y = entity.y + sensor.x * sin + sensor.y * cos
+            made.append(_wedge(sensor, reading, x, y, entity.heading + math.radians(sensor.direction_deg)))
     return made
 
 
@@ -232,6 +243,7 @@ class Wedges:
         entities: Iterable[Entity],
         measures: Mapping[str, Measures],
         agents: Collection[str],
+        arcs: Collection[str] | None = None,
     ) -> None:
         """Show the wedges of some agents.
 
@@ -240,6 +252,7 @@ class Wedges:
             entities: States.
             measures: By agent; those of agents whose measures nobody watches are not there.
             agents: Whose wedges are shown; a wedge is 35 bytes a tick and its arc 43 for each ten degrees.
+            arcs: Of those, whose readings have arcs; None for all. Failures are dashed for everybody.
         """
         shown = wedges(bodies, entities, measures, agents)
         groups: dict[float, list[Wedge]] = {cone: [] for cone in self._fans}
@@ -248,7 +261,13 @@ class Wedges:
                 groups.setdefault(round(each.cone, 4), []).append(each)
         for cone, group in groups.items():
             self._fan(cone, group)
-        lines = bars(shown)
+        if arcs is None:
+            lines = bars(shown)
+        else:
+            edged = wedges(bodies, [entity for entity in entities if entity.name in arcs], measures, agents)
+            lines = bars(
+                [*(each for each in shown if each.state == "failed"), *(e for e in edged if e.state != "failed")]
+            )
         self._bars.show(lines.positions, quaternions(lines.headings), lines.colours, scales=lines.sizes)
 
     def _fan(self, cone: float, group: Sequence[Wedge]) -> None:

@@ -1,0 +1,242 @@
+"""A batch as one page of HTML that needs nothing else: tables, drawings, and where all of it comes from."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from html import escape
+from typing import Final
+
+import msgspec
+
+from intellwheels_experiments import drawings
+from intellwheels_experiments.drawings import Drawn
+from intellwheels_experiments.keep import Kept
+from intellwheels_experiments.summary import Comparison, Line, Summary
+from intellwheels_schemas.messages import Map, Scene
+
+_STYLE: Final = """
+:root { color-scheme: light }
+body { font: 15px/1.5 system-ui, sans-serif; color: #1c1c1a; max-width: 1010px; margin: 2rem auto; padding: 0 1rem }
+h1 { font-size: 1.6rem; margin: 0 } h2 { font-size: 1.2rem; margin: 2.2rem 0 .4rem }
+h3 { font-size: 1rem; margin: 1.6rem 0 .2rem }
+table { border-collapse: collapse; margin: .6rem 0; font-size: .88rem }
+th, td { padding: .28rem .6rem; text-align: right; border-bottom: 1px solid #ddd; vertical-align: top }
+th { border-bottom: 2px solid #888; font-weight: 600 }
+th:first-child, td.t { text-align: left } td small { color: #666 }
+p { max-width: 52rem; margin: .4rem 0 } .lead { color: #555; margin: .2rem 0 1rem }
+.yes { color: #00664a; font-weight: 600 } .no { color: #b00030; font-weight: 600 }
+.open { color: #8a5a00; font-weight: 600 }
+dl { display: grid; grid-template-columns: max-content 1fr; gap: .15rem 1rem; font-size: .86rem }
+dt { color: #555 } dd { margin: 0; font-family: ui-monospace, monospace; overflow-wrap: anywhere }
+.wide { overflow-x: auto } figure { margin: .4rem 0 }
+.key span { display: inline-block; margin-right: 1.4em }
+.key i { display: inline-block; width: 1.8em; border-top: 3px solid; margin-right: .4em; vertical-align: middle }
+pre { background: #f4f4f1; padding: .6rem; overflow-x: auto; font-size: .8rem }
+"""
+
+_MEASURES: Final = (
+    ("reached", "runs that were within the place at the end"),
+    ("time", "simulated time to the end, s"),
+    ("way", "length of the true path, m"),
+    ("clearance", "least distance from anything in the run, m; the least of all runs in brackets"),
+    ("SPL", "success weighted by path length, in [0, 1]; the mean of a batch is its SPL (Anderson et al. 2018)"),
+    ("SPARC", "spectral arc length of the speed; nearer to 0 is smoother (Balasubramanian et al. 2015)"),
+    ("LDLJ", "log dimensionless jerk of the speed; nearer to 0 is smoother (the same)"),
+    ("effort", "way of the user's stick in full deflections (after Urdiales et al. 2011); only where a person drives"),
+    ("odometry error", "between the place that the wheels tell and the true one at the end, m"),
+)
+
+
+@dataclass(frozen=True)
+class Page:
+    """What the page is about.
+
+    Attributes:
+        scene: The scene.
+        floor: Its floor.
+        summary: The batch summed up.
+        runs: Its runs.
+        drawn: The runs of each row as they are drawn.
+        drift: For each row the variance of its wheels, m, and its track, m.
+        origin: Where it comes from: names and values.
+        timelines: Further drawings of a row, by its name: what it shows and the SVG.
+    """
+
+    scene: Scene
+    floor: Map
+    summary: Summary
+    runs: Sequence[Kept]
+    drawn: Mapping[str, Sequence[Drawn]]
+    drift: Mapping[str, tuple[float, float]]
+    origin: Mapping[str, str]
+    timelines: Mapping[str, Sequence[tuple[str, str]]]
+
+
+def floor_hash(floor: Map) -> str:
+    """Return the floor's hash as the simulator tells it: 16 hex digits of BLAKE2b-64 over its JSON."""
+    return hashlib.blake2b(msgspec.json.encode(floor), digest_size=8).hexdigest()
+
+
+def render(page: Page) -> str:
+    """Return the page."""
+    title = page.scene.title or page.scene.name
+    seeds = len({run.seed for run in page.runs})
+    lead = f"{len(page.summary.lines)} rows, {seeds} seeds each, on the floor {page.floor.title or page.floor.name}."
+    parts = [
+        f"<h1>{escape(title)}</h1><p class=lead>{escape(lead)} Rows share their seeds. Everything is scored by where "
+        "the chair truly was, never by what it believed.</p>",
+        _results(page),
+        _comparisons(page),
+        _measures(page),
+        _died(page),
+        *(_row(page, line) for line in page.summary.lines if page.drawn.get(line.name)),
+        _origin(page),
+    ]
+    body = "\n".join(part for part in parts if part)
+    return (
+        f'<!doctype html>\n<html lang="en"><head><meta charset="utf-8"><title>{escape(title)}</title>'
+        f'<meta name="viewport" content="width=device-width,initial-scale=1"><style>{_STYLE}</style></head>'
+        f"<body>\n{body}\n</body></html>\n"
+    )
+
+
+def _results(page: Page) -> str:
+    heads = ("mode", "runs", "succeeded", "95 % interval", "runs with a collision", "contacts physical", "virtual")
+    rows = [
+        (
+            escape(line.title), str(line.runs),
+            f"<b>{_percent(line.succeeded, line.runs)}</b> <small>{line.succeeded}</small>",
+            f"{100 * line.interval.low:.0f} to {100 * line.interval.high:.0f} %", str(line.collided),
+            str(line.physical), str(line.virtual),
+        )
+        for line in page.summary.lines
+    ]  # fmt: skip
+    points = [(one.title, one.succeeded / one.runs if one.runs else 0.0, *one.interval) for one in page.summary.lines]
+    return (
+        "<h2>Results</h2><p>A run succeeds when the chair reaches its place and touches nothing where it "
+        "truly is. A contact counts where it begins; physical ones are of a chair of hardware with what is "
+        "really there, "
+        "virtual ones are within a simulation, where a chair of hardware is shown as it is reported. "
+        "Intervals are Wilson's.</p>" + _table(heads, rows) + f"<figure>{drawings.intervals(points)}</figure>"
+    )
+
+
+def _comparisons(page: Page) -> str:
+    if not page.summary.comparisons:
+        return ""
+    titles = {line.name: line.title for line in page.summary.lines}
+    margin = page.scene.experiment.margin if page.scene.experiment else 0.0
+    heads = (
+        "first, against second", "expected of the first", "difference", "95 % interval", "only first / only second",
+        "p", "equivalent", "found",
+    )  # fmt: skip
+    rows = [_comparison(one, titles) for one in page.summary.comparisons]
+    return (
+        "<h2>Comparisons</h2><p>Two rows are compared seed by seed. The difference is that of their success, first "
+        "less second, in percentage points, with Tango's score interval; p is of McNemar's exact test, two-sided, over "
+        f"the seeds that only one of the two succeeded with. Rows are equivalent when the difference is within "
+        f"{100 * margin:.0f} points at 5 % each way. What these runs cannot tell is said to be undecided.</p>"
+        + _table(heads, rows, words=2)
+    )
+
+
+def _comparison(one: Comparison, titles: Mapping[str, str]) -> tuple[str, ...]:
+    name = escape(titles[one.first]) + (f", against {escape(titles[one.second])}" if one.second else "")
+    style = {"as expected": "yes", "otherwise": "no", "undecided": "open"}.get(one.verdict, "")
+    expected = {"worse": "it is worse", "better": "it is better", "equivalent": "they are equivalent",
+                "collision-free": "it touches nothing"}.get(one.expect or "", "")  # fmt: skip
+    found = f'<span class="{style}">{one.verdict}</span>' if style else ""
+    paired = one.paired
+    if paired is None:
+        return name, expected, "", "", "", "", "", found
+    low, high = (100 * value for value in paired.interval)
+    return (
+        name, expected, f"{100 * paired.difference:+.0f}", f"{low:+.0f} to {high:+.0f}",
+        f"{paired.first_only} / {paired.second_only}", _p(paired.p), "yes" if paired.equivalent else "no", found,
+    )  # fmt: skip
+
+
+def _measures(page: Page) -> str:
+    heads = ("mode", *(name for name, _ in _MEASURES))
+    rows = []
+    for line in page.summary.lines:
+        clearance = _spread(line, "clearance", 2)
+        if clearance and (spread := line.spread.get("clearance")):
+            clearance += f" <small>({max(0.0, spread.least):.2f})</small>"
+        rows.append(
+            (
+                escape(line.title), f"{line.reached} / {line.runs}", _spread(line, "time", 1), _spread(line, "path", 2),
+                clearance, _spread(line, "spl", 2), _spread(line, "sparc", 2), _spread(line, "ldlj", 1),
+                _spread(line, "effort", 1), _spread(line, "odometry_error", 3),
+            )
+        )  # fmt: skip
+    told = "; ".join(f"<b>{name}</b>: {what}" for name, what in _MEASURES)
+    return f"<h2>Measures</h2><p>Medians, with the quartiles below. {told}.</p>" + _table(heads, rows)
+
+
+def _died(page: Page) -> str:
+    died = [run for run in page.runs if run.measured is None]
+    if not died:
+        return ""
+    told = "\n".join(f"{run.row}, seed {run.seed}: {run.died}" for run in died)
+    return f"<h2>Runs that came to no end</h2><p>They count nowhere above.</p><pre>{escape(told)}</pre>"
+
+
+def _row(page: Page, line: Line) -> str:
+    runs = page.drawn[line.name]
+    reach = next(iter(page.scene.end.reach), None) if page.scene.end else None
+    places = page.floor.grid.position if page.floor.grid else ()
+    place = next((one for one in places if reach and one.name == reach.place), None)
+    goal = (place.x, place.y, reach.within) if place and reach else None
+    drift = drawings.drift(runs, *page.drift.get(line.name, (0.0, 1.0)))
+    key = (
+        f'<span><i style="border-color:{drawings.TRUE}"></i>where it truly was</span>'
+        f'<span><i style="border-color:{drawings.REPORTED};border-top-style:dashed"></i>where it was reported</span>'
+        f'<span style="color:{drawings.HIT}"><b>&times;</b> contact</span>'
+    )
+    parts = [
+        f"<h2>{escape(line.title)}</h2><p>{_percent(line.succeeded, line.runs)} of {line.runs} runs succeeded, "
+        f"{line.collided} with a collision.</p>",
+        f"<figure><p class=key>{key}</p>{drawings.paths(page.floor, runs, goal)}</figure>",
+        f"<h3>Clearance and speed along the way</h3><p>Median and middle 80 % of the runs.</p>"
+        f"<figure>{drawings.along(runs)}</figure>",
+    ]
+    if drift:
+        parts.append(
+            "<h3>Drift of what is reported</h3><p>How far the reported place is from the true one. The band is what "
+            "independent errors of the two wheels alone explain on a straight way, sd = &radic;(2kL<sup>3</sup>/3)/b; "
+            f"what lies above it is systematic.</p><figure>{drift}</figure>"
+        )
+    parts += [f"<h3>{escape(what)}</h3><figure>{drawn}</figure>" for what, drawn in page.timelines.get(line.name, ())]
+    return "\n".join(parts)
+
+
+def _origin(page: Page) -> str:
+    told = "".join(f"<dt>{escape(name)}</dt><dd>{escape(value)}</dd>" for name, value in page.origin.items())
+    return f"<h2>Where this comes from</h2><dl>{told}</dl>"
+
+
+def _table(heads: Sequence[str], rows: Sequence[Sequence[str]], words: int = 1) -> str:
+    head = "".join(f"<th>{name}</th>" for name in heads)
+    lines = [
+        "".join(f"<td{' class=t' if at < words else ''}>{cell}</td>" for at, cell in enumerate(row)) for row in rows
+    ]
+    body = "".join(f"<tr>{line}</tr>" for line in lines)
+    return f"<div class=wide><table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table></div>"
+
+
+def _spread(line: Line, name: str, digits: int) -> str:
+    found = line.spread.get(name)
+    if found is None:
+        return ""
+    return f"{found.median:.{digits}f}<br><small>{found.low:.{digits}f} to {found.high:.{digits}f}</small>"
+
+
+def _percent(part: int, whole: int) -> str:
+    return f"{100 * part / whole:.0f} %" if whole else "no run"
+
+
+def _p(value: float) -> str:
+    return "&lt; 0.001" if value < 0.001 else f"{value:.3f}"

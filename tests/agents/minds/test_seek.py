@@ -1,0 +1,55 @@
+"""A chair gets to its place round what its sensors see, and tells where it thinks it is going."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+
+from intellwheels_agents.minds.seek import BACK, STUCK, Mind
+from intellwheels_agents.options import OptionError
+from intellwheels_maps import robot
+from tests.agents.arena import Arena
+from tests.agents.kinematics import Body, box, context, run
+
+NOISY = {"to": "goal", "MotorNoise": "0.015"}
+
+
+def test_chair_passes_both_blocks_of_the_corridor_without_touching() -> None:
+    arena = Arena("corridor15m")
+    arena.join("chair", "seek", "corridor-chair", "start", NOISY)
+    arena.run(60.0, until=lambda now: math.dist(now.paths["chair"][-1][:2], (15.0, 0.0)) < 0.3)
+    assert math.dist(arena.paths["chair"][-1][:2], (15.0, 0.0)) < 0.3
+    assert arena.contacts() == []
+
+
+def test_chair_goes_round_a_table_across_its_way() -> None:
+    arena = Arena("lounge")
+    arena.join("table", "table", "table", "table")
+    arena.join("chair", "seek", "corridor-chair", "start", {**NOISY, "Proximity.Z": "0.7"})
+    arena.run(60.0, until=lambda now: math.dist(now.paths["chair"][-1][:2], (7.6, 2.5)) < 0.4)
+    assert math.dist(arena.paths["chair"][-1][:2], (7.6, 2.5)) < 0.4
+    assert arena.contacts() == []
+
+
+def test_chair_that_is_there_stops_and_says_so() -> None:
+    body = Body(robot("corridor-chair"))
+    done = run(body, Mind(context(body.robot, to="goal1")), [], 25.0)
+    assert done[-1].mode == "arrived"
+    assert (done[-1].left_motor, done[-1].right_motor) == (0.0, 0.0)
+    assert done[0].goal is not None
+
+
+def test_chair_without_a_way_goes_back_after_a_while() -> None:
+    body = Body(robot("corridor-chair"))
+    # A pen: walls all round, nearer than the chair is long, but with room behind.
+    pen = [*box(0.9, -0.6, 1.0, 0.6), *box(-2.5, 0.5, 1.0, 0.6), *box(-2.5, -0.6, 1.0, -0.5)]
+    done = run(body, Mind(context(body.robot, to="goal1")), pen, STUCK + 10.0)
+    first = next(k for k, one in enumerate(done) if one.mode == "backing")
+    assert first * 0.05 >= STUCK
+    assert done[first + round(BACK / 0.05) + 1].mode == "autonomous"
+
+
+def test_place_must_be_told() -> None:
+    with pytest.raises(OptionError, match="option to: expected a place of the map, got none"):
+        Mind(context(robot("corridor-chair")))

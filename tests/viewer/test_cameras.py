@@ -1,0 +1,351 @@
+"""Where cameras stand: proven by projecting what they must show, and by a page that says things late, or nonsense."""
+
+from __future__ import annotations
+
+import math
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+from types import SimpleNamespace
+from typing import Any, cast
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from intellwheels_maps import library
+from intellwheels_schemas.messages import Map
+from intellwheels_viewer.cameras import (
+    FIRST_FOV,
+    FOV,
+    MARGIN,
+    PLAN_FOV,
+    SMALLEST,
+    STEEP,
+    TALLEST,
+    Camera,
+    Vector,
+    View,
+    behind,
+    corners_of,
+    first_person,
+    fit,
+    on_floor,
+    plan_of,
+    ray,
+)
+from tests.viewer.wire import entity
+
+EMPTY = Map(format="iw.v1", name="empty")
+
+
+def projected(points: Vector, view: View, aspect: float) -> Vector:
+    """Return where points are in the picture: right and up, each in [-1, 1] when they are in it; shape (n, 2)."""
+    ahead = (view.look_at - view.position) / np.linalg.norm(view.look_at - view.position)
+    right = np.cross(ahead, (0.0, 0.0, 1.0))
+    right /= np.linalg.norm(right)
+    above = np.cross(right, ahead)
+    away = points - view.position
+    depth = away @ ahead
+    assert (depth > 0).all()
+    tall = math.tan(view.fov / 2)
+    return np.column_stack([away @ right / depth / tall / aspect, away @ above / depth / tall])
+
+
+def box(x: float, y: float, length: float, width: float) -> Vector:
+    return np.array([(x + i * length, y + j * width, k * TALLEST) for i in (0, 1) for j in (0, 1) for k in (0, 1)])
+
+
+BOXES = st.builds(box, st.floats(-200, 200), st.floats(-200, 200), st.floats(SMALLEST, 300), st.floats(SMALLEST, 300))
+
+
+@settings(max_examples=200, deadline=None)
+@given(BOXES, st.floats(0.3, 1.5), st.floats(0.1, 1.3), st.floats(0.3, 3.0))
+def test_all_that_must_be_shown_is_in_the_picture_and_no_nearer_view_shows_it(
+    points: Vector, steep: float, fov: float, aspect: float
+) -> None:
+    view = fit(points, steep, fov, aspect)
+    spots = projected(points, view, aspect)
+    assert np.abs(spots).max() <= 1.0 - 2.0 * MARGIN + 1e-6
+    # Both sides of one axis touch the margin: nearer, one of them would be cut.
+    low, high = spots.min(axis=0), spots.max(axis=0)
+    assert np.minimum(-low, high).max() == pytest.approx(1.0 - 2.0 * MARGIN, abs=1e-6)
+    assert view.look_at[2] == pytest.approx(0.0, abs=1e-6)
+    assert view.fov == fov
+
+
+@pytest.mark.parametrize("name", ["room", "ward"])
+@pytest.mark.parametrize("aspect", [0.5, 0.9, 1.6, 2.4])
+def test_the_first_view_shows_a_floor_whole_whatever_the_panels_leave(name: str, aspect: float) -> None:
+    corners = corners_of(library.floor(name))
+    for view in (fit(corners, STEEP, FOV, aspect), plan_of(corners, aspect)):
+        assert np.abs(projected(corners * (1, 1, view.fov != PLAN_FOV), view, aspect)).max() < 1.0
+
+
+def test_the_corners_are_those_of_walls_and_all_else_from_the_floor_to_the_tallest_name() -> None:
+    floor = library.floor("room")
+    corners = corners_of(floor)
+    xs = [corner.x for wall in floor.wall for corner in wall.corner]
+    assert corners.shape == (8, 3)
+    assert corners[:, 0].min() <= min(xs)
+    assert corners[:, 0].max() >= max(xs)
+    assert set(corners[:, 2]) == {0.0, TALLEST}
+
+
+@pytest.mark.parametrize("aspect", [0.5, 1.6])
+def test_a_floor_with_nothing_on_it_has_a_view(aspect: float) -> None:
+    from intellwheels_schemas.messages import Corner, Wall
+
+    dot = Map(format="iw.v1", name="dot", wall=(Wall(thickness=0.1, corner=(Corner(x=3.0, y=4.0),) * 2),))
+    for floor in (EMPTY, dot):
+        corners = corners_of(floor)
+        assert np.ptp(corners[:, 0]) >= SMALLEST
+        for view in (fit(corners, STEEP, FOV, aspect), plan_of(corners, aspect)):
+            assert np.isfinite(np.concatenate([view.position, view.look_at])).all()
+            assert np.linalg.norm(view.position - view.look_at) > 1.0
+
+
+def test_the_plan_is_from_above_and_north_is_up() -> None:
+    view = plan_of(corners_of(library.floor("room")), 1.6)
+    down = (view.look_at - view.position) / np.linalg.norm(view.look_at - view.position)
+    assert down[2] < -0.999
+    spots = projected(np.array([(0.0, 0.0, 0.0), (0.0, 1.0, 0.0), (1.0, 0.0, 0.0)]), view, 1.6)
+    assert spots[1][1] > spots[0][1]
+    assert spots[2][0] > spots[0][0]
+
+
+def test_who_sits_looks_ahead_from_the_height_of_the_head() -> None:
+    view = first_person(entity("a", 2.0, 3.0, heading=math.pi / 2))
+    assert view.position == pytest.approx((2.0, 3.05, 1.2))
+    assert view.look_at[1] > 5.0
+    assert view.fov == FIRST_FOV
+
+
+def test_following_begins_behind_and_above() -> None:
+    view = behind(entity("a", 2.0, 3.0, heading=0.0))
+    assert view.position[0] < 2.0
+    assert view.position[2] > view.look_at[2]
+
+
+# ---------------------------------------------------------------- rays
+
+
+def test_a_ray_meets_the_floor_where_it_points() -> None:
+    assert on_floor((1.0, 2.0, 4.0), (1.0, 0.0, -2.0)) == pytest.approx((3.0, 2.0))
+
+
+@pytest.mark.parametrize(
+    ("origin", "direction"),
+    [
+        ((0, 0, 1), (1, 0, 0)), ((0, 0, 1), (0, 0, 1)), ((0, 0, -1), (0, 0, -1)), ((0, 0, 1), (1, 0, -1e-7)),
+        ((0, 0, 1), (math.nan, 0, -1)), ((0, 0, 1), (0, math.nan, -1)), ((0, 0, 1), (0, 0, math.nan)),
+        ((math.inf, 0, 1), (0, 0, -1)), ((0, 0, math.nan), (0, 0, -1)), ((0, 0, math.inf), (0, 0, -1)),
+        ((5, 0, 1), (0, math.inf, -1)),
+    ],
+)  # fmt: skip
+def test_a_ray_that_meets_no_floor_meets_nothing(origin: tuple[float, ...], direction: tuple[float, ...]) -> None:
+    assert on_floor(origin, direction) is None
+
+
+def test_the_line_of_sight_through_a_projected_point_meets_it() -> None:
+    camera = Fake().camera
+    points = np.array([(2.0, 1.0, 0.0), (-1.0, 0.5, 0.0)])
+    view = View(np.array(camera.position), np.array(camera.look_at), camera.fov)
+    for point, (right, up) in zip(points, projected(points, view, camera.aspect), strict=True):
+        assert on_floor(*ray(cast(Any, camera), right, up)) == pytest.approx(tuple(point[:2]), abs=1e-9)
+
+
+# ---------------------------------------------------------------- a browser's camera
+
+
+class Fake:
+    """A browser: it keeps what it is told as a page does, and reports it when asked to."""
+
+    def __init__(self, *, width: int = 1280, height: int = 800) -> None:
+        self.calls: list[Any] = []
+        self.camera: Any = SimpleNamespace(
+            position=(4.0, -6.0, 5.0), look_at=(0.0, 0.0, 0.0), up_direction=(0.0, 0.0, 1.0), fov=0.8, near=0.1,
+            far=1000.0, image_width=width, image_height=height, aspect=width / max(height, 1),
+            on_update=self._hear,
+        )  # fmt: skip
+
+    def _hear(self, call: Any) -> Any:
+        self.calls.append(call)
+        return call
+
+    @contextmanager
+    def atomic(self) -> Iterator[None]:
+        yield
+
+    def report(self, **changes: Any) -> None:
+        """The page says where its camera is."""
+        import asyncio
+
+        for name, value in changes.items():
+            setattr(self.camera, name, value)
+        for call in self.calls:
+            asyncio.run(call(self.camera))
+
+    def resize(self, width: int, height: int) -> None:
+        self.report(image_width=width, image_height=height, aspect=width / max(height, 1))
+
+
+@pytest.fixture
+def client() -> Fake:
+    return Fake()
+
+
+@pytest.fixture
+def camera(client: Fake) -> Camera:
+    made = Camera(cast(Any, client))
+    client.report()  # the page's first word: its window
+    return made
+
+
+ROOM = library.floor("room")
+
+
+def shows(client: Fake, floor: Map = ROOM) -> bool:
+    view = View(np.array(client.camera.position), np.array(client.camera.look_at), client.camera.fov)
+    return bool(np.abs(projected(corners_of(floor), view, client.camera.aspect)).max() < 1.0)
+
+
+def test_another_floor_is_shown_whole(client: Fake, camera: Camera) -> None:
+    camera.frame(ROOM)
+    assert shows(client)
+    camera.frame(library.floor("ward"))
+    assert shows(client, library.floor("ward"))
+
+
+def test_the_view_is_fitted_again_when_panels_dock_and_nobody_moved_it(client: Fake, camera: Camera) -> None:
+    camera.frame(ROOM)
+    client.resize(500, 900)
+    assert shows(client)
+
+
+def test_who_has_moved_the_view_keeps_it(client: Fake, camera: Camera) -> None:
+    camera.frame(ROOM)
+    client.report()  # the echo of ours
+    client.report(position=(1.0, 1.0, 1.0))
+    client.resize(500, 900)
+    assert tuple(client.camera.position) == (1.0, 1.0, 1.0)
+
+
+def test_late_echoes_are_no_moves_of_the_user(client: Fake, camera: Camera) -> None:
+    camera.frame(ROOM)
+    first = client.camera.position
+    client.report()
+    camera.frame(library.floor("ward"))
+    client.report(position=np.asarray(first, np.float32))
+    client.resize(500, 900)
+    client.report(look_at=client.camera.look_at)
+    assert shows(client, library.floor("ward"))
+
+
+def test_following_goes_along_and_keeps_the_users_orbit(client: Fake, camera: Camera) -> None:
+    camera.choose("follow", entity("a"))
+    client.report()
+    around = np.array(client.camera.look_at) + np.array([0.0, 5.0, 5.0])
+    client.report(position=tuple(around))
+    camera.follow(entity("a", 3.0))
+    assert np.array(client.camera.position) - np.array(client.camera.look_at) == pytest.approx((0.0, 5.0, 5.0))
+    assert client.camera.look_at[0] == pytest.approx(3.0)
+
+
+def test_following_what_stands_writes_nothing(client: Fake, camera: Camera) -> None:
+    camera.choose("follow", entity("a"))
+    client.camera.position = "untouched"
+    camera.follow(entity("a"))
+    assert client.camera.position == "untouched"
+
+
+def test_first_person_sits_in_the_chair(client: Fake, camera: Camera) -> None:
+    camera.choose("first", entity("a", 2.0, heading=0.0))
+    camera.follow(entity("a", 4.0, heading=0.0))
+    assert client.camera.position[0] == pytest.approx(4.05)
+    assert client.camera.fov == FIRST_FOV
+
+
+def test_nobody_can_be_followed_but_somebody(camera: Camera) -> None:
+    camera.choose("follow", None)
+    assert camera.mode == "free"
+    camera.choose("first", None)
+    assert camera.mode == "free"
+    camera.choose("plan", None)
+    assert str(camera.mode) == "plan"
+
+
+def test_an_orbit_of_the_plan_is_no_plan_any_more(client: Fake, camera: Camera) -> None:
+    camera.frame(ROOM)
+    camera.choose("plan", None)
+    assert client.camera.fov == PLAN_FOV
+    client.report()
+    client.report(position=tuple(np.array(client.camera.position) + np.array([100.0, 0.0, 0.0])))
+    assert camera.mode == "free"
+    assert client.camera.fov == FOV
+
+
+def test_the_far_plane_is_behind_the_floor_however_large_it_is(client: Fake, camera: Camera) -> None:
+    from intellwheels_schemas.messages import Corner, Wall
+
+    line = (Corner(x=-900.0, y=0.0), Corner(x=900.0, y=0.0))
+    camera.frame(Map(format="iw.v1", name="long", wall=(Wall(thickness=0.1, corner=line),)))
+    camera.choose("plan", None)
+    away = np.linalg.norm(np.array(client.camera.position) - np.array(client.camera.look_at))
+    assert client.camera.far > away
+
+
+@pytest.mark.parametrize(
+    "nonsense",
+    [
+        {"position": (math.nan, 0.0, 0.0)}, {"look_at": (math.inf, 0.0, 0.0)},
+        {"image_height": 0, "aspect": math.inf}, {"position": (0.0, 0.0, 0.0), "look_at": (0.0, 0.0, 0.0)},
+    ],
+)  # fmt: skip
+def test_what_is_no_camera_is_not_believed(client: Fake, camera: Camera, nonsense: dict[str, Any]) -> None:
+    camera.frame(ROOM)
+    client.report()
+    before = dict(vars(client.camera))
+    client.report(**nonsense)
+    vars(client.camera).update(before)
+    client.report()
+    camera.frame(ROOM)
+    assert shows(client)
+
+
+def test_a_camera_that_cannot_be_set_is_left(client: Fake) -> None:
+    class Stubborn:
+        on_update = staticmethod(lambda call: call)
+
+        def __setattr__(self, name: str, value: object) -> None:
+            raise ValueError("Camera look_at must be finite")
+
+    client.camera = Stubborn()
+    camera = Camera(cast(Any, client))
+    camera.frame(ROOM)
+    camera.choose("first", entity("a"))
+    camera.follow(entity("a", 1.0))
+
+
+def test_a_mode_that_changes_while_it_is_drawn_stops_nothing(camera: Camera) -> None:
+    faults: list[Exception] = []
+    done = threading.Event()
+
+    def draw() -> None:
+        x = 0.0
+        while not done.is_set():
+            x += 0.1
+            try:
+                camera.follow(entity("a", x))
+            except Exception as fault:
+                faults.append(fault)
+
+    drawing = threading.Thread(target=draw)
+    drawing.start()
+    for _ in range(400):
+        for mode in ("follow", "first", "free", "plan"):
+            camera.choose(cast(Any, mode), entity("a"))
+    done.set()
+    drawing.join(10.0)
+    assert faults == []

@@ -1,0 +1,82 @@
+"""The command: what it takes, what it says, how it ends."""
+
+from __future__ import annotations
+
+import signal
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from intellwheels_experiments.processes import free_port
+from intellwheels_viewer.__main__ import main, parser
+from tests.e2e.stage import Stage, run
+
+
+def test_the_defaults_are_this_machine_only() -> None:
+    given = parser().parse_args([])
+    assert (given.host, given.port, given.dark, given.allow_host) == ("127.0.0.1", 8080, False, [])
+    assert given.world is None  # the only one there is
+
+
+def test_options_may_be_repeated_where_that_makes_sense() -> None:
+    given = parser().parse_args(["--allow-host", "a", "--allow-host", "b", "--port", "0", "--world", "lab"])
+    assert given.allow_host == ["a", "b"]
+    assert (given.port, given.world) == (0, "lab")
+
+
+@pytest.mark.parametrize("port", ["-1", "65536", "x", "1.5", "", "²"])
+def test_what_is_no_port_is_wrong_usage(port: str, capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit) as ended:
+        parser().parse_args([f"--port={port}"])
+    assert ended.value.code == 2
+    assert "expected a port, 0 to 65535, got" in capsys.readouterr().err
+
+
+def test_a_world_that_is_no_name_is_wrong_usage(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["--world", "No Name"]) == 2
+    err = capsys.readouterr().err
+    assert err.startswith("iw-viewer: --world: expected")
+    assert "Traceback" not in err
+
+
+def test_help_comes_without_what_takes_long_to_import() -> None:
+    code = (
+        "import sys\nfrom intellwheels_viewer.__main__ import main\n"
+        "try:\n    main(['--help'])\nexcept SystemExit:\n    pass\n"
+        "print(sorted({'viser', 'numpy'} & set(sys.modules)))"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60, check=True)
+    assert "--allow-host" in done.stdout
+    assert done.stdout.splitlines()[-1] == "[]"
+
+
+def test_it_says_where_the_page_is_and_ends_when_told(tmp_path: Path) -> None:
+    with Stage(tmp_path, "viewer-main") as stage:
+        stage.start("viewer", "intellwheels_viewer", "--port", "0", "--connect", stage.endpoint)
+        url = stage.line("viewer", "ready")["url"]
+        assert url.startswith("http://127.0.0.1:")
+        stage.signal("viewer", signal.SIGTERM)
+        assert stage.exit("viewer") == 0
+        assert "Traceback" not in stage.log("viewer")
+
+
+def test_a_port_that_is_taken_ends_it_in_words() -> None:
+    import socket
+
+    with socket.socket() as holder:
+        holder.bind(("127.0.0.1", 0))
+        holder.listen()
+        done = run("intellwheels_viewer", "--port", str(holder.getsockname()[1]))
+    assert done.returncode == 1
+    assert "it is taken" in done.stderr
+    assert "--port" in done.stderr
+    assert "Traceback" not in done.stderr
+
+
+def test_an_endpoint_that_is_none_ends_it_in_words() -> None:
+    done = run("intellwheels_viewer", "--port", str(free_port()), "--connect", "nonsense")
+    assert done.returncode == 1
+    assert "iw-viewer: link: expected" in done.stderr
+    assert "Traceback" not in done.stderr
