@@ -28,6 +28,8 @@ from tests.viewer.panels.board import CHROMIUM, browser
 pytestmark = pytest.mark.browser
 
 PLACES = {"chair1": (1.2, 2.6, 0.0), "chair2": (7.6, 6.8, math.pi)}
+HIDDEN = ("/wedges", "/labels/chair1")
+"""What one of two browsers hides: a layer, and a thing of another."""
 HOME = 1e-6
 """Metres by which a body that was put back may be elsewhere."""
 CONNECTED = 40.0
@@ -178,16 +180,17 @@ def test_two_browsers_look_each_in_its_own_way(
         other.page.keyboard.press("p")
         other.wait(lambda: abs(other.camera()[1] - free[1]) > 10 or None, "the plan's camera")
         other.tab("Layers")
-        other.page.get_by_label("Sensors").uncheck()
+        for layer in ("Sensors", "Names, speech"):
+            other.page.get_by_label(layer, exact=True).uncheck()
 
-        def visible(one: Screen) -> bool:
-            node = "window.__viserSceneTree.getState()['/wedges']"
-            return bool(one.page.evaluate(f"{node}.effectiveVisibility"))
+        def visible(one: Screen, node: str) -> bool:
+            return bool(one.page.evaluate(f"window.__viserSceneTree.getState()['{node}'].effectiveVisibility"))
 
-        other.wait(lambda: not visible(other) or None, "hidden wedges")
+        for node in HIDDEN:
+            other.wait(lambda node=node: not visible(other, node) or None, f"hidden {node}")  # type: ignore[misc]
         other.select("chair2")
         shown(screen, peer)
-        assert visible(screen)
+        assert all(visible(screen, node) for node in HIDDEN)
         assert screen.camera() == free
         assert screen.page.query_selector("tr.chosen") is None
 

@@ -124,7 +124,7 @@ def tour(album: Album, screen: Screen, prefix: str, *, brief: bool) -> None:
     screen.page.get_by_label("Full walls").check()
     screen.page.wait_for_timeout(500)
     shoot("layers-full-walls")
-    for label in ("Full walls", "Sensors", "Trails", "Names", "Speech", "Goals", "Plan"):
+    for label in ("Full walls", "Sensors", "Trails", "Names, speech", "Goals", "Plan"):
         screen.page.get_by_label(label, exact=True).uncheck()
     screen.page.wait_for_timeout(500)
     shoot("layers-off")

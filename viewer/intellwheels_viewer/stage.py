@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from intellwheels_viewer.seen import Seen
 
 LAYERS: Final = {
-    "wedges": "/wedges", "lidar": "/lidar", "trails": "/trails", "labels": "/labels/names", "says": "/labels/bubbles",
+    "wedges": "/wedges", "lidar": "/lidar", "trails": "/trails", "labels": "/labels",
     "goals": "/goals",
 }  # fmt: skip
 """The node of each layer that a browser may hide."""

@@ -22,8 +22,7 @@ class Layers:
         wedges: What the proximity sensors see.
         lidar: Points of lidars.
         trails: The way behind each agent.
-        labels: Names and speeds.
-        says: Bubbles of what is said.
+        labels: Names and speeds, and what is said: one label each.
         goals: Where agents want to be.
         plan: The small plan in the panel.
     """
@@ -33,7 +32,6 @@ class Layers:
     lidar: bool = True
     trails: bool = True
     labels: bool = True
-    says: bool = True
     goals: bool = True
     plan: bool = True
 
@@ -60,8 +58,7 @@ LABELS: Final = {
     "wedges": "Sensors",
     "lidar": "Lidar",
     "trails": "Trails",
-    "labels": "Names",
-    "says": "Speech",
+    "labels": "Names, speech",
     "goals": "Goals",
     "plan": "Plan",
 }
