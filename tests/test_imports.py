@@ -66,7 +66,7 @@ COMMANDS = {
     "intellwheels_schemas.present", "intellwheels_server.router", "intellwheels_experiments.check.__main__",
     "intellwheels_agents.joystick.__main__", "intellwheels_agents.bridge.__main__", "intellwheels_experiments.rig",
 }  # fmt: skip
-"""Commands that are files of their own, and the rig, which does a command's work for a test."""
+"""Commands that are files of their own; the rig and the stand, which do a command's work for a test and for a batch."""
 
 
 @pytest.mark.parametrize(("package", "path"), FILES, ids=[str(path.relative_to(ROOT)) for _, path in FILES])

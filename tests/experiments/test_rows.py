@@ -28,7 +28,8 @@ def test_level_puts_its_cast_in_the_place_of_the_scenes_and_gives_it_options() -
     assert rows["real-manual"].real
     given = {one.name: one.value for one in rows["real-autonomous"].scene.cast[0].option}
     assert given == {
-        "MotorNoise": "0.015", "to": "goal", "Proximity.Model": "sonar", "WheelRatio": "1.002", "Encoders.Drift": "0.00001",
+        "MotorNoise": "0.015", "to": "goal", "Proximity.Model": "sonar", "WheelRatio": "1.002",
+        "Encoders.Drift": "0.00001",
     }  # fmt: skip
     assert set(rows["augmented-raw"].bridges) == {"chair"}
 
