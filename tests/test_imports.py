@@ -65,6 +65,7 @@ FILES = list(sources())
 COMMANDS = {
     "intellwheels_schemas.present", "intellwheels_server.router", "intellwheels_experiments.check.__main__",
     "intellwheels_agents.joystick.__main__", "intellwheels_agents.bridge.__main__", "intellwheels_experiments.rig",
+    "intellwheels_experiments.stand",
 }  # fmt: skip
 """Commands that are files of their own; the rig and the stand, which do a command's work for a test and for a batch."""
 

@@ -69,7 +69,8 @@ def shortest_way(floor: Map, start: tuple[float, float], goal: tuple[float, floa
     lengths = np.hypot(*(ends[:, 1] - ends[:, 0]).T)
     rows, columns = np.array(pairs).T
     graph: Any = csr_array((lengths[free], (rows[free], columns[free])), shape=(len(points), len(points)))
-    return float(dijkstra(graph, directed=False, indices=0)[1])
+    found: Any = dijkstra(graph, directed=False, indices=[0])
+    return float(found[0, 1])
 
 
 def half_width(robot: Robot) -> float:

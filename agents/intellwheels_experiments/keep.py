@@ -99,15 +99,15 @@ def _write_course(place: Path, course: Course) -> None:
     rows = [(one.tick, one.agent, one.other, one.x, one.y, one.speed) for one in course.contacts]
     (place / "contacts.csv").write_text(_csv([("tick", *heads[1:]), *rows]))
     if course.others:
-        heads = tuple(f"{name}_{what}" for name in course.others for what in ("x", "y", "heading"))
+        columns = [f"{name}_{what}" for name in course.others for what in ("x", "y", "heading")]
         values = np.column_stack([course.times, *course.others.values()])
         lines = [[f"{value:.6g}" for value in line] for line in values]
-        (place / "bodies.csv").write_text(_csv([("time", *heads), *lines]))
+        (place / "bodies.csv").write_text(_csv([("time", *columns), *lines]))
     error = np.full((len(course.times), 2), math.nan)
     if course.reported is not None:
         error = course.reported[:, :2] - course.true[:, :2]
-    columns = zip(course.times, course.clearance, course.speed, *error.T, strict=True)
-    lines = [[f"{value:.6g}" for value in line] for line in columns]
+    series = zip(course.times, course.clearance, course.speed, *error.T, strict=True)
+    lines = [[f"{value:.6g}" for value in line] for line in series]
     (place / "along.csv").write_text(_csv([("time", "clearance", "speed", "error_x", "error_y"), *lines]))
 
 
