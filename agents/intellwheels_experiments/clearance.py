@@ -68,10 +68,9 @@ def shortest_way(floor: Map, start: tuple[float, float], goal: tuple[float, floa
     free = ~shapely.intersects(inner, shapely.linestrings(ends))
     lengths = np.hypot(*(ends[:, 1] - ends[:, 0]).T)
     rows, columns = np.array(pairs).T
-    graph = csr_array((lengths[free], (rows[free], columns[free])), shape=(len(points), len(points)))
-    # The stubs know sparse matrices only by another of their names.
-    shortest: Any = dijkstra
-    return float(shortest(graph, directed=False, indices=0)[1])
+    graph: Any = csr_array((lengths[free], (rows[free], columns[free])), shape=(len(points), len(points)))
+    found: Any = dijkstra(graph, directed=False, indices=[0])
+    return float(found[0, 1])
 
 
 def half_width(robot: Robot) -> float:

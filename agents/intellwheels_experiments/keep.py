@@ -106,8 +106,8 @@ def _write_course(place: Path, course: Course) -> None:
     error = np.full((len(course.times), 2), math.nan)
     if course.reported is not None:
         error = course.reported[:, :2] - course.true[:, :2]
-    columns = zip(course.times, course.clearance, course.speed, *error.T, strict=True)
-    lines = [[f"{value:.6g}" for value in line] for line in columns]
+    series = zip(course.times, course.clearance, course.speed, *error.T, strict=True)
+    lines = [[f"{value:.6g}" for value in line] for line in series]
     (place / "along.csv").write_text(_csv([("time", "clearance", "speed", "error_x", "error_y"), *lines]))
 
 

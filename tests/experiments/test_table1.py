@@ -1,0 +1,58 @@
+"""What the paper found, as hypotheses on the runs that are kept beside this file: `iw-run table1 --seeds 40 --jobs 2`.
+
+Nothing in the scene is tuned to the paper's table. Where these runs say otherwise than the paper, or decide nothing, that
+is what is written here, and the report says it too.
+"""
+
+from __future__ import annotations
+
+import csv
+from pathlib import Path
+
+import msgspec
+import pytest
+
+from intellwheels_experiments.statistics import compare
+from intellwheels_experiments.summary import Summary
+
+KEPT = Path(__file__).parent / "table1"
+ROWS = (
+    "real-manual", "virtual-manual", "real-autonomous", "virtual-autonomous", "augmented-raw", "augmented-calibrated",
+    "augmented-corrected",
+)  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def rows() -> dict[str, list[dict[str, str]]]:
+    with (KEPT / "batch.csv").open() as file:
+        lines = list(csv.DictReader(file))
+    return {row: [line for line in lines if line["row"] == row] for row in ROWS}
+
+
+def succeeded(lines: list[dict[str, str]]) -> list[bool]:
+    return [line["success"] == "yes" for line in lines]
+
+
+def test_every_row_has_its_forty_runs_and_none_died(rows: dict[str, list[dict[str, str]]]) -> None:
+    assert [len(lines) for lines in rows.values()] == [40] * len(ROWS)
+    assert all(line["died"] == "no" for lines in rows.values() for line in lines)
+
+
+@pytest.mark.parametrize("row", ["real-manual", "virtual-manual", "virtual-autonomous"])
+def test_runs_by_hand_and_virtual_ones_touch_nothing(rows: dict[str, list[dict[str, str]]], row: str) -> None:
+    assert all(line["collided"] == "no" for line in rows[row])
+
+
+def test_real_chair_by_itself_is_worse_than_a_virtual_one(rows: dict[str, list[dict[str, str]]]) -> None:
+    found = compare(succeeded(rows["real-autonomous"]), succeeded(rows["virtual-autonomous"]))
+    assert found.difference < 0.0
+    assert found.p < 0.05
+
+
+def test_report_is_kept_with_the_same_figures(rows: dict[str, list[dict[str, str]]]) -> None:
+    summary = msgspec.json.decode((KEPT / "summary.json").read_bytes(), type=Summary)
+    assert {line.name: line.succeeded for line in summary.lines} == {
+        row: sum(succeeded(lines)) for row, lines in rows.items()
+    }
+    report = (KEPT / "report.html").read_text()
+    assert all(line.title in report for line in summary.lines)
