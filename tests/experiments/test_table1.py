@@ -1,7 +1,7 @@
 """What the paper found, as hypotheses on the runs that are kept beside this file: `iw-run table1 --seeds 40 --jobs 2`.
 
-Nothing in the scene is tuned to the paper's table. Where these runs say otherwise than the paper, or decide nothing, that
-is what is written here, and the report says it too.
+Nothing in the scene is tuned to the paper's table. Where these runs say otherwise than the paper, or decide nothing,
+that is what is written here, and the report says it too.
 """
 
 from __future__ import annotations
