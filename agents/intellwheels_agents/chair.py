@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import math
 
-from intellwheels_schemas.messages import Position, Robot, Sensors
+from intellwheels_schemas.messages import OdometryReading, Position, Robot, Sensors
 
 
 def wrapped(angle: float) -> float:
@@ -61,14 +61,22 @@ class Odometry:
         self.y = start.y
         self.heading = wrapped(start.heading)
         self.turned = 0.0
+        self._start = start
         self._compass_share = compass_share
         self._track = robot.track
         self._metres_per_tick = math.pi * robot.wheel_diameter / robot.encoder_ticks
         self._last: tuple[int, int] | None = None
 
     def update(self, sensors: Sensors | None) -> None:
-        """Take the readings of a tick; those that are absent change nothing."""
+        """Take the readings of a tick; those that are absent change nothing.
+
+        A body with an odometry sensor is told its pose since it joined: of a real chair that is what its bridge
+        reports, calibrated or corrected, which this chair's own counts are not.
+        """
         if sensors is None:
+            return
+        if sensors.odometry:
+            self._take_told(sensors.odometry[0])
             return
         if sensors.encoders:
             reading = sensors.encoders[0]
@@ -82,6 +90,15 @@ class Odometry:
             value = sensors.compass[0].value
             if value is not None:
                 self.heading = wrapped(self.heading + self._compass_share * wrapped(value - self.heading))
+
+    def _take_told(self, told: OdometryReading) -> None:
+        """Take a pose since joining."""
+        start = self._start
+        c, s = math.cos(start.heading), math.sin(start.heading)
+        heading = wrapped(start.heading + told.heading)
+        self.turned += wrapped(heading - self.heading)
+        self.x, self.y = start.x + c * told.x - s * told.y, start.y + s * told.x + c * told.y
+        self.heading = heading
 
     def _move(self, left: float, right: float) -> None:
         """Advance along the arc both wheels rolled, in metres."""

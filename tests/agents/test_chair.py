@@ -8,7 +8,7 @@ import pytest
 
 from intellwheels_agents.chair import Odometry, powers, wrapped
 from intellwheels_maps import robot
-from intellwheels_schemas.messages import Actions, CompassReading, EncodersReading, Position, Sensors
+from intellwheels_schemas.messages import Actions, CompassReading, EncodersReading, OdometryReading, Position, Sensors
 from tests.agents.kinematics import Body
 
 CHAIR = robot("intellwheels")
@@ -60,3 +60,12 @@ def test_a_compass_takes_drift_away_across_the_seam_of_the_angle() -> None:
 )
 def test_headings_are_above_minus_pi_and_up_to_pi(angle: float, same: float) -> None:
     assert wrapped(angle) == pytest.approx(same)
+
+
+def test_pose_that_an_odometry_sensor_tells_counts_and_the_wheels_do_not() -> None:
+    chair = robot("corridor-chair")
+    pose = Odometry(chair, Position(x=1.0, y=2.0, heading=math.pi / 2.0))
+    wheels = (EncodersReading(id="wheels", left=500, right=500),)
+    pose.update(Sensors(encoders=wheels, odometry=(OdometryReading(id="pose", x=3.0, y=0.5, heading=0.1),)))
+    assert (pose.x, pose.y, pose.heading) == pytest.approx((0.5, 5.0, math.pi / 2.0 + 0.1))
+    assert pose.turned == pytest.approx(0.1)

@@ -9,6 +9,7 @@ import pytest
 from scipy import integrate
 
 from intellwheels_experiments import metrics
+from intellwheels_experiments.trace import rolled
 
 RATES = (20.0, 50.0, 100.0)
 
@@ -114,3 +115,17 @@ def test_drift_band_is_what_independent_errors_of_the_wheels_add_up_to() -> None
     of_heading, of_aside = metrics.drift_band(np.array([steps * step]), variance, track)
     assert heading[:, -1].std() == pytest.approx(of_heading[0], rel=0.05)
     assert aside.std() == pytest.approx(of_aside[0], rel=0.05)
+
+
+@pytest.mark.parametrize(("ratio", "track_ratio"), [(1.002, 1.005), (0.997, 0.99), (1.0, 1.01), (1.003, 1.0)])
+def test_squares_give_the_wheel_figures_back(ratio: float, track_ratio: float) -> None:
+    track, side = 0.572, 4.0
+    scale = np.array([2.0 / (1.0 + ratio), 2.0 * ratio / (1.0 + ratio)])
+    ends = []
+    for hand in (1.0, -1.0):
+        turn = hand * math.pi / 2.0 * track / 2.0
+        ways = np.array([[side, side], [-turn, turn]] * 4)
+        ends.append(rolled(np.zeros(3), ways * scale, track * track_ratio)[-1:, :2])
+    found = metrics.umbmark(*ends, side, track)
+    # Its own linearisation errs by less than 1e-3 up to these figures.
+    assert found == pytest.approx((ratio, track_ratio), abs=1e-3)
