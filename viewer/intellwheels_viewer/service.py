@@ -74,7 +74,10 @@ class Viewer:
         self._stop, self._link = stop, link
         self.server = open_server(options.host, options.port, options.allowed)
         self.server.gui.configure_theme(
-            show_logo=False, show_share_button=False, dark_mode=options.dark, brand_color=(0, 90, 158)
+            show_logo=False,
+            show_share_button=False,
+            dark_mode=options.dark,
+            brand_color=(45, 135, 210) if options.dark else (0, 90, 158),
         )
         self.server.gui.set_panel_label("IntellWheels")
         self._stage = Stage(self.server, dark=options.dark)
