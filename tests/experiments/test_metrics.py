@@ -126,6 +126,6 @@ def test_squares_give_the_wheel_figures_back(ratio: float, track_ratio: float) -
         turn = hand * math.pi / 2.0 * track / 2.0
         ways = np.array([[side, side], [-turn, turn]] * 4)
         ends.append(rolled(np.zeros(3), ways * scale, track * track_ratio)[-1:, :2])
-    found = metrics.umbmark(*ends, side, track)
+    found = metrics.umbmark(ends[0], ends[1], side, track)
     # Its own linearisation errs by less than 1e-3 up to these figures.
     assert found == pytest.approx((ratio, track_ratio), abs=1e-3)
