@@ -26,7 +26,9 @@ def test_help_shows_examples_and_the_minds() -> None:
     shown = iw_agent("--help")
     assert shown.returncode == 0
     assert "iw-agent waypoints --name chair1" in shown.stdout
-    assert "aided, avoid, door, drive, follow, joystick, table, waypoints" in " ".join(shown.stdout.split())
+    assert "aided, avoid, car, door, drive, driver, follow, joystick, person, seek, table, waypoints" in " ".join(
+        shown.stdout.split()
+    )
 
 
 @pytest.mark.parametrize(
@@ -34,7 +36,8 @@ def test_help_shows_examples_and_the_minds() -> None:
     [
         (
             ["dance"],
-            "mind: expected one of aided, avoid, door, drive, follow, joystick, table, waypoints or a Python file",
+            "mind: expected one of aided, avoid, car, door, drive, driver, follow, joystick, person, seek, table, "
+            "waypoints or a Python file",
         ),
         (["drive", "--name", "Chair 1"], "--name: expected a name"),
         (["drive", "--option", "speed"], "--option: expected NAME=VALUE, got 'speed'"),

@@ -36,7 +36,7 @@ def test_only_the_asked_for_are_shown() -> None:
 def test_points_are_sent_exactly_and_hidden_when_there_are_none(scene: viser.SceneApi) -> None:
     shown = Lidars(scene)
     shown.show({"a": CHAIR}, [entity("a")], SEEN, {"a"})
-    handle = node(scene, "/lidar")
+    handle = node(scene, "/lidar/points")
     assert handle.points.dtype == np.float32
     assert handle.points[1] == pytest.approx([0.5, 23.456, 0.3], abs=1e-5)
     shown.show({"a": CHAIR}, [entity("a")], {}, {"a"})
