@@ -125,7 +125,9 @@ def measured(
     movement = course.speed[metrics.moving(course.speed, rate)]
     wanted, done = _wish(shown)
     taken = sum(event.code == "taken" and event.agent == subject for event in trace.events)
-    off = course.reported[-1] - course.true[-1] if course.reported is not None else np.full(3, math.nan)
+    # The image of the last tick may not have been made any more.
+    last = -1 if image is None else -2
+    off = course.reported[last] - course.true[last] if course.reported is not None else np.full(3, math.nan)
     return (
         Measured(
             success=success,
@@ -172,8 +174,12 @@ def _course(trace: Trace, floor: Map, subject: str, shown: list[Shown], robot: R
 
 
 def _image(image: Trace, subject: str, ticks: int) -> Floats:
-    """Return where a chair was shown at each tick of its laboratory; where the image ends earlier, its last place."""
-    poses = image.poses(subject)[:ticks]
+    """Return where a chair was shown at each tick of its laboratory.
+
+    The laboratory's last tick needs no more of the image than the tick before, so that is all there surely is: it stands
+    for the last one too.
+    """
+    poses = image.poses(subject)[: max(1, ticks - 1)]
     return np.concatenate([poses, np.repeat(poses[-1:], ticks - len(poses), axis=0)])
 
 
@@ -181,7 +187,7 @@ def _seen(course: Course, image: Trace | None, subject: str) -> tuple[Event, ...
     """Return the contacts of a chair's image, of a chair in a laboratory."""
     if image is None:
         return ()
-    return tuple(one for one in _contacts(image, subject) if one.tick < len(course.times))
+    return tuple(one for one in _contacts(image, subject) if one.tick < len(course.times) - 1)
 
 
 def _contacts(trace: Trace, subject: str) -> tuple[Event, ...]:

@@ -9,7 +9,7 @@ SCENE = """\
   <Cast Name="chair" Robot="corridor-chair" Mind="{mind}" Place="start">
     <Option Name="MotorNoise" Value="0.1"/>{options}
   </Cast>
-  <End><Timeout Seconds="2"/></End>
+  <End>{reach}<Timeout Seconds="2"/></End>
   <Experiment Subject="chair">
     <Factor Name="wheels">
       <Level Name="equal"/>
@@ -23,6 +23,7 @@ DRIVE = '<Option Name="left" Value="0.5"/><Option Name="right" Value="0.5"/>'
 LABORATORY = (
     '<Level Name="real" Real="true"><Bridge Agent="chair"><Option Name="WheelRatio" Value="1.02"/></Bridge></Level>'
 )
+REACH = '<Reach Agent="chair" Place="goal" Within="14.5"/>'
 DIES = '''\
 """Drives, and fails in the third run of its process, of which the first is that it joins."""
 
@@ -47,5 +48,7 @@ def write_scene(folder: Path, *, dies: bool = False, laboratory: bool = False) -
     (folder / "dies.py").write_text(DIES)
     path = folder / "short.xml"
     mind, options = ("dies.py", "") if dies else ("drive", DRIVE)
-    path.write_text(SCENE.format(mind=mind, options=options, level=LABORATORY if laboratory else ""))
+    # A laboratory is to end before the time is over: then the two worlds are at other ticks.
+    level, reach = (LABORATORY, REACH) if laboratory else ("", "")
+    path.write_text(SCENE.format(mind=mind, options=options, level=level, reach=reach))
     return path
