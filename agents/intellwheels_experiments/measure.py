@@ -176,8 +176,8 @@ def _course(trace: Trace, floor: Map, subject: str, shown: list[Shown], robot: R
 def _image(image: Trace, subject: str, ticks: int) -> Floats:
     """Return where a chair was shown at each tick of its laboratory.
 
-    The laboratory's last tick needs no more of the image than the tick before, so that is all there surely is: it stands
-    for the last one too.
+    The laboratory's last tick needs no more of the image than the tick before, so that is all there surely is: it
+    stands for the last one too.
     """
     poses = image.poses(subject)[: max(1, ticks - 1)]
     return np.concatenate([poses, np.repeat(poses[-1:], ticks - len(poses), axis=0)])

@@ -203,8 +203,8 @@ class Screen:
         self.says(f"You drive {agent}")
         self.page.wait_for_function("window.__iwDrive && !document.getElementById('iw-drive-off')")
 
-    def drag(self, start: tuple[float, float], end: tuple[float, float]) -> None:
-        """Drag what is under a point of the page to another, as slowly as a hand.
+    def drag(self, origin: tuple[float, float, float], target: tuple[float, float, float]) -> None:
+        """Drag what is at a point of the world to another, as slowly as a hand.
 
         Viser knows by frames what is under the pointer: where they are few it is taken hold of again.
         """
@@ -212,6 +212,8 @@ class Screen:
         mouse = self.page.mouse
 
         def held() -> bool | None:
+            # Looked up for each try: the view may have been framed anew since the last.
+            start = self.pixel(*origin)
             mouse.move(start[0] - 2, start[1] - 2)
             self.frame()
             mouse.move(*start)
@@ -229,6 +231,7 @@ class Screen:
             return None
 
         self.wait(held, "a body in the hand")
+        start, end = self.pixel(*origin), self.pixel(*target)
         for step in range(1, 9):
             mouse.move(start[0] + (end[0] - start[0]) * step / 8, start[1] + (end[1] - start[1]) * step / 8)
             self.page.wait_for_timeout(60)

@@ -262,11 +262,11 @@ def test_pause_step_speed_and_reset_act_on_the_simulator(screen: Screen, peer: P
 
 def test_a_body_dragged_goes_where_it_may_and_a_refused_drop_says_why(screen: Screen, peer: Peer) -> None:
     screen.rest()
-    screen.drag(screen.pixel(1.2, 2.6, 0.45), screen.pixel(4.2, 3.4, 0.45))
+    screen.drag((1.2, 2.6, 0.45), (4.2, 3.4, 0.45))
     moved = peer.entity("chair1", lambda body: away(body, 4.2, 3.4) < 0.5)
     shown(screen, peer)
     screen.frame()
-    screen.drag(screen.pixel(7.6, 6.8, 0.45), screen.pixel(moved["X"], moved["Y"], 0.45))
+    screen.drag((7.6, 6.8, 0.45), (moved["X"], moved["Y"], 0.45))
     screen.says("Not placed")
     screen.wait(lambda: re.search(r"overlap", screen.text()), "the reason of the refusal")
     assert away(peer.entities()["chair2"], 7.6, 6.8) < HOME
@@ -368,7 +368,7 @@ def test_without_the_right_to_steer_every_control_says_so(tmp_path: Path, chromi
             ):  # fmt: skip
                 told(what, lambda button=button: screen.press(button))  # type: ignore[misc]
             screen.select("chair1")
-            told("Not placed", lambda: screen.drag(screen.pixel(1.2, 2.6, 0.45), screen.pixel(3.5, 3.4, 0.45)))
+            told("Not placed", lambda: screen.drag((1.2, 2.6, 0.45), (3.5, 3.4, 0.45)))
             screen.hold("chair1")
             told("Not driven", lambda: screen.page.keyboard.down("i"))
             screen.page.keyboard.up("i")

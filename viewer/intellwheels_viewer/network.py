@@ -53,6 +53,8 @@ SILENCE: Final = 3.0
 """Seconds without a clock after which a simulator whose token is there is called silent: it sends two a second."""
 ANSWER_LIMIT: Final = 3.0
 """Seconds a simulator has to answer a wish."""
+OPEN_LIMIT: Final = 5.0
+"""Seconds for who opens a session to see that it must end: one try may take three."""
 FETCH_EVERY: Final = 1.0
 """Seconds between two askings for what is missing."""
 WATCHED_MOST: Final = 32
@@ -116,6 +118,10 @@ class Network:
 
     def close(self) -> None:
         """Hear nothing further."""
+        self._stop.set()
+        # A process that ends while another thread is inside Zenoh is aborted: who opens sees the stop soon.
+        if self._opener.is_alive():
+            self._opener.join(OPEN_LIMIT)
         with self._lock:
             self._closed = True
             session, self._session = self._session, None
