@@ -156,8 +156,6 @@ class Laboratory:
         number = self._pairing.lab_entered(measures.run)
         if measures.run != self._run:
             self._run, self._fixed_at = measures.run, -1
-            # What nobody read of the run before would, by its tick, come in the middle of this one.
-            self._readings.clear()
         if sensors.encoders:
             counts, user = sensors.encoders[0], measures.user_input
             reading = Reading(
