@@ -127,7 +127,7 @@ def _start(plan: Plan, children: Children, progress: Progress, stop: threading.E
         if waited > READY_LIMIT:
             return _Finished("overtime", _with_tail(children, SERVER, f"not ready after {READY_LIMIT:.0f} s"))
         if waited > COLD_START and not shown:
-            progress.say("the simulator compiles its kernels: once, about 20 s")
+            progress.say("the simulator compiles its kernels: once, about 45 s")
             shown = True
     if plan.view is not None and (finish := _open_view(plan, children, progress, stop)) is not None:
         return finish

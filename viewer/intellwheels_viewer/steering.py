@@ -24,8 +24,6 @@ IDLE: Final = 2.0
 """Seconds after a release until the body is given back: before the lease is over by itself."""
 AGAIN: Final = 1.0
 """Seconds after a refusal until a stick that is held asks again."""
-STALL: Final = 0.3
-"""Seconds without a message of the page after which the simulator stops the body by itself."""
 
 
 class Refusal(Exception):  # noqa: N818  # what a user asked for was refused: no error of ours
