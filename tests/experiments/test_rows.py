@@ -29,7 +29,7 @@ def test_level_puts_its_cast_in_the_place_of_the_scenes_and_gives_it_options() -
     given = {one.name: one.value for one in rows["real-autonomous"].scene.cast[0].option}
     assert given == {
         "MotorNoise": "0.015", "to": "goal", "Proximity.Model": "sonar", "WheelRatio": "1.002",
-        "Encoders.Drift": "0.00001",
+        "Encoders.Drift": "0.00000034",
     }  # fmt: skip
     assert set(rows["augmented-raw"].bridges) == {"chair"}
 
