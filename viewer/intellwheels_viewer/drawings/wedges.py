@@ -9,19 +9,31 @@ from __future__ import annotations
 import math
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Final, Literal, NamedTuple, TypeAlias
+from typing import Final, Literal, TypeAlias, get_args
 
 import numpy as np
 import numpy.typing as npt
 import viser
 
-from intellwheels_schemas.messages import Body, Entity, Lidar, Measures, Proximity, ProximityReading
+from intellwheels_schemas.messages import (
+    Body,
+    Entity,
+    Lidar,
+    Measures,
+    Position,
+    Proximity,
+    ProximityReading,
+    Status,
+)
 from intellwheels_viewer import palette
 from intellwheels_viewer.drawings import layers
 from intellwheels_viewer.drawings.batch import Batch, quaternions
 from intellwheels_viewer.drawings.solids import Array, Solid, band, sheet
 
 Rows: TypeAlias = npt.NDArray[np.float64]
+Column: TypeAlias = npt.NDArray[np.float64]
+Indices: TypeAlias = npt.NDArray[np.int8]
+Flags: TypeAlias = npt.NDArray[np.bool_]
 State: TypeAlias = Literal["near", "middle", "far", "nothing", "failed"]
 
 NEAR: Final = 0.5
@@ -46,45 +58,45 @@ _WORDS: Final[Mapping[State, str]] = {
     "nothing": "nothing seen",
     "failed": "sensor failed",
 }
+STATES: Final[tuple[State, ...]] = get_args(State)
+"""In this order: those below `nothing` have a reading, the failed one is the last."""
+_NOTHING, _FAILED = STATES.index("nothing"), STATES.index("failed")
+_TOLD: Final[Mapping[Status, int]] = {"ok": -1, "near": 0, "none": _NOTHING, "fault": _FAILED}
+_TINTS: Final[Rows] = np.array([COLOURS[state] for state in STATES], np.float64)
+_SHARES: Final[Column] = np.array([OPACITIES[state] for state in STATES], np.float64)
 _PIECE: Final = math.radians(10.0)
 # Transparent fans at one height flicker; so many heights are told apart.
 _LIFTS: Final = 64
 _LIFT: Final = 0.0002
 
 
-class Wedge(NamedTuple):
-    """One sensor's reading on the floor.
+@dataclass(frozen=True, slots=True)
+class Cones:
+    """N sensors' readings on the floor, in the order of the state.
 
     Attributes:
-        x, y: Where the sensor is, in metres.
-        direction: Of the middle of its cone, in radians.
-        cone: The full angle, in radians.
-        reach: As far as it is drawn, in metres.
-        state: Which of the five.
+        x, y: (N,) Where each sensor is, in metres.
+        direction: (N,) Of the middle of its cone, in radians.
+        cone: (N,) The full angle, in radians.
+        reach: (N,) As far as it is drawn, in metres.
+        state: (N,) Which of `STATES`, as its index.
+        edged: (N,) Whether its reading has an arc.
     """
 
-    x: float
-    y: float
-    direction: float
-    cone: float
-    reach: float
-    state: State
+    x: Column
+    y: Column
+    direction: Column
+    cone: Column
+    reach: Column
+    state: Indices
+    edged: Flags
+
+    def where(self, chosen: Flags) -> Cones:
+        """Return those that are chosen."""
+        return Cones(*(getattr(self, field)[chosen] for field in self.__slots__))
 
 
-def state_of(reading: ProximityReading) -> State:
-    """Return which of the five a reading is; what is nearer than the sensor can measure is near."""
-    if reading.status == "fault":
-        return "failed"
-    if reading.status == "near":
-        return "near"
-    if reading.status == "none" or reading.value is None:
-        return "nothing"
-    if reading.value < NEAR:
-        return "near"
-    return "middle" if reading.value < MIDDLE else "far"
-
-
-def mounted(sensor: Proximity | Lidar, body: Body, entity: Entity) -> tuple[float, float, float]:
+def mounted(sensor: Proximity | Lidar, body: Body, entity: Entity | Position) -> tuple[float, float, float]:
     """Return where a sensor is and its direction, in the world: from its body's pose, or from where that joined."""
     start = body.robot.position
     frame = start if sensor.mount == "start" and start is not None else entity
@@ -96,42 +108,112 @@ def mounted(sensor: Proximity | Lidar, body: Body, entity: Entity) -> tuple[floa
     )
 
 
-def wedge(sensor: Proximity, reading: ProximityReading, body: Body, entity: Entity) -> Wedge:
-    """Return what is drawn of a reading."""
-    return _wedge(sensor, reading, *mounted(sensor, body, entity))
+class Mounts:
+    """Where the sensors of bodies sit on them. It is reckoned once for a document and kept."""
+
+    def __init__(self) -> None:
+        self._known: dict[str, tuple[Body, list[str], Rows]] = {}
+
+    def of(self, name: str, body: Body) -> tuple[list[str], Rows]:
+        """Return a body's distance sensors: their names, and a table (N, 7).
+
+        Its columns: x, y, direction, cone, least and greatest range, and 1 where the place is of the world and not
+        of the body.
+        """
+        known = self._known.get(name)
+        if known is None or known[0] is not body:
+            sensors = body.robot.proximity
+            known = (body, [sensor.id for sensor in sensors], _mounts(sensors, body))
+            self._known[name] = known
+        return known[1], known[2]
+
+    def keep(self, names: Collection[str]) -> None:
+        """Forget all others."""
+        for name in self._known.keys() - set(names):
+            del self._known[name]
 
 
-def _wedge(sensor: Proximity, reading: ProximityReading, x: float, y: float, direction: float) -> Wedge:
-    state = state_of(reading)
-    if state in ("nothing", "failed"):
-        reach = sensor.max_range
-    else:
-        reach = sensor.min_range if reading.value is None else reading.value
-    return Wedge(x, y, direction, math.radians(sensor.cone_deg), max(reach, ARC), state)
+def _mounts(sensors: Sequence[Proximity], body: Body) -> Rows:
+    start = body.robot.position
+    rows = np.zeros((len(sensors), 7))
+    for row, sensor in zip(rows, sensors, strict=True):
+        row[:] = (
+            sensor.x,
+            sensor.y,
+            math.radians(sensor.direction_deg),
+            math.radians(sensor.cone_deg),
+            sensor.min_range,
+            sensor.max_range,
+            0.0,
+        )
+        if sensor.mount == "start" and start is not None:
+            row[:3], row[6] = mounted(sensor, body, start), 1.0
+    return rows
 
 
-def wedges(
-    bodies: Mapping[str, Body], entities: Iterable[Entity], measures: Mapping[str, Measures], agents: Collection[str]
-) -> list[Wedge]:
-    """Return the wedges of some agents, in the order of the state; sensors without a reading have none."""
-    made = []
+def cones(
+    bodies: Mapping[str, Body],
+    entities: Iterable[Entity],
+    measures: Mapping[str, Measures],
+    agents: Collection[str],
+    arcs: Collection[str] | None = None,
+    mounts: Mounts | None = None,
+) -> Cones:
+    """Return what the sensors of some agents see, in the order of the state; sensors without a reading have none.
+
+    Args:
+        bodies: Documents by agent.
+        entities: States.
+        measures: By agent.
+        agents: Whose.
+        arcs: Of those, whose readings have arcs; None for all.
+        mounts: Where sensors sit, kept from tick to tick; None to reckon it anew.
+    """
+    mounts = Mounts() if mounts is None else mounts
+    tables: list[Rows] = [np.zeros((0, 7))]
+    poses: list[tuple[float, float, float, bool, int]] = []
+    seen: list[ProximityReading] = []
     for entity in entities:
-        body, seen = bodies.get(entity.name), measures.get(entity.name)
-        if entity.name not in agents or body is None or seen is None or seen.sensors is None:
+        name = entity.name
+        body, said = bodies.get(name), measures.get(name)
+        if name not in agents or body is None or said is None or said.sensors is None:
             continue
-        readings = {reading.id: reading for reading in seen.sensors.proximity}
-        cos, sin = math.cos(entity.heading), math.sin(entity.heading)  # once for all sensors of a body
-        for sensor in body.robot.proximity:
-            reading = readings.get(sensor.id)
-            if reading is None:
-                continue
-            if sensor.mount == "start":
-                made.append(wedge(sensor, reading, body, entity))
-                continue
-            x = entity.x + sensor.x * cos - sensor.y * sin
-            y = entity.y + sensor.x * sin + sensor.y * cos
-            made.append(_wedge(sensor, reading, x, y, entity.heading + math.radians(sensor.direction_deg)))
-    return made
+        names, table = mounts.of(name, body)
+        readings: Sequence[ProximityReading] = said.sensors.proximity
+        if [reading.id for reading in readings] != names:
+            found = {reading.id: reading for reading in readings}
+            table = table[[each in found for each in names]]
+            readings = [found[each] for each in names if each in found]
+        tables.append(table)
+        seen.extend(readings)
+        poses.append((entity.x, entity.y, entity.heading, arcs is None or name in arcs, len(table)))
+    return _placed(np.concatenate(tables), np.array(poses).reshape(-1, 5), seen)
+
+
+def _placed(table: Rows, poses: Rows, seen: Sequence[ProximityReading]) -> Cones:
+    x, y, heading, edged = np.repeat(poses[:, :4], poses[:, 4].astype(np.intp), axis=0).T
+    side, fore, turn, cone, least, most, fixed = table.T[[1, 0, 2, 3, 4, 5, 6]]
+    cos, sin = np.cos(heading), np.sin(heading)
+    is_fixed = fixed > 0.0
+    value = np.array([reading.value for reading in seen], np.float64)  # None is nan
+    state = _states(value, [reading.status for reading in seen])
+    reach = np.where(state >= _NOTHING, most, np.where(np.isnan(value), least, value))
+    return Cones(
+        np.where(is_fixed, fore, x + fore * cos - side * sin),
+        np.where(is_fixed, side, y + fore * sin + side * cos),
+        np.where(is_fixed, turn, heading + turn),
+        cone,
+        np.maximum(reach, ARC),
+        state,
+        edged > 0.0,
+    )
+
+
+def _states(value: Column, status: Sequence[Status]) -> Indices:
+    """Return the index of each reading's state; what is nearer than the sensor can measure is near."""
+    told = np.array([_TOLD[each] for each in status], np.int8)
+    measured = np.where(np.isnan(value), _NOTHING, np.digitize(value, (NEAR, MIDDLE)))
+    return np.where(told >= 0, told, measured).astype(np.int8)
 
 
 def fan(cone: float) -> Solid:
@@ -149,19 +231,19 @@ class Bars:
     colours: Array
 
 
-def bars(shown: Sequence[Wedge]) -> Bars:
+def bars(shown: Cones) -> Bars:
     """Return the arcs of what was seen, `ARC` thick with the reading at their outer edge, and the dashes of failures.
 
     An arc is a bar for each ten degrees: at 4 m a bar's middle is 1.5 cm nearer than its ends.
     """
     rows: list[Rows] = [np.zeros((0, 8))]
-    arcs: dict[int, list[Wedge]] = {}
-    for each in shown:
-        if each.state == "failed":
-            rows.append(_dashes(each))
-        elif each.state != "nothing":
-            arcs.setdefault(max(1, math.ceil(each.cone / _PIECE - 1e-9)), []).append(each)
-    rows += [_arcs(group, pieces) for pieces, group in arcs.items()]
+    failed = shown.where(shown.state == _FAILED)
+    rows += [
+        _dashes(*each) for each in zip(failed.x, failed.y, failed.direction, failed.cone, failed.reach, strict=True)
+    ]
+    edged = shown.where((shown.state < _NOTHING) & shown.edged)
+    pieces = np.maximum(1, np.ceil(edged.cone / _PIECE - 1e-9)).astype(np.intp)
+    rows += [_arcs(edged.where(pieces == count), count) for count in sorted({*pieces.tolist()})]
     table = np.concatenate(rows)
     flat = np.zeros((len(table), 3), np.float32)
     flat[:, :2], flat[:, 2] = table[:, :2], layers.ARC
@@ -170,35 +252,34 @@ def bars(shown: Sequence[Wedge]) -> Bars:
     return Bars(flat, table[:, 2].astype(np.float32), sizes, table[:, 5:].astype(np.float32))
 
 
-def _arcs(group: Sequence[Wedge], pieces: int) -> Rows:
+def _arcs(group: Cones, pieces: int) -> Rows:
     """Return the bars (N x pieces, 8) of arcs: x, y, heading, length, width, colour."""
-    x, y, direction, cone, reach = (
-        column[:, None] for column in np.array([(w.x, w.y, w.direction, w.cone, w.reach) for w in group]).T
-    )
-    turn = cone / pieces
-    angle = direction - cone / 2 + turn * (np.arange(pieces) + 0.5)
+    turn = group.cone[:, None] / pieces
+    reach = group.reach[:, None]
+    angle = group.direction[:, None] - group.cone[:, None] / 2 + turn * (np.arange(pieces) + 0.5)
     middle = reach - ARC / 2
     rows = np.empty((*angle.shape, 8))
-    rows[..., 0], rows[..., 1] = x + middle * np.cos(angle), y + middle * np.sin(angle)
+    rows[..., 0] = group.x[:, None] + middle * np.cos(angle)
+    rows[..., 1] = group.y[:, None] + middle * np.sin(angle)
     rows[..., 2] = angle + math.pi / 2
     rows[..., 3], rows[..., 4] = 2 * reach * np.tan(turn / 2), ARC
-    rows[..., 5:] = np.array([COLOURS[w.state] for w in group], np.float64)[:, None, :]
+    rows[..., 5:] = _TINTS[group.state][:, None, :]
     return rows.reshape(-1, 8)
 
 
-def _dashes(each: Wedge) -> Rows:
+def _dashes(x: float, y: float, direction: float, cone: float, reach: float) -> Rows:
     """Return a dashed outline: dashes of 12 cm and gaps of 8 along both sides and the arc."""
     rows: list[tuple[float, ...]] = []
-    for side in (-each.cone / 2, each.cone / 2):
-        angle = each.direction + side
-        for dash in range(1, math.floor(each.reach / 0.2)):
+    for side in (-cone / 2, cone / 2):
+        angle = direction + side
+        for dash in range(1, math.floor(reach / 0.2)):
             at = 0.2 * dash + 0.06
-            rows.append((each.x + at * math.cos(angle), each.y + at * math.sin(angle), angle, 0.12))
-    count = max(2, math.ceil(each.reach * each.cone / 0.2))
+            rows.append((x + at * math.cos(angle), y + at * math.sin(angle), angle, 0.12))
+    count = max(2, math.ceil(reach * cone / 0.2))
     for dash in range(count):
-        angle = each.direction - each.cone / 2 + each.cone * (dash + 0.5) / count
-        x, y = each.x + each.reach * math.cos(angle), each.y + each.reach * math.sin(angle)
-        rows.append((x, y, angle + math.pi / 2, 0.6 * each.reach * each.cone / count))
+        angle = direction - cone / 2 + cone * (dash + 0.5) / count
+        at_x, at_y = x + reach * math.cos(angle), y + reach * math.sin(angle)
+        rows.append((at_x, at_y, angle + math.pi / 2, 0.6 * reach * cone / count))
     return np.array([(*row, 0.02, *COLOURS["failed"]) for row in rows])
 
 
@@ -233,7 +314,7 @@ class Wedges:
     def __init__(self, scene: viser.SceneApi) -> None:
         self._scene = scene
         self._fans: dict[float, Batch] = {}
-        self._visible = True
+        self._mounts = Mounts()
         square = sheet([(-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5)], 0.0)
         self._bars = Batch(scene, "/wedges/bars", square)
 
@@ -254,31 +335,24 @@ class Wedges:
             agents: Whose wedges are shown; a wedge is 35 bytes a tick and its arc 43 for each ten degrees.
             arcs: Of those, whose readings have arcs; None for all. Failures are dashed for everybody.
         """
-        shown = wedges(bodies, entities, measures, agents)
-        groups: dict[float, list[Wedge]] = {cone: [] for cone in self._fans}
-        for each in shown:
-            if each.state != "failed":
-                groups.setdefault(round(each.cone, 4), []).append(each)
-        for cone, group in groups.items():
-            self._fan(cone, group)
-        if arcs is None:
-            lines = bars(shown)
-        else:
-            edged = wedges(bodies, [entity for entity in entities if entity.name in arcs], measures, agents)
-            lines = bars(
-                [*(each for each in shown if each.state == "failed"), *(e for e in edged if e.state != "failed")]
-            )
+        self._mounts.keep(bodies)
+        shown = cones(bodies, entities, measures, agents, arcs, self._mounts)
+        drawn = shown.where(shown.state != _FAILED)
+        angles = np.round(drawn.cone, 4)
+        for cone in sorted({*self._fans, *angles.tolist()}):
+            self._fan(cone, drawn.where(angles == cone))
+        lines = bars(shown)
         self._bars.show(lines.positions, quaternions(lines.headings), lines.colours, scales=lines.sizes)
 
-    def _fan(self, cone: float, group: Sequence[Wedge]) -> None:
+    def _fan(self, cone: float, group: Cones) -> None:
         if cone not in self._fans:
             name = f"/wedges/fan-{math.degrees(cone):.4g}".replace(".", "-")
             self._fans[cone] = Batch(self._scene, name, fan(cone), opacity=1.0, side="double")
-        lifts = [_LIFT * (index % _LIFTS) for index in range(len(group))]
+        lifts = _LIFT * (np.arange(len(group.x)) % _LIFTS)
         self._fans[cone].show(
-            [(each.x, each.y, lift) for each, lift in zip(group, lifts, strict=True)],
-            quaternions([each.direction for each in group]),
-            [COLOURS[each.state] for each in group],
-            scales=[(each.reach, each.reach, 1.0) for each in group],
-            opacities=[OPACITIES[each.state] for each in group],
+            np.column_stack([group.x, group.y, lifts]),
+            quaternions(group.direction),
+            _TINTS[group.state],
+            scales=np.column_stack([group.reach, group.reach, np.ones(len(group.x))]),
+            opacities=_SHARES[group.state],
         )
