@@ -1,18 +1,18 @@
-"""State the speed: `python -m tests.bench [tick] [network] [viewer] [--quick] [--csv FILE]`."""
+"""State the speed: `python -m tests.bench [tick] [network] [viewer] [bystanders] [--quick] [--csv FILE]`."""
 
 from __future__ import annotations
 
 import argparse
 from pathlib import Path
 
-from tests.bench import network, tick, viewer
+from tests.bench import bystanders, network, tick, viewer
 from tests.bench.rows import append, show
 
 
 def main() -> None:
     """Run the benchmarks that are named, or all; print the table and append the rows."""
     parser = argparse.ArgumentParser(prog="python -m tests.bench", description=__doc__)
-    parser.add_argument("benches", nargs="*", help="tick, network, viewer; default: all")
+    parser.add_argument("benches", nargs="*", help="tick, network, viewer, bystanders; default: the first three")
     parser.add_argument("--quick", action="store_true", help="small and short, to see that it works")
     parser.add_argument("--csv", type=Path, default=Path(__file__).parent / "results.csv", help="default: %(default)s")
     options = parser.parse_args()
@@ -24,6 +24,8 @@ def main() -> None:
         rows += network.bench(seconds=2.0, lockstep_seconds=1.0, small=True) if options.quick else network.bench()
     if "viewer" in wanted:
         rows += viewer.bench((2,), seconds=1.0) if options.quick else viewer.bench()
+    if "bystanders" in wanted:
+        rows += bystanders.bench(chairs=2, count=1, seconds=1.0, pages=2) if options.quick else bystanders.bench()
     show(rows)
     append(rows, options.csv)
 
