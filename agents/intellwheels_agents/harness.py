@@ -372,7 +372,7 @@ class Harness:
         options = Options(self._options)
         joined = self._joined
         self._mind = self._make(
-            Context(self._agent, joined.robot, joined.position, joined.parameters, options, self._fetch_map)
+            Context(self._agent, joined.robot, joined.position, joined.parameters, options, self._fetch_map, run)
         )
         options.check_all_read()
 

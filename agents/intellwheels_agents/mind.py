@@ -57,6 +57,7 @@ class Context:
         parameters: The simulation's.
         options: What the user gave, text by name.
         fetch_map: Asks the simulator for its map; `map` and `places` do so when first read.
+        run: Which run it is.
     """
 
     agent: str
@@ -65,6 +66,7 @@ class Context:
     parameters: Parameters
     options: Options
     fetch_map: Callable[[], Map]
+    run: str = ""
 
     @cached_property
     def map(self) -> Map:

@@ -110,6 +110,7 @@ class RealChair:
         self._context = context
         self.lockstep = context.parameters.pace == "lockstep"
         self._source.begin(context.position)
+        self._driver.enter(context.run)
         return self
 
     def decide(self, measures: Measures) -> Pose | None:

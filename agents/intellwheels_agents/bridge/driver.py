@@ -87,6 +87,10 @@ class Driver(Protocol):
         """Give the motors these powers, in [-1, 1], until others come; the hardware itself stops on silence."""
         ...
 
+    def enter(self, run: str) -> None:
+        """Be told which run the simulation is in, before its first tick."""
+        ...
+
     def meet(self, run: str, tick: int, pace: Pace) -> bool:
         """Be told which tick the simulation is at; return whether the readings are of the same tick.
 

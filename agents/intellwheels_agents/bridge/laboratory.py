@@ -108,10 +108,14 @@ class Laboratory:
         self._power = (left, right)
         self._written = time.monotonic()
 
+    def enter(self, run: str) -> None:
+        """Count a run of the simulation's."""
+        self._pairing.here_entered(run)
+
     def meet(self, run: str, tick: int, pace: Pace) -> bool:
         """Note where the simulation is; in lockstep wait for the measures of the same tick."""
         self._pace_here = pace
-        self._pairing.here_measured(run)
+        self._pairing.here_entered(run)
         if pace != "lockstep" or self._pace_there != "lockstep":
             return False
         return self._pairing.await_measures(tick)
@@ -143,6 +147,7 @@ class Laboratory:
     def _begin(self, context: Context) -> Laboratory:
         self._pace_there = context.parameters.pace
         self._period = context.parameters.period
+        self._pairing.lab_entered(context.run)
         return self
 
     def decide(self, measures: Measures) -> Actions:

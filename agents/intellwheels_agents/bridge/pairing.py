@@ -1,7 +1,8 @@
 """Two lockstep worlds tick by tick: what the one must wait for in the other.
 
 Tick t of the laboratory pairs with tick t of the simulation, and their runs pair in order. The laboratory's Measures t
-make the simulation's Pose t; the simulation's Power t - 1, nothing at first, makes the laboratory's Actions t:
+make the simulation's Pose t; the simulation's Power t - 1, nothing at first, makes the laboratory's Actions t. A run
+counts from joining on: one that is reset before its first tick is seen in one world only would part them for good.
 
     lab    Measures t ----------------> Actions t -> Measures t+1
                     |                    ^
@@ -76,8 +77,8 @@ class Pairing:
             self._lab.tick = tick
             self._news.notify_all()
 
-    def here_measured(self, run: str) -> None:
-        """Note that the simulation's measures came."""
+    def here_entered(self, run: str) -> None:
+        """Note that the simulation is in a run."""
         with self._news:
             self._here.enter(run)
             self._news.notify_all()

@@ -79,6 +79,9 @@ class Port:
             if self._line is not None:
                 self._tell(self._line, left, right)
 
+    def enter(self, run: str) -> None:
+        """Do nothing: real hardware has no runs."""
+
     def meet(self, run: str, tick: int, pace: Pace) -> bool:  # noqa: ARG002 - as `Driver` has it
         """Return False: real hardware waits for nobody."""
         return False

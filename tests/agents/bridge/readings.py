@@ -25,6 +25,7 @@ class Told:
         self.waiting: list[Reading] = []
         self.written: list[tuple[float, float]] = []
         self.ticks: list[tuple[str, int]] = []
+        self.runs: list[str] = []
         self.paired = False
 
     def start(self) -> None: ...
@@ -35,6 +36,9 @@ class Told:
 
     def write(self, left: float, right: float) -> None:
         self.written.append((left, right))
+
+    def enter(self, run: str) -> None:
+        self.runs.append(run)
 
     def meet(self, run: str, tick: int, pace: Pace) -> bool:
         return self.paired

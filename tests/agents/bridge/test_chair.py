@@ -51,7 +51,13 @@ def context(pace: Pace) -> Context:
         raise AssertionError("nobody asks for the map")
 
     parameters = msgspec.structs.replace(PARAMETERS, pace=pace, period=0.05)
-    return Context("chair1", CHAIR, Position(x=1.0, y=2.0, heading=0.0), parameters, Options(), fetch)
+    return Context("chair1", CHAIR, Position(x=1.0, y=2.0, heading=0.0), parameters, Options(), fetch, RUN)
+
+
+def test_the_electronics_are_told_of_a_run_before_its_first_tick() -> None:
+    made = Made()
+    made.chair.begin(context("lockstep"))
+    assert made.driver.runs[-1] == RUN
 
 
 def test_a_pose_has_place_covariance_stamp_and_the_chair_s_own_readings() -> None:

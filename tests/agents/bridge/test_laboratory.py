@@ -113,6 +113,18 @@ def test_of_two_lockstep_worlds_only_readings_of_the_paired_runs_are_read() -> N
     assert [one.era for one in laboratory.read()] == ["c" * 16]
 
 
+def test_a_run_that_is_reset_before_its_first_tick_counts_in_both_worlds() -> None:
+    motors = Motors()
+    laboratory = made("lockstep", motors)
+    laboratory.decide(measures(0))
+    laboratory.enter(RUN)  # and never a tick of it
+    laboratory.decide(msgspec.structs.replace(measures(0), run="c" * 16))
+    laboratory.enter("d" * 16)
+    assert laboratory.meet("d" * 16, 0, "lockstep")
+    laboratory.powered("d" * 16, 0)
+    assert laboratory._pairing.await_power(0)
+
+
 def test_a_laboratory_that_is_left_for_good_ends_the_bridge() -> None:
     stop = threading.Event()
 

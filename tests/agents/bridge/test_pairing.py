@@ -28,7 +28,7 @@ class Waiting:
 def pairing() -> Pairing:
     made = Pairing(threading.Event())
     made.lab_measured(A, 0)
-    made.here_measured(B)
+    made.here_entered(B)
     return made
 
 
@@ -52,7 +52,7 @@ def test_the_power_of_the_tick_before_is_waited_for(pairing: Pairing) -> None:
 
 def test_whoever_is_a_run_behind_is_let_go_and_its_partner_waits(pairing: Pairing) -> None:
     behind = Waiting(lambda: pairing.await_power(7))
-    pairing.here_measured("c" * 16)
+    pairing.here_entered("c" * 16)
     assert behind.is_over()
     assert behind.found == [False]
     ahead = Waiting(lambda: pairing.await_measures(0))
