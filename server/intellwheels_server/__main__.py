@@ -27,8 +27,8 @@ examples:
   iw-server --resimulate run.jsonl            run that again and compare every tick's hash
   iw-server --play run.jsonl                  show it in world `main-play`: pause, step, speed, seek forth and back
 
-Standard output says `ready ...` when agents may join, `running tick=0` when those expected are there, and
-`ended tick=N hash=H` when the end condition is met. Exit code: 0 done, 1 refused or failed, 2 wrong usage.
+Standard output says `ready ...` when agents may join, `running tick=0 run=R` when those expected are there, and
+`ended tick=N hash=H run=R` when the end condition is met. Exit code: 0 done, 1 refused or failed, 2 wrong usage.
 """
 
 LIVE = (

@@ -136,7 +136,7 @@ class Player:
         desk = self._desk
         desk.close_steps("ok", "the log is at its end")
         publication.publish(desk, now)
-        desk.out.tell(f"ended tick={desk.state.tick} hash={desk.digest()}")
+        desk.out.tell(f"ended tick={desk.state.tick} hash={desk.digest()} run={desk.state.run}")
         if desk.options.quit_at_end:
             desk.exit = 0
 

@@ -219,8 +219,7 @@ def test_the_chair_selected_drives_by_keys_until_they_are_released_or_the_page_i
 
 def test_a_chair_clicked_in_the_scene_drives_and_stops_when_the_page_is_closed(screen: Screen, peer: Peer) -> None:
     screen.rest()
-    screen.page.mouse.click(*screen.pixel(1.2, 2.6, 0.5))
-    screen.page.wait_for_selector("tr.chosen[data-agent=chair1]", timeout=WAIT * 1000)
+    screen.click("chair1", 1.2, 2.6, 0.5)
     screen.hold("chair1")
     screen.page.keyboard.down("i")
     moves(screen, peer, "chair1")

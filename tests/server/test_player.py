@@ -46,7 +46,7 @@ def test_a_log_is_told_as_the_live_world_told_it(stage: PlayStage, seen: list[Se
     assert [one.tick for one in stage.measures("chair2")][:20] == list(range(10, 30))
     assert [event.code for event in stage.of("event")][:3] == ["joined", "left", "reset"]
     assert (clock(stage).state, clock(stage).tick, clock(stage).last) == ("ended", 35, 35)
-    assert stage.lines == [f"ended tick=35 hash={seen[-1].hash}"]
+    assert stage.lines == [f"ended tick=35 hash={seen[-1].hash} run={seen[-1].run}"]
 
 
 def test_time_goes_by_the_speed_that_is_asked_for(log: Path, seen: list[Seen]) -> None:
