@@ -36,11 +36,16 @@ def _sentence(one: Comparison, lines: dict[str, Line]) -> str:
     claim = f"{first.title} was expected to {_EXPECTED[one.expect]} {second.title}" if one.expect in _EXPECTED else ""
     told = {
         "as expected": f"{claim}, and it was: {counts}.",
-        "otherwise": f"{claim}. It was not: {counts}.",
+        "otherwise": f"{claim}. It was not: {counts}{_within(one)}.",
         "undecided": f"{claim}. By success these runs do not tell: {counts}.",
         "not asked": f"{first.title} beside {second.title}: {counts}.",
     }[one.verdict]
     return " ".join([told, *_further(one)])
+
+
+def _within(one: Comparison) -> str:
+    is_close = one.expect != "equivalent" and one.paired is not None and one.paired.equivalent
+    return ", which is as good within the margin" if is_close else ""
 
 
 def _alone(one: Comparison, line: Line) -> str:

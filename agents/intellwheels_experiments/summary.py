@@ -173,7 +173,10 @@ def _verdict(expect: str | None, paired: Paired, margin: float) -> Verdict:
         apart = paired.interval.low > margin or paired.interval.high < -margin
         return "as expected" if paired.equivalent else "otherwise" if apart else "undecided"
     wanted = paired.difference < 0.0 if expect == "worse" else paired.difference > 0.0
-    return "undecided" if not differs else "as expected" if wanted else "otherwise"
+    if differs:
+        return "as expected" if wanted else "otherwise"
+    # Within the margin there is no worse and no better that would matter.
+    return "otherwise" if paired.equivalent else "undecided"
 
 
 def to_json(summary: Summary) -> bytes:

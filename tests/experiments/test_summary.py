@@ -37,7 +37,7 @@ def test_row_counts_what_came_to_an_end_and_names_what_did_not() -> None:
 @pytest.mark.parametrize(
     ("failures", "expect", "verdict"),
     [
-        (14, "worse", "as expected"), (14, "better", "otherwise"), (2, "worse", "undecided"),
+        (14, "worse", "as expected"), (14, "better", "otherwise"), (4, "worse", "undecided"), (0, "worse", "otherwise"),
         (0, "equivalent", "as expected"), (3, "equivalent", "undecided"), (30, "equivalent", "otherwise"),
     ],
 )  # fmt: skip
