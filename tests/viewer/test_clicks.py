@@ -20,7 +20,11 @@ class Scene:
         self.listeners: list[Any] = []
 
     def on_click(self) -> Any:
-        return lambda call: self.listeners.append(call) or call
+        def keep(call: Any) -> Any:
+            self.listeners.append(call)
+            return call
+
+        return keep
 
     def remove_click_callback(self, call: Any) -> None:
         self.listeners.remove(call)

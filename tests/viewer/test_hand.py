@@ -7,7 +7,6 @@ import threading
 
 import pytest
 
-from intellwheels_schemas.messages import Position
 from intellwheels_viewer.hand import position
 from intellwheels_viewer.panels.place import PALETTE
 from tests.viewer.opened import Opened
@@ -40,7 +39,8 @@ def test_hands_and_answers_move_the_ghost_at_once_without_harm(here: Opened) -> 
     ("heading", "brought"), [(0.5, 0.5), (math.pi, math.pi), (-math.pi, math.pi), (2.5 * math.pi, math.pi / 2)]
 )
 def test_a_heading_is_brought_into_the_half_open_turn(heading: float, brought: float) -> None:
-    assert position(1.0, 2.0, heading) == Position(x=1.0, y=2.0, heading=pytest.approx(brought))
+    found = position(1.0, 2.0, heading)
+    assert (found.x, found.y, found.heading) == (1.0, 2.0, pytest.approx(brought))
 
 
 def test_an_empty_hand_turns_and_reddens_nothing(here: Opened) -> None:

@@ -46,6 +46,6 @@ def test_a_browser_that_once_had_full_walls_sees_those_of_another_floor(here: Op
     layering.draw_walls(SEEN, inside=False)
     drawn: list[object] = []
     assert layering._walls is not None
-    layering._walls.show = lambda floor, height=None: drawn.append((floor, height))  # type: ignore[method-assign]
+    layering._walls.show = lambda floor, height=None: drawn.append((floor, height))  # type: ignore[method-assign, assignment]
     layering.draw_walls(replace(SEEN, revision=SEEN.revision + 1), inside=False)
     assert drawn == [(SEEN.floor, HALF_HEIGHT)]

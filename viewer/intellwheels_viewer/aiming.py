@@ -19,9 +19,9 @@ if TYPE_CHECKING:
 
 
 def takes_goals(seen: Seen, name: str | None) -> bool:
-    """Return whether an agent is there and goes where it is told."""
+    """Return whether an agent is there, not in a log only, and goes where it is told."""
     body = None if name is None else seen.bodies.get(name)
-    return body is not None and "goal" in body.robot.user_input
+    return body is not None and seen.last_tick is None and "goal" in body.robot.user_input
 
 
 class Aiming:

@@ -70,3 +70,18 @@ def test_only_a_world_that_is_there_can_be_chosen(gui: viser.GuiApi, calls: Call
     for world in ("elsewhere", NO_WORLD, "lab"):
         enter(panel._worlds, world)
     assert calls == [("world", "lab")]
+
+
+def test_a_world_that_was_named_and_is_not_there_is_told_apart_from_a_choice() -> None:
+    waiting = connection_html(made_up.nothing("choose", worlds=("lab",), world="ward"), Choices())
+    assert "World ward is not running" in waiting
+    assert "1 world is running" in connection_html(made_up.nothing("choose", worlds=("lab",)), Choices())
+    assert "2 worlds are running" in connection_html(made_up.nothing("choose", worlds=("lab", "ward")), Choices())
+
+
+def test_where_the_world_has_gone_the_only_other_one_is_offered(gui: viser.GuiApi, calls: Calls) -> None:
+    panel = ConnectionPanel(gui, calls.to("world"))
+    panel.show(made_up.nothing("gone", worlds=("lab",), world="ward"), Choices())
+    assert panel._worlds.visible
+    enter(panel._worlds, "lab")
+    assert calls == [("world", "lab")]
