@@ -182,7 +182,7 @@ def test_a_goal_that_a_peer_sets_under_a_lease_is_where_the_chair_arrives(stage:
     stage.server("--map", "room", "--pace", "realtime", "--speed", "4")
     stage.agent("chair1", mind, "--place", "start1", "--option", "to=start1", robot="corridor-chair")
     with stage.peer() as peer:
-        assert peer.ask("body/chair1")[0]["Robot"]["UserInput"] == "goal"
+        assert peer.ask("body/chair1")[0]["Robot"]["UserInput"] == ["goal"]
         start = peer.entity("chair1", lambda entity: entity.get("Mode") == "arrived")
         goal = {"X": start["X"] + 2.0, "Y": start["Y"]}
         lease = peer.ctl("take", Agent="chair1", Seconds=6.0)["Lease"]

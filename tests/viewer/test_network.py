@@ -392,7 +392,7 @@ def test_a_question_that_is_open_when_the_viewer_ends_does_not_hold_it() -> None
         made.verdict = verdict
         heard: list[str] = []
         with watching(endpoint) as network:
-            sees(network, lambda seen: seen.worlds)
+            sees(network, lambda seen: seen.world)
 
             def ask() -> None:
                 try:
