@@ -177,6 +177,6 @@ def test_the_ghost_of_a_reported_pose_stands_beside_the_truth(server: viser.Vise
     seen = Seen(entities=(entity("a", 1.5),), bodies={"a": body("a")})
     stage.show(replace(seen, reported={"a": Pose(x=1.0, y=0.5, heading=0.0)}), ())
     ghost = server.scene._handle_from_node_name["/reported/a/body"]
-    assert ghost.position == pytest.approx([1.0, 0.5, 0.0])  # type: ignore[attr-defined]
+    assert ghost.position == pytest.approx([1.0, 0.5, 0.0])
     stage.show(seen, ())
     assert not ghost.visible

@@ -20,6 +20,7 @@ from intellwheels_schemas.messages import (
 from intellwheels_viewer.aiming import Aiming, takes_goals
 from intellwheels_viewer.cameras import Camera, Mode
 from intellwheels_viewer.drawings import wedges
+from intellwheels_viewer.drawings.notice import Notice
 from intellwheels_viewer.drawings.selection import Selection
 from intellwheels_viewer.hand import Hand
 from intellwheels_viewer.hover import Hover
@@ -29,7 +30,7 @@ from intellwheels_viewer.panels.agents import AgentsPanel
 from intellwheels_viewer.panels.callbacks import assign, clicked, updated
 from intellwheels_viewer.panels.choices import Choices
 from intellwheels_viewer.panels.clock import ClockPanel
-from intellwheels_viewer.panels.connection import ConnectionPanel
+from intellwheels_viewer.panels.connection import ConnectionPanel, nothing_to_see
 from intellwheels_viewer.panels.drive import DrivePanel
 from intellwheels_viewer.panels.events import EventsPanel
 from intellwheels_viewer.panels.layers import LayersPanel
@@ -89,6 +90,7 @@ class Page:
         self._moving = Moving(client, self._wishes, self._hand, colours)
         self._aiming = Aiming(client, self._driving, self._notify)
         self._ring = Selection(client.scene, "/selected")
+        self._notice = Notice(client.scene)
         self._framed = -1
         self.camera = Camera(client)
         self._build(client.gui)
@@ -131,6 +133,7 @@ class Page:
         choices = self._choices()
         with self._client.atomic():
             self._connection.show(seen, choices)
+            self._notice.show(nothing_to_see(seen, choices))
             self._clock.show(seen, choices)
             self._playback.show(seen, choices)
             self._agents.show(seen, choices)

@@ -14,6 +14,8 @@ from intellwheels_viewer.panels.sheet import SHEET, block, note, prose
 from intellwheels_viewer.seen import Seen
 
 NO_WORLD: Final = "Choose one"
+GREYED: Final = "<style>canvas{filter:grayscale(1) opacity(.55)}</style>"
+"""The picture is of the past: no colour says so of what is drawn."""
 
 
 class State(NamedTuple):
@@ -42,6 +44,14 @@ def state(seen: Seen, choices: Choices) -> State:
     }[seen.phase]
 
 
+def nothing_to_see(seen: Seen, choices: Choices) -> str:
+    """Return the state as plain lines for a scene without a floor; nothing where there is one."""
+    if seen.floor is not None:
+        return ""
+    now = state(seen, choices)
+    return f"{now.title}\n" + now.text.replace("`", "").replace(". ", ".\n")
+
+
 def connection_html(seen: Seen, choices: Choices) -> str:
     """Return the state with a dot, its text, and whether this viewer may only look."""
     now = state(seen, choices)
@@ -55,6 +65,8 @@ def connection_html(seen: Seen, choices: Choices) -> str:
     if choices.refusal:
         refused = note(choices.refusal.replace("`", "'"), "bad")
         content += f'<div role="alert">{refused}</div>'
+    if seen.phase in ("silent", "gone"):
+        content += GREYED
     return block("connection", f'<div data-phase="{seen.phase}">{content}</div>')
 
 
