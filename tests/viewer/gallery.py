@@ -71,7 +71,7 @@ def main(folder: Path, parts: tuple[str, ...]) -> None:
             with Theatre(at / "reported", "played") as theatre:
                 lab, ward = real_chair(at)
                 play(theatre, "--play", str(lab), "--reported", str(ward))
-                played(album, theatre, chromium, "playback-reported")
+                played(album, theatre, chromium, "playback-reported", 0.95)
 
 
 def run_of_figure6(album: Album, top: Path, chromium: Any, scratch: Path, log: Path, *, toured: bool) -> None:
@@ -198,12 +198,12 @@ def play(theatre: Theatre, *words: str) -> None:
     theatre.line(player, "ready", 60.0)
 
 
-def played(album: Album, theatre: Theatre, chromium: Any, name: str) -> None:
+def played(album: Album, theatre: Theatre, chromium: Any, name: str, share: float = 0.6) -> None:
     """A log on its way, and halted: the same tick in all pictures."""
     urls = {theme: theatre.viewer(*words) for theme, words in THEMES.items()}
     with theatre.peer() as peer:
         peer.ctl("pause")
-        peer.ctl("seek", Tick=int(peer.clock()["Last"] * 0.6))
+        peer.ctl("seek", Tick=int(peer.clock()["Last"] * share))
         for theme, url in urls.items():
             for width, height in SIZES:
                 with theatre.screen(chromium, width=width, height=height) as screen:
@@ -225,7 +225,7 @@ def real_chair(scratch: Path) -> tuple[Path, Path]:
         there = ("--connect", ward.endpoint, "--world", ward.world)
         bridge = ward.start(
             "bridge", "intellwheels_agents.bridge", "world", "--name", "chair1", "--lab-connect", lab.endpoint,
-            "--place", "leader", "--chair-option", "WheelRatio=1.01", *there,
+            "--place", "leader", "--chair-option", "WheelRatio=1.03", *there,
         )  # fmt: skip
         ward.line(bridge, "joined", 60.0)
         ward.start(

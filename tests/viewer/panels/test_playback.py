@@ -88,5 +88,5 @@ def test_how_far_a_real_chair_was_from_where_it_said_it_was() -> None:
     one = LOG.entities[0]
     pose = Pose(tick=LOG.tick, x=one.x + 0.3, y=one.y - 0.4, heading=one.heading + math.radians(2.0))
     words = playback_html(replace(LOG, reported={one.name: pose, "gone": pose}))
-    assert f"{one.name} said it was 0.50 m and 2.0\u00b0 off" in words
+    assert f"{one.name} said it was, 0.50 m and 2.0\u00b0 off" in words
     assert "gone" not in words

@@ -40,7 +40,7 @@ def _off(seen: Seen) -> str:
         if entity is not None:
             far = math.hypot(pose.x - entity.x, pose.y - entity.y)
             turned = abs(math.degrees(math.remainder(pose.heading - entity.heading, math.tau)))
-            words.append(f"{html.escape(name)} said it was {far:.2f} m and {turned:.1f}\u00b0 off: see-through")
+            words.append(f"See-through: where {html.escape(name)} said it was, {far:.2f} m and {turned:.1f}\u00b0 off")
     return "".join(f'<div class="iw-small">{word}</div>' for word in words)
 
 
