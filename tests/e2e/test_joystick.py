@@ -187,6 +187,7 @@ def test_a_goal_that_a_peer_sets_under_a_lease_is_where_the_chair_arrives(stage:
         goal = {"X": start["X"] + 2.0, "Y": start["Y"]}
         lease = peer.ctl("take", Agent="chair1", Seconds=6.0)["Lease"]
         peer.put("user/chair1", {"Lease": lease, "Goal": goal})
+        peer.entity("chair1", lambda entity: entity.get("Goal") == pytest.approx(goal))
         assert peer.ctl("take", Agent="chair1", Lease=lease, Seconds=0.0)["Code"] == "ok"
 
         def there(entity: dict[str, Any]) -> bool:

@@ -1,4 +1,4 @@
-""" "Go there": for minds that take goals, by a lease that is given back."""
+""" "Go there": for minds that take goals, by a put that follows what can be refused."""
 
 from __future__ import annotations
 
@@ -35,17 +35,19 @@ def test_a_click_for_nobody_or_for_a_mind_that_takes_none_sets_nothing(here: Ope
     assert (here.network.asked, here.network.puts) == ([], [])
 
 
-def test_a_goal_is_told_under_a_lease_that_is_given_back(here: Opened) -> None:
+def test_a_goal_is_told_once_the_body_was_taken_and_given_back(here: Opened) -> None:
     here.page.select("a")
     here.show(TAKES)
     here.page._aim()
     here.page._aiming.put(2.5, 1.5)
-    until(lambda: len(here.network.asked) == 2)
+    until(lambda: here.network.puts)
     ((agent, wish),) = here.network.puts
-    assert (agent, wish.lease) == ("a", "0" * 16)
+    assert (agent, wish.lease) == ("a", None)
     assert wish.goal is not None
     assert (wish.goal.x, wish.goal.y) == (2.5, 1.5)
-    assert here.network.asked[-1] == ("take", Take(agent="a", lease="0" * 16, seconds=0.0))
+    taken, given = here.network.asked
+    assert taken[0] == "take"
+    assert given == ("take", Take(agent="a", lease="0" * 16, seconds=0.0))
     here.page._aiming.put(3.0, 3.0)  # one click, one goal
     assert len(here.network.puts) == 1
 

@@ -178,19 +178,25 @@ class Driving:
                 self._simulator.put_user(agent, wish)
 
     def go(self, agent: str, goal: Goal) -> None:
-        """Tell an agent's mind where to go: under a lease, so that a refusal has words, and the body is its own again.
+        """Tell an agent's mind where to go.
+
+        It is put once the body was taken and given back: a put is not answered, so what would be refused is found out
+        by what is. Under the lease itself it would race with the giving back, which may overtake a put.
 
         Args:
             agent: Whose mind.
             goal: Where, in metres.
         """
 
+        def given(_: Result) -> None:
+            self._simulator.put_user(agent, UserInput(goal=goal))
+
         def taken(result: Result) -> None:
-            self._simulator.put_user(agent, UserInput(lease=result.lease, goal=goal))
-            self._give(agent, result.lease)
+            give = Take(agent=agent, lease=result.lease, seconds=0.0)
+            self._wishes.ask("No goal set", "take", give, given)
 
         with self._lock:
-            self._release()  # what it drove is asked back by the same worker, so before
+            self._release()  # what it drove is given back by the same worker, so before
             self._wishes.ask("No goal set", "take", Take(agent=agent, seconds=LEASE), taken)
 
     def tick(self) -> None:
