@@ -66,12 +66,12 @@ def main(folder: Path, parts: tuple[str, ...]) -> None:
         if "playback" in parts:
             with Theatre(at / "playback", "played") as theatre:
                 play(theatre, "--play", str(log))
-                played(album, theatre, chromium, "playback")
+                played(album, theatre, chromium, "playback", share=0.6, key="o")
         if "reported" in parts:
             with Theatre(at / "reported", "played") as theatre:
                 lab, ward = real_chair(at)
                 play(theatre, "--play", str(lab), "--reported", str(ward))
-                played(album, theatre, chromium, "playback-reported", 0.95)
+                played(album, theatre, chromium, "playback-reported", share=0.95, key="f")
 
 
 def run_of_figure6(album: Album, top: Path, chromium: Any, scratch: Path, log: Path, *, toured: bool) -> None:
@@ -198,7 +198,7 @@ def play(theatre: Theatre, *words: str) -> None:
     theatre.line(player, "ready", 60.0)
 
 
-def played(album: Album, theatre: Theatre, chromium: Any, name: str, share: float = 0.6) -> None:
+def played(album: Album, theatre: Theatre, chromium: Any, name: str, *, share: float, key: str) -> None:
     """A log on its way, and halted: the same tick in all pictures."""
     urls = {theme: theatre.viewer(*words) for theme, words in THEMES.items()}
     with theatre.peer() as peer:
@@ -211,7 +211,8 @@ def played(album: Album, theatre: Theatre, chromium: Any, name: str, share: floa
                     screen.rest()
                     screen.says("Playing a log")
                     screen.select("chair1")
-                    screen.page.wait_for_timeout(1500)
+                    screen.page.keyboard.press(key)
+                    screen.page.wait_for_timeout(2000)
                     album.shoot(screen, f"{theme}-{width}-{name}")
 
 

@@ -14,7 +14,7 @@ from intellwheels_viewer.panels.sheet import SHEET, block, note, prose
 from intellwheels_viewer.seen import Seen
 
 NO_WORLD: Final = "Choose one"
-GREYED: Final = "<style>canvas{filter:grayscale(1) opacity(.55)}</style>"
+GREYED: Final = "<style>canvas,.iw-plan svg{filter:grayscale(1) opacity(.55)}</style>"
 """The picture is of the past: no colour says so of what is drawn."""
 
 
