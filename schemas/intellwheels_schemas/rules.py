@@ -297,6 +297,11 @@ def _check_scene(scene: Scene, where: str) -> None:
             if name in options[:at]:
                 place = f"{where}.Cast[{index}].Option[{at}].Name"
                 raise _wrong(place, "each option once", f"{shown(name)} twice")
+    for index, bridge in enumerate(scene.bridge):
+        if bridge.agent not in names:
+            raise _wrong(f"{where}.Bridge[{index}].Agent", "one of the cast", shown(bridge.agent))
+        if bridge.agent in [other.agent for other in scene.bridge[:index]]:
+            raise _wrong(f"{where}.Bridge[{index}].Agent", "each agent once", f"{shown(bridge.agent)} twice")
     for index, reach in enumerate(scene.end.reach if scene.end is not None else ()):
         if reach.agent not in names:
             raise _wrong(f"{where}.End.Reach[{index}].Agent", "one of the cast", shown(reach.agent))
@@ -315,6 +320,10 @@ def _check_experiment(experiment: Experiment, cast: set[str], where: str) -> Non
             raise _wrong(place, "at least one Level", "none")
         _check_once([level.name for level in factor.level], f"{place}.Level")
         for at, level in enumerate(factor.level):
+            for number, bridge in enumerate(level.bridge):
+                if bridge.agent not in here:
+                    where_bridge = f"{place}.Level[{at}].Bridge[{number}].Agent"
+                    raise _wrong(where_bridge, "one of the cast", shown(bridge.agent))
             for number, setting in enumerate(level.setting):
                 if setting.agent is not None and setting.agent not in here:
                     raise _wrong(
