@@ -51,8 +51,10 @@ def rows_of(scene: Scene) -> tuple[Row, ...]:
     """Return the rows of a scene, the last factor varied first.
 
     Raises:
-        WireError: A setting names no rule of the simulation, or one that is true or false has another value.
+        WireError: A setting names no rule of the simulation, or one that is true or false has another value; or
+            the runs of a scene with bridges are those of a chair without one.
     """
+    _check_subject(scene)
     if scene.experiment is None or not scene.experiment.factor:
         bridges = {one.agent: one for one in scene.bridge}
         real = scene.experiment is not None and scene.experiment.subject in bridges
@@ -83,6 +85,17 @@ def _row(scene: Scene, levels: tuple[Level, ...]) -> Row:
         words=tuple(words),
         bridges=bridges,
     )
+
+
+def _check_subject(scene: Scene) -> None:
+    """Raise where runs are scored by a laboratory that the chair is not in."""
+    if scene.experiment is None or not scene.bridge:
+        return
+    names = [bridge.agent for bridge in scene.bridge]
+    if scene.experiment.subject not in names:
+        expected, got = ", ".join(names), scene.experiment.subject
+        where = "Experiment.Subject"
+        raise WireError("value", f"{where}: expected one with a bridge ({expected}), got {got!r}", where)
 
 
 def _rule(setting: Setting) -> tuple[str, ...]:

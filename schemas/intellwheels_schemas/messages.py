@@ -1100,6 +1100,14 @@ class Compare(Record, frozen=True, kw_only=True):
     expect: Literal["better", "worse", "equivalent", "collision-free"] | None = None
 
 
+class Umbmark(Record, frozen=True, kw_only=True):
+    """Two rows whose chairs drive a square by odometry: their true wheel figures are found from where they end."""
+
+    left: Annotated[Title, Meta(description="the row with squares to the left")]
+    right: Annotated[Title, Meta(description="the row with squares to the right")]
+    side: Annotated[Size, Meta(description="of the square")]
+
+
 class Experiment(Record, frozen=True, kw_only=True):
     """Runs of a scene that are compared: every combination of levels is a row, its name theirs with `+` between."""
 
@@ -1107,6 +1115,7 @@ class Experiment(Record, frozen=True, kw_only=True):
     margin: Annotated[Share, Meta(description="difference of success up to which rows are equivalent")] = 0.15
     factor: tuple[Varied, ...] = ()
     compare: tuple[Compare, ...] = ()
+    umbmark: Umbmark | None = None
 
 
 class Scene(Record, frozen=True, kw_only=True):

@@ -332,11 +332,18 @@ def _check_experiment(experiment: Experiment, cast: set[str], where: str) -> Non
     rows = {"+".join(level.name for level in levels) for levels in product(*(one.level for one in experiment.factor))}
     for index, compare in enumerate(experiment.compare):
         for side, row in (("First", compare.first), ("Second", compare.second)):
-            if row is not None and row not in rows:
-                known = ", ".join(sorted(rows)[:20])
-                raise _wrong(f"{where}.Compare[{index}].{side}", f"a row ({known})", shown(row))
+            if row is not None:
+                _check_row(row, rows, f"{where}.Compare[{index}].{side}")
         if (compare.second is None) != (compare.expect == "collision-free"):
             raise _wrong(f"{where}.Compare[{index}]", "a Second, or none for collision-free", "otherwise")
+    if experiment.umbmark is not None:
+        _check_row(experiment.umbmark.left, rows, f"{where}.Umbmark.Left")
+        _check_row(experiment.umbmark.right, rows, f"{where}.Umbmark.Right")
+
+
+def _check_row(row: str, rows: set[str], where: str) -> None:
+    if row not in rows:
+        raise _wrong(where, f"a row ({', '.join(sorted(rows)[:20])})", shown(row))
 
 
 def _check_once(names: list[str], where: str) -> None:

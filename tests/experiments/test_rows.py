@@ -62,7 +62,7 @@ def test_bridges_of_the_scene_are_in_every_row_and_those_of_a_level_in_their_pla
 
 
 def _varied(*levels: Level, of: str = "figure6") -> Scene:
-    experiment = Experiment(subject="chair1", factor=(Varied(name="f", level=levels),))
+    experiment = Experiment(subject="real1" if of == "lab" else "chair1", factor=(Varied(name="f", level=levels),))
     return msgspec.structs.replace(scene(of), experiment=experiment)
 
 
@@ -71,3 +71,9 @@ def test_rule_that_there_is_not_is_refused() -> None:
     experiment = Experiment(subject="chair1", factor=(Varied(name="f", level=(level,)),))
     with pytest.raises(WireError, match=r"Setting.Name: expected a rule \(SayRange, .*\), got 'Gravity'"):
         rows_of(msgspec.structs.replace(scene("figure6"), experiment=experiment))
+
+
+def test_runs_of_a_scene_with_bridges_are_those_of_a_chair_that_has_one() -> None:
+    lab = scene("lab")
+    with pytest.raises(WireError, match=r"expected one with a bridge \(real1, real2\), got 'virtual1'"):
+        rows_of(msgspec.structs.replace(lab, experiment=Experiment(subject="virtual1")))
