@@ -65,8 +65,7 @@ FILES = list(sources())
 COMMANDS = {
     "intellwheels_schemas.present", "intellwheels_server.router", "intellwheels_experiments.check.__main__",
     "intellwheels_agents.joystick.__main__", "intellwheels_experiments.rig", "intellwheels_viewer.service",
-    "intellwheels_agents.bridge.__main__", "intellwheels_experiments.lab",
-    "intellwheels_experiments.stand",
+    "intellwheels_agents.bridge.__main__", "intellwheels_experiments.stand",
 }  # fmt: skip
 """Commands that are files of their own; the rig and the viewer's service, which do a command's work."""
 

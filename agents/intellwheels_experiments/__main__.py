@@ -60,7 +60,12 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--seed", metavar="TEXT", help="instead of the scene's")
     parser.add_argument("--encoding", choices=("json", "xml"), default="json", help="what the agents speak (json)")
     parser.add_argument("--json", type=Path, metavar="FILE", help="write the result there, the final hash as 'hash'")
-    parser.add_argument("--log", type=Path, metavar="FILE", help="write the input log, for iw-server --resimulate")
+    parser.add_argument(
+        "--log",
+        type=Path,
+        metavar="FILE",
+        help="write the input log, for iw-server --resimulate; a laboratory's beside it, -lab behind its name",
+    )
     parser.add_argument("--logs", type=Path, metavar="DIR", help="keep what the processes print there")
     parser.add_argument("--timeout", type=_factor, metavar="S", help="wall time to break the run off after (600)")
     batch = parser.add_argument_group(
@@ -122,6 +127,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         log=options.log,
         timeout=options.timeout or wall_limit(wanted, options.speed),
         view=options.view_port if options.view else None,
+        laboratory=f"tcp/127.0.0.1:{_free_port()}" if wanted.bridge else "",
     )
     link = Link(plan.world, (), plan.meeting, plan.config)
     stop = stop_on_signals()

@@ -99,6 +99,7 @@ def render(page: Page) -> str:
         _findings(page),
         _results(page),
         _comparisons(page),
+        _umbmark(page),
         _measures(page),
         _died(page),
         *(_row(page, line) for line in page.summary.lines if page.drawn.get(line.name)),
@@ -192,6 +193,31 @@ def _comparison(one: Comparison, titles: Mapping[str, str]) -> tuple[str, ...]:
         name, expected, f"{100 * paired.difference:+.0f}", f"{low:+.0f} to {high:+.0f}",
         f"{paired.first_only} / {paired.second_only}", _p(paired.p), "yes" if paired.equivalent else "no", found,
     )  # fmt: skip
+
+
+def _umbmark(page: Page) -> str:
+    found = page.summary.umbmark
+    if found is None:
+        return ""
+    told = (
+        ("E<sub>d</sub>, the right wheel's diameter over the left one's", found.wheels),
+        ("E<sub>b</sub>, the true track over the nominal one", found.base),
+    )
+    rows = [
+        (
+            name, f"{one.true:.4f}", f"<b>{one.found:.4f}</b>", "" if one.error is None else f"{one.error:.4f}",
+            f"{one.found - one.true:+.4f}",
+        )
+        for name, one in told
+    ]  # fmt: skip
+    return (
+        f"<h2>UMBmark</h2><p>The chair drives squares of {found.side:g} m by its odometry, which knows its data sheet "
+        f"alone ({found.track:g} m between the wheels). How far it truly ends from where the odometry says, to the "
+        f"left and to the right, tells how its wheels really are (Borenstein and Feng 1996; {found.seeds} squares each "
+        "way). A chair as its data sheet says has 1. The method supposes small errors and turns on the spot: "
+        "it is right to about 0.0005 here, whatever the standard error.</p>"
+        + _table(("figure", "true", "found", "standard error", "found less true"), rows)
+    )
 
 
 def _measures(page: Page) -> str:

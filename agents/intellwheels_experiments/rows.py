@@ -15,12 +15,15 @@ from intellwheels_schemas.messages import Bridge, Cast, Level, Option, Scene, Se
 RULES: Final[Mapping[str, str]] = {
     "SayRange": "--say-range",
     "SayLoss": "--say-loss",
+    "SayWalls": "--say-walls",
     "SayDelay": "--say-delay",
     "SayLimit": "--say-limit",
     "CommandTimeout": "--command-timeout",
     "Period": "--period",
 }
 """What a setting without an agent may name, and how the simulator is told."""
+WHETHER: Final[Mapping[str, Mapping[str, str]]] = {"SayWalls": {"true": "--say-walls", "false": "--no-say-walls"}}
+"""Of these, those that hold or do not: how the simulator is told which."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,10 +51,14 @@ def rows_of(scene: Scene) -> tuple[Row, ...]:
     """Return the rows of a scene, the last factor varied first.
 
     Raises:
-        WireError: A setting names no rule of the simulation.
+        WireError: A setting names no rule of the simulation, or one that is true or false has another value; or
+            the runs of a scene with bridges are those of a chair without one.
     """
+    _check_subject(scene)
     if scene.experiment is None or not scene.experiment.factor:
-        return (Row(scene.name, scene.title or scene.name, False, scene, (), {}),)
+        bridges = {one.agent: one for one in scene.bridge}
+        real = scene.experiment is not None and scene.experiment.subject in bridges
+        return (Row(scene.name, scene.title or scene.name, real, scene, (), bridges),)
     factors = [factor.level for factor in scene.experiment.factor]
     return tuple(_row(scene, levels) for levels in product(*factors))
 
@@ -68,21 +75,38 @@ def _row(scene: Scene, levels: tuple[Level, ...]) -> Row:
                 words += _rule(setting)
             else:
                 cast[setting.agent] = _given(cast[setting.agent], setting)
+    bridges = {one.agent: one for one in (*scene.bridge, *(one for level in levels for one in level.bridge))}
     return Row(
         name="+".join(level.name for level in levels),
         title=", ".join(level.title or level.name for level in levels),
-        real=any(level.real for level in levels),
+        real=any(level.real for level in levels)
+        or (scene.experiment is not None and scene.experiment.subject in bridges),
         scene=msgspec.structs.replace(scene, cast=tuple(cast.values())),
         words=tuple(words),
-        bridges={one.agent: one for level in levels for one in level.bridge},
+        bridges=bridges,
     )
 
 
-def _rule(setting: Setting) -> tuple[str, str]:
+def _check_subject(scene: Scene) -> None:
+    """Raise where runs are scored by a laboratory that the chair is not in."""
+    if scene.experiment is None or not scene.bridge:
+        return
+    names = [bridge.agent for bridge in scene.bridge]
+    if scene.experiment.subject not in names:
+        expected, got = ", ".join(names), scene.experiment.subject
+        where = "Experiment.Subject"
+        raise WireError("value", f"{where}: expected one with a bridge ({expected}), got {got!r}", where)
+
+
+def _rule(setting: Setting) -> tuple[str, ...]:
     if setting.name not in RULES:
         known = ", ".join(RULES)
         raise WireError("value", f"Setting.Name: expected a rule ({known}), got {setting.name!r}", "Setting.Name")
-    return RULES[setting.name], setting.value
+    if setting.name not in WHETHER:
+        return RULES[setting.name], setting.value
+    if setting.value not in WHETHER[setting.name]:
+        raise WireError("value", f"Setting.Value: expected true or false, got {setting.value!r}", "Setting.Value")
+    return (WHETHER[setting.name][setting.value],)
 
 
 def _given(cast: Cast, setting: Setting) -> Cast:

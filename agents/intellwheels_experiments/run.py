@@ -15,7 +15,7 @@ from typing import Final, Protocol
 
 from intellwheels_experiments.children import Children, Exited, Line
 from intellwheels_experiments.judge import judge
-from intellwheels_experiments.plan import SERVER, VIEWER, Plan, agent_child, parse
+from intellwheels_experiments.plan import LABORATORY, SERVER, VIEWER, Plan, agent_child, bridge_child, parse
 from intellwheels_experiments.progress import Progress
 from intellwheels_experiments.record import Record
 from intellwheels_experiments.report import Finish, Result, versions
@@ -85,7 +85,7 @@ def perform(
                 finish = _Finished("interrupted" if stop.is_set() else "died", str(error))
         progress.doing("ending the processes")
         # The agents first: they leave in words, which needs somebody to hear them.
-        children.end([child for child in children.living if child not in (SERVER, VIEWER)])
+        children.end([child for child in children.living if child not in (SERVER, LABORATORY, VIEWER)])
         children.end(list(children.living), grace=5.0)
     return _result(plan, record, finish, stopwatch.seconds)
 
@@ -112,31 +112,44 @@ class _Stopwatch:
 
 def _start(plan: Plan, children: Children, progress: Progress, stop: threading.Event) -> _Finished | None:
     """Start all processes once the simulator is ready; return how the run finished, if it did already."""
-    children.start(SERVER, plan.server_command)
+    # One after the other: a first start compiles the kernels, which the second one then finds.
+    servers = {SERVER: plan.server_command, LABORATORY: plan.laboratory_command}
+    for server in (SERVER, LABORATORY) if plan.scene.bridge else (SERVER,):
+        children.start(server, servers[server])
+        if (finish := _await_ready(server, children, progress, stop)) is not None:
+            return finish
+    if plan.view is not None and (finish := _open_view(plan, children, progress, stop)) is not None:
+        return finish
+    for cast in plan.scene.cast:
+        if cast.name in plan.bridges:
+            children.start(bridge_child(cast.name), partial(plan.bridge_command, cast))
+        children.start(agent_child(cast.name), partial(plan.agent_command, cast))
+    progress.say(
+        f"started world={plan.world} at={','.join(plan.meeting)} agents={len(plan.scene.cast)} logs={plan.logs}"
+    )
+    if plan.scene.bridge:
+        progress.say(f"laboratory world={plan.lab} at={plan.laboratory} chairs={','.join(plan.bridges)}")
+    return None
+
+
+def _await_ready(server: str, children: Children, progress: Progress, stop: threading.Event) -> _Finished | None:
+    """Wait until a simulator is ready; return how the run finished, if it did already."""
     begun = time.monotonic()
     shown = False
     while True:
         waited = time.monotonic() - begun
         match children.news(0.2):
-            case Line(child=child, text=text) if child == SERVER and parse(text)[0] == "ready":
-                break
+            case Line(child=child, text=text) if child == server and parse(text)[0] == "ready":
+                return None
             case Exited() as exited:
                 return _died(children, exited)
         if stop.is_set():
             return _Finished("interrupted", "before the simulator was ready")
         if waited > READY_LIMIT:
-            return _Finished("overtime", _with_tail(children, SERVER, f"not ready after {READY_LIMIT:.0f} s"))
+            return _Finished("overtime", _with_tail(children, server, f"not ready after {READY_LIMIT:.0f} s"))
         if waited > COLD_START and not shown:
             progress.say("the simulator compiles its kernels: once, about 45 s")
             shown = True
-    if plan.view is not None and (finish := _open_view(plan, children, progress, stop)) is not None:
-        return finish
-    for cast in plan.scene.cast:
-        children.start(agent_child(cast.name), partial(plan.agent_command, cast))
-    progress.say(
-        f"started world={plan.world} at={','.join(plan.meeting)} agents={len(plan.scene.cast)} logs={plan.logs}"
-    )
-    return None
 
 
 def _open_view(plan: Plan, children: Children, progress: Progress, stop: threading.Event) -> _Finished | None:
@@ -190,9 +203,12 @@ def _follow(
             elif verb == "miss":
                 stopwatch.end()
                 return _Finished("missed", _missed(children, values), _number(values.get("tick")))
+        elif isinstance(news, Line) and news.child == LABORATORY and parse(news.text)[0] == "miss":
+            stopwatch.end()
+            return _Finished("missed", _with_tail(children, LABORATORY, news.text))
         elif isinstance(news, Exited) and news.child == VIEWER:
             progress.say(_with_tail(children, VIEWER, f"{news.how}; the run goes on without a page"))
-        elif isinstance(news, Exited) and (news.child == SERVER or news.code != 0):
+        elif isinstance(news, Exited) and (news.child in (SERVER, LABORATORY) or news.code != 0):
             stopwatch.end()
             return _died(children, news)
         watch.pour(record)

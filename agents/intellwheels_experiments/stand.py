@@ -18,10 +18,22 @@ from functools import partial
 from pathlib import Path
 from typing import Final, Self
 
-import msgspec
-
 from intellwheels_experiments.children import Children, Exited, Line
-from intellwheels_experiments.plan import SERVER, agent_child, agent_command, link_words, parse, resolved
+from intellwheels_experiments.plan import (
+    DEADLINE,
+    LAB,
+    LABORATORY,
+    SERVER,
+    agent_child,
+    agent_command,
+    bridge_child,
+    bridge_command,
+    laboratory_words,
+    link_words,
+    mind_command,
+    parse,
+    resolved,
+)
 from intellwheels_experiments.processes import free_port
 from intellwheels_experiments.rows import Row
 from intellwheels_experiments.watch import Watch, watching
@@ -35,12 +47,7 @@ JOIN_LIMIT: Final = 90.0
 """Seconds for the cast to join, and for a run to begin: the machine is full of runs."""
 ANSWER_LIMIT: Final = 20.0
 """Seconds for the simulator to answer a verb."""
-DEADLINE: Final = 60.0
-"""Seconds the simulator waits for an answer before it ends the run."""
 WORLD: Final = "main"
-LAB: Final = "lab"
-LABORATORY: Final = "laboratory"
-"""The second simulator among the children."""
 
 
 class StandError(RuntimeError):
@@ -49,6 +56,26 @@ class StandError(RuntimeError):
 
 class StoppedError(RuntimeError):
     """Told to stop."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Branch:
+    """A run to begin as.
+
+    Attributes:
+        log: Its input log, of the world that its chair was truly in.
+        at: The tick up to which it is followed.
+        image: Of a chair in a laboratory, the log of the world that showed it.
+    """
+
+    log: Path
+    at: int
+    image: Path | None = None
+
+    def words(self, *, of_image: bool) -> list[str]:
+        """Return how a simulator is told."""
+        log = self.image if of_image and self.image is not None else self.log
+        return ["--branch", str(log.absolute()), "--at", str(self.at)]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -61,7 +88,7 @@ class Site:
         logs: A folder for the processes' logs.
         runs: A folder for what the simulator writes of each run.
         timeout: Seconds of wall time a run may take.
-        branch: A log and a tick: each run begins as that one went.
+        branch: Each run begins as that one went.
     """
 
     source: str
@@ -69,7 +96,7 @@ class Site:
     logs: Path
     runs: Path
     timeout: float
-    branch: tuple[Path, int] | None = None
+    branch: Branch | None = None
 
 
 class Stand:
@@ -140,7 +167,7 @@ class Stand:
         for server, world in zip(self._servers, (WORLD, LAB), strict=False):
             self._endpoints[server] = f"tcp/127.0.0.1:{free_port()}"
             self._children.start(server, partial(self._server_command, server, world))
-        for server, world in zip(self._servers, (WORLD, LAB), strict=False):
+            # One after the other: a first start compiles the kernels, which the second one then finds.
             self._await(server, "ready", READY_LIMIT)
             link = Link(world, connect=(self._endpoints[server],))
             try:
@@ -149,7 +176,7 @@ class Stand:
                 raise StoppedError from error if self._stop.is_set() else StandError(str(error))
         for cast in self._row.scene.cast:
             if cast.name in self._row.bridges:
-                self._children.start(f"bridge-{cast.name}", partial(self._bridge_command, cast))
+                self._children.start(bridge_child(cast.name), partial(self._bridge_command, cast))
             self._children.start(agent_child(cast.name), partial(self._agent_command, cast))
         for server in self._servers:
             self._await(server, "running", JOIN_LIMIT)
@@ -172,15 +199,16 @@ class Stand:
         site, row = self._site, self._row
         words = [*link_words(world, [self._endpoints[server]]), "--pace", "lockstep", "--miss", "strict"]
         words += ["--deadline", f"{DEADLINE:g}", "--runs", str(site.runs.absolute())]
-        if server == LABORATORY:
-            words += ["--expect", ",".join(row.bridges), "--map", resolved(row.scene.map, site.folder), "--hide-truth"]
-            words += ["--period", repr(row.scene.period)]
+        if server == LABORATORY and site.branch is None:
+            words += laboratory_words(row.scene, row.bridges, site.folder)
+        elif server == LABORATORY:
+            words += ["--expect", ",".join(row.bridges), "--hide-truth"]
         else:
             words += ["--expect", ",".join(cast.name for cast in row.scene.cast)]
             if site.branch is None:
                 words += ["--scene", resolved(site.source, site.folder), *row.words]
-            else:
-                words += ["--branch", str(site.branch[0].absolute()), "--at", str(site.branch[1])]
+        if site.branch is not None:
+            words += site.branch.words(of_image=server == SERVER and bool(row.bridges))
         return [sys.executable, "-m", "intellwheels_server", *words, "--lifeline", str(lifeline)]
 
     def _words(self, lifeline: int) -> list[str]:
@@ -188,28 +216,12 @@ class Stand:
         return [*words, "--retry-for", f"{JOIN_LIMIT:g}", "--lifeline", str(lifeline)]
 
     def _agent_command(self, cast: Cast, lifeline: int) -> list[str]:
-        if cast.name not in self._row.bridges:
-            return agent_command(cast, self._site.folder, self._words(lifeline))
-        mind = msgspec.structs.replace(
-            cast, robot="", place=None, option=tuple(one for one in cast.option if not one.name[0].isupper())
-        )
-        return agent_command(mind, self._site.folder, ["--role", "mind", *self._words(lifeline)])
+        told = mind_command if cast.name in self._row.bridges else agent_command
+        return told(cast, self._site.folder, self._words(lifeline))
 
     def _bridge_command(self, cast: Cast, lifeline: int) -> list[str]:
-        bridge, folder = self._row.bridges[cast.name], self._site.folder
-        words = ["world", "--name", cast.name, "--robot", resolved(cast.robot, folder)]
-        words += ["--lab-world", LAB, "--lab-connect", self._endpoints[LABORATORY]]
-        words += ["--chair", resolved(bridge.chair, folder)] if bridge.chair is not None else []
-        words += ["--place", cast.place] if cast.place is not None else []
-        for option in cast.option:
-            words += ["--option", f"{option.name}={option.value}"] if option.name[0].isupper() else []
-        for option in bridge.option:
-            words += (
-                ["--chair-option", f"{option.name}={option.value}"]
-                if option.name[0].isupper()
-                else [f"--{option.name}", option.value]
-            )
-        return [sys.executable, "-m", "intellwheels_agents.bridge", *words, *self._words(lifeline)]
+        laboratory, words = (LAB, self._endpoints[LABORATORY]), self._words(lifeline)
+        return bridge_command(cast, self._row.bridges[cast.name], self._site.folder, laboratory, words)
 
     def _ask(self, server: str, verb: Verb, message: Record) -> str:
         """Ask for a verb and return the run it is of then."""

@@ -12,6 +12,7 @@ import numpy as np
 from intellwheels_experiments.keep import Kept
 from intellwheels_experiments.measure import Measured
 from intellwheels_experiments.rows import Row
+from intellwheels_experiments.squares import Squares
 from intellwheels_experiments.statistics import Interval, Paired, compare, mean_difference, wilson
 from intellwheels_schemas.messages import Compare, Experiment
 
@@ -83,10 +84,17 @@ class Comparison(msgspec.Struct, frozen=True, kw_only=True):
 
 
 class Summary(msgspec.Struct, frozen=True, kw_only=True):
-    """A batch."""
+    """A batch.
+
+    Attributes:
+        lines: Its rows.
+        comparisons: What is expected of them.
+        umbmark: The wheel figures that its squares tell, of an experiment that asks for them.
+    """
 
     lines: tuple[Line, ...]
     comparisons: tuple[Comparison, ...]
+    umbmark: Squares | None = None
 
 
 def sum_up(rows: Sequence[Row], runs: Sequence[Kept], experiment: Experiment | None) -> Summary:

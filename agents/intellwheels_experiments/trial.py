@@ -28,6 +28,7 @@ from intellwheels_experiments.page import Page, floor_hash, render
 from intellwheels_experiments.progress import PLAIN_EVERY
 from intellwheels_experiments.report import versions
 from intellwheels_experiments.rows import Row
+from intellwheels_experiments.squares import Figure, Squares, squares
 from intellwheels_experiments.summary import Summary, sum_up, to_json, to_junit
 from intellwheels_schemas.messages import Robot, Scene
 
@@ -87,6 +88,8 @@ def write_files(
     runs = read_batch(batch)
     summary = sum_up(batch.rows, runs, scene.experiment)
     out = batch.out
+    if scene.experiment is not None and (asked := scene.experiment.umbmark) is not None:
+        summary = msgspec.structs.replace(summary, umbmark=squares(out, runs, asked))
     (out / "batch.csv").write_text(table(runs))
     (out / "summary.json").write_bytes(to_json(summary))
     (out / "junit.xml").write_text(to_junit(scene.name, summary, runs))
@@ -121,6 +124,9 @@ def show(summary: Summary, console: Console) -> None:
                 words += f" difference={one.paired.difference:+.3f} p={one.paired.p:.4f}"
                 words += f" equivalent={'yes' if one.paired.equivalent else 'no'}"
             console.file.write(f"{words} found={one.verdict.replace(' ', '-')}\n")
+        for name, figure in _figures(summary.umbmark):
+            error = "-" if figure.error is None else f"{figure.error:.5f}"
+            console.file.write(f"umbmark figure={name} true={figure.true:.4f} found={figure.found:.4f} error={error}\n")
         console.file.flush()
         return
     shown = Table("mode", "runs", "succeeded", "95 %", "collided", "physical", "virtual", "time", "odometry error")
@@ -137,6 +143,13 @@ def show(summary: Summary, console: Console) -> None:
         console.print(
             f"{one.first}{against}: expected {one.expect or 'nothing'}, found: {one.verdict}", highlight=False
         )
+    for name, figure in _figures(summary.umbmark):
+        error = "" if figure.error is None else f" +- {figure.error:.4f}"
+        console.print(f"UMBmark {name}: truly {figure.true:.4f}, found {figure.found:.4f}{error}", highlight=False)
+
+
+def _figures(found: Squares | None) -> tuple[tuple[str, Figure], ...]:
+    return () if found is None else (("E_d", found.wheels), ("E_b", found.base))
 
 
 def _claim(batch: Batch, scene: Scene) -> None:

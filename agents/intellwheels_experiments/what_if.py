@@ -1,7 +1,8 @@
 """What if: a run that begins as another went and goes on with another mind or option, the two side by side in a report.
 
-The minds of the branch live through all of it, and until the branch they are not obeyed: so they have their memory of
-it. An option that differs acts from the first tick within a mind, and on the world from the branch on.
+A row with a laboratory has two logs, and both of its worlds begin as they went. The minds of the branch live through
+all of it, and until the branch they are not obeyed: so they have their memory of it. An option that differs acts from
+the first tick within a mind, and on the world from the branch on.
 """
 
 from __future__ import annotations
@@ -19,10 +20,10 @@ from typing import Final
 import msgspec
 
 from intellwheels_experiments.batch import Batch
-from intellwheels_experiments.keep import LOG, Kept, keep
+from intellwheels_experiments.keep import IMAGE, LOG, Kept, keep
 from intellwheels_experiments.measure import measured
 from intellwheels_experiments.rows import Row
-from intellwheels_experiments.stand import Site, Stand, StandError
+from intellwheels_experiments.stand import Branch, Site, Stand, StandError
 from intellwheels_experiments.summary import Summary
 from intellwheels_experiments.trace import Trace, read_trace
 from intellwheels_experiments.trial import write_files
@@ -75,32 +76,39 @@ def perform_branch(batch: Batch, scene: Scene, other: Row, log: Path, at: int, s
         batch: Its first row is the parent's; its folder takes the files.
         scene: The scene.
         other: The row of the branch.
-        log: The parent's input log, of a world without a laboratory.
+        log: The parent's input log; of a row with a laboratory, the laboratory's, and the other's is beside it.
         at: The tick of the branch.
         stop: Set from outside to break off.
 
     Raises:
         ParentError: The log cannot be branched from, or the branch came to no end; in words.
     """
-    if other.bridges:
-        raise ParentError("expected a row without a laboratory: two worlds cannot be branched together yet")
+    image_log = log.with_name(IMAGE) if other.bridges else None
+    if image_log is not None and not image_log.exists():
+        raise ParentError(f"{image_log}: expected the log of the world that showed the chair, beside the laboratory's")
     batch.out.mkdir(parents=True, exist_ok=True)
     scratch = Path(tempfile.mkdtemp(prefix=".branch-", dir=batch.out))
     try:
-        parent = _parent(log, scratch / "parent.jsonl")
+        parent = _again(log, scratch / "parent.jsonl")
+        image = None if image_log is None else _again(image_log, scratch / "image.jsonl")
         site = Site(
             source=batch.source, folder=batch.folder, logs=scratch, runs=scratch / "runs", timeout=batch.timeout,
-            branch=(log, at),
+            branch=Branch(log=log, at=at, image=image_log),
         )  # fmt: skip
         with Stand(site, other, stop) as stand:
-            place, _ = stand.run(parent.heading.seed)
+            place, shown = stand.run(parent.heading.seed)
         branch = read_trace(place / "trace.jsonl", place / LOG)
         _check_same(parent, branch, at)
+        seen = None if shown is None else read_trace(shown / "trace.jsonl", shown / LOG)
+        if image is not None and seen is not None:
+            _check_same(image, seen, at)
         seed = parent.heading.seed
         row = batch.rows[0]
+        image_of = {PARENT: image, BRANCH: seen}
+        log_of = {PARENT: image_log, BRANCH: None if shown is None else shown / LOG}
         for name, trace, source in ((PARENT, parent, log), (BRANCH, branch, place / LOG)):
-            numbers, course = measured(trace, scene, batch.floor, batch.subject, real=row.real)
-            keep(batch.out, Kept(row=name, seed=seed, measured=numbers), course, source)
+            numbers, course = measured(trace, scene, batch.floor, batch.subject, real=row.real, image=image_of[name])
+            keep(batch.out, Kept(row=name, seed=seed, measured=numbers), course, source, log_of[name])
     except StandError as error:
         raise ParentError(str(error)) from error
     finally:
@@ -116,8 +124,8 @@ def perform_branch(batch: Batch, scene: Scene, other: Row, log: Path, at: int, s
     return write_files(both, msgspec.structs.replace(scene, experiment=pair))
 
 
-def _parent(log: Path, target: Path) -> Trace:
-    """Return what was true in the run of a log, by running it again."""
+def _again(log: Path, target: Path) -> Trace:
+    """Return what was true in a log's world, by running it again."""
     command = [sys.executable, "-m", "intellwheels_server", "--resimulate", str(log), "--trace", str(target)]
     done = subprocess.run(command, capture_output=True, text=True, timeout=LIMIT, check=False)
     if done.returncode != 0:

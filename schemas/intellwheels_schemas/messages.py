@@ -131,6 +131,8 @@ Stamp = Annotated[float, Meta(ge=0.0, le=1e12, description="Unix time", extra=_u
 Factor = Annotated[float, Meta(gt=0.0, le=1000.0, description="simulated time over wall time", extra=_unit("1"))]
 Ratio = Annotated[float, Meta(ge=0.0, le=1e9, extra=_unit("1"))]
 Range = Annotated[float, Meta(ge=0.0, le=20_000.0, extra=_unit("m"))]
+SayRange = Annotated[float, Meta(gt=0.0, le=20_000.0, extra=_unit("m"))]
+SayDelay = Annotated[float, Meta(ge=0.0, le=3600.0, extra=_unit("s"))]
 Variance = Annotated[float, Meta(ge=-1e9, le=1e9)]
 Normal = Annotated[float, Meta(ge=-1.0, le=1.0, extra=_unit("1"))]
 
@@ -1062,6 +1064,7 @@ class Setting(Record, frozen=True, kw_only=True):
 class Bridge(Record, frozen=True, kw_only=True):
     """One of the cast has a real chair in a laboratory: a second simulation of the same floor that plays the building.
 
+    Of a scene it holds in every run, of a level where that is chosen, in the place of the scene's for the same agent.
     An option with a capital letter is a field of the chair as built, any other an option of `iw-bridge`.
     """
 
@@ -1097,6 +1100,14 @@ class Compare(Record, frozen=True, kw_only=True):
     expect: Literal["better", "worse", "equivalent", "collision-free"] | None = None
 
 
+class Umbmark(Record, frozen=True, kw_only=True):
+    """Two rows whose chairs drive a square by odometry: their true wheel figures are found from where they end."""
+
+    left: Annotated[Title, Meta(description="the row with squares to the left")]
+    right: Annotated[Title, Meta(description="the row with squares to the right")]
+    side: Annotated[Size, Meta(description="of the square")]
+
+
 class Experiment(Record, frozen=True, kw_only=True):
     """Runs of a scene that are compared: every combination of levels is a row, its name theirs with `+` between."""
 
@@ -1104,6 +1115,7 @@ class Experiment(Record, frozen=True, kw_only=True):
     margin: Annotated[Share, Meta(description="difference of success up to which rows are equivalent")] = 0.15
     factor: tuple[Varied, ...] = ()
     compare: tuple[Compare, ...] = ()
+    umbmark: Umbmark | None = None
 
 
 class Scene(Record, frozen=True, kw_only=True):
@@ -1118,7 +1130,12 @@ class Scene(Record, frozen=True, kw_only=True):
     pace: Pace = "lockstep"
     miss: Miss = "strict"
     truth: Annotated[bool, Meta(description="agents may have truth sensors")] = False
+    say_range: Annotated[SayRange, Meta(description="how far a say is heard")] = 8.0
+    say_walls: Annotated[bool, Meta(description="walls and closed doors keep a say from being heard")] = False
+    say_loss: Annotated[Share, Meta(description="share of what agents say that a listener misses")] = 0.0
+    say_delay: Annotated[SayDelay, Meta(description="time a say takes beyond the next tick")] = 0.0
     cast: tuple[Cast, ...] = ()
+    bridge: tuple[Bridge, ...] = ()
     end: End | None = None
     hold: Hold | None = None
     experiment: Experiment | None = None

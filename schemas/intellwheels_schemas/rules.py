@@ -297,6 +297,11 @@ def _check_scene(scene: Scene, where: str) -> None:
             if name in options[:at]:
                 place = f"{where}.Cast[{index}].Option[{at}].Name"
                 raise _wrong(place, "each option once", f"{shown(name)} twice")
+    for index, bridge in enumerate(scene.bridge):
+        if bridge.agent not in names:
+            raise _wrong(f"{where}.Bridge[{index}].Agent", "one of the cast", shown(bridge.agent))
+        if bridge.agent in [other.agent for other in scene.bridge[:index]]:
+            raise _wrong(f"{where}.Bridge[{index}].Agent", "each agent once", f"{shown(bridge.agent)} twice")
     for index, reach in enumerate(scene.end.reach if scene.end is not None else ()):
         if reach.agent not in names:
             raise _wrong(f"{where}.End.Reach[{index}].Agent", "one of the cast", shown(reach.agent))
@@ -315,6 +320,10 @@ def _check_experiment(experiment: Experiment, cast: set[str], where: str) -> Non
             raise _wrong(place, "at least one Level", "none")
         _check_once([level.name for level in factor.level], f"{place}.Level")
         for at, level in enumerate(factor.level):
+            for number, bridge in enumerate(level.bridge):
+                if bridge.agent not in here:
+                    where_bridge = f"{place}.Level[{at}].Bridge[{number}].Agent"
+                    raise _wrong(where_bridge, "one of the cast", shown(bridge.agent))
             for number, setting in enumerate(level.setting):
                 if setting.agent is not None and setting.agent not in here:
                     raise _wrong(
@@ -323,11 +332,18 @@ def _check_experiment(experiment: Experiment, cast: set[str], where: str) -> Non
     rows = {"+".join(level.name for level in levels) for levels in product(*(one.level for one in experiment.factor))}
     for index, compare in enumerate(experiment.compare):
         for side, row in (("First", compare.first), ("Second", compare.second)):
-            if row is not None and row not in rows:
-                known = ", ".join(sorted(rows)[:20])
-                raise _wrong(f"{where}.Compare[{index}].{side}", f"a row ({known})", shown(row))
+            if row is not None:
+                _check_row(row, rows, f"{where}.Compare[{index}].{side}")
         if (compare.second is None) != (compare.expect == "collision-free"):
             raise _wrong(f"{where}.Compare[{index}]", "a Second, or none for collision-free", "otherwise")
+    if experiment.umbmark is not None:
+        _check_row(experiment.umbmark.left, rows, f"{where}.Umbmark.Left")
+        _check_row(experiment.umbmark.right, rows, f"{where}.Umbmark.Right")
+
+
+def _check_row(row: str, rows: set[str], where: str) -> None:
+    if row not in rows:
+        raise _wrong(where, f"a row ({', '.join(sorted(rows)[:20])})", shown(row))
 
 
 def _check_once(names: list[str], where: str) -> None:

@@ -93,6 +93,7 @@ from intellwheels_schemas.messages import (
     Timeout,
     Truth,
     TruthReading,
+    Umbmark,
     UserInput,
     Varied,
     Wall,
@@ -379,7 +380,9 @@ VALID: Final[dict[str, Record]] = {
     ),
     "Scene-options": Scene(
         format="iw.v1", name="other", map="floors/own.xml", seed="a b", period=0.1, pace="realtime", miss="elastic",
-        truth=True,
+        truth=True, say_range=4.0, say_walls=True, say_loss=0.1, say_delay=0.2,
+        cast=(Cast(name="a", robot="r", mind="m"),),
+        bridge=(Bridge(agent="a", option=(Option(name="pose", value="raw"),)),),
     ),
     "Scene-experiment": Scene(
         format="iw.v1", name="e", map="room", cast=(Cast(name="a", robot="r", mind="m"),),
@@ -398,6 +401,7 @@ VALID: Final[dict[str, Record]] = {
                 ),
             ),
             compare=(Compare(first="x", second="y", expect="worse"),),
+            umbmark=Umbmark(left="x", right="y", side=4.0),
         ),
     ),
     "Result": Result(code="ok", run=RUN, tick=42, hash=HASH, lease=SESSION, slot="s1"),

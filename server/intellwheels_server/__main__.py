@@ -7,6 +7,8 @@ import gc
 import sys
 from pathlib import Path
 
+import msgspec
+
 from intellwheels_maps import floor, scene
 from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.link import DEFAULT_WORLD, Link, add_link_options, link_of
@@ -54,7 +56,11 @@ def parser() -> argparse.ArgumentParser:
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     what = found.add_argument_group("what is simulated")
-    what.add_argument("--scene", metavar="NAME|FILE", help="take map, seed, period, pace, end and cast from a scene")
+    what.add_argument(
+        "--scene",
+        metavar="NAME|FILE",
+        help="take map, seed, period, pace, end, cast and how a say is heard from a scene",
+    )
     what.add_argument("--map", metavar="NAME|FILE", help="the floor (default: room)")
     what.add_argument("--seed", metavar="TEXT", help="all noise follows from it (default: 1)")
     what.add_argument("--period", type=_positive, metavar="S", help="simulated seconds of a tick (default: 0.05)")
@@ -67,16 +73,19 @@ def parser() -> argparse.ArgumentParser:
     )
     what.add_argument("--say-limit", type=_count, default=100, metavar="N", help="characters of one say (default: 100)")
     what.add_argument(
-        "--say-range", type=_positive, default=8.0, metavar="M", help="metres a say is heard (default: 8)"
+        "--say-range", type=_positive, metavar="M", help="metres a say is heard (default: the scene's, or 8)"
     )
-    what.add_argument("--say-walls", action="store_true", help="walls and closed doors keep a say from being heard")
     what.add_argument(
-        "--say-loss", type=_share, default=0.0, metavar="P",
-        help="share of what agents say that a listener misses (default: 0)",
+        "--say-walls", action=argparse.BooleanOptionalAction,
+        help="walls and closed doors keep a say from being heard (default: the scene's, or not)",
     )  # fmt: skip
     what.add_argument(
-        "--say-delay", type=_seconds, default=0.0, metavar="S",
-        help="simulated seconds a say takes beyond the next tick (default: 0)",
+        "--say-loss", type=_share, metavar="P",
+        help="share of what agents say that a listener misses (default: the scene's, or 0)",
+    )  # fmt: skip
+    what.add_argument(
+        "--say-delay", type=_seconds, metavar="S",
+        help="simulated seconds a say takes beyond the next tick (default: the scene's, or 0)",
     )  # fmt: skip
     what.add_argument(
         "--command-timeout", type=_positive, default=0.5, metavar="S",
@@ -154,7 +163,7 @@ def main(arguments: list[str] | None = None) -> int:
         return _play(given)
     given.world = given.world or DEFAULT_WORLD
     try:
-        options, route = _options(given)
+        options, route = options_of(given)
     except WireError as error:
         print(f"iw-server: {error.text}", file=sys.stderr)
         return 2
@@ -225,7 +234,7 @@ def _play(given: argparse.Namespace) -> int:
     return 1
 
 
-def _options(given: argparse.Namespace) -> tuple[Options, Link]:
+def options_of(given: argparse.Namespace) -> tuple[Options, Link]:
     """Return what the command line asks for.
 
     Raises:
@@ -253,15 +262,12 @@ def _options(given: argparse.Namespace) -> tuple[Options, Link]:
         seed=given.seed if given.seed is not None else (written.seed if written else "1"),
         period=given.period or (written.period if written else 0.05),
         say_limit=given.say_limit,
-        say_range=given.say_range,
-        say_walls=given.say_walls,
-        say_loss=given.say_loss,
-        say_delay=given.say_delay,
         command_timeout=given.command_timeout,
         truth=bool(given.truth) or bool(written and written.truth),
         end=written.end if written else None,
         strict=strict,
     )
+    setup = _heard(setup, given, written)
     branch = None if given.branch is None else read_branch(given.branch, given.at)
     if branch is not None:
         if pace != "lockstep" or written is not None or given.map is not None or given.seed is not None:
@@ -282,6 +288,14 @@ def _options(given: argparse.Namespace) -> tuple[Options, Link]:
         hide_truth=bool(given.hide_truth),
     )
     return options, link_of(given)
+
+
+def _heard(setup: Setup, given: argparse.Namespace, written: Scene | None) -> Setup:
+    """Return a world where a say is heard as the command line tells, else as the scene does."""
+    names = ("say_range", "say_walls", "say_loss", "say_delay")
+    told = [{name: getattr(source, name) for name in names} for source in (written, given) if source is not None]
+    changes = {name: value for source in told for name, value in source.items() if value is not None}
+    return msgspec.structs.replace(setup, **changes)
 
 
 def _floor(given: argparse.Namespace, written: Scene | None) -> Map:

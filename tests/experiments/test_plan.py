@@ -7,9 +7,10 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from msgspec.structs import replace as replace_struct
 
 from intellwheels_experiments.plan import WALL_LIMIT, Plan, parse, wall_limit
-from intellwheels_schemas.messages import Cast, End, Map, Option, Scene, Timeout
+from intellwheels_schemas.messages import Bridge, Cast, End, Map, Option, Scene, Timeout
 
 SCENE = Scene(format="iw.v1", name="test", map="room", seed="a b", end=End(timeout=Timeout(seconds=100.0)))
 PLAN = Plan(
@@ -47,6 +48,39 @@ def test_options_and_place_are_passed_on() -> None:
     command = PLAN.agent_command(cast, 5)
     assert command[command.index("--option") + 1] == "points=1 2=3"
     assert command[command.index("--place") + 1] == "start1"
+
+
+def test_scene_with_bridges_has_a_laboratory_that_hides_the_truth_and_minds_without_a_body() -> None:
+    cast = Cast(
+        name="c", robot="intellwheels", mind="avoid", place="start1",
+        option=(Option(name="speed", value="0.4"), Option(name="MotorNoise", value="0.1")),
+    )  # fmt: skip
+    bridge = Bridge(agent="c", option=(Option(name="pose", value="raw"), Option(name="WheelRatio", value="1.002")))
+    scene = replace_struct(SCENE, cast=(cast,), bridge=(bridge,))
+    plan = replace(PLAN, scene=scene, laboratory="tcp/127.0.0.1:7001", log=Path("a/run.jsonl"))
+    told = " ".join(plan.laboratory_command(5)[3:])
+    for words in (
+        "--world lab --listen tcp/127.0.0.1:7001",
+        "--expect c",
+        "--hide-truth",
+        "--seed a b",
+        "run-lab.jsonl",
+    ):
+        assert words in told
+    told = " ".join(plan.bridge_command(cast, 5)[3:])
+    for words in ("--lab-world lab --lab-connect tcp/127.0.0.1:7001", "--pose raw", "--connect tcp/127.0.0.1:7000"):
+        assert words in told
+    assert "--option MotorNoise=0.1" in told
+    assert "--chair-option WheelRatio=1.002" in told
+    mind = " ".join(plan.agent_command(cast, 5)[3:])
+    assert "--role mind" in mind
+    assert "--option speed=0.4" in mind
+    assert "MotorNoise" not in mind
+    assert "--place" not in mind
+
+
+def test_laboratory_of_world_lab_has_another_name() -> None:
+    assert (PLAN.lab, replace(PLAN, world="lab").lab) == ("lab", "lab2")
 
 
 @pytest.mark.parametrize(("pace", "limit"), [("lockstep", WALL_LIMIT), ("realtime", WALL_LIMIT + 50.0)])

@@ -70,6 +70,32 @@ def test_branch_with_the_same_mind_is_the_same_run_to_the_hash(parent: tuple[Bat
     )
 
 
+def test_branch_of_a_chair_in_a_laboratory_is_its_parent_in_both_worlds_up_to_the_tick(tmp_path: Path) -> None:
+    path = write_scene(tmp_path, laboratory=True)
+    row = rows_of(scene(str(path)))[2]
+    out = tmp_path / "out"
+    out.mkdir()
+    batch = Batch(
+        rows=(row,), seeds=("1",), subject="chair", floor=floor("corridor15m"), source=str(path), folder=tmp_path,
+        out=out, jobs=1, timeout=120.0,
+    )  # fmt: skip
+    told: list[Kept] = []
+    run_batch(batch, told.append, threading.Event())
+    log = place_of(out, "real", "1") / "input.jsonl"
+    perform_branch(batch, scene(batch.source), changed(row, [], ["chair.left=0.1"]), log, 10, threading.Event())
+    for name in ("true", "reported"):
+        was, branch = (read_tum(place_of(out, run, "1") / f"{name}.tum") for run in ("parent", "branch"))
+        assert was is not None
+        assert branch is not None
+        assert (was[:11] == branch[:11]).all()
+        end = min(len(was), len(branch)) - 2
+        assert abs(branch[end, 3] - was[end, 3]) > 0.02
+    assert (place_of(out, "branch", "1") / "image.jsonl").exists()
+    log.with_name("image.jsonl").unlink()
+    with pytest.raises(ParentError, match="expected the log of the world that showed the chair"):
+        perform_branch(batch, scene(batch.source), row, log, 20, threading.Event())
+
+
 def test_tick_that_the_log_has_not_is_told(parent: tuple[Batch, Path]) -> None:
     batch, log = parent
     with pytest.raises(ParentError, match="expected a tick in"):

@@ -1,0 +1,67 @@
+"""UMBmark of a batch: which runs it is of, and that it is right where ends are known in closed form."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import msgspec
+import numpy as np
+import pytest
+
+from intellwheels_experiments.keep import Kept, place_of, tum
+from intellwheels_experiments.squares import squares
+from intellwheels_maps import robot
+from intellwheels_schemas.messages import Umbmark
+from tests.experiments.runs import kept
+
+ASKED = Umbmark(left="left", right="right", side=4.0)
+CHAIR = msgspec.structs.replace(robot("corridor-chair"), wheel_ratio=1.002, track_ratio=1.005)
+
+
+def end(turn: float, noise: float = 0.0) -> tuple[float, float]:
+    """Return where a chair with those wheels ends when its odometry says that it drove the square."""
+    x = y = heading = 0.0
+    wide = CHAIR.track * CHAIR.track_ratio
+    # The mean of its wheels is the nominal one: what they turn leads round a curve.
+    curve = 2.0 * (CHAIR.wheel_ratio - 1.0) / (CHAIR.wheel_ratio + 1.0) / wide
+    for _side in range(4):
+        for _step in range(4000):
+            heading += curve * 1e-3
+            x, y = x + 1e-3 * math.cos(heading), y + 1e-3 * math.sin(heading)
+        heading += turn * math.pi / 2.0 / CHAIR.track_ratio
+    return x + noise, y
+
+
+def write(folder: Path, row: str, seed: str, true: tuple[float, float]) -> Kept:
+    place = place_of(folder, row, seed)
+    place.mkdir(parents=True)
+    (place / "robot.json").write_bytes(msgspec.json.encode(CHAIR))
+    for name, (x, y) in (("true", true), ("reported", (0.0, 0.0))):
+        (place / f"{name}.tum").write_text(tum(np.array([0.0, 1.0]), np.array([[0.0, 0.0, 0.0], [x, y, 0.0]])))
+    return kept(row, seed)
+
+
+def test_wheels_are_found_with_their_error_over_the_seeds_that_have_both_ways(tmp_path: Path) -> None:
+    runs = [write(tmp_path, "left", str(seed), end(1.0, 0.01 * seed)) for seed in (-1, 0, 1)]
+    runs += [write(tmp_path, "right", str(seed), end(-1.0)) for seed in (-1, 0, 1)]
+    runs += [write(tmp_path, "left", "9", (9.0, 9.0)), kept("right", "9", died="it was to")]
+    found = squares(tmp_path, runs, ASKED)
+    assert found is not None
+    assert (found.seeds, found.side, found.track) == (3, 4.0, CHAIR.track)
+    assert (found.wheels.true, found.base.true) == (1.002, 1.005)
+    # The method's own linearisation errs by 2.3e-4 there.
+    assert found.wheels.found == pytest.approx(1.002, abs=3e-4)
+    assert found.base.found == pytest.approx(1.005, abs=3e-4)
+    assert found.base.error is not None
+    assert found.wheels.error is not None
+    # An end 1 cm off in x turns alpha by 0.01 / 4 / 4: E_b by that over 90 degrees, and a mean of three by sqrt 3 less.
+    assert found.base.error == pytest.approx(0.01 / 16.0 / (math.pi / 2.0) / math.sqrt(3.0), rel=0.02)
+
+
+def test_one_seed_has_no_error_and_none_both_ways_has_no_figures(tmp_path: Path) -> None:
+    left = write(tmp_path, "left", "1", end(1.0))
+    assert squares(tmp_path, [left], ASKED) is None
+    found = squares(tmp_path, [left, write(tmp_path, "right", "1", end(-1.0))], ASKED)
+    assert found is not None
+    assert (found.wheels.error, found.base.error) == (None, None)
