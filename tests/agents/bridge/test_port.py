@@ -117,7 +117,8 @@ def test_its_last_word_is_zero(line: Line) -> None:
     line.port.write(0.5, 0.5)
     line.stop.set()
     line.port.close()
-    splitter, told = Splitter(), []
+    splitter = Splitter()
+    told: list[object] = []
 
     def found() -> bool:
         told.extend(read(one) for one in splitter.feed(line.terminal.read()))
