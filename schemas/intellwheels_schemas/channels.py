@@ -83,7 +83,7 @@ _STATE: Final = "every tick, at most 60 a second, 2 a second while nothing moves
 
 CHANNELS: Final[dict[str, Channel]] = {
     "join": Channel("join/<agent>", "agent", "query", "once", (Robot,), (Joined,), (Refused,)),
-    "leave": Channel("leave/<agent>", "agent", "query", "once, optional", (Leave,), (Result,), (Refused,)),
+    "leave": Channel("leave/<agent>", "agent", "query", "once, optional", (Leave,), (Result,), (Result,)),
     "actions": Channel(
         "in/<agent>/actions", "mind of the agent", "put", "every tick", (Actions,), priority="interactive-high"
     ),

@@ -39,6 +39,10 @@ _NOTES = """
 - An error reply to a query carries the message in the last column. A query nobody answers comes back empty at once:
   no simulator there, or not allowed.
 - Order is (`Run`, `Tick`): a new `Run` (start, reset, load) clears what a receiver knew.
+- `join` takes `?session=S`, the `Session` of the last join: who shows it gets its seat and body back though the old
+  process's token is still there; without it the name is `already-here` until that token is gone.
+- An agent says one thing a tick. A `Say` beside `Actions` that speak too is not heard: its sender gets an Error
+  `too-many`.
 - `event` takes `?since=N`; the reply names the oldest event kept. Ask for `state/*` after subscribing to it, and
   drop what is older.
 - Worlds are found by asking for the liveliness of `iw/v1/*/alive`.

@@ -106,7 +106,8 @@ def ask_join(desk: Desk, ask: Ask, now: float) -> None:
     if not ask.name:
         if not ask.wild:
             ask.refuse(Refused(code="name", text="join/<agent>: expected a name: a-z, then a-z 0-9 _ -, at most 32"))
-        ask.close()
+        else:
+            ask.close()
         return
     try:
         encoding = encoding_of(ask.encoding, ask.data)
@@ -274,7 +275,10 @@ def _joined_of(desk: Desk, seat: Seat, position: Position) -> Joined:
 def ask_leave(desk: Desk, ask: Ask) -> None:
     """Take a wish to leave; it is answered when the agent has left."""
     if not ask.name:
-        ask.close()
+        if not ask.wild:
+            ask.refuse(desk.result("failed", "leave/<agent>: expected a name: a-z, then a-z 0-9 _ -, at most 32"))
+        else:
+            ask.close()
         return
     try:
         leave = decode(Leave, ask.data, encoding_of(ask.encoding, ask.data)) if ask.data else Leave()

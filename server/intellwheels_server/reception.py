@@ -69,10 +69,10 @@ def _take_actions(desk: Desk, agent: str, actions: Actions, data: bytes, now: fl
     if actions.say is not None and len(actions.say) > desk.state.setup.say_limit:
         complain(desk, agent, _too_long(desk, "Actions.Say", actions.say, actions.seq), now)
         actions = msgspec.structs.replace(actions, say=None)
-    desk.tray.act(agent, actions)
+    put_aside = desk.tray.act(agent, actions)
     if actions.leave:
         membership.let_go(desk, seat, None)
-    return None
+    return put_aside
 
 
 def _take_pose(desk: Desk, agent: str, pose: Pose, data: bytes, now: float) -> Fault | None:

@@ -34,14 +34,16 @@ class Tray:
         self.poses: dict[str, Pose] = {}
         self.users: dict[str, UserInput] = {}
 
-    def act(self, agent: str, actions: Actions) -> None:
-        """Latch actions, unless newer ones of this tick are here."""
+    def act(self, agent: str, actions: Actions) -> Fault | None:
+        """Latch actions, unless newer ones of this tick are here; return what is wrong with a say they put aside."""
         earlier = self.actions.get(agent)
         if earlier is not None:
             if actions.seq is not None and earlier.seq is not None and actions.seq <= earlier.seq:
-                return
+                return None
             actions = _overlay(earlier, actions)
         self.actions[agent] = actions
+        said = self.says.pop(agent, None) if actions.say is not None else None
+        return None if said is None else _another_say(said.seq)
 
     def report(self, agent: str, pose: Pose) -> None:
         """Latch a real chair's pose, unless a newer one of this tick is here."""
@@ -50,9 +52,10 @@ class Tray:
             self.poses[agent] = pose
 
     def say(self, agent: str, say: Say) -> Fault | None:
-        """Latch words; one say a tick."""
-        if agent in self.says:
-            return Fault("too-many", "Say: expected one a tick, got another", "Say", say.seq)
+        """Latch words; one say a tick, and that of the actions goes before."""
+        actions = self.actions.get(agent)
+        if agent in self.says or (actions is not None and actions.say is not None):
+            return _another_say(say.seq)
         self.says[agent] = Said(agent=agent, text=say.text, seq=say.seq)
         return None
 
@@ -81,6 +84,10 @@ class Tray:
         )
         self.clear()
         return inputs
+
+
+def _another_say(seq: int | None) -> Fault:
+    return Fault("too-many", "Say: expected one a tick, got another", "Say", seq)
 
 
 _T = TypeVar("_T")

@@ -397,6 +397,12 @@ def test_without_the_right_to_steer_every_control_says_so(tmp_path: Path, chromi
             screen.tab("Place")
             told("Not turned", lambda: screen.press("+15"))
             told("Not removed", lambda: screen.press("Remove chair1"))
+            screen.press("Box")
+            screen.says("Click the floor where the box shall stand")
+            screen.clear()
+            screen.wait(lambda: "Not placed" not in screen.text() or None, "the notice of the drag gone")
+            told("Not placed", lambda: screen.page.mouse.click(*screen.pixel(5.0, 4.0)))
+            screen.press("Stop placing")
             assert peer.clock()["Run"] == run_before
             assert peer.clock()["State"] == "running"
             for name, place in PLACES.items():

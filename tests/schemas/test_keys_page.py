@@ -33,6 +33,11 @@ def test_links_lead_somewhere() -> None:
             assert (SCHEMAS / target).exists()
 
 
+def test_what_a_query_takes_behind_its_key_stands_there() -> None:
+    for words in ("`join` takes `?session=S`", "`event` takes `?since=N`"):
+        assert words in PAGE
+
+
 def test_limits_of_the_contract_stand_there() -> None:
     for line in ("| bytes of Robot | 65,536 |", "| bytes of Pose | 16,384 |", "| sensors of a robot | 64 |"):
         assert line in PAGE

@@ -16,6 +16,7 @@ from intellwheels_schemas.messages import (
     Robot,
     Take,
 )
+from intellwheels_server.arrival import Topic
 from intellwheels_server.kernels.rows import X
 from intellwheels_server.membership import MOST_WAITING
 from tests.server.stage import Stage, real
@@ -31,6 +32,18 @@ def test_a_leave_takes_effect_at_the_next_barrier_and_names_its_tick() -> None:
     assert isinstance(result, Result)
     assert (result.code, result.tick) == ("ok", 1)
     assert stage.conductor.state.names == ("chair1",)
+
+
+@pytest.mark.parametrize("topic", ["join", "leave"])
+def test_a_name_that_is_none_is_refused_in_words_once_and_a_wildcard_not_at_all(topic: Topic) -> None:
+    stage = Stage()
+    (reply,) = stage.ask(topic, "")
+    message, ok = reply
+    assert isinstance(message, Refused | Result)
+    assert (message.code, ok) == ("name" if topic == "join" else "failed", False)
+    assert message.text is not None
+    assert message.text.startswith(f"{topic}/<agent>: expected a name")
+    assert stage.ask(topic, "", wild=True) == []
 
 
 def test_leave_in_the_last_actions_leaves() -> None:

@@ -119,3 +119,22 @@ def test_a_heading_is_taken_round(chair: Reported) -> None:
     chair.say(2.0, heading=1.5 * math.pi)
     chair.on()
     assert chair.stage.of("state")[-1].entity[0].heading == pytest.approx(-math.pi / 2.0, abs=1e-6)
+
+
+def test_two_real_chairs_that_join_in_one_place_are_where_they_say_and_part_when_they_do(chair: Reported) -> None:
+    stage = chair.stage
+    other = stage.join("chair2", real()).session
+    stage.put("chair2", Pose(session=other, x=2.0, y=2.6, heading=0.0, seq=1), "pose")
+    chair.say(2.0)
+    chair.on()
+    first, second = stage.of("state")[-1].entity
+    assert (first.x, second.x) == (2.0, 2.0)
+    stage.put("chair2", Pose(session=other, x=5.0, y=2.6, heading=0.0, seq=2), "pose")
+    for _ in range(8):
+        chair.say(2.0)
+        chair.on()
+    first, second = stage.of("state")[-1].entity
+    assert (first.x, second.x) == (2.0, 5.0)
+    assert [one.collision or one.contact for one in (first, second)] == [False, False]
+    assert stage.events()[:4] == ["joined", "joined", "contact", "parted"]
+    assert (first.contacts, second.contacts) == (1, 1)

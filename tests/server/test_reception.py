@@ -121,6 +121,16 @@ def test_a_long_say_is_told_and_the_motors_count() -> None:
     assert stage.errors("chair1")[-1].where == "Say"
 
 
+def test_a_say_beside_actions_that_speak_is_told() -> None:
+    stage = Stage()
+    stage.join_two()
+    stage.put("chair1", Say(text="beside", seq=7), "say")
+    stage.act("chair1", say="heard")
+    stage.act("chair2")
+    assert [(e.code, e.where, e.seq) for e in stage.errors("chair1")] == [("too-many", "Say", 7)]
+    assert [h.text for h in stage.measures("chair2")[-1].message] == ["heard"]
+
+
 def test_a_real_chair_needs_its_session() -> None:
     stage = Stage(pace="realtime", strict=False)
     stage.join("chair1", real())

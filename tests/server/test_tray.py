@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+import pytest
+
 from intellwheels_schemas.messages import Actions, Pose, Say
 from intellwheels_server.tray import Tray, check_time
 
@@ -44,6 +46,28 @@ def test_the_newest_pose_wins() -> None:
     tray.report("one", Pose(seq=2, x=2.0, y=0.0, heading=0.0))
     tray.report("one", Pose(seq=1, x=1.0, y=0.0, heading=0.0))
     assert tray.collect((), []).poses["one"].x == 2.0
+
+
+@pytest.mark.parametrize("first", ["say", "actions"])
+def test_a_say_beside_actions_that_speak_is_not_heard_and_told_so(first: str) -> None:
+    tray = Tray()
+    if first == "say":
+        assert tray.say("one", Say(text="a", seq=3)) is None
+        fault = tray.act("one", Actions(say="b"))
+    else:
+        assert tray.act("one", Actions(say="b")) is None
+        fault = tray.say("one", Say(text="a", seq=3))
+    assert fault is not None
+    assert (fault.code, fault.where, fault.seq) == ("too-many", "Say", 3)
+    inputs = tray.collect((), [])
+    assert (inputs.says, inputs.actions["one"].say) == ((), "b")
+
+
+def test_a_say_beside_actions_that_do_not_speak_is_heard() -> None:
+    tray = Tray()
+    assert tray.say("one", Say(text="a")) is None
+    assert tray.act("one", Actions(left_motor=0.1)) is None
+    assert [said.text for said in tray.collect((), []).says] == ["a"]
 
 
 def test_one_say_a_tick() -> None:
