@@ -3,7 +3,7 @@
     speed    metres a second that full forward gives (default 0.8)
     turn     radians a second that full turn gives (default 1.0)
     words    share of full that a word alone asks for: forward, back, left, right, stop (default 0.5)
-    margin   metres kept around the chair (default 0.05)
+    margin   metres kept ahead and behind, half of it to the sides (default 0.05)
     ahead    seconds over which the footprint is projected (default 1.0)
 
 It never does what was not wanted: forward and turn are each slowed, to nothing if need be, and neither is turned
@@ -32,6 +32,10 @@ from intellwheels_schemas.messages import Actions, Measures, Robot, Sensors
 
 SHARES: Final = (1.0, 0.7, 0.45, 0.3, 0.2, 0.12, 0.06, 0.0)
 """Shares of the wish that are tried."""
+CREEPS: Final = (0.03, 0.015, 0.007, 0.003)
+"""Shares of the whole wish for the last centimetres before a thing."""
+APPROACH: Final = 0.1
+"""Metres ahead and behind at which a chair stops at the latest, if its user goes on; it is to get as near as 0.104 m."""
 ALONE: Final = 0.1
 """What less of the wish is worth to keep its curve: a tie goes to equal shares."""
 DOUBT: Final = 0.05
@@ -51,7 +55,17 @@ class Mind:
         seen: What may stand around it.
     """
 
-    def __init__(self, context: Context) -> None:
+    def __init__(self, context: Context, by_itself: bool = False) -> None:
+        """Take the robot and its options.
+
+        Args:
+            context: Of the agent.
+            by_itself: Whether a mind drives and no user: the whole margin is then kept on all sides, and always the
+                room to turn in place, however long the chair.
+
+        Raises:
+            OptionError: The robot has no encoders, or an option is wrong.
+        """
         options, robot = context.options, context.robot
         if not robot.encoders:
             raise OptionError("mind aided: expected a robot with encoders, got one without")
@@ -65,8 +79,13 @@ class Mind:
         self.seen = Seen(robot)
         self._footprint = Projection(outline(robot), robot.track, robot.acceleration_curve, context.parameters.period)
         body = self._footprint.outline
+        self._beside = self._margin if by_itself else self._margin / 2.0
+        self._creeps = () if by_itself else CREEPS
+        more = self._margin - self._beside
         # The room a corner needs to swing by.
-        self._front_swing, self._back_swing = (math.hypot(end, body.side) - end for end in (body.front, body.back))
+        swings = [math.hypot(end, body.side) - end + more for end in (body.front, body.back)]
+        most = math.inf if by_itself else max(more, APPROACH - self._beside)
+        self._front_swing, self._back_swing = (min(swing, most) for swing in swings)
         self._wheels = Wheels(0.0, 0.0)
         self._told = Wheels(0.0, 0.0)
         self._counts: tuple[int, int] | None = None
@@ -113,8 +132,8 @@ class Mind:
         # Who drives keeps room to turn by; who turns in place uses it.
         ahead = self._front_swing if speed > 0.0 else self._back_swing
         turning = footprint.watched(points, self._margin / 2.0, 0.0, longest)
-        driving = footprint.watched(points, self._margin, ahead, longest) if speed else turning
-        for forward, turn in _shares(abs(speed), abs(rate)):
+        driving = footprint.watched(points, self._beside, ahead, longest) if speed else turning
+        for forward, turn in _shares(abs(speed), abs(rate), self._creeps):
             wheels = self._wheels_of(speed * forward, rate * turn)
             way = footprint.poses(now, wheels, self._ahead)
             watched, swing = (driving, ahead) if speed * forward else (turning, 0.0)
@@ -127,10 +146,12 @@ class Mind:
         return Wheels(left * self._robot.top_speed, right * self._robot.top_speed)
 
 
-def _shares(speed: float, rate: float) -> list[tuple[float, float]]:
+def _shares(speed: float, rate: float, creeps: tuple[float, ...]) -> list[tuple[float, float]]:
     """Return shares of forward and turn to try, the most of the wish first; none when nothing is wished."""
     whole = speed + rate
-    pairs = itertools.product(SHARES if speed else (0.0,), SHARES if rate else (0.0,))
+    pairs = list(itertools.product(SHARES if speed else (0.0,), SHARES if rate else (0.0,)))
+    if speed:
+        pairs += ((share, share if rate else 0.0) for share in creeps)
     return sorted(
         (pair for pair in pairs if any(pair)),
         key=lambda pair: ALONE * abs(pair[0] - pair[1]) - (pair[0] * speed + pair[1] * rate) / whole,

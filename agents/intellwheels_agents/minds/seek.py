@@ -54,7 +54,7 @@ class Mind:
             raise OptionError(f"option to: expected a place of the map, got {' '.join(names) or 'none'}")
         place = context.place(names[0], "to")
         self._goal = Goal(x=place.x, y=place.y)
-        self._guard = Guard(context)
+        self._guard = Guard(context, by_itself=True)
         self._body = outline(context.robot)
         self._last = 0.0
         self._arrived = False
