@@ -32,10 +32,14 @@ from intellwheels_schemas.messages import Actions, Measures, Robot, Sensors
 
 SHARES: Final = (1.0, 0.7, 0.45, 0.3, 0.2, 0.12, 0.06, 0.0)
 """Shares of the wish that are tried."""
-CREEPS: Final = (0.03, 0.015, 0.007, 0.003)
-"""Shares of the whole wish for the last centimetres before a thing."""
-APPROACH: Final = 0.1
-"""Metres ahead and behind at which a chair stops at the latest, if its user goes on; it is to get as near as 0.104 m."""
+CREEPS: Final = (0.024, 0.012, 0.005)
+"""Metres a second that are tried as well, for the last centimetres before a thing."""
+APPROACH: Final = 0.085
+"""Metres ahead and behind where a user who goes on is stopped at the latest; an arc tells of a thing as up to 0.02 m nearer
+than it is, and he is to get as near as 0.104 m."""
+CELL: Final = 0.02
+"""Metres of the raster of what was seen. With points 0.03 m apart a corner can come to 0.0125 m of all of them and
+not lie between two."""
 ALONE: Final = 0.1
 """What less of the wish is worth to keep its curve: a tie goes to equal shares."""
 DOUBT: Final = 0.05
@@ -76,10 +80,13 @@ class Mind:
         self._margin = options.number("margin", 0.05, 0.01, 1.0)
         self._ahead = options.number("ahead", 1.0, 0.2, 5.0)
         self.pose = Odometry(robot, context.position, compass_share=0.0)
-        self.seen = Seen(robot)
+        self.seen = Seen(robot) if by_itself else Seen(robot, CELL)
         self._footprint = Projection(outline(robot), robot.track, robot.acceleration_curve, context.parameters.period)
         body = self._footprint.outline
-        self._beside = self._margin if by_itself else self._margin / 2.0
+        # Who turns in place comes near on purpose.
+        self._beside, self._turning = (
+            (self._margin, self._margin / 2.0) if by_itself else (self._margin / 4.0, self._margin / 4.0)
+        )
         self._creeps = () if by_itself else CREEPS
         more = self._margin - self._beside
         # The room a corner needs to swing by.
@@ -131,7 +138,7 @@ class Mind:
         points = self.seen.points
         # Who drives keeps room to turn by; who turns in place uses it.
         ahead = self._front_swing if speed > 0.0 else self._back_swing
-        turning = footprint.watched(points, self._margin / 2.0, 0.0, longest)
+        turning = footprint.watched(points, self._turning, 0.0, longest)
         driving = footprint.watched(points, self._beside, ahead, longest) if speed else turning
         for forward, turn in _shares(abs(speed), abs(rate), self._creeps):
             wheels = self._wheels_of(speed * forward, rate * turn)
@@ -151,7 +158,7 @@ def _shares(speed: float, rate: float, creeps: tuple[float, ...]) -> list[tuple[
     whole = speed + rate
     pairs = list(itertools.product(SHARES if speed else (0.0,), SHARES if rate else (0.0,)))
     if speed:
-        pairs += ((share, share if rate else 0.0) for share in creeps)
+        pairs += ((share, share if rate else 0.0) for share in (creep / speed for creep in creeps) if share < 1.0)
     return sorted(
         (pair for pair in pairs if any(pair)),
         key=lambda pair: ALONE * abs(pair[0] - pair[1]) - (pair[0] * speed + pair[1] * rate) / whole,
