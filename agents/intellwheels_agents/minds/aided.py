@@ -40,8 +40,8 @@ than it is, and he is to get as near as 0.104 m."""
 CELL: Final = 0.02
 """Metres of the raster of what was seen. With points 0.03 m apart a corner can come to 0.0125 m of all of them and
 not lie between two."""
-INSET: Final = 0.08
-"""Metres from the sides to the two cones that `equip` adds: from a metre and a half before a doorway of 0.81 m they see
+ASIDE: Final = 0.26
+"""Metres from the middle to the two cones that `equip` adds: from a metre and a half before a doorway of 0.81 m they see
 through it, and so tell that nothing stands in it where the cones of a chair's middle and corners do not look."""
 ALONE: Final = 0.1
 """What less of the wish is worth to keep its curve: a tie goes to equal shares."""
@@ -54,7 +54,7 @@ def equip(robot: Robot, options: Options) -> Robot:  # noqa: ARG001 - as `Equip`
     ahead = next((one for one in robot.proximity if one.mount == "body" and one.direction_deg == 0.0), None)
     if ahead is None:
         return msgspec.structs.replace(robot, user_input=("drive", "words"))
-    aside = outline(robot).side - INSET
+    aside = min(ASIDE, outline(robot).side)
     # A little outward: they stand in their order among the others.
     more = tuple(
         msgspec.structs.replace(ahead, id=f"aid-{name}", y=sign * aside, direction_deg=sign * 0.5, cone_deg=10.0)

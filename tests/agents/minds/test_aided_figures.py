@@ -7,7 +7,6 @@ shipped, 0.62 to 0.66 m wide.
 
 from __future__ import annotations
 
-import itertools
 import math
 import random
 
@@ -25,6 +24,11 @@ BEFORE_OBJECT = 0.104
 TOP_SPEED = 1.17
 STOPPED = 0.1
 """Metres a second below which a chair counts as stopped on its way."""
+APPROACHES = ((0.0, 0.0), (0.2, 0.0), (-0.2, 0.0), (0.3, -5.0), (-0.3, 10.0), (0.0, -15.0))
+"""Where the chair starts from 4.5 m before the doorway: metres beside its axis, and its heading in degrees."""
+THROUGH = CHAIRS
+TURNS = {"rear-wheel": 0.5, "mid-wheel": 0.5, "intellwheels": 0.5, "front-wheel": 0.1}
+"""Radians turned in place within 1.5 s. The front-wheel chair's corner, 0.14 m longer than its front, has no room for more."""
 LOOKAHEAD = 1.0
 """Metres ahead of the chair to which its user steers."""
 
@@ -69,3 +73,61 @@ class Steerer:
             if self.arena.paths["chair1"][-1][0] > x:
                 break
         return speeds
+
+
+def placed(chair: str, walls: Map, x: float, y: float, heading_deg: float, **options: str) -> Arena:
+    arena = Arena(walls)
+    arena.join("chair1", "aided", chair, None, options, Position(x=x, y=y, heading=math.radians(heading_deg)))
+    return arena
+
+
+@pytest.mark.parametrize(("y", "heading_deg"), APPROACHES)
+@pytest.mark.parametrize("chair", THROUGH)
+def test_it_passes_a_doorway_of_0_813_m_without_stopping(chair: str, y: float, heading_deg: float) -> None:
+    half = DOORWAY / 2.0
+    arena = placed(chair, ground(block(3.0, half, 3.15, 4.0), block(3.0, -4.0, 3.15, -half)), -1.5, y, heading_deg)
+    speeds = Steerer(arena, round(100.0 * y) % 7, 0.02).drive_to(5.0, 12.0)
+    assert arena.paths["chair1"][-1][0] > 5.0
+    assert min(speeds) > STOPPED
+    assert arena.contacts() == []
+
+
+@pytest.mark.parametrize("error", [0.0, 0.05])
+@pytest.mark.parametrize("chair", CHAIRS)
+def test_it_drives_along_a_wall_0_152_m_beside(chair: str, error: float) -> None:
+    beside = outline(robot(chair)).side + BESIDE_WALL
+    arena = placed(chair, ground(block(-2.0, beside, 9.0, beside + 0.2)), 0.0, 0.0, 0.0)
+    speeds = Steerer(arena, 3, error).drive_to(5.0, 12.0)
+    assert arena.paths["chair1"][-1][0] > 5.0
+    assert min(speeds) > 0.5
+    assert arena.contacts() == []
+
+
+@pytest.mark.parametrize("chair", CHAIRS)
+def test_it_comes_to_0_104_m_from_an_object_and_gets_away_again(chair: str) -> None:
+    arena = placed(chair, ground(block(3.0, -0.2, 3.6, 0.2)), 1.0, 0.0, 0.0)
+    arena.users["chair1"] = UserInput(forward=1.0)
+    arena.run(10.0)
+    assert 0.0 < 3.0 - arena.paths["chair1"][-1][0] - outline(robot(chair)).front <= BEFORE_OBJECT
+    before = arena.paths["chair1"][-1]
+    arena.users["chair1"] = UserInput(turn=1.0)
+    arena.run(1.5)
+    assert arena.paths["chair1"][-1][2] - before[2] > TURNS[chair]
+    before = arena.paths["chair1"][-1]
+    arena.users["chair1"] = UserInput(forward=-1.0)
+    arena.run(1.5)
+    assert math.dist(before[:2], arena.paths["chair1"][-1][:2]) > 0.3
+    assert arena.contacts() == []
+
+
+@pytest.mark.parametrize("chair", CHAIRS)
+def test_it_drives_1_17_m_a_second_and_stops_from_it(chair: str) -> None:
+    walls = ground(block(9.0, -4.0, 9.2, 4.0))
+    arena = placed(chair, walls, 0.0, 0.0, 0.0, TopSpeed=str(TOP_SPEED), speed=str(TOP_SPEED))
+    arena.users["chair1"] = UserInput(forward=1.0)
+    arena.run(3.0)
+    assert arena.speed("chair1") == pytest.approx(TOP_SPEED, abs=0.005)
+    arena.run(15.0)
+    assert arena.speed("chair1") == pytest.approx(0.0, abs=0.01)
+    assert arena.paths["chair1"][-1][0] > 7.5
+    assert arena.contacts() == []
