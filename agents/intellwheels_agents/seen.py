@@ -21,12 +21,12 @@ from intellwheels_agents.surroundings import Outline, distance, outline
 from intellwheels_schemas.messages import Measures, Proximity, ProximityReading, Robot
 
 CELL: Final = 0.04
-"""Metres of the raster in which one point is kept. Its diagonal is less than `PROOF`."""
-SPACING: Final = 0.06
-"""Metres between the points of an arc."""
-PROOF: Final = 0.06
-"""Metres by which a cone must see past a point, and hold it within its edges, to prove it free: whatever stood in the
-point's cell, or between it and the next of its arc, would have been seen."""
+"""Metres of the raster in which one point is kept, unless it is made finer."""
+SPACING: Final = 1.5
+"""Cells between the points of an arc."""
+PROOF: Final = 1.5
+"""Cells by which a cone must see past a point, and hold it within its edges, to prove it free: whatever stood in the
+point's cell, whose diagonal is less, or between it and the next of its arc, would have been seen."""
 REACH: Final = 1.5
 """Metres up to which a reading is kept: what is further is seen again, nearer, before it matters."""
 FORGOTTEN: Final = 8.0
@@ -74,11 +74,12 @@ class Seen:
         points: (x, y) in the body's own frame, metres, of all that may be something within `REACH` of the body.
     """
 
-    def __init__(self, robot: Robot) -> None:
-        """Take the sensors of `robot` that ride on it."""
+    def __init__(self, robot: Robot, cell: float = CELL) -> None:
+        """Take the sensors of `robot` that ride on it, and the raster's cell, m."""
+        self._cell, self._spacing, self._proof = cell, SPACING * cell, PROOF * cell
         self.points: list[Point] = []
         self._outline = outline(robot)
-        self._eyes = {sensor.id: _eye(sensor) for sensor in robot.proximity if sensor.mount == "body"}
+        self._eyes = {sensor.id: _eye(sensor, cell) for sensor in robot.proximity if sensor.mount == "body"}
         self._cells: dict[Cell, tuple[float, float, float]] = {}
         self._poses: deque[tuple[int, Pose]] = deque(maxlen=_PAST)
         self._travel = 0.0
@@ -86,7 +87,7 @@ class Seen:
         self._looked = -math.inf
         self._free: dict[Cell, float] = {}
         self._last: dict[str, float] = {}
-        self._stand = _lattice_of(self._outline)
+        self._stand = _lattice_of(self._outline, cell)
         self._ring = sorted(self._eyes, key=lambda name: math.remainder(self._eyes[name].bearing, math.tau))
 
     def update(self, measures: Measures, odometry: Odometry) -> None:
@@ -124,7 +125,7 @@ class Seen:
                 ranges[reading.id] = metres
                 self._prove_free(eye, min(metres, eye.sensor.max_range), local)
                 if looks:
-                    clear = metres - PROOF
+                    clear = metres - self._proof
                     self._set_free(pose, [(x, y) for x, y, far in eye.lattice if far < clear], measures.time)
             came = metres < self._last.get(reading.id, math.inf) - JUMP - self._step
             self._mark(eye, reading, metres, then, local, came)
@@ -158,7 +159,7 @@ class Seen:
 
     def _prove_free(self, eye: _Eye, metres: float, local: dict[Cell, Point]) -> None:
         c, s = math.cos(eye.bearing), math.sin(eye.bearing)
-        clear = metres - PROOF
+        clear = metres - self._proof
         if clear <= 0.0:
             return
         behind, tangent, slack = c * eye.x + s * eye.y, eye.tangent, eye.slack
@@ -188,7 +189,8 @@ class Seen:
         px, py, heading = pose
         c, s = math.cos(heading), math.sin(heading)
         for x, y in places:
-            self._free[math.floor((px + c * x - s * y) / CELL), math.floor((py + s * x + c * y) / CELL)] = time
+            at = math.floor((px + c * x - s * y) / self._cell), math.floor((py + s * x + c * y) / self._cell)
+            self._free[at] = time
 
     def _mark(
         self, eye: _Eye, reading: ProximityReading, metres: float, then: Pose, local: dict[Cell, Point], came: bool
@@ -201,7 +203,7 @@ class Seen:
         c, s = math.cos(heading), math.sin(heading)
         then_x, then_y, turned = then
         then_c, then_s = math.cos(turned), math.sin(turned)
-        steps = max(1, math.ceil(2.0 * eye.half * radius / SPACING))
+        steps = max(1, math.ceil(2.0 * eye.half * radius / self._spacing))
         arc: list[tuple[Cell, Point, Point]] = []
         for k in range(steps + 1):
             angle = eye.bearing - eye.half + 2.0 * eye.half * k / steps
@@ -210,7 +212,7 @@ class Seen:
             dx, dy = wx - x, wy - y
             here = c * dx + s * dy, c * dy - s * dx
             if not _within(self._outline, *here):
-                arc.append(((math.floor(wx / CELL), math.floor(wy / CELL)), (wx, wy), here))
+                arc.append(((math.floor(wx / self._cell), math.floor(wy / self._cell)), (wx, wy), here))
         doubtful = arc if came else [entry for entry in arc if entry[0] not in self._free]
         for cell, (wx, wy), here in doubtful or arc:
             self._cells[cell] = (wx, wy, self._travel)
@@ -227,32 +229,33 @@ class Seen:
             a, b = one.at(one.half, near), other.at(-other.half, far)
             length = math.dist(a, b)
             if length < BRIDGE:
-                pieces = max(1, math.ceil(length / SPACING))
+                pieces = max(1, math.ceil(length / self._spacing))
                 for k in range(1, pieces):
                     yield a[0] + (b[0] - a[0]) * k / pieces, a[1] + (b[1] - a[1]) * k / pieces
 
 
-def _eye(sensor: Proximity) -> _Eye:
+def _eye(sensor: Proximity, cell: float) -> _Eye:
     half = min(math.radians(sensor.cone_deg) / 2.0, math.radians(89.0))
-    bearing, tangent, slack = math.radians(sensor.direction_deg), math.tan(half), PROOF / math.cos(half)
+    bearing, tangent, slack = math.radians(sensor.direction_deg), math.tan(half), PROOF * cell / math.cos(half)
     c, s = math.cos(bearing), math.sin(bearing)
-    count = math.ceil(REACH / CELL)
+    count = math.ceil(REACH / cell)
     lattice = tuple(
         (sensor.x + c * along - s * across, sensor.y + s * along + c * across, math.hypot(along, across))
-        for along in (CELL * i for i in range(1, count + 1))
-        for across in (CELL * j for j in range(-count, count + 1))
+        for along in (cell * i for i in range(1, count + 1))
+        for across in (cell * j for j in range(-count, count + 1))
         if abs(across) < along * tangent - slack
     )
     return _Eye(sensor, sensor.x, sensor.y, bearing, half, tangent, slack, lattice)
 
 
-def _lattice_of(body: Outline) -> tuple[Point, ...]:
+def _lattice_of(body: Outline, cell: float) -> tuple[Point, ...]:
     """Return places all over a body, far enough within that all of their cells are."""
-    inside = Outline(body.front - PROOF, body.back - PROOF, body.side - PROOF)
+    edge = PROOF * cell
+    inside = Outline(body.front - edge, body.back - edge, body.side - edge)
     return tuple(
         (x, y)
-        for x in (CELL * i for i in range(-math.floor(body.back / CELL), math.ceil(body.front / CELL)))
-        for y in (CELL * j for j in range(-math.floor(body.side / CELL), math.ceil(body.side / CELL)))
+        for x in (cell * i for i in range(-math.floor(body.back / cell), math.ceil(body.front / cell)))
+        for y in (cell * j for j in range(-math.floor(body.side / cell), math.ceil(body.side / cell)))
         if _within(inside, x, y)
     )
 

@@ -3,7 +3,7 @@
     speed    metres a second that full forward gives (default 0.8)
     turn     radians a second that full turn gives (default 1.0)
     words    share of full that a word alone asks for: forward, back, left, right, stop (default 0.5)
-    margin   metres kept around the chair (default 0.05)
+    margin   metres kept ahead and behind, half of it to the sides (default 0.05)
     ahead    seconds over which the footprint is projected (default 1.0)
 
 It never does what was not wanted: forward and turn are each slowed, to nothing if need be, and neither is turned
@@ -32,6 +32,17 @@ from intellwheels_schemas.messages import Actions, Measures, Robot, Sensors
 
 SHARES: Final = (1.0, 0.7, 0.45, 0.3, 0.2, 0.12, 0.06, 0.0)
 """Shares of the wish that are tried."""
+CREEPS: Final = (0.024, 0.012, 0.005)
+"""Metres a second that are tried as well, for the last centimetres before a thing."""
+APPROACH: Final = 0.085
+"""Metres ahead and behind where a user who goes on is stopped at the latest; an arc tells of a thing as up to 0.02 m nearer
+than it is, and he is to get as near as 0.104 m."""
+CELL: Final = 0.02
+"""Metres of the raster of what was seen. With points 0.03 m apart a corner can come to 0.0125 m of all of them and
+not lie between two."""
+ASIDE: Final = 0.26
+"""Metres from the middle to the two cones that `equip` adds: from a metre and a half before a doorway of 0.81 m they see
+through it, and so tell that nothing stands in it where the cones of a chair's middle and corners do not look."""
 ALONE: Final = 0.1
 """What less of the wish is worth to keep its curve: a tie goes to equal shares."""
 DOUBT: Final = 0.05
@@ -39,8 +50,17 @@ DOUBT: Final = 0.05
 
 
 def equip(robot: Robot, options: Options) -> Robot:  # noqa: ARG001 - as `Equip` has it
-    """Return the robot with user input declared."""
-    return msgspec.structs.replace(robot, user_input=("drive", "words"))
+    """Return the robot with user input declared, and two narrow cones that look ahead where it has any that looks."""
+    ahead = next((one for one in robot.proximity if one.mount == "body" and one.direction_deg == 0.0), None)
+    if ahead is None:
+        return msgspec.structs.replace(robot, user_input=("drive", "words"))
+    aside = min(ASIDE, outline(robot).side)
+    # A little outward: they stand in their order among the others.
+    more = tuple(
+        msgspec.structs.replace(ahead, id=f"aid-{name}", y=sign * aside, direction_deg=sign * 0.5, cone_deg=10.0)
+        for name, sign in (("left", 1.0), ("right", -1.0))
+    )
+    return msgspec.structs.replace(robot, user_input=("drive", "words"), proximity=(*robot.proximity, *more))
 
 
 class Mind:
@@ -51,7 +71,17 @@ class Mind:
         seen: What may stand around it.
     """
 
-    def __init__(self, context: Context) -> None:
+    def __init__(self, context: Context, by_itself: bool = False) -> None:
+        """Take the robot and its options.
+
+        Args:
+            context: Of the agent.
+            by_itself: Whether a mind drives and no user: the whole margin is then kept on all sides, and always the
+                room to turn in place, however long the chair.
+
+        Raises:
+            OptionError: The robot has no encoders, or an option is wrong.
+        """
         options, robot = context.options, context.robot
         if not robot.encoders:
             raise OptionError("mind aided: expected a robot with encoders, got one without")
@@ -62,11 +92,19 @@ class Mind:
         self._margin = options.number("margin", 0.05, 0.01, 1.0)
         self._ahead = options.number("ahead", 1.0, 0.2, 5.0)
         self.pose = Odometry(robot, context.position, compass_share=0.0)
-        self.seen = Seen(robot)
+        self.seen = Seen(robot) if by_itself else Seen(robot, CELL)
         self._footprint = Projection(outline(robot), robot.track, robot.acceleration_curve, context.parameters.period)
         body = self._footprint.outline
+        # Who turns in place comes near on purpose.
+        self._beside, self._turning = (
+            (self._margin, self._margin / 2.0) if by_itself else (self._margin / 4.0, self._margin / 4.0)
+        )
+        self._creeps = () if by_itself else CREEPS
+        more = self._margin - self._beside
         # The room a corner needs to swing by.
-        self._front_swing, self._back_swing = (math.hypot(end, body.side) - end for end in (body.front, body.back))
+        swings = [math.hypot(end, body.side) - end + more for end in (body.front, body.back)]
+        most = math.inf if by_itself else max(more, APPROACH - self._beside)
+        self._front_swing, self._back_swing = (min(swing, most) for swing in swings)
         self._wheels = Wheels(0.0, 0.0)
         self._told = Wheels(0.0, 0.0)
         self._counts: tuple[int, int] | None = None
@@ -112,9 +150,9 @@ class Mind:
         points = self.seen.points
         # Who drives keeps room to turn by; who turns in place uses it.
         ahead = self._front_swing if speed > 0.0 else self._back_swing
-        turning = footprint.watched(points, self._margin / 2.0, 0.0, longest)
-        driving = footprint.watched(points, self._margin, ahead, longest) if speed else turning
-        for forward, turn in _shares(abs(speed), abs(rate)):
+        turning = footprint.watched(points, self._turning, 0.0, longest)
+        driving = footprint.watched(points, self._beside, ahead, longest) if speed else turning
+        for forward, turn in _shares(abs(speed), abs(rate), self._creeps):
             wheels = self._wheels_of(speed * forward, rate * turn)
             way = footprint.poses(now, wheels, self._ahead)
             watched, swing = (driving, ahead) if speed * forward else (turning, 0.0)
@@ -127,10 +165,12 @@ class Mind:
         return Wheels(left * self._robot.top_speed, right * self._robot.top_speed)
 
 
-def _shares(speed: float, rate: float) -> list[tuple[float, float]]:
+def _shares(speed: float, rate: float, creeps: tuple[float, ...]) -> list[tuple[float, float]]:
     """Return shares of forward and turn to try, the most of the wish first; none when nothing is wished."""
     whole = speed + rate
-    pairs = itertools.product(SHARES if speed else (0.0,), SHARES if rate else (0.0,))
+    pairs = list(itertools.product(SHARES if speed else (0.0,), SHARES if rate else (0.0,)))
+    if speed:
+        pairs += ((share, share if rate else 0.0) for share in (creep / speed for creep in creeps) if share < 1.0)
     return sorted(
         (pair for pair in pairs if any(pair)),
         key=lambda pair: ALONE * abs(pair[0] - pair[1]) - (pair[0] * speed + pair[1] * rate) / whole,

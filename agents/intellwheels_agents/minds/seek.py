@@ -60,7 +60,7 @@ class Mind:
         place = context.place(names[0], "to")
         self._goal = Goal(x=place.x, y=place.y)
         self._wishes = Goals()
-        self._guard = Guard(context)
+        self._guard = Guard(context, by_itself=True)
         self._body = outline(context.robot)
         self._last = 0.0
         self._arrived = False
