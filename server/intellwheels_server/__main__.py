@@ -194,13 +194,16 @@ def _play(given: argparse.Namespace) -> int:
     try:
         with given.play.open("rb") as file:
             world = read_header(file, str(given.play)).world
+        if given.reported is not None:
+            with given.reported.open("rb") as file:
+                read_header(file, str(given.reported))
         given.world = check_name(given.world or f"{world[:PLAYED_FROM]}-play", "--world")
         route = link_of(given)
     except (WireError, LogError) as error:
         print(f"iw-server: {error.text if isinstance(error, WireError) else error}", file=sys.stderr)
         return 2 if isinstance(error, WireError) else 1
     except OSError as error:
-        print(f"iw-server: --play {given.play}: {error.strerror}", file=sys.stderr)
+        print(f"iw-server: {error.filename}: {error.strerror}", file=sys.stderr)
         return 1
     stop = stop_on_signals(given.lifeline)
     from intellwheels_server.recording import Recording  # noqa: PLC0415
@@ -229,8 +232,6 @@ def _play(given: argparse.Namespace) -> int:
         return serve(options, route, stop, recording=recording, reported=reported)
     except (ConnectionError, WorldTakenError, LogError) as error:
         print(f"iw-server: {error}", file=sys.stderr)
-    except OSError as error:
-        print(f"iw-server: {error.filename}: {error.strerror}", file=sys.stderr)
     return 1
 
 

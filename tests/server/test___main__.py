@@ -49,3 +49,14 @@ def test_a_log_that_is_none_or_not_there_is_said(tmp_path: Path, capsys: pytest.
 def test_the_world_of_an_old_log_is_the_one_that_commands_take_by_default() -> None:
     assert log.DEFAULT_WORLD == DEFAULT_WORLD
     assert PLAYED_FROM + len("-play") == 32
+
+
+def test_a_log_of_reported_poses_goes_with_one_that_is_played_and_must_be_there(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert outcome("--reported", "ward.jsonl") == 2
+    assert "--reported: it goes with --play" in capsys.readouterr().err
+    path = tmp_path / "log"
+    Log(path, Setup(floor=floor("room")), "0" * 16).close()
+    assert outcome("--play", str(path), "--reported", str(tmp_path / "none")) == 1
+    assert f"{tmp_path / 'none'}: No such file" in capsys.readouterr().err

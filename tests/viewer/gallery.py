@@ -2,18 +2,22 @@
 
 figure6 runs with real agents, and each camera, tab, layer, empty and error state is kept as a small JPEG, light and
 dark, at both sizes, in `viewer/gallery/`; besides `viewer/figure6.jpg` for the README. What is too small to read, or
-cut, is printed. Parts are `run`, `states`, `playback` and `reported`; without one all are taken.
+cut, is printed. Parts are `run`, `states`, `playback` and `reported`, and `light` and `dark` of each; without one all
+are taken.
 """
 
 from __future__ import annotations
 
+import io
 import signal
 import sys
 import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any, Final
+from typing import Any, Final, TypeAlias
+
+from PIL import Image
 
 from intellwheels_experiments.ensemble import WORLD
 from intellwheels_experiments.rig import Rig
@@ -24,9 +28,12 @@ from tests.viewer.panels.board import FAULTS, browser
 FOLDER: Final = Path(__file__).parent.parent.parent / "viewer"
 MOST: Final = 100_000
 """Bytes of a picture."""
+PATIENCE: Final = 150.0
+"""Seconds for one picture."""
 SIZES: Final = ((1280, 800), (1920, 1080))
 THEMES: Final = {"light": (), "dark": ("--dark",)}
 PARTS: Final = ("run", "states", "playback", "reported")
+Words: TypeAlias = dict[str, tuple[str, ...]]
 LAYERS: Final = ("Full walls", "Sensors", "Lidar", "Trails", "Names, speech", "Goals", "Plan")
 
 
@@ -41,8 +48,12 @@ class Album:
         """Keep a picture and print its faults."""
         screen.frame(2)
         screen.page.wait_for_timeout(700)  # a picture for people: what is seen, not what is waited for
+        # A browser that draws in software on a busy machine may take long over one frame.
+        whole = Image.open(io.BytesIO(screen.page.screenshot(timeout=PATIENCE * 1000))).convert("RGB")
         for quality in (85, 75, 65, 50, 35):
-            picture = screen.page.screenshot(type="jpeg", quality=quality)
+            kept = io.BytesIO()
+            whole.save(kept, "JPEG", quality=quality, optimize=True)
+            picture = kept.getvalue()
             if len(picture) <= MOST:  # as good as fits
                 break
         (self._folder / f"{name}.jpg").write_bytes(picture)
@@ -51,30 +62,30 @@ class Album:
         print(f"{name}.jpg {len(picture)} bytes", flush=True)
 
 
-def main(folder: Path, parts: tuple[str, ...]) -> None:
+def main(folder: Path, parts: tuple[str, ...], themes: Words) -> None:
     """Take all pictures of these parts."""
     album = Album(folder / "gallery")
     with tempfile.TemporaryDirectory() as scratch, browser() as chromium:
         at = Path(scratch)
         log = at / "figure6.jsonl"
         if "run" in parts or "playback" in parts:
-            run_of_figure6(album, folder, chromium, at, log, toured="run" in parts)
+            run_of_figure6(album, folder, chromium, at, log, themes if "run" in parts else {})
         if "states" in parts:
-            for theme, words in THEMES.items():
+            for theme, words in themes.items():
                 with Theatre(at / f"states-{theme}", "lab") as theatre:
                     states(album, theatre, chromium, theme, words)
         if "playback" in parts:
             with Theatre(at / "playback", "played") as theatre:
                 play(theatre, "--play", str(log))
-                played(album, theatre, chromium, "playback", share=0.6, key="o")
+                played(album, theatre, chromium, themes, "playback", share=0.6, key="o")
         if "reported" in parts:
             with Theatre(at / "reported", "played") as theatre:
                 lab, ward = real_chair(at)
                 play(theatre, "--play", str(lab), "--reported", str(ward))
-                played(album, theatre, chromium, "playback-reported", share=0.95, key="f")
+                played(album, theatre, chromium, themes, "playback-reported", share=0.95, key="f")
 
 
-def run_of_figure6(album: Album, top: Path, chromium: Any, scratch: Path, log: Path, *, toured: bool) -> None:
+def run_of_figure6(album: Album, top: Path, chromium: Any, scratch: Path, log: Path, themes: Words) -> None:
     """The run: seen while it goes, then paused and looked at from everywhere."""
     with Rig(scratch / "rig", scene="figure6", pace="realtime", words=("--log", str(log))) as rig:
         stage = Theatre(scratch / "viewers", WORLD)
@@ -92,13 +103,13 @@ def run_of_figure6(album: Album, top: Path, chromium: Any, scratch: Path, log: P
                 screen.page.wait_for_timeout(4000)
                 rig.ctl("resume")
                 screen.says("Running")
-                if toured:
+                if "light" in themes:
                     (top / "figure6.jpg").write_bytes(screen.page.screenshot(type="jpeg", quality=88))
             rig.ctl("pause")
-            for theme, url in urls.items() if toured else ():
+            for theme in themes:
                 for width, height in SIZES:
                     with stage.screen(chromium, width=width, height=height) as screen:
-                        screen.open(url)
+                        screen.open(urls[theme])
                         screen.rest()
                         tour(album, screen, f"{theme}-{width}")
         rig.end_simulator()
@@ -198,9 +209,9 @@ def play(theatre: Theatre, *words: str) -> None:
     theatre.line(player, "ready", 60.0)
 
 
-def played(album: Album, theatre: Theatre, chromium: Any, name: str, *, share: float, key: str) -> None:
+def played(album: Album, theatre: Theatre, chromium: Any, themes: Words, name: str, *, share: float, key: str) -> None:
     """A log on its way, and halted: the same tick in all pictures."""
-    urls = {theme: theatre.viewer(*words) for theme, words in THEMES.items()}
+    urls = {theme: theatre.viewer(*words) for theme, words in themes.items()}
     with theatre.peer() as peer:
         peer.ctl("pause")
         peer.ctl("seek", Tick=int(peer.clock()["Last"] * share))
@@ -249,6 +260,10 @@ def stages(scratch: Path) -> Iterator[tuple[Stage, Stage]]:
 
 
 if __name__ == "__main__":
-    named = tuple(word for word in sys.argv[1:] if word in PARTS)
-    folders = [Path(word) for word in sys.argv[1:] if word not in PARTS]
-    main(folders[0] if folders else FOLDER, named or PARTS)
+    given = sys.argv[1:]
+    folders = [Path(word) for word in given if word not in {*PARTS, *THEMES}]
+    main(
+        folders[0] if folders else FOLDER,
+        tuple(part for part in PARTS if part in given) or PARTS,
+        {theme: THEMES[theme] for theme in THEMES if theme in given} or THEMES,
+    )

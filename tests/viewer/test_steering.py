@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 
 from intellwheels_schemas.keys import Verb
-from intellwheels_schemas.messages import Pause, Record, Result, Resume, Take, UserInput
+from intellwheels_schemas.messages import Goal, Pause, Record, Result, Resume, Take, UserInput
 from intellwheels_viewer.steering import AGAIN, IDLE, LEASE, Driving, Refusal, Wishes
 
 FIRST = "00000000000000a1"
@@ -249,6 +249,25 @@ def test_nobody_is_told_that_giving_back_was_refused(hand: Hand) -> None:
     hand.driving.close()
     hand.wishes.answer()
     assert hand.wishes.told == []
+
+
+def test_a_goal_lets_go_of_what_was_driven_and_is_put_after_the_body_was_given_back(hand: Hand) -> None:
+    hand.stick(0.5)
+    hand.wishes.answer()
+    hand.stick(0.5)
+    hand.driving.go("b", Goal(x=1.0, y=2.0))
+    assert hand.simulator.puts[-1][1].forward == 0.0
+    hand.wishes.answer()
+    assert [(take.agent, take.seconds) for take in hand.simulator.takes[-3:]] == [("a", 0.0), ("b", LEASE), ("b", 0.0)]
+    assert hand.simulator.puts[-1] == ("b", UserInput(goal=Goal(x=1.0, y=2.0)))
+
+
+def test_a_goal_that_is_refused_is_not_put(hand: Hand) -> None:
+    hand.simulator.refuses = "taken by somebody else"
+    hand.driving.go("a", Goal(x=1.0, y=2.0))
+    hand.wishes.answer()
+    assert hand.simulator.puts == []
+    assert hand.wishes.told == ["No goal set: taken by somebody else"]
 
 
 @pytest.mark.parametrize("bad", [(math.nan, 0.5), (0.5, math.nan), (math.inf, 0.0), (0.0, -math.inf)])
