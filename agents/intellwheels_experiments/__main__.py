@@ -183,7 +183,7 @@ def _batch(options: argparse.Namespace, wanted: Scene, plan_floor: Map, folder: 
     except ParentError as error:
         print(f"iw-run: --branch: {error}", file=sys.stderr)
         return 1
-    show_batch(summary, Console())
+    show_batch(summary, Console(), wanted.experiment)
     print(f"report={batch.out / 'report.html'} csv={batch.out / 'batch.csv'}")
     return 1 if stop.is_set() or any(line.died for line in summary.lines) else 0
 

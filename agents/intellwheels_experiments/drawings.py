@@ -136,7 +136,7 @@ def intervals(rows: Sequence[tuple[str, float, float, float]]) -> str:
         axes.set_yticks(range(len(rows)), [title for title, *_ in rows])
         axes.set(xlim=(-1, 101), xlabel="runs that reached the place and touched nothing (%)")
         axes.grid(axis="x", color="#ddd", lw=0.6)
-        axes.invert_yaxis()
+        axes.set_ylim(len(rows) - 0.5, -0.5)
         return _svg(figure)
 
 

@@ -16,6 +16,7 @@ from intellwheels_experiments.drawings import Drawn
 from intellwheels_experiments.findings import sentences
 from intellwheels_experiments.keep import Kept
 from intellwheels_experiments.summary import Comparison, Line, Summary
+from intellwheels_experiments.sweep import sweep
 from intellwheels_schemas.messages import Map, Scene
 
 _STYLE: Final = """
@@ -35,12 +36,21 @@ dt { color: #555 } dd { margin: 0; font-family: ui-monospace, monospace; overflo
 .wide { overflow-x: auto } figure { margin: .4rem 0 }
 .key span { display: inline-block; margin-right: 1.4em }
 .key i { display: inline-block; width: 1.8em; border-top: 3px solid; margin-right: .4em; vertical-align: middle }
+table.grid td, table.grid th { text-align: center; white-space: nowrap }
+table.grid td.t, table.grid th.t { text-align: left }
+td.all { background: #d6ede4 } td.some { background: #fbeecb } td.none { background: #f8d8de }
+details { margin: .8rem 0 } summary { cursor: pointer; font-weight: 600 }
 pre { background: #f4f4f1; padding: .6rem; overflow-x: auto; font-size: .8rem }
 """
 
+EXACT: Final = 1e-3
+"""Metres of odometry error below which there is none."""
+MANY: Final = 12
+"""Rows from which on what is told of each is folded."""
+
 _MEASURES: Final = (
     ("reached", "runs that were within the place at the end"),
-    ("time", "simulated time to the end, s"),
+    ("time", "simulated time to the end of the run, when all who have a place are there or time is up, s"),
     ("way", "length of the true path, m"),
     ("clearance", "least distance from anything in the run, m; the least of all runs in brackets"),
     ("SPL", "success weighted by path length, in [0, 1]; the mean of a batch is its SPL (Anderson et al. 2018)"),
@@ -97,12 +107,13 @@ def render(page: Page) -> str:
         f"<h1>{escape(title)}</h1><p class=lead>{escape(lead)} Rows share their seeds. Everything is scored by where "
         "the chair truly was, never by what it believed.</p>",
         _findings(page),
+        _sweep(page),
         _results(page),
         _comparisons(page),
         _umbmark(page),
         _measures(page),
         _died(page),
-        *(_row(page, line) for line in page.summary.lines if page.drawn.get(line.name)),
+        *(_folded(page, _row(page, line), line) for line in page.summary.lines if page.drawn.get(line.name)),
         _origin(page),
     ]
     body = "\n".join(part for part in parts if part)
@@ -113,8 +124,57 @@ def render(page: Page) -> str:
     )
 
 
+def _sweep(page: Page) -> str:
+    """Return the rows of several factors as a grid of how many succeeded."""
+    found = sweep(page.scene.experiment, page.summary.lines)
+    if found is None:
+        return ""
+    head = "".join(f"<th class=t>{escape(title)}</th>" for title in found.down)
+    head += "".join(f"<th>{'<br>'.join(escape(one) for one in column)}</th>" for column in found.columns)
+    body = "".join(
+        "<tr>" + "".join(f"<td class=t>{escape(level)}</td>" for level in levels)
+        + "".join(_cell(line) for line in cells) + "</tr>"
+        for levels, cells in found.rows
+    )  # fmt: skip
+    across = escape(" and ".join(title.lower() for title in found.across))
+    return (
+        f"<h2>At a glance</h2><p>Runs that succeeded, of how many; across: {across}. Green: all, yellow: some, "
+        "red: none.</p>"
+        f"<div class=wide><table class=grid><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table></div>"
+    )
+
+
+def _cell(line: Line | None) -> str:
+    if line is None or not line.runs:
+        return "<td></td>"
+    kind = "all" if line.succeeded == line.runs else "some" if line.succeeded else "none"
+    return f"<td class={kind}>{line.succeeded} / {line.runs}</td>"
+
+
+def _folded(page: Page, text: str, line: Line | None = None) -> str:
+    """Return what is long of a batch with many rows behind a line that opens it."""
+    if len(page.summary.lines) <= MANY:
+        return text
+    title = "Row by row" if line is None else f"{escape(line.title)}: {line.succeeded} / {line.runs}"
+    return f"<details><summary>{title}</summary>{text}</details>"
+
+
+def _row_title(page: Page) -> str:
+    """Return what tells the rows apart."""
+    factors = page.scene.experiment.factor if page.scene.experiment else ()
+    return escape(", ".join(factor.title or factor.name for factor in factors)) or "row"
+
+
 def _results(page: Page) -> str:
-    heads = ("mode", "runs", "succeeded", "95 % interval", "runs with a collision", "contacts physical", "virtual")
+    heads = (
+        _row_title(page),
+        "runs",
+        "succeeded",
+        "95 % interval",
+        "runs with a collision",
+        "contacts physical",
+        "virtual",
+    )
     rows = [
         (
             escape(line.title), str(line.runs),
@@ -130,7 +190,8 @@ def _results(page: Page) -> str:
         "truly is. A contact counts where it begins; physical ones are of a chair of hardware with what is "
         "really there, "
         "virtual ones are within a simulation, where a chair of hardware is shown as it is reported. "
-        "Intervals are Wilson's.</p>" + _table(heads, rows) + f"<figure>{drawings.intervals(points)}</figure>"
+        "Intervals are Wilson's.</p>"
+        + _folded(page, _table(heads, rows) + f"<figure>{drawings.intervals(points)}</figure>")
     )
 
 
@@ -205,7 +266,7 @@ def _umbmark(page: Page) -> str:
     )
     rows = [
         (
-            name, f"{one.true:.4f}", f"<b>{one.found:.4f}</b>", "" if one.error is None else f"{one.error:.4f}",
+            name, f"{one.true:.4f}", f"<b>{one.found:.4f}</b>", "" if one.error is None else f"{one.error:.5f}",
             f"{one.found - one.true:+.4f}",
         )
         for name, one in told
@@ -221,7 +282,7 @@ def _umbmark(page: Page) -> str:
 
 
 def _measures(page: Page) -> str:
-    heads = ("mode", *(name for name, _ in _MEASURES))
+    heads = (_row_title(page), *(name for name, _ in _MEASURES))
     rows = []
     for line in page.summary.lines:
         clearance = _spread(line, "clearance", 2)
@@ -234,8 +295,11 @@ def _measures(page: Page) -> str:
                 _spread(line, "effort", 1), _spread(line, "odometry_error", 3),
             )
         )  # fmt: skip
-    told = "; ".join(f"<b>{name}</b>: {what}" for name, what in _MEASURES)
-    return f"<h2>Measures</h2><p>Medians, with the quartiles below. {told}.</p>" + _table(heads, rows)
+    # A measure that no row has tells nothing.
+    columns = [at for at in range(len(heads)) if any(row[at] for row in rows)]
+    told = "; ".join(f"<b>{name}</b>: {what}" for at, (name, what) in enumerate(_MEASURES, start=1) if at in columns)
+    shown = _table([heads[at] for at in columns], [[row[at] for at in columns] for row in rows])
+    return f"<h2>Measures</h2><p>Medians, with the quartiles below. {told}.</p>" + _folded(page, shown)
 
 
 def _died(page: Page) -> str:
@@ -248,7 +312,9 @@ def _died(page: Page) -> str:
 
 def _row(page: Page, line: Line) -> str:
     runs = page.drawn[line.name]
-    reach = next(iter(page.scene.end.reach), None) if page.scene.end else None
+    subject = page.scene.experiment.subject if page.scene.experiment else page.scene.cast[0].name
+    goals = page.scene.end.reach if page.scene.end else ()
+    reach = next((one for one in goals if one.agent == subject), None)
     places = page.floor.grid.position if page.floor.grid else ()
     place = next((one for one in places if reach and one.name == reach.place), None)
     goal = (place.x, place.y, reach.within) if place and reach else None
@@ -265,7 +331,9 @@ def _row(page: Page, line: Line) -> str:
         f"<h3>Clearance and speed along the way</h3><p>Median and middle 80 % of the runs.</p>"
         f"<figure>{drawings.along(runs)}</figure>",
     ]
-    if drift:
+    errors = line.spread.get("odometry_error")
+    # Of a chair whose odometry is exact there is nothing to be seen.
+    if drift and errors is not None and errors.most >= EXACT:
         parts.append(
             "<h3>Drift of what is reported</h3><p>How far the reported place is from the true one. The band is what "
             "independent errors of the two wheels alone explain on a straight way, sd = &radic;(2kL<sup>3</sup>/3)/b; "

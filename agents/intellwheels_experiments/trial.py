@@ -30,7 +30,8 @@ from intellwheels_experiments.report import versions
 from intellwheels_experiments.rows import Row
 from intellwheels_experiments.squares import Figure, Squares, squares
 from intellwheels_experiments.summary import Summary, sum_up, to_json, to_junit
-from intellwheels_schemas.messages import Robot, Scene
+from intellwheels_experiments.sweep import sweep
+from intellwheels_schemas.messages import Experiment, Robot, Scene
 
 ABOUT: Final = "batch.json"
 
@@ -108,8 +109,14 @@ def write_files(
     return summary
 
 
-def show(summary: Summary, console: Console) -> None:
-    """Print a batch: tables on a terminal, plain lines elsewhere."""
+def show(summary: Summary, console: Console, experiment: Experiment | None = None) -> None:
+    """Print a batch: tables on a terminal, plain lines elsewhere.
+
+    Args:
+        summary: The batch.
+        console: Where to.
+        experiment: Of a batch with several factors: a terminal shows its grid too.
+    """
     if not console.is_terminal:
         for line in summary.lines:
             low, high = line.interval
@@ -129,7 +136,7 @@ def show(summary: Summary, console: Console) -> None:
             console.file.write(f"umbmark figure={name} true={figure.true:.4f} found={figure.found:.4f} error={error}\n")
         console.file.flush()
         return
-    shown = Table("mode", "runs", "succeeded", "95 %", "collided", "physical", "virtual", "time", "odometry error")
+    shown = Table("row", "runs", "succeeded", "95 %", "collided", "physical", "virtual", "time", "odometry error")
     for line in summary.lines:
         low, high = line.interval
         cells = [line.title, str(line.runs), str(line.succeeded), f"{100 * low:.0f} to {100 * high:.0f} %"]
@@ -138,6 +145,7 @@ def show(summary: Summary, console: Console) -> None:
             cells.append(form.format(line.spread[name].median) if name in line.spread else "-")
         shown.add_row(*cells)
     console.print(shown)
+    _show_sweep(summary, console, experiment)
     for one in summary.comparisons:
         against = f" against {one.second}" if one.second else ""
         console.print(
@@ -146,6 +154,17 @@ def show(summary: Summary, console: Console) -> None:
     for name, figure in _figures(summary.umbmark):
         error = "" if figure.error is None else f" +- {figure.error:.4f}"
         console.print(f"UMBmark {name}: truly {figure.true:.4f}, found {figure.found:.4f}{error}", highlight=False)
+
+
+def _show_sweep(summary: Summary, console: Console, experiment: Experiment | None) -> None:
+    found = sweep(experiment, summary.lines)
+    if found is None:
+        return
+    across = " and ".join(title.lower() for title in found.across)
+    shown = Table(*found.down, *("\n".join(column) for column in found.columns), title=f"Succeeded, by {across}")
+    for levels, cells in found.rows:
+        shown.add_row(*levels, *(f"{line.succeeded} / {line.runs}" if line else "" for line in cells))
+    console.print(shown)
 
 
 def _figures(found: Squares | None) -> tuple[tuple[str, Figure], ...]:

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Callable
 
 import numpy as np
 
 from intellwheels_experiments import drawings
 from intellwheels_experiments.drawings import Drawn
 from intellwheels_experiments.page import Page, floor_hash, render
-from intellwheels_experiments.rows import Row
+from intellwheels_experiments.rows import Row, rows_of
 from intellwheels_experiments.summary import sum_up
 from intellwheels_maps import floor, scene
 from intellwheels_schemas.messages import Compare, Experiment
@@ -65,6 +66,39 @@ def test_page_says_rows_comparison_who_died_and_where_it_comes_from() -> None:
     )
     for words in (*expected, floor_hash(FLOOR), "iw-run table1 --seeds 3"):
         assert words in found, words
+
+
+def whole(name: str, succeeded: Callable[[str], bool]) -> str:
+    """Return the page of a shipped experiment, of one run a row."""
+    document = scene(name)
+    rows = rows_of(document)
+    runs = [kept(row.name, "1", success=succeeded(row.name)) for row in rows]
+    return render(
+        Page(
+            scene=document, floor=floor(document.map), summary=sum_up(rows, runs, document.experiment), runs=runs,
+            drawn={row.name: [run("1")] for row in rows[:1]}, drift={}, origin={}, timelines={},
+        )
+    )  # fmt: skip
+
+
+def test_sweep_is_read_at_a_glance_and_its_many_rows_are_folded() -> None:
+    found = whole("door", lambda row: "r60" in row)
+    assert found.index("At a glance") < found.index("Row by row")
+    assert found.count("<td class=all>1 / 1</td>") == 12
+    assert found.count("<td class=none>0 / 1</td>") == 36
+    assert "<th>sees 6.0 m<br>opens in 5 s</th>" in found
+    assert "<summary>0.5 m/s, opens away, sees 2.0 m, opens in 3 s: 0 / 1</summary>" in found
+
+
+def test_few_rows_are_open_under_their_factors_name_and_the_place_is_the_subjects() -> None:
+    found = whole("follow", lambda _row: True)
+    assert "At a glance" not in found
+    assert "<details>" not in found
+    assert "<th>Leader&#x27;s words</th>" in found
+    # Nobody drives by hand: there is no effort to be told.
+    assert "effort" not in found
+    goal = next(one for one in floor("corner").grid.position if one.name == "goal1")  # type: ignore[union-attr]
+    assert drawings.paths(floor("corner"), [run("1")], (goal.x, goal.y, 0.3)) in found
 
 
 def test_drawing_scales_with_the_page_and_is_the_same_again() -> None:
