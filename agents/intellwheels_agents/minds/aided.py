@@ -35,14 +35,14 @@ SHARES: Final = (1.0, 0.7, 0.45, 0.3, 0.2, 0.12, 0.06, 0.0)
 CREEPS: Final = (0.024, 0.012, 0.005)
 """Metres a second that are tried as well, for the last centimetres before a thing."""
 APPROACH: Final = 0.085
-"""Metres ahead and behind where a user who goes on is stopped at the latest; an arc tells of a thing as up to 0.02 m nearer
-than it is, and he is to get as near as 0.104 m."""
+"""Metres ahead and behind where a user who goes on is stopped at the latest; an arc tells of a thing as up to 0.02 m
+nearer than it is, and he is to get as near as 0.104 m."""
 CELL: Final = 0.02
 """Metres of the raster of what was seen. With points 0.03 m apart a corner can come to 0.0125 m of all of them and
 not lie between two."""
 ASIDE: Final = 0.26
-"""Metres from the middle to the two cones that `equip` adds: from a metre and a half before a doorway of 0.81 m they see
-through it, and so tell that nothing stands in it where the cones of a chair's middle and corners do not look."""
+"""Metres from the middle to the two cones that `equip` adds: from a metre and a half before a doorway of 0.81 m they
+see through it, and so tell that nothing stands in it where the cones of a chair's middle and corners do not look."""
 ALONE: Final = 0.1
 """What less of the wish is worth to keep its curve: a tie goes to equal shares."""
 DOUBT: Final = 0.05
