@@ -1,14 +1,18 @@
 """What a person wants of a chair: a `UserInput` to forward and turn, and on to powers.
 
 The simulator lets a silent user want nothing (dead-man), so what stands in `Measures` is what is wanted now. A voice
-recogniser may send a word alone; a word counts only where forward and turn are both 0.
+recogniser may send a word alone; a word counts only where forward and turn are both 0. A goal outlives the user's
+silence, so a mind takes it once: when it is another than before.
 """
 
 from __future__ import annotations
 
 from typing import Final
 
-from intellwheels_schemas.messages import UserInput
+import msgspec
+
+from intellwheels_agents.options import Options
+from intellwheels_schemas.messages import Goal, Robot, UserInput
 
 WORDS: Final[dict[str, tuple[float, float]]] = {
     "forward": (1.0, 0.0),
@@ -43,3 +47,23 @@ def mixed(forward: float, turn: float) -> tuple[float, float]:
     left, right = forward - turn, forward + turn
     most = max(1.0, abs(left), abs(right))
     return left / most, right / most
+
+
+def takes_goals(robot: Robot, options: Options) -> Robot:  # noqa: ARG001 - as `Equip` has it
+    """Return the robot with goals of its user declared: a page then offers to send it somewhere."""
+    return msgspec.structs.replace(robot, user_input=("goal",))
+
+
+class Goals:
+    """What a user says of where to go, as it stands in the measures of one tick after the other."""
+
+    def __init__(self) -> None:
+        self._told: Goal | None = None
+
+    def news(self, user: UserInput | None) -> Goal | None:
+        """Return a goal that was not told at the tick before, else None."""
+        goal = None if user is None else user.goal
+        if goal == self._told:
+            return None
+        self._told = goal
+        return goal

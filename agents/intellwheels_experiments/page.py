@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from html import escape
@@ -12,6 +13,7 @@ import msgspec
 
 from intellwheels_experiments import drawings
 from intellwheels_experiments.drawings import Drawn
+from intellwheels_experiments.findings import sentences
 from intellwheels_experiments.keep import Kept
 from intellwheels_experiments.summary import Comparison, Line, Summary
 from intellwheels_experiments.sweep import sweep
@@ -59,6 +61,13 @@ _MEASURES: Final = (
 )
 
 
+_DIFFERENCES: Final = (
+    ("clearance", "clearance", "m", 3), ("time", "time", "s", 2), ("way", "path", "m", 2),
+    ("odometry error", "odometry_error", "m", 3),
+)  # fmt: skip
+"""What a column is called, the measure, its unit and the digits."""
+
+
 @dataclass(frozen=True)
 class Page:
     """What the page is about.
@@ -98,6 +107,7 @@ def render(page: Page) -> str:
         f"<h1>{escape(title)}</h1><p class=lead>{escape(lead)} Rows share their seeds. Everything is scored by where "
         "the chair truly was, never by what it believed.</p>",
         _sweep(page),
+        _findings(page),
         _results(page),
         _comparisons(page),
         _umbmark(page),
@@ -185,6 +195,11 @@ def _results(page: Page) -> str:
     )
 
 
+def _findings(page: Page) -> str:
+    told = "".join(f"<li>{escape(sentence)}</li>" for sentence in sentences(page.summary))
+    return f"<h2>What these runs say</h2><ul>{told}</ul>" if told else ""
+
+
 def _comparisons(page: Page) -> str:
     if not page.summary.comparisons:
         return ""
@@ -201,6 +216,27 @@ def _comparisons(page: Page) -> str:
         f"the seeds that only one of the two succeeded with. Rows are equivalent when the difference is within "
         f"{100 * margin:.0f} points at 5 % each way. What these runs cannot tell is said to be undecided.</p>"
         + _table(heads, rows, words=2)
+        + _differences(page.summary.comparisons, titles)
+    )
+
+
+def _differences(comparisons: Sequence[Comparison], titles: Mapping[str, str]) -> str:
+    heads = ("first, against second", *(f"{name}, {unit}" for name, _, unit, _ in _DIFFERENCES))
+    rows = []
+    for one in comparisons:
+        if one.second is None or not one.differences:
+            continue
+        cells = [f"{escape(titles[one.first])}, against {escape(titles[one.second])}"]
+        for _, key, _, digits in _DIFFERENCES:
+            mean, (low, high) = one.differences.get(key, (math.nan, (0.0, 0.0)))
+            told = f"{mean:+.{digits}f}<br><small>{low:+.{digits}f} to {high:+.{digits}f}</small>"
+            cells.append("" if math.isnan(mean) else told)
+        rows.append(cells)
+    if not rows:
+        return ""
+    return (
+        "<p>How far the measures differ, first less second: the mean over the seeds that both reached their place "
+        "with, and its 95 % interval by Student's t of the paired differences.</p>" + _table(heads, rows)
     )
 
 

@@ -116,7 +116,7 @@ class Stand:
         self._children = self._stack.enter_context(Children(site.logs))
         self._watches: dict[str, Watch] = {}
         self._endpoints: dict[str, str] = {}
-        self._said: dict[str, list[str]] = {SERVER: [], LABORATORY: []}
+        self._said: dict[str, list[tuple[str, str | None]]] = {SERVER: [], LABORATORY: []}
 
     def __enter__(self) -> Self:
         try:
@@ -151,7 +151,7 @@ class Stand:
         truth = self._reset(LABORATORY, seed) if self._row.bridges else shown
         for server in self._servers:
             self._ask(server, "resume", Resume())
-        self._await(self._servers[-1], "ended", max(1.0, deadline - time.monotonic()))
+        self._await(self._servers[-1], "ended", max(1.0, deadline - time.monotonic()), run=truth)
         self._pause()
         if self._row.bridges:
             self._reset(SERVER, seed)
@@ -192,7 +192,7 @@ class Stand:
         if self._row.bridges and server == SERVER:
             end = End(timeout=end.timeout) if end is not None else None
         run = self._ask(server, "reset", Reset(seed=seed, end=end))
-        self._await(server, "running", JOIN_LIMIT)
+        self._await(server, "running", JOIN_LIMIT, run=run)
         return run
 
     def _server_command(self, server: str, world: str, lifeline: int) -> list[str]:
@@ -229,19 +229,20 @@ class Stand:
             result = self._watches[server].control(verb, message, ANSWER_LIMIT)
         except ConnectionError as error:
             # The reason may be on its way.
-            self._hear(server, 0.5, lambda _verb: False)
+            self._hear(server, 0.5, lambda _verb, _run: False)
             raise StandError(f"{server}: no answer to {verb}: {error}") from error
         if result.code != "ok" or result.run is None:
             raise StandError(f"{server}: {verb}: {result.text or result.code}")
         return result.run
 
-    def _await(self, server: str, verb: str, limit: float) -> None:
-        if not self._hear(server, limit, lambda said: said == verb):
+    def _await(self, server: str, verb: str, limit: float, run: str | None = None) -> None:
+        # A run before this one may have ended, too: a short one does before it can be paused.
+        if not self._hear(server, limit, lambda said, of: said == verb and run in (None, of)):
             raise StandError(self._with_tail(server, f"did not say {verb!r} within {limit:.0f} s"))
 
-    def _hear(self, server: str, limit: float, found: Callable[[str], bool]) -> bool:
+    def _hear(self, server: str, limit: float, found: Callable[[str, str | None], bool]) -> bool:
         """Hear the processes until a simulator says something; return whether it did in time."""
-        if (said := next((one for one in self._said[server] if found(one)), None)) is not None:
+        if (said := next((one for one in self._said[server] if found(*one)), None)) is not None:
             self._said[server].remove(said)
             return True
         deadline = time.monotonic() + limit
@@ -254,9 +255,10 @@ class Stand:
                     if verb in ("miss", "differs"):
                         who = agent_child(values["agent"]) if "agent" in values else child
                         raise StandError(self._with_tail(who, text))
-                    if child == server and found(verb):
+                    of = values.get("run")
+                    if child == server and found(verb, of):
                         return True
-                    self._said[child].append(verb)
+                    self._said[child].append((verb, of))
                 case Exited(child=child) as exited:
                     raise StandError(self._with_tail(child, exited.how))
         return False

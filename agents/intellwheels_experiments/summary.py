@@ -10,6 +10,7 @@ import msgspec
 import numpy as np
 
 from intellwheels_experiments.keep import Kept
+from intellwheels_experiments.measure import Measured
 from intellwheels_experiments.rows import Row
 from intellwheels_experiments.squares import Squares
 from intellwheels_experiments.statistics import Interval, Paired, compare, mean_difference, wilson
@@ -19,6 +20,9 @@ DECIDES: Final = 0.05
 """p below which one row is worse than another."""
 SPREAD: Final = ("clearance", "time", "path", "spl", "ldlj", "sparc", "effort", "agreement", "odometry_error")
 """Measures that are told by their median and quartiles."""
+
+DIFFERENCES: Final = ("clearance", "time", "path", "odometry_error")
+"""Measures that two rows are compared by beside their success."""
 
 Verdict: TypeAlias = Literal["as expected", "otherwise", "undecided", "not asked"]
 
@@ -67,8 +71,8 @@ class Comparison(msgspec.Struct, frozen=True, kw_only=True):
 
     Attributes:
         paired: Their successes compared; None of a row alone, or without a common seed.
-        time: Mean difference of the simulated times in s, over the seeds that both reached their place with, and its
-            interval.
+        differences: Of further measures by name, first less second: the mean over the seeds that both reached their
+            place with, and its interval.
     """
 
     first: str
@@ -76,7 +80,7 @@ class Comparison(msgspec.Struct, frozen=True, kw_only=True):
     expect: str | None
     verdict: Verdict
     paired: Paired | None = None
-    time: tuple[float, Interval] | None = None
+    differences: dict[str, tuple[float, Interval]] = msgspec.field(default_factory=dict)
 
 
 class Summary(msgspec.Struct, frozen=True, kw_only=True):
@@ -150,15 +154,22 @@ def _comparison(asked: Compare, lines: dict[str, Line], of_row: dict[str, list[K
     if not pairs:
         return Comparison(first=asked.first, second=asked.second, expect=asked.expect, verdict="undecided")
     paired = compare([a.success for a, _ in pairs], [b.success for _, b in pairs], margin)
-    there = [(a.time, b.time) for a, b in pairs if a.reached and b.reached]
+    there = [(a, b) for a, b in pairs if a.reached and b.reached]
     return Comparison(
         first=asked.first,
         second=asked.second,
         expect=asked.expect,
         verdict=_verdict(asked.expect, paired, margin),
         paired=paired,
-        time=mean_difference(*zip(*there, strict=True)) if len(there) > 1 else None,
+        differences={name: found for name in DIFFERENCES if (found := _difference(name, there)) is not None},
     )
+
+
+def _difference(name: str, pairs: Sequence[tuple[Measured, Measured]]) -> tuple[float, Interval] | None:
+    """Return how far a measure differs; None with fewer than two seeds whose runs both have it."""
+    told = [(getattr(a, name), getattr(b, name)) for a, b in pairs]
+    values = [pair for pair in told if None not in pair]
+    return mean_difference(*zip(*values, strict=True)) if len(values) > 1 else None
 
 
 def _verdict(expect: str | None, paired: Paired, margin: float) -> Verdict:
@@ -170,7 +181,10 @@ def _verdict(expect: str | None, paired: Paired, margin: float) -> Verdict:
         apart = paired.interval.low > margin or paired.interval.high < -margin
         return "as expected" if paired.equivalent else "otherwise" if apart else "undecided"
     wanted = paired.difference < 0.0 if expect == "worse" else paired.difference > 0.0
-    return "undecided" if not differs else "as expected" if wanted else "otherwise"
+    if differs:
+        return "as expected" if wanted else "otherwise"
+    # Within the margin there is no worse and no better that would matter.
+    return "otherwise" if paired.equivalent else "undecided"
 
 
 def to_json(summary: Summary) -> bytes:

@@ -89,7 +89,8 @@ CHANNELS: Final[dict[str, Channel]] = {
     ),
     "say": Channel("in/<agent>/say", "agent", "put", "when it speaks", (Say,), priority="data-high"),
     "pose": Channel(
-        "in/<agent>/pose", "bridge of a real chair", "put", "every tick", (Pose,), priority="interactive-high"
+        "in/<agent>/pose", "bridge of a real chair, player of its log", "put", "every tick", (Pose,),
+        priority="interactive-high",
     ),
     "token": Channel("in/<agent>/alive/<role>/<instance>", "agent", "token", "while it lives"),
     "user": Channel(

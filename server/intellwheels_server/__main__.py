@@ -29,8 +29,8 @@ examples:
   iw-server --resimulate run.jsonl            run that again and compare every tick's hash
   iw-server --play run.jsonl                  show it in world `main-play`: pause, step, speed, seek forth and back
 
-Standard output says `ready ...` when agents may join, `running tick=0` when those expected are there, and
-`ended tick=N hash=H` when the end condition is met. Exit code: 0 done, 1 refused or failed, 2 wrong usage.
+Standard output says `ready ...` when agents may join, `running tick=0 run=R` when those expected are there, and
+`ended tick=N hash=H run=R` when the end condition is met. Exit code: 0 done, 1 refused or failed, 2 wrong usage.
 """
 
 LIVE = (
@@ -134,6 +134,11 @@ def parser() -> argparse.ArgumentParser:
         "--play", type=Path, metavar="FILE",
         help="put an input log on the network as a world of its own (default name: the log's, with -play behind)",
     )  # fmt: skip
+    run.add_argument(
+        "--reported", type=Path, metavar="FILE",
+        help="with --play of a laboratory's log: the log of the world that its chairs joined, to show beside the truth "
+        "where they said that they were; the two are paired run by run, tick by tick",
+    )  # fmt: skip
     run.add_argument("--quit-at-end", action="store_true", help="exit when the end condition is met")
     add_process_options(found)
     add_link_options(found, listens=True)
@@ -147,6 +152,8 @@ def main(arguments: list[str] | None = None) -> int:
     given = grammar.parse_args(arguments)
     if given.trace is not None and given.resimulate is None:
         grammar.error("--trace: it goes with --resimulate")
+    if given.reported is not None and given.play is None:
+        grammar.error("--reported: it goes with --play")
     if given.resimulate is not None:
         return _resimulate(given.resimulate) if given.trace is None else _trace(given.resimulate, given.trace)
     if given.play is not None:
@@ -205,18 +212,25 @@ def _play(given: argparse.Namespace) -> int:
         if stop.is_set():
             raise SystemExit(0)
 
+    def read(log: Path) -> Recording:
+        recording = Recording(log, progress)
+        if recording.cut:
+            print(f"{log}: the last line was cut and is dropped", file=sys.stderr)
+        if recording.differs is not None:
+            print(f"{log}: what is shown is not what was: {recording.differs}", file=sys.stderr)
+        return recording
+
     warm()
     try:
-        recording = Recording(given.play, progress)
-        if recording.cut:
-            print(f"{given.play}: the last line was cut and is dropped", file=sys.stderr)
-        if recording.differs is not None:
-            print(f"{given.play}: what is shown is not what was: {recording.differs}", file=sys.stderr)
+        recording = read(given.play)
+        reported = None if given.reported is None else read(given.reported)
         setup = recording.header.world_setup()
         options = Options(world=given.world, setup=setup, speed=given.speed, quit_at_end=given.quit_at_end)
-        return serve(options, route, stop, recording=recording)
+        return serve(options, route, stop, recording=recording, reported=reported)
     except (ConnectionError, WorldTakenError, LogError) as error:
         print(f"iw-server: {error}", file=sys.stderr)
+    except OSError as error:
+        print(f"iw-server: {error.filename}: {error.strerror}", file=sys.stderr)
     return 1
 
 

@@ -154,7 +154,7 @@ class Conductor:
         desk.held = False
         desk.metronome.start(now)
         desk.cadence.note()
-        desk.out.tell(f"running tick={desk.state.tick}")
+        desk.out.tell(f"running tick={desk.state.tick} run={desk.state.run}")
         if not desk.lockstep:
             publication.put_all_measures(desk)
 
@@ -253,7 +253,7 @@ class Conductor:
         desk = self._desk
         desk.close_steps("ok", "the run has ended")
         publication.publish(desk, now)
-        desk.out.tell(f"ended tick={desk.state.tick} hash={desk.digest()}")
+        desk.out.tell(f"ended tick={desk.state.tick} hash={desk.digest()} run={desk.state.run}")
         if desk.options.quit_at_end:
             desk.exit = 0
 

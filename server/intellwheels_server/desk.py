@@ -20,6 +20,7 @@ from intellwheels_schemas.messages import (
     Map,
     MapInfo,
     Pace,
+    Pose,
     Record,
     Result,
     ResultCode,
@@ -59,6 +60,9 @@ class Outlet(Protocol):
 
     def body(self, agent: str, body: Body) -> None:
         """Put `body/<agent>`."""
+
+    def pose(self, agent: str, pose: Pose) -> None:
+        """Put `in/<agent>/pose`, as its bridge did when the log that is played was written."""
 
     def state(self, state: WorldState) -> None:
         """Put `state/<part>`."""

@@ -16,6 +16,7 @@ from intellwheels_server.arrival import Arrival, Ask, Put, Token
 from intellwheels_server.complaint import Fault
 from intellwheels_server.desk import Desk, Options, Outlet, Played, Steps
 from intellwheels_server.recording import Place, Recording
+from intellwheels_server.reported import Reported
 from intellwheels_server.ring import Ring
 from intellwheels_server.world import State
 
@@ -27,7 +28,14 @@ AT_END: Final = "the log is at its end; seek back"
 class Player:
     """The decisions of a service that plays a log."""
 
-    def __init__(self, options: Options, outlet: Outlet, wall: Callable[[], float], recording: Recording) -> None:
+    def __init__(
+        self,
+        options: Options,
+        outlet: Outlet,
+        wall: Callable[[], float],
+        recording: Recording,
+        reported: Reported | None = None,
+    ) -> None:
         """Begin at the log's beginning.
 
         Args:
@@ -35,11 +43,12 @@ class Player:
             outlet: Where messages go.
             wall: Gives Unix time, for stamps.
             recording: What is played.
+            reported: Where the bridges of its chairs said that they were, if another log tells.
         """
         self._desk = Desk(options, outlet, _no_floor, wall, run=recording.header.run)
         self._desk.held = False
         self._desk.played = Played(last=0)
-        self._recording = recording
+        self._recording, self._reported = recording, reported
         first = recording.header.run
         self._place = Place(0, self._desk.state)
         self._begun = False
@@ -69,6 +78,8 @@ class Player:
         """Take in what arrived."""
         desk = self._desk
         if isinstance(arrival, Put):
+            if arrival.kind == "pose" and self._reported is not None:
+                return  # our own: this key is heard here too
             fault = Fault("not-joined", f"{arrival.kind}: {STEERED}")
             if desk.gate.admit(arrival.agent, desk.state.tick, now):
                 reception.complain(desk, arrival.agent, fault, now)
@@ -88,6 +99,7 @@ class Player:
             self._go_on(now)
         if desk.cadence.ready(now):
             publication.publish(desk, now)
+            self._put_reported()
 
     def due(self, now: float) -> float:
         """Return when `work` must be called next if nothing arrives; `now` or less: at once."""
@@ -99,6 +111,13 @@ class Player:
         """Publish what is left before the service ends."""
         self._desk.close_steps("failed", "the player ends")
         publication.publish(self._desk, now)
+
+    def _put_reported(self) -> None:
+        """Tell where bridges said their chairs were at this tick. With each state: who comes late hears it too."""
+        if self._reported is not None:
+            state = self._desk.state
+            for agent, pose in self._reported.at(state.run, state.tick).items():
+                self._desk.out.pose(agent, pose)
 
     # ------------------------------------------------------------ moving
 
@@ -136,7 +155,7 @@ class Player:
         desk = self._desk
         desk.close_steps("ok", "the log is at its end")
         publication.publish(desk, now)
-        desk.out.tell(f"ended tick={desk.state.tick} hash={desk.digest()}")
+        desk.out.tell(f"ended tick={desk.state.tick} hash={desk.digest()} run={desk.state.run}")
         if desk.options.quit_at_end:
             desk.exit = 0
 
@@ -257,6 +276,7 @@ class Player:
         desk.metronome.start(now)
         desk.tachometer.stop()
         publication.publish(desk, now)
+        self._put_reported()
         ask.reply(desk.result("ok"))
 
 

@@ -88,7 +88,11 @@ def body_of(desk: Desk, agent: str) -> Body:
     """Return a body as accepted. It must be here."""
     seat = desk.roster.body(agent)
     roles: tuple[Role, ...] = tuple(each.role for each in desk.roster.seats(agent))
-    robot = desk.state.fleet.figures[agent].robot
+    figure = desk.state.fleet.figures[agent]
+    robot = figure.robot
+    if figure.mind_input:  # a mind that joined apart takes what it takes, whatever the body's document says
+        words = dict.fromkeys((*robot.user_input, *figure.mind_input))
+        robot = msgspec.structs.replace(robot, user_input=tuple(words))
     if desk.played is not None and robot.instance is not None:  # nobody sits here, but somebody did
         roles = (robot.role,)
     return Body(

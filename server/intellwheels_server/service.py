@@ -23,7 +23,7 @@ from intellwheels_schemas.channels import CHANNELS
 from intellwheels_schemas.codec import Encoding, encode
 from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.keys import Keys, OutKind
-from intellwheels_schemas.messages import Body, Clock, Event, Load, Map, MapInfo, Record, WorldState
+from intellwheels_schemas.messages import Body, Clock, Event, Load, Map, MapInfo, Pose, Record, WorldState
 from intellwheels_schemas.process import SLICE
 from intellwheels_server.admission import new_hex
 from intellwheels_server.arrival import Arrival, Ask, Put, PutKind, Token, Topic
@@ -33,6 +33,7 @@ from intellwheels_server.inputs import Inputs
 from intellwheels_server.log import Line, Log
 from intellwheels_server.player import Player
 from intellwheels_server.recording import Recording
+from intellwheels_server.reported import Reported
 from intellwheels_server.run_files import RunFiles
 from intellwheels_server.world import State
 
@@ -63,6 +64,7 @@ class Network:
         self._agents: dict[str, dict[str, tuple[zenoh.Publisher, Encoding]]] = {}
         self._parts: dict[int, zenoh.Publisher] = {}
         self._bodies: dict[str, zenoh.Publisher] = {}
+        self._poses: dict[str, zenoh.Publisher] = {}
         self._event = link.declare(session, keys.event, CHANNELS["event"])
         self._clock = link.declare(session, keys.clock, CHANNELS["clock"])
         self._map = link.declare(session, keys.map, CHANNELS["map"])
@@ -102,6 +104,12 @@ class Network:
         if agent not in self._bodies:
             self._bodies[agent] = link.declare(self._session, self._keys.body(agent), CHANNELS["body"])
         self._bodies[agent].put(encode(body))
+
+    def pose(self, agent: str, pose: Pose) -> None:
+        """Put `in/<agent>/pose`, as its bridge did when the log that is played was written."""
+        if agent not in self._poses:
+            self._poses[agent] = link.declare(self._session, self._keys.pose(agent), CHANNELS["pose"])
+        self._poses[agent].put(encode(pose))
 
     def state(self, state: WorldState) -> None:
         """Put `state/<part>`."""
@@ -272,6 +280,7 @@ def serve(
     stop: threading.Event,
     log_file: Path | None = None,
     recording: Recording | None = None,
+    reported: Recording | None = None,
     runs: Path | None = None,
 ) -> int:
     """Serve a world until it is over and return the exit code.
@@ -282,6 +291,7 @@ def serve(
         stop: Set when the process must end.
         log_file: Where the input log goes, if anywhere.
         recording: The log to play; without one the run is live.
+        reported: The log of the world in which its chairs are real, whose poses are told beside; see `Reported`.
         runs: A folder for the log and the trace of each run, if any.
 
     Raises:
@@ -301,7 +311,9 @@ def serve(
             )
         network = Network(session, keys)
         if recording is not None:
-            return _serve(options, route, session, keys, stop, Player(options, network, time.time, recording))
+            beside = None if reported is None else Reported(recording.runs, reported)
+            player = Player(options, network, time.time, recording, beside)
+            return _serve(options, route, session, keys, stop, player)
         run = new_hex()
         log = Log(log_file, options.setup, run, options.world) if log_file is not None else None
         files = None if runs is None else RunFiles(runs, options.world, lambda: conductor.state)

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import pytest
 
-from intellwheels_agents.user import mixed, wanted
-from intellwheels_schemas.messages import UserInput
+from intellwheels_agents.options import Options
+from intellwheels_agents.user import Goals, mixed, takes_goals, wanted
+from intellwheels_maps import robot
+from intellwheels_schemas.messages import Goal, UserInput
 from intellwheels_server.kernels.command import user_power
 
 
@@ -30,3 +32,15 @@ def test_a_word_alone_drives(word: str, wish: tuple[float, float]) -> None:
 
 def test_a_word_counts_only_where_the_stick_is_at_rest() -> None:
     assert wanted(UserInput(forward=-0.2, word="forward"), 0.5) == (-0.2, 0.0)
+
+
+def test_a_goal_is_news_once_and_again_after_it_was_withdrawn() -> None:
+    goals, here, there = Goals(), Goal(x=1.0, y=1.0), Goal(x=2.0, y=1.0)
+    said = [None, here, here, there, None, there]
+    users = [UserInput(goal=goal) for goal in said]
+    assert [goals.news(user) for user in users] == [None, here, None, there, None, there]
+    assert goals.news(None) is None
+
+
+def test_a_robot_that_takes_goals_says_so() -> None:
+    assert takes_goals(robot("rear-wheel"), Options()).user_input == ("goal",)

@@ -197,6 +197,20 @@ class Screen:
         self.page.get_by_test_id(f"agent-{agent}").locator("b").first.click()
         self.page.wait_for_selector(f"tr.chosen[data-agent={agent}]", timeout=WAIT * 1000)
 
+    def click(self, agent: str, x: float, y: float, z: float) -> None:
+        """Select by a click on a body in the scene; where frames are few the first one finds nothing there yet."""
+
+        def chosen() -> bool | None:
+            self.page.mouse.click(*self.pixel(x, y, z))
+            until = time.monotonic() + 5.0
+            while not (found := self.page.query_selector(f"tr.chosen[data-agent={agent}]")):
+                if time.monotonic() > until:
+                    break
+                self.page.wait_for_timeout(50)
+            return bool(found) or None
+
+        self.wait(chosen, f"{agent} selected by a click")
+
     def hold(self, agent: str) -> None:
         """Open the tab Drive and wait until keys drive an agent: the page's handler comes a moment after the words."""
         self.tab("Drive")

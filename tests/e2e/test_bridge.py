@@ -118,6 +118,45 @@ def test_a_real_chair_stops_for_a_virtual_table_the_same_each_time(stage: Stage,
     assert hashes(tmp_path / "again.jsonl", 200) == first
 
 
+def test_in_playback_the_reported_pose_is_told_beside_the_truth(stage: Stage, lab: Stage, tmp_path: Path) -> None:
+    logs = {one: tmp_path / f"{one.world}.jsonl" for one in (lab, stage)}
+    lockstep = ("--pace", "lockstep", "--deadline", "60", "--map", "corner", "--expect", "chair1")
+    lab.server("--hide-truth", "--log", str(logs[lab]), *lockstep)
+    stage.server("--log", str(logs[stage]), *lockstep)
+    bridge(
+        stage, "chair1", "world", "--lab-connect", lab.endpoint, "--place", "leader",
+        "--chair-option", "WheelRatio=1.02",
+    )  # fmt: skip
+    mind(stage, "chair1", "waypoints", "--option", "points=11.2 0")
+    with stage.peer() as peer:
+        peer.entity("chair1", lambda one: one["X"] > 9.0)
+    for one in (stage, lab):
+        one.signal(one.simulator, signal.SIGTERM)
+        assert one.exit(one.simulator) == 0
+    with Stage(tmp_path / "played", "played") as played:
+        player = played.start(
+            "player", "intellwheels_server", "--play", str(logs[lab]), "--reported", str(logs[stage]),
+            "--world", played.world, "--listen", played.endpoint,
+        )  # fmt: skip
+        played.line(player, "ready", 60.0)
+        with played.peer() as peer:
+            told = peer.hear("in/chair1/pose")
+            assert peer.ctl("pause")["Code"] == "ok"
+            tick = peer.clock()["Last"] - 40
+            answer = peer.ctl("seek", Tick=tick)
+            assert answer["Code"] == "ok", (tick, answer)
+            said = played.wait(
+                lambda: next((one for one in map(json.loads, (data for _, data in told)) if one["Tick"] == tick), None),
+                "the reported pose",
+            )
+            truth = peer.entities()["chair1"]
+            # The chair drives a bow that it does not know of.
+            assert 0.02 < abs(truth["Y"] - said["Y"]) < 2.0
+            assert abs(said["Y"]) < 0.1
+            assert abs(truth["X"] - said["X"]) < 0.5
+            assert [event for event in peer.events() if event["Code"] == "not-joined"] == []
+
+
 @pytest.mark.parametrize("first", ["lab", "here"])
 def test_a_reset_of_both_worlds_begins_the_same_run_again(stage: Stage, lab: Stage, tmp_path: Path, first: str) -> None:
     log = tmp_path / "run.jsonl"

@@ -6,6 +6,7 @@ The chair's motors obey at once (`AccelerationCurve=0`): when it stands is when 
 from __future__ import annotations
 
 import json
+import math
 import signal
 from collections import deque
 from typing import Any
@@ -174,3 +175,23 @@ def test_a_mind_apart_from_its_body_hears_the_user_too(stage: Stage) -> None:
         stage.line("mind", "joined")
         joystick(stage, HELD)
         assert Watch(peer).moves() > 0
+
+
+@pytest.mark.parametrize("mind", ["waypoints", "seek"])
+def test_a_goal_that_a_peer_sets_under_a_lease_is_where_the_chair_arrives(stage: Stage, mind: str) -> None:
+    stage.server("--map", "room", "--pace", "realtime", "--speed", "4")
+    stage.agent("chair1", mind, "--place", "start1", "--option", "to=start1", robot="corridor-chair")
+    with stage.peer() as peer:
+        assert peer.ask("body/chair1")[0]["Robot"]["UserInput"] == ["goal"]
+        start = peer.entity("chair1", lambda entity: entity.get("Mode") == "arrived")
+        goal = {"X": start["X"] + 2.0, "Y": start["Y"]}
+        lease = peer.ctl("take", Agent="chair1", Seconds=6.0)["Lease"]
+        peer.put("user/chair1", {"Lease": lease, "Goal": goal})
+        peer.entity("chair1", lambda entity: entity.get("Goal") == pytest.approx(goal))
+        assert peer.ctl("take", Agent="chair1", Lease=lease, Seconds=0.0)["Code"] == "ok"
+
+        def there(entity: dict[str, Any]) -> bool:
+            return math.dist((entity["X"], entity["Y"]), (goal["X"], goal["Y"])) < 0.3
+
+        arrived = peer.entity("chair1", lambda entity: there(entity) and entity.get("Mode") == "arrived")
+        assert arrived["Goal"] == pytest.approx(goal)

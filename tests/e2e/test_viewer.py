@@ -219,8 +219,7 @@ def test_the_chair_selected_drives_by_keys_until_they_are_released_or_the_page_i
 
 def test_a_chair_clicked_in_the_scene_drives_and_stops_when_the_page_is_closed(screen: Screen, peer: Peer) -> None:
     screen.rest()
-    screen.page.mouse.click(*screen.pixel(1.2, 2.6, 0.5))
-    screen.page.wait_for_selector("tr.chosen[data-agent=chair1]", timeout=WAIT * 1000)
+    screen.click("chair1", 1.2, 2.6, 0.5)
     screen.hold("chair1")
     screen.page.keyboard.down("i")
     moves(screen, peer, "chair1")
@@ -229,6 +228,26 @@ def test_a_chair_clicked_in_the_scene_drives_and_stops_when_the_page_is_closed(s
     halted = at(peer, "chair1")
     peer.ticks_on(10)
     assert at(peer, "chair1") == pytest.approx(halted, abs=0.01)
+
+
+def test_a_chair_whose_mind_takes_goals_goes_where_the_floor_is_clicked_and_no_other_is_offered_it(
+    world: tuple[Theatre, str], screen: Screen, peer: Peer
+) -> None:
+    theatre, _ = world
+    child = theatre.agent("goer", "waypoints", "--place", "spare4", "--option", "points=2.6 4.0")
+    peer.entity("goer", lambda body: body.get("Mode") == "arrived")
+    screen.rest()
+    screen.select("chair1")
+    screen.tab("Drive")
+    assert not screen.page.get_by_role("button", name="Set a goal").is_visible()
+    screen.select("goer")
+    screen.tab("Drive")
+    screen.press("Set a goal")
+    screen.says("Where shall goer go?")
+    screen.page.mouse.click(*screen.pixel(4.5, 4.6))
+    peer.entity("goer", lambda body: body.get("Mode") == "arrived" and away(body, 4.5, 4.6) < 0.4)
+    theatre.signal(child, signal.SIGTERM)
+    assert theatre.exit(child) == 0
 
 
 # ---------------------------------------------------------------- the clock

@@ -2,6 +2,7 @@ from __future__ import annotations
 
 from xml.etree import ElementTree as Tree
 
+import msgspec
 import pytest
 
 from intellwheels_experiments.keep import Kept
@@ -36,7 +37,7 @@ def test_row_counts_what_came_to_an_end_and_names_what_did_not() -> None:
 @pytest.mark.parametrize(
     ("failures", "expect", "verdict"),
     [
-        (14, "worse", "as expected"), (14, "better", "otherwise"), (2, "worse", "undecided"),
+        (14, "worse", "as expected"), (14, "better", "otherwise"), (4, "worse", "undecided"), (0, "worse", "otherwise"),
         (0, "equivalent", "as expected"), (3, "equivalent", "undecided"), (30, "equivalent", "otherwise"),
     ],
 )  # fmt: skip
@@ -55,6 +56,17 @@ def test_rows_are_paired_by_seed_whatever_died() -> None:
     paired = summed(runs, Compare(first="bad", second="good")).comparisons[0].paired
     assert paired is not None
     assert paired.pairs == 38
+
+
+def test_measures_are_compared_over_the_seeds_that_both_reached_their_place_with() -> None:
+    runs = [*forty(0), kept("good", "x"), kept("bad", "x")]
+    changed = {"clearance": 0.1, "reached": False}
+    last = runs[-1].measured
+    assert last is not None
+    runs[-1] = msgspec.structs.replace(runs[-1], measured=msgspec.structs.replace(last, **changed))
+    differences = summed(runs, Compare(first="bad", second="good")).comparisons[0].differences
+    assert differences["clearance"] == (0.0, (0.0, 0.0))
+    assert set(differences) == {"clearance", "time", "path", "odometry_error"}
 
 
 def test_comparison_with_a_row_that_is_not_run_is_left_out() -> None:

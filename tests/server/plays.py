@@ -9,6 +9,7 @@ from intellwheels_schemas.messages import Leave, Reset, Restore, Result
 from intellwheels_server.desk import Options
 from intellwheels_server.player import Player
 from intellwheels_server.recording import Recording
+from intellwheels_server.reported import Reported
 from tests.server.stage import Stage
 
 
@@ -65,7 +66,9 @@ def record(path: Path, ticks: int = 50) -> list[Seen]:
 class PlayStage(Stage):
     """A player, its clock, and all that came out."""
 
-    def __init__(self, path: Path, *, speed: float = 1.0, quit_at_end: bool = False) -> None:
+    def __init__(
+        self, path: Path, *, speed: float = 1.0, quit_at_end: bool = False, reported: Path | None = None
+    ) -> None:
         self.now = 100.0
         self.sent = []
         self.lines = []
@@ -76,9 +79,13 @@ class PlayStage(Stage):
         options = Options(
             world="main-play", setup=self.recording.header.world_setup(), speed=speed, quit_at_end=quit_at_end
         )
-        self.conductor = Player(options, self, lambda: 1.8e9 + self.now, self.recording)  # type: ignore[assignment]
+        self.beside = None if reported is None else Recording(reported)
+        told = None if self.beside is None else Reported(self.recording.runs, self.beside)
+        self.conductor = Player(options, self, lambda: 1.8e9 + self.now, self.recording, told)  # type: ignore[assignment]
         self.conductor.begin()
         self.work()
 
     def close(self) -> None:
         self.recording.close()
+        if self.beside is not None:
+            self.beside.close()

@@ -22,6 +22,7 @@ from intellwheels_schemas.messages import (
     Map,
     MapInfo,
     Measures,
+    Pose,
     Record,
     Result,
     Robot,
@@ -80,6 +81,9 @@ class Stage:
 
     def body(self, agent: str, body: Body) -> None:
         self.sent.append((agent, "body", body, JSON))
+
+    def pose(self, agent: str, pose: Pose) -> None:
+        self.sent.append((agent, "pose", pose, JSON))
 
     def state(self, state: WorldState) -> None:
         self.sent.append(("", "state", state, JSON))

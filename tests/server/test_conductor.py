@@ -54,7 +54,7 @@ def test_tick_0_is_held_until_those_expected_are_there() -> None:
     clock = stage.of("clock")[-1]
     assert (clock.state, clock.waiting) == ("waiting", ("chair2",))
     stage.join("chair2", instance="b" * 16)
-    assert stage.lines == ["running tick=0"]
+    assert stage.lines == [f"running tick=0 run={stage.conductor.state.run}"]
     assert [m.tick for m in stage.measures("chair1")] == [0]
 
 
@@ -162,7 +162,7 @@ def test_the_end_is_told_with_tick_and_hash_and_resume_goes_on() -> None:
     stage.join("chair1")
     stage.act("chair1")
     stage.act("chair1")
-    assert stage.lines[-1] == f"ended tick=2 hash={stage.conductor.digest()}"
+    assert stage.lines[-1] == f"ended tick=2 hash={stage.conductor.digest()} run={stage.conductor.state.run}"
     assert stage.of("clock")[-1].state == "ended"
     stage.act("chair1")
     assert stage.tick == 2

@@ -6,9 +6,9 @@ from pathlib import Path
 import pytest
 
 from intellwheels_maps import robot
-from intellwheels_schemas.messages import Actions, Clock, Events, Map, Refused, Result, Robot, Seek, Speed, Step
+from intellwheels_schemas.messages import Actions, Clock, Events, Map, Pose, Refused, Result, Robot, Seek, Speed, Step
 from tests.server.plays import PlayStage, Seen, record
-from tests.server.stage import RUN
+from tests.server.stage import RUN, Stage, real
 
 
 @pytest.fixture(scope="module")
@@ -46,7 +46,7 @@ def test_a_log_is_told_as_the_live_world_told_it(stage: PlayStage, seen: list[Se
     assert [one.tick for one in stage.measures("chair2")][:20] == list(range(10, 30))
     assert [event.code for event in stage.of("event")][:3] == ["joined", "left", "reset"]
     assert (clock(stage).state, clock(stage).tick, clock(stage).last) == ("ended", 35, 35)
-    assert stage.lines == [f"ended tick=35 hash={seen[-1].hash}"]
+    assert stage.lines == [f"ended tick=35 hash={seen[-1].hash} run={seen[-1].run}"]
 
 
 def test_time_goes_by_the_speed_that_is_asked_for(log: Path, seen: list[Seen]) -> None:
@@ -205,4 +205,28 @@ def test_it_quits_at_the_end_if_told_to(log: Path, seen: list[Seen]) -> None:
     stage = PlayStage(log, speed=100.0, quit_at_end=True)
     stage.work(5.0)
     assert stage.conductor.exit == 0
+    stage.close()
+
+
+def test_what_a_bridge_reported_is_told_with_each_state_and_heard_by_nobody_here(tmp_path: Path) -> None:
+    for name, kind in (("lab", "rear-wheel"), ("ward", real())):
+        live = Stage(pace="realtime", strict=False, log=tmp_path / name)
+        session = live.join("chair1", kind).session
+        for step in range(10):
+            if name == "ward":
+                live.put("chair1", Pose(session=session, x=2.0 + 0.1 * step, y=2.0, heading=0.0), "pose")
+            live.work(0.05)
+        live.conductor.finish(live.now)
+        assert live.log is not None
+        live.log.close()
+    stage = PlayStage(tmp_path / "lab", reported=tmp_path / "ward")
+    stage.work(0.3)
+    assert stage.result("pause").code == "ok"
+    told = stage.of("pose", "chair1")
+    assert (told[-1].run, told[-1].tick) == (stage.conductor.state.run, stage.tick)
+    assert told[-1].x > 2.0
+    stage.result("seek", Seek(tick=2))
+    assert stage.of("pose", "chair1")[-1].tick == 2
+    stage.put("chair1", told[-1], "pose")
+    assert stage.errors("chair1") == []
     stage.close()

@@ -6,6 +6,7 @@ from intellwheels_schemas.messages import (
     Body,
     Pose,
     PowerInForce,
+    Robot,
     Speed,
     WorldState,
 )
@@ -81,3 +82,11 @@ def test_pause_and_speed_stop_real_chairs() -> None:
     assert drive().left_motor == 0.5
     stage.conductor.finish(stage.now)
     assert stage.of("power", "chair1")[-1].left_motor == 0.0
+
+
+def test_what_a_mind_of_its_own_process_takes_is_told_with_the_body() -> None:
+    stage = Stage(pace="realtime", strict=False)
+    stage.join("chair1", real(role="body"))
+    assert stage.of("body", "chair1")[-1].robot.user_input == ()
+    stage.join("chair1", Robot(role="mind", user_input=("goal",)), instance="c" * 16)
+    assert stage.of("body", "chair1")[-1].robot.user_input == ("goal",)

@@ -181,7 +181,7 @@ def test_an_agent_joins_answers_20_ticks_leaves_and_the_log_runs_again(tmp_path:
     with serving("--pace", "lockstep", "--expect", "chair1", "--log", str(log)) as server, connected(server) as session:
         client = Client(session)
         joined = client.join()
-        assert server.line() == "running tick=0"
+        assert server.line().startswith("running tick=0 run=")
         assert client.drive(20) == 19
         assert client.measures().tick == 20
         state = decode(WorldState, ask(session, KEYS.every_state).data)
@@ -273,7 +273,7 @@ def test_quit_ends_the_process_and_its_token_goes() -> None:
 
 def test_a_strict_miss_ends_the_process_with_exit_1() -> None:
     with serving("--pace", "lockstep", "--deadline", "0.3") as server, connected(server) as session:
-        assert server.line() == "running tick=0"
+        assert server.line().startswith("running tick=0 run=")
         Client(session).join()
         assert server.line() == "miss agent=chair1 tick=0"
         assert server.process.wait(timeout=DEADLINE) == 1

@@ -1,7 +1,8 @@
-"""Pictures of the viewer as it is: `python -m tests.viewer.gallery [FOLDER]`, from the checkout's top.
+"""Pictures of the viewer as it is: `python -m tests.viewer.gallery [FOLDER] [PART ...]`, from the checkout's top.
 
 figure6 runs with real agents, and each camera, tab, layer, empty and error state is kept as a small JPEG, light and
-dark, in `viewer/gallery/`; besides `viewer/figure6.jpg` for the README. What is too small to read, or cut, is printed.
+dark, at both sizes, in `viewer/gallery/`; besides `viewer/figure6.jpg` for the README. What is too small to read, or
+cut, is printed. Parts are `run`, `states`, `playback` and `reported`; without one all are taken.
 """
 
 from __future__ import annotations
@@ -9,20 +10,24 @@ from __future__ import annotations
 import signal
 import sys
 import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, Final
 
 from intellwheels_experiments.ensemble import WORLD
 from intellwheels_experiments.rig import Rig
 from tests.e2e.screen import Screen, Theatre
-from tests.e2e.stage import free_port
+from tests.e2e.stage import Stage, free_port
 from tests.viewer.panels.board import FAULTS, browser
 
 FOLDER: Final = Path(__file__).parent.parent.parent / "viewer"
 MOST: Final = 100_000
 """Bytes of a picture."""
-SMALL, LARGE = (1280, 800), (1920, 1080)
+SIZES: Final = ((1280, 800), (1920, 1080))
 THEMES: Final = {"light": (), "dark": ("--dark",)}
+PARTS: Final = ("run", "states", "playback", "reported")
+LAYERS: Final = ("Full walls", "Sensors", "Lidar", "Trails", "Names, speech", "Goals", "Plan")
 
 
 class Album:
@@ -46,19 +51,30 @@ class Album:
         print(f"{name}.jpg {len(picture)} bytes", flush=True)
 
 
-def main(folder: Path) -> None:
-    """Take all pictures."""
+def main(folder: Path, parts: tuple[str, ...]) -> None:
+    """Take all pictures of these parts."""
     album = Album(folder / "gallery")
     with tempfile.TemporaryDirectory() as scratch, browser() as chromium:
-        log = Path(scratch) / "figure6.jsonl"
-        run_of_figure6(album, Album(folder), chromium, Path(scratch), log)
-        for theme, words in THEMES.items():
-            with Theatre(Path(scratch) / theme, "lab") as theatre:
-                states(album, theatre, chromium, theme, words)
-                playback(album, theatre, chromium, theme, words, log)
+        at = Path(scratch)
+        log = at / "figure6.jsonl"
+        if "run" in parts or "playback" in parts:
+            run_of_figure6(album, folder, chromium, at, log, toured="run" in parts)
+        if "states" in parts:
+            for theme, words in THEMES.items():
+                with Theatre(at / f"states-{theme}", "lab") as theatre:
+                    states(album, theatre, chromium, theme, words)
+        if "playback" in parts:
+            with Theatre(at / "playback", "played") as theatre:
+                play(theatre, "--play", str(log))
+                played(album, theatre, chromium, "playback", share=0.6, key="o")
+        if "reported" in parts:
+            with Theatre(at / "reported", "played") as theatre:
+                lab, ward = real_chair(at)
+                play(theatre, "--play", str(lab), "--reported", str(ward))
+                played(album, theatre, chromium, "playback-reported", share=0.95, key="f")
 
 
-def run_of_figure6(album: Album, top: Album, chromium: Any, scratch: Path, log: Path) -> None:
+def run_of_figure6(album: Album, top: Path, chromium: Any, scratch: Path, log: Path, *, toured: bool) -> None:
     """The run: seen while it goes, then paused and looked at from everywhere."""
     with Rig(scratch / "rig", scene="figure6", pace="realtime", words=("--log", str(log))) as rig:
         stage = Theatre(scratch / "viewers", WORLD)
@@ -66,7 +82,7 @@ def run_of_figure6(album: Album, top: Album, chromium: Any, scratch: Path, log: 
             rig.cast()
             rig.ctl("pause")
             urls = {theme: stage.viewer(*words, endpoint=rig.endpoint) for theme, words in THEMES.items()}
-            with stage.screen(chromium, width=SMALL[0], height=SMALL[1]) as screen:
+            with stage.screen(chromium, width=SIZES[0][0], height=SIZES[0][1]) as screen:
                 screen.open(urls["light"])
                 screen.select("chair3")
                 rig.ctl("resume")
@@ -76,33 +92,31 @@ def run_of_figure6(album: Album, top: Album, chromium: Any, scratch: Path, log: 
                 screen.page.wait_for_timeout(4000)
                 rig.ctl("resume")
                 screen.says("Running")
-                (top._folder / "figure6.jpg").write_bytes(screen.page.screenshot(type="jpeg", quality=88))
+                if toured:
+                    (top / "figure6.jpg").write_bytes(screen.page.screenshot(type="jpeg", quality=88))
             rig.ctl("pause")
-            for theme, url in urls.items():
-                for width, height in (SMALL, LARGE):
+            for theme, url in urls.items() if toured else ():
+                for width, height in SIZES:
                     with stage.screen(chromium, width=width, height=height) as screen:
                         screen.open(url)
                         screen.rest()
-                        tour(album, screen, f"{theme}-{width}", brief=width != SMALL[0])
+                        tour(album, screen, f"{theme}-{width}")
         rig.end_simulator()
 
 
-def tour(album: Album, screen: Screen, prefix: str, *, brief: bool) -> None:
-    """Cameras, tabs and layers in one page; of a brief one those that a larger window changes."""
+def tour(album: Album, screen: Screen, prefix: str) -> None:
+    """Cameras, tabs and layers in one page."""
 
     def shoot(name: str) -> None:
         album.shoot(screen, f"{prefix}-{name}")
 
-    if not brief:
-        shoot("nothing-selected")
+    shoot("nothing-selected")
     screen.select("chair3")
     shoot("camera-free")
     for key, name in (("p", "plan"), ("f", "follow"), ("h", "first")):
         screen.page.keyboard.press(key)
         screen.page.wait_for_timeout(1500)
         shoot(f"camera-{name}")
-        if brief:
-            return
     screen.page.keyboard.press("o")
     screen.rest()
     screen.tab("Drive")
@@ -124,7 +138,7 @@ def tour(album: Album, screen: Screen, prefix: str, *, brief: bool) -> None:
     screen.page.get_by_label("Full walls").check()
     screen.page.wait_for_timeout(500)
     shoot("layers-full-walls")
-    for label in ("Full walls", "Sensors", "Trails", "Names, speech", "Goals", "Plan"):
+    for label in LAYERS:
         screen.page.get_by_label(label, exact=True).uncheck()
     screen.page.wait_for_timeout(500)
     shoot("layers-off")
@@ -135,53 +149,106 @@ def tour(album: Album, screen: Screen, prefix: str, *, brief: bool) -> None:
 
 
 def states(album: Album, theatre: Theatre, chromium: Any, theme: str, words: tuple[str, ...]) -> None:
-    """What is there when something is missing."""
+    """What is there when something is missing. Each phase is waited for once and taken at both sizes."""
     meeting = f"tcp/127.0.0.1:{free_port()}"
+    child = theatre.start("viewer", "intellwheels_viewer", "--connect", meeting, "--port", "0", *words)
+    url = theatre.line(child, "ready")["url"] + "/?fixedDpr=1"
 
-    def viewer() -> str:
-        child = theatre.start("viewer", "intellwheels_viewer", "--connect", meeting, "--port", "0", *words)
-        return theatre.line(child, "ready")["url"] + "/?fixedDpr=1"
+    with theatre.screen(chromium, width=SIZES[0][0], height=SIZES[0][1]) as screen:
+        screen.page.goto(url)
 
-    with theatre.screen(chromium, width=SMALL[0], height=SMALL[1]) as screen:
-        screen.page.goto(viewer())
-
-        def shoot(phase: str, name: str, timeout: float = 40.0) -> None:
-            screen.phase(phase, timeout)
-            screen.clear()
-            album.shoot(screen, f"{theme}-state-{name}")
+        def shoot(phase: str, name: str) -> None:
+            screen.phase(phase, 60.0)
+            for width, height in SIZES:
+                screen.page.set_viewport_size({"width": width, "height": height})
+                screen.rest()
+                screen.clear()
+                album.shoot(screen, f"{theme}-{width}-state-{name}")
 
         shoot("no-router", "no-router")
         theatre.line(theatre.start("router", "intellwheels_server.router", "--listen", meeting), "ready")
         shoot("no-world", "no-world")
-        for world in ("lab", "ward"):
-            theatre.world, theatre.endpoint = world, f"tcp/127.0.0.1:{free_port()}"
-            theatre.server("--map", "room", "--connect", meeting)
-        # The first viewer took the world that was there first.
-        screen.page.goto(viewer())
-        shoot("choose", "choose")
-        screen.page.locator("input:visible").first.click()
-        screen.page.get_by_role("option", name="ward").click()
-        shoot("live", "no-agents")
-        theatre.agent("chair1", "drive", "--place", "start1")
-        screen.wait(lambda: screen.poses() or None, "the chair")
-        theatre.signal(theatre.simulator, signal.SIGSTOP)
-        shoot("silent", "silent")
-        theatre.signal(theatre.simulator, signal.SIGKILL)
-        shoot("gone", "gone")
+        with Theatre(theatre.folder / "ward", "ward") as other:
+            other.server("--map", "room", "--connect", meeting)
+            theatre.endpoint = f"tcp/127.0.0.1:{free_port()}"
+            simulator = theatre.server("--map", "room", "--connect", meeting)
+            # A viewer keeps the one that came alone; another one, begun now, finds two.
+            again = theatre.start("viewer2", "intellwheels_viewer", "--connect", meeting, "--port", "0", *words)
+            screen.page.goto(theatre.line(again, "ready")["url"] + "/?fixedDpr=1")
+            shoot("choose", "choose")
+            screen.page.locator("input:visible").first.click()
+            screen.page.get_by_role("option", name=theatre.world).click()
+            shoot("live", "no-agents")
+            theatre.agent("chair1", "drive", "--place", "start1")
+            screen.wait(lambda: screen.poses() or None, "the chair")
+            theatre.signal(simulator, signal.SIGSTOP)
+            shoot("silent", "silent")
+            theatre.signal(simulator, signal.SIGKILL)
+            shoot("gone", "gone")
 
 
-def playback(album: Album, theatre: Theatre, chromium: Any, theme: str, words: tuple[str, ...], log: Path) -> None:
-    """A log that is played."""
-    theatre.endpoint = f"tcp/127.0.0.1:{free_port()}"
-    player = theatre.start("player", "intellwheels_server", "--play", str(log), "--listen", theatre.endpoint)
+# ---------------------------------------------------------------- logs
+
+
+def play(theatre: Theatre, *words: str) -> None:
+    """Play a log in this theatre's world."""
+    player = theatre.start(
+        "player", "intellwheels_server", "--world", theatre.world, "--listen", theatre.endpoint, *words
+    )
     theatre.line(player, "ready", 60.0)
-    viewer = theatre.start("viewer", "intellwheels_viewer", "--connect", theatre.endpoint, "--port", "0", *words)
-    with theatre.screen(chromium, width=SMALL[0], height=SMALL[1]) as screen:
-        screen.open(theatre.line(viewer, "ready")["url"])
-        screen.says("Playing a log")
-        screen.page.wait_for_timeout(4000)
-        album.shoot(screen, f"{theme}-playback")
+
+
+def played(album: Album, theatre: Theatre, chromium: Any, name: str, *, share: float, key: str) -> None:
+    """A log on its way, and halted: the same tick in all pictures."""
+    urls = {theme: theatre.viewer(*words) for theme, words in THEMES.items()}
+    with theatre.peer() as peer:
+        peer.ctl("pause")
+        peer.ctl("seek", Tick=int(peer.clock()["Last"] * share))
+        for theme, url in urls.items():
+            for width, height in SIZES:
+                with theatre.screen(chromium, width=width, height=height) as screen:
+                    screen.open(url)
+                    screen.rest()
+                    screen.says("Playing a log")
+                    screen.select("chair1")
+                    screen.page.keyboard.press(key)
+                    screen.page.wait_for_timeout(2000)
+                    album.shoot(screen, f"{theme}-{width}-{name}")
+
+
+def real_chair(scratch: Path) -> tuple[Path, Path]:
+    """Return the logs of a laboratory and of the world that its chair, one wheel too large, joined."""
+    lab_log, ward_log = scratch / "lab.jsonl", scratch / "ward.jsonl"
+    lockstep = ("--pace", "lockstep", "--deadline", "60")
+    with stages(scratch) as (lab, ward):
+        lab.server("--map", "corner", "--hide-truth", "--expect", "chair1", "--log", str(lab_log), *lockstep)
+        ward.server("--map", "corner", "--expect", "chair1", "--log", str(ward_log), *lockstep)
+        there = ("--connect", ward.endpoint, "--world", ward.world)
+        bridge = ward.start(
+            "bridge", "intellwheels_agents.bridge", "world", "--name", "chair1", "--lab-connect", lab.endpoint,
+            "--place", "leader", "--chair-option", "WheelRatio=1.03", *there,
+        )  # fmt: skip
+        ward.line(bridge, "joined", 60.0)
+        ward.start(
+            "mind", "intellwheels_agents", "waypoints", "--name", "chair1", "--role", "mind",
+            "--option", "points=11.2 0", *there,
+        )  # fmt: skip
+        with ward.peer() as peer:
+            peer.entity("chair1", lambda body: body["X"] > 8.0)
+        for stage in (ward, lab):
+            stage.signal(stage.simulator, signal.SIGTERM)
+            stage.exit(stage.simulator)
+    return lab_log, ward_log
+
+
+@contextmanager
+def stages(scratch: Path) -> Iterator[tuple[Stage, Stage]]:
+    """The two worlds of an experiment with a real chair."""
+    with Theatre(scratch / "lab", "lab") as lab, Theatre(scratch / "ward", "ward") as ward:
+        yield lab, ward
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1]) if len(sys.argv) > 1 else FOLDER)
+    named = tuple(word for word in sys.argv[1:] if word in PARTS)
+    folders = [Path(word) for word in sys.argv[1:] if word not in PARTS]
+    main(folders[0] if folders else FOLDER, named or PARTS)

@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from intellwheels_maps import library
-from intellwheels_schemas.messages import Events, Record, Robot
+from intellwheels_schemas.messages import Events, Pose, Record, Robot
 from intellwheels_viewer.fold import RETURNS, RUNS_KNOWN, Fold
 from intellwheels_viewer.seen import EVENTS_KEPT, HISTORY, Seen
 from tests.viewer.wire import HASH, OTHER, RUN, body, clock, entity, event, info, measures, state
@@ -306,3 +306,21 @@ def test_whatever_comes_in_whatever_order_there_is_something_to_see(
         assert set(runs + [each.run for each in now.measures.values()]) <= {now.run}
         assert now.version >= version
         version = now.version
+
+
+def test_a_reported_pose_is_seen_beside_the_truth_in_a_log_and_in_no_other_world(fold: Fold) -> None:
+    pose = Pose(run=RUN, tick=5, x=1.0, y=2.0, heading=0.5)
+    fold.on_clock(clock(5))
+    fold.on_state(state(5, entity("a")))
+    fold.on_reported("a", pose)
+    assert seen(fold).reported == {}
+    fold.on_clock(msgspec.structs.replace(clock(5, stamp=2e9), last=100))
+    before = seen(fold).version
+    for name in ("a", "nobody"):
+        fold.on_reported(name, pose)
+    fold.on_reported("a", msgspec.structs.replace(pose, run=OTHER, x=9.0))
+    fold.on_reported("a", pose)
+    assert seen(fold).reported == {"a": pose}
+    assert seen(fold).version > before
+    fold.on_state(state(50, entity("a")))  # sought: that of another tick is not shown
+    assert seen(fold).reported == {}

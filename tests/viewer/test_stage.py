@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import viser
 
-from intellwheels_schemas.messages import Map, Robot
+from intellwheels_schemas.messages import Map, Pose, Robot
 from intellwheels_viewer.guard import open_server
 from intellwheels_viewer.seen import Seen
 from intellwheels_viewer.stage import FEW, LAYERS, Stage, background, period_of, watched
@@ -171,3 +171,12 @@ def test_of_many_only_the_selected_ones_readings_have_arcs(stage: Stage) -> None
     few = len(handle.batched_positions)
     stage.show(replace(crowd, entities=crowd.entities[:4]), ())
     assert len(handle.batched_positions) == 4 * few
+
+
+def test_the_ghost_of_a_reported_pose_stands_beside_the_truth(server: viser.ViserServer, stage: Stage) -> None:
+    seen = Seen(entities=(entity("a", 1.5),), bodies={"a": body("a")})
+    stage.show(replace(seen, reported={"a": Pose(x=1.0, y=0.5, heading=0.0)}), ())
+    ghost = server.scene._handle_from_node_name["/reported/a/body"]
+    assert ghost.position == pytest.approx([1.0, 0.5, 0.0])
+    stage.show(seen, ())
+    assert not ghost.visible

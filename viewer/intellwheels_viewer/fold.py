@@ -10,11 +10,13 @@ from collections import deque
 from collections.abc import Iterable, Mapping
 from typing import Final
 
-from intellwheels_schemas.messages import Body, Clock, Entity, Event, Events, Map, MapInfo, Measures, WorldState
+from intellwheels_schemas.messages import Body, Clock, Entity, Event, Events, Map, MapInfo, Measures, Pose, WorldState
 from intellwheels_viewer.seen import EVENTS_KEPT, HISTORY, Phase, Sample, Seen, Words
 
 SAMPLES_A_SECOND: Final = 10
 """Of the history; more does not show."""
+NEAR: Final = 2
+"""Ticks by which a reported pose may be off the state beside which it is shown: the two come one after the other."""
 RUNS_KNOWN: Final = 16
 """Past runs whose late messages are known as such."""
 RETURNS: Final = 1.0
@@ -44,6 +46,7 @@ class Fold:
         self._events: dict[int, Event] = {}
         self._next_event = 0
         self._measures: dict[str, Measures] = {}
+        self._reported: dict[str, Pose] = {}
         self._words: deque[Words] = deque(maxlen=EVENTS_KEPT)
         self._saying: dict[str, str] = {}
         self._history: dict[str, deque[Sample]] = {}
@@ -144,6 +147,17 @@ class Fold:
             if known is None or measures.tick >= known.tick or self._is_played_back(measures.tick, known.tick):
                 self._measures[agent] = measures
 
+    def on_reported(self, agent: str, pose: Pose) -> None:
+        """Take where a bridge said that its chair was, as a log tells that is played."""
+        if self.is_log and pose.run == self._run and pose.tick is not None:
+            self._version += self._reported.get(agent) != pose
+            self._reported[agent] = pose
+
+    @property
+    def is_log(self) -> bool:
+        """Whether this world plays a log."""
+        return self._last_tick() is not None
+
     def forget(self, agents: Iterable[str]) -> None:
         """Drop the measures of those that are watched no more."""
         for agent in agents:
@@ -169,11 +183,15 @@ class Fold:
             entities=tuple(entity for entity in self._entities if entity.name in self._bodies),
             events=tuple(self._events[number] for number in sorted(self._events)),
             measures={name: measures for name, measures in self._measures.items() if name in here},
+            reported={name: pose for name, pose in self._reported.items() if name in here and self._is_near(pose)},
             words=tuple(self._words),
             history=self._histories(here),
             last_tick=self._last_tick(),
             version=self._version,
         )
+
+    def _is_near(self, pose: Pose) -> bool:
+        return pose.tick is not None and abs(pose.tick - self._state_at[0]) <= NEAR
 
     def _last_tick(self) -> int | None:
         return None if self._clock is None else self._clock.last
@@ -195,6 +213,7 @@ class Fold:
         self._bodies, self._measures, self._history, self._saying = {}, {}, {}, {}
         self._events, self._next_event, self.wants_events_since = {}, 0, 0
         self._words.clear()
+        self._reported = {}
         self._info = None
         return True
 

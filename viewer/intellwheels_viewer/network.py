@@ -39,6 +39,7 @@ from intellwheels_schemas.messages import (
     Map,
     MapInfo,
     Measures,
+    Pose,
     Record,
     Result,
     UserInput,
@@ -55,6 +56,8 @@ ANSWER_LIMIT: Final = 3.0
 """Seconds a simulator has to answer a wish."""
 OPEN_LIMIT: Final = 5.0
 """Seconds for who opens a session to see that it must end: one try may take three."""
+SETTLED: Final = 0.5
+"""Seconds after the first world was found until it counts as the only one: those that run are found one by one."""
 FETCH_EVERY: Final = 1.0
 """Seconds between two askings for what is missing."""
 WATCHED_MOST: Final = 32
@@ -73,6 +76,7 @@ class _World:
     answers: deque[tuple[type[Record], Answer, tuple[str, str]]] = field(default_factory=deque)
     fold: Fold = field(default_factory=Fold)
     subscribers: list[zenoh.Subscriber[None]] = field(default_factory=list)
+    reports: zenoh.Subscriber[None] | None = None
     watched: dict[str, zenoh.Subscriber[None]] = field(default_factory=dict)
     users: dict[str, zenoh.Publisher] = field(default_factory=dict)
     heard: float = 0.0
@@ -80,8 +84,9 @@ class _World:
     asking: bool = False
 
     def close(self) -> None:
-        for subscriber in (*self.subscribers, *self.watched.values()):
-            subscriber.undeclare()  # type: ignore[no-untyped-call]
+        for subscriber in (*self.subscribers, self.reports, *self.watched.values()):
+            if subscriber is not None:
+                subscriber.undeclare()  # type: ignore[no-untyped-call]
         for publisher in self.users.values():
             publisher.undeclare()  # type: ignore[no-untyped-call]
 
@@ -107,6 +112,7 @@ class Network:
         self._tokens: zenoh.Subscriber[None] | None = None
         self._world: _World | None = None
         self._was_there = False
+        self._found_at = 0.0
         self._closed = False
         self._lock = threading.Lock()
         self.failure = ""
@@ -147,13 +153,20 @@ class Network:
             if isinstance(arrival, Presence) and (name := parse_alive(arrival.key)) is not None:
                 self._note(name, arrival.alive)
         worlds = tuple(sorted(self._alive))
-        self._follow(worlds)
+        self._follow(worlds, now)
         world = self._world
         if world is None:
             return Seen(phase=self._phase(worlds, now), worlds=worlds, endpoint=self._link.where(), world=self._wanted)
         self._fold(world, now)
+        self._hear_reports(world)
         self._fetch(world, now)
         return world.fold.seen(self._phase(worlds, now), world.name, worlds, self._link.where())
+
+    def _hear_reports(self, world: _World) -> None:
+        """In a log that is played hear what bridges had reported; in a live run it is what the state says."""
+        session = self._session
+        if world.reports is None and world.fold.is_log and session is not None:
+            world.reports = session.declare_subscriber(f"{world.keys.prefix}in/*/pose", world.inbox.on_sample)
 
     def _note(self, name: str, alive: bool) -> None:
         if alive:
@@ -190,11 +203,13 @@ class Network:
             return "gone"
         return "silent" if now - world.heard > SILENCE else "live"
 
-    def _follow(self, worlds: tuple[str, ...]) -> None:
+    def _follow(self, worlds: tuple[str, ...], now: float) -> None:
         """Watch the world that is wanted, once it is there; the only one when none is."""
         session = self._session
         wanted = self._wanted
-        if not wanted and len(worlds) == 1:
+        if not worlds:
+            self._found_at = now
+        if not wanted and len(worlds) == 1 and now - self._found_at >= SETTLED:
             wanted = self._wanted = worlds[0]
         if session is None or not wanted or (self._world is not None and self._world.name == wanted):
             self._was_there = self._was_there or wanted in worlds
@@ -242,6 +257,8 @@ class Network:
                 and _is_watched(world, out.agent)
             ):
                 _give(Measures, put, partial(fold.on_measures, out.agent))
+            elif (report := keys.parse_in(put.key)) is not None and report.kind == "pose":
+                _give(Pose, put, partial(fold.on_reported, report.agent))
 
     # ------------------------------------------------------------ what is missing
 

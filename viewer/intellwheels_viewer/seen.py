@@ -9,7 +9,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Final, Literal
 
-from intellwheels_schemas.messages import Body, Clock, Entity, Event, Map, Measures
+from intellwheels_schemas.messages import Body, Clock, Entity, Event, Map, Measures, Pose
 
 Phase = Literal["no-router", "no-world", "choose", "live", "silent", "gone"]
 """Whether there is something to see.
@@ -58,6 +58,8 @@ class Seen:
         revision: Of the floor, counted by the viewer; another floor has another.
         events: The newest, oldest first, at most `EVENTS_KEPT`.
         measures: By agent, of those whose measures are watched.
+        reported: In a log that is played, where bridges said that their real chairs were at this tick, by agent; empty
+            where nobody tells.
         words: What was said in this run, newest last, at most `EVENTS_KEPT`.
         history: Of each agent the last `HISTORY` simulated seconds, oldest first.
         last_tick: The last tick of the log when this world plays one, else None.
@@ -79,6 +81,7 @@ class Seen:
     entities: tuple[Entity, ...] = ()
     events: tuple[Event, ...] = ()
     measures: Mapping[str, Measures] = field(default_factory=dict)
+    reported: Mapping[str, Pose] = field(default_factory=dict)
     words: tuple[Words, ...] = ()
     history: Mapping[str, tuple[Sample, ...]] = field(default_factory=dict)
     last_tick: int | None = None

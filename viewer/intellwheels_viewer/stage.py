@@ -14,6 +14,7 @@ import viser
 from intellwheels_viewer.drawings.bodies import Bodies
 from intellwheels_viewer.drawings.contacts import Contacts
 from intellwheels_viewer.drawings.floor import Floor
+from intellwheels_viewer.drawings.ghosts import Ghosts, reported
 from intellwheels_viewer.drawings.goals import Goals
 from intellwheels_viewer.drawings.labels import Labels
 from intellwheels_viewer.drawings.lidar import Lidars
@@ -68,6 +69,7 @@ class Stage:
         self._wedges, self._lidars = Wedges(scene), Lidars(scene)
         self._trails, self._goals = Trails(scene), Goals(scene)
         self._contacts, self._labels = Contacts(scene), Labels(scene)
+        self._reported = Ghosts(scene, "/reported")
         self._revision = -1
         self._slow_at: tuple[str, float] = ("", -1.0)
 
@@ -86,6 +88,7 @@ class Stage:
             if seen.tick == 0:
                 self.colours.begin()
             self.bodies.show(seen.bodies, seen.entities, self.colours, seen.stale)
+            self._reported.show(reported(seen, self.colours))
             agents = watched(seen, wanted)
             many = len(seen.entities) > FEW // 3
             # Three quarters of a wedge's bytes are its arc.

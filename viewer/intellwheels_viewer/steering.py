@@ -16,7 +16,7 @@ from dataclasses import dataclass
 from typing import Final, Protocol
 
 from intellwheels_schemas.keys import Verb
-from intellwheels_schemas.messages import Record, Result, Take, UserInput
+from intellwheels_schemas.messages import Goal, Record, Result, Take, UserInput
 
 LEASE: Final = 6.0
 """Seconds of a lease; renewed at half of it while the page drives."""
@@ -176,6 +176,28 @@ class Driving:
                 self._sequence += 1
                 wish = UserInput(lease=self._lease, seq=self._sequence, forward=forward, turn=turn)
                 self._simulator.put_user(agent, wish)
+
+    def go(self, agent: str, goal: Goal) -> None:
+        """Tell an agent's mind where to go.
+
+        It is put once the body was taken and given back: a put is not answered, so what would be refused is found out
+        by what is. Under the lease itself it would race with the giving back, which may overtake a put.
+
+        Args:
+            agent: Whose mind.
+            goal: Where, in metres.
+        """
+
+        def given(_: Result) -> None:
+            self._simulator.put_user(agent, UserInput(goal=goal))
+
+        def taken(result: Result) -> None:
+            give = Take(agent=agent, lease=result.lease, seconds=0.0)
+            self._wishes.ask("No goal set", "take", give, given)
+
+        with self._lock:
+            self._release()  # what it drove is given back by the same worker, so before
+            self._wishes.ask("No goal set", "take", Take(agent=agent, seconds=LEASE), taken)
 
     def tick(self) -> None:
         """Give back what has not been driven for a while."""

@@ -172,8 +172,8 @@ def _look_for(session: zenoh.Session, key: str, agent: str, *, take: bool) -> No
     except (ConnectionError, WireError):
         _log(f"nobody agent={agent} yet")
         return
-    if not take and not body.robot.user_input:
-        _log(f"deaf agent={agent} why='its robot declares no user input; --take drives it'")
+    if not take and not {"drive", "words"}.intersection(body.robot.user_input):
+        _log(f"deaf agent={agent} why='its robot declares no driving by user input; --take drives it'")
 
 
 def _tell(line: str) -> None:

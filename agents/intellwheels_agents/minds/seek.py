@@ -8,7 +8,8 @@
 
 It knows the way to the place by its own odometry alone, and what stands in the way by its proximity sensors alone. Of
 the directions in which the body fits it takes the one that costs least; what it then wants is slowed and stopped as a
-user's wish is by `aided`. When nothing is free for a while it goes back a little.
+user's wish is by `aided`. When nothing is free for a while it goes back a little. A goal that its user sets, in the
+page or by `UserInput.Goal`, takes the place of the place.
 
 Source:
     The candidate directions and their cost are those of VFH+: Ulrich and Borenstein (1998), VFH+: reliable obstacle
@@ -27,7 +28,11 @@ from intellwheels_agents.minds.aided import Mind as Guard
 from intellwheels_agents.options import OptionError
 from intellwheels_agents.pilot import BRAKING, TURN_RATE, braking
 from intellwheels_agents.surroundings import outline
+from intellwheels_agents.user import Goals
+from intellwheels_agents.user import takes_goals as equip
 from intellwheels_schemas.messages import Actions, Goal, Measures
+
+__all__ = ["Mind", "equip"]
 
 DIRECTIONS: Final = tuple(math.radians(5.0 * k) for k in range(-18, 19))
 GOAL, AHEAD, LAST = 5.0, 2.0, 2.0
@@ -54,6 +59,7 @@ class Mind:
             raise OptionError(f"option to: expected a place of the map, got {' '.join(names) or 'none'}")
         place = context.place(names[0], "to")
         self._goal = Goal(x=place.x, y=place.y)
+        self._wishes = Goals()
         self._guard = Guard(context)
         self._body = outline(context.robot)
         self._last = 0.0
@@ -66,6 +72,7 @@ class Mind:
     def decide(self, measures: Measures) -> Actions:
         """Return the powers towards the place."""
         self._guard.perceive(measures)
+        self._obey(measures)
         pose = self._guard.pose
         dx, dy = self._goal.x - pose.x, self._goal.y - pose.y
         distance, bearing = math.hypot(dx, dy), wrapped(math.atan2(dy, dx) - pose.heading)
@@ -77,6 +84,13 @@ class Mind:
         if self._is_stuck(measures.time):
             self._back_until = measures.time + BACK
         return self._with_goal(self._towards(bearing, distance))
+
+    def _obey(self, measures: Measures) -> None:
+        """Seek what its user wants from now on."""
+        goal = self._wishes.news(measures.user_input)
+        if goal is not None:
+            self._goal, self._arrived = goal, False
+            self._anchor = (measures.time, self._guard.pose.x, self._guard.pose.y, self._guard.pose.turned)
 
     def _is_stuck(self, time: float) -> bool:
         pose, (since, x, y, turned) = self._guard.pose, self._anchor

@@ -10,7 +10,8 @@
     truth    true: know the true pose by a truth sensor, which the simulation must allow (default: own odometry)
 
 Pure pursuit on its own odometry, from encoders and compass. It slows down for what could be in its way and
-waits before it, a closed door for one; it does not drive round.
+waits before it, a closed door for one; it does not drive round. A goal that its user sets, in the page or by
+`UserInput.Goal`, takes the place of the path: it drives straight there from where it is.
 """
 
 from __future__ import annotations
@@ -25,6 +26,7 @@ from intellwheels_agents.options import OptionError, Options
 from intellwheels_agents.path import Path, path_of
 from intellwheels_agents.pilot import CREEP, Pilot, braking
 from intellwheels_agents.surroundings import Surroundings
+from intellwheels_agents.user import Goals, takes_goals
 from intellwheels_schemas.messages import Actions, Goal, Measures, Robot, Truth
 
 CORNER = math.radians(30.0)
@@ -36,7 +38,8 @@ HEARTBEAT = 1.0
 
 
 def equip(robot: Robot, options: Options) -> Robot:
-    """Return the robot with a truth sensor, when the option asks for truth."""
+    """Return the robot with goals of its user declared, and a truth sensor when the option asks for truth."""
+    robot = takes_goals(robot, options)
     if not options.flag("truth") or robot.truth:
         return robot
     return msgspec.structs.replace(robot, truth=(Truth(id="truth"),))
@@ -64,12 +67,25 @@ class Mind:
         self._said: tuple[float, float, float] | None = None
         self._arrived = self._path is None
         self._goal = None if self._path is None else Goal(x=self._path.end[0], y=self._path.end[1])
+        self._wishes = Goals()
 
     def decide(self, measures: Measures) -> Actions:
         """Return the powers that keep to the path, and for a leader where it is."""
         self._locate(measures)
+        self._obey(measures)
         actions = self._drive(measures)
         return actions if not self._leads else msgspec.structs.replace(actions, say=self._point(measures.time))
+
+    def _obey(self, measures: Measures) -> None:
+        """Take a goal of its user for the end of a new path."""
+        goal = self._wishes.news(measures.user_input)
+        if goal is None:
+            return
+        self._goal = goal
+        here, there = (self._pose.x, self._pose.y), (goal.x, goal.y)
+        self._arrived = math.dist(here, there) <= self._within / 2.0
+        if not self._arrived:
+            self._path = Path([here, there])
 
     def _point(self, time: float) -> str | None:
         """Return where a leader is, for those who follow, when it is time to say so."""

@@ -117,7 +117,13 @@ def test_its_last_word_is_zero(line: Line) -> None:
     line.port.write(0.5, 0.5)
     line.stop.set()
     line.port.close()
-    told = [read(one) for one in Splitter().feed(line.terminal.read())]
+    splitter, told = Splitter(), []
+
+    def found() -> bool:
+        told.extend(read(one) for one in splitter.feed(line.terminal.read()))
+        return len(told) >= 2
+
+    line.until(found, "two powers")
     assert told == [PowerLine(500, 500), PowerLine(0, 0)]
 
 

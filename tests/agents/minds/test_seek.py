@@ -6,9 +6,10 @@ import math
 
 import pytest
 
-from intellwheels_agents.minds.seek import BACK, STUCK, Mind
-from intellwheels_agents.options import OptionError
+from intellwheels_agents.minds.seek import BACK, STUCK, Mind, equip
+from intellwheels_agents.options import OptionError, Options
 from intellwheels_maps import robot
+from intellwheels_schemas.messages import Goal, UserInput
 from tests.agents.arena import Arena
 from tests.agents.kinematics import Body, box, context, run
 
@@ -53,3 +54,20 @@ def test_chair_without_a_way_goes_back_after_a_while() -> None:
 def test_place_must_be_told() -> None:
     with pytest.raises(OptionError, match="option to: expected a place of the map, got none"):
         Mind(context(robot("corridor-chair")))
+
+
+def test_a_goal_of_its_user_takes_the_place_of_its_place() -> None:
+    arena = Arena("room")
+    arena.join("chair", "seek", "corridor-chair", "start1", {"to": "start1"})
+    arena.run(1.0)
+    x, y, _ = arena.paths["chair"][-1]
+    arena.users["chair"] = UserInput(goal=Goal(x=x + 2.0, y=y))
+    arena.step()
+    del arena.users["chair"]  # it outlives the user's silence
+    arena.run(20.0, until=lambda now: math.dist(now.paths["chair"][-1][:2], (x + 2.0, y)) < 0.25)
+    assert math.dist(arena.paths["chair"][-1][:2], (x + 2.0, y)) < 0.25
+    assert arena.contacts() == []
+
+
+def test_its_robot_declares_that_it_takes_goals() -> None:
+    assert equip(robot("corridor-chair"), Options()).user_input == ("goal",)

@@ -11,7 +11,7 @@ import pytest
 from intellwheels_agents.minds.waypoints import Mind, equip
 from intellwheels_agents.options import OptionError, Options
 from intellwheels_maps import robot
-from intellwheels_schemas.messages import Robot
+from intellwheels_schemas.messages import Goal, Robot, UserInput
 from tests.agents.kinematics import Body, Segment, box, context, run
 
 CHAIRS = ["rear-wheel", "mid-wheel", "front-wheel", "intellwheels"]
@@ -94,3 +94,23 @@ def test_it_speeds_up_and_slows_down_gently() -> None:
     powers = [actions.left_motor or 0.0 for actions in done]
     # 0.35 m/s2 are 0.0175 a tick at a top speed of 1 m/s; it stops from a creep of 0.05 m/s.
     assert max(a - b for a, b in pairwise(powers)) < 0.0501
+
+
+def test_a_goal_of_its_user_takes_the_place_of_its_path_on_the_way_and_at_its_end() -> None:
+    body = Body(robot("intellwheels"))
+    mind = Mind(context(body.robot, points="6 0"))
+    run(body, mind, [], 3.0)
+    assert 0.5 < body.x < 3.0
+    for x, y in ((3.0, 3.0), (1.0, 1.0), (1.0, 1.02)):
+        told = UserInput(goal=Goal(x=x, y=y))
+        for _ in range(500):
+            actions = mind.decide(msgspec.structs.replace(body.measures([]), user_input=told))
+            body.step(actions)
+        assert math.dist((body.x, body.y), (x, y)) < 0.2
+        assert actions.mode == "arrived"
+        assert actions.goal == told.goal
+
+
+def test_its_robot_declares_that_it_takes_goals() -> None:
+    assert equip(robot("rear-wheel"), Options()).user_input == ("goal",)
+    assert equip(robot("rear-wheel"), Options({"truth": "true"})).user_input == ("goal",)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from dataclasses import replace
 
+import msgspec
 import viser
 
 from intellwheels_schemas.messages import Entity
@@ -75,3 +76,11 @@ def test_the_list_follows_who_is_there_and_selected(gui: viser.GuiApi, calls: Ca
     panel.show(replace(made_up.seen(), entities=()), made_up.choices())
     assert panel._list.value == NOBODY
     assert calls == []
+
+
+def test_in_a_log_that_is_played_who_joined_is_no_thing_that_was_placed() -> None:
+    seen = made_up.seen()
+    body = seen.bodies["chair1"]
+    robot = msgspec.structs.replace(body.robot, instance="a" * 16)
+    nobodys = msgspec.structs.replace(body, owner=None, robot=robot)
+    assert words(seen.entities[0], nobodys).startswith(("simulated", "real"))

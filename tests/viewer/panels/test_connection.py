@@ -9,7 +9,14 @@ import pytest
 import viser
 
 from intellwheels_viewer.panels.choices import Choices
-from intellwheels_viewer.panels.connection import NO_WORLD, ConnectionPanel, connection_html, state
+from intellwheels_viewer.panels.connection import (
+    GREYED,
+    NO_WORLD,
+    ConnectionPanel,
+    connection_html,
+    nothing_to_see,
+    state,
+)
 from intellwheels_viewer.seen import Phase, Seen
 from tests.viewer.panels import made_up
 from tests.viewer.panels.panel import Calls, enter
@@ -70,3 +77,30 @@ def test_only_a_world_that_is_there_can_be_chosen(gui: viser.GuiApi, calls: Call
     for world in ("elsewhere", NO_WORLD, "lab"):
         enter(panel._worlds, world)
     assert calls == [("world", "lab")]
+
+
+def test_a_world_that_was_named_and_is_not_there_is_told_apart_from_a_choice() -> None:
+    waiting = connection_html(made_up.nothing("choose", worlds=("lab",), world="ward"), Choices())
+    assert "World ward is not running" in waiting
+    assert "1 world is running" in connection_html(made_up.nothing("choose", worlds=("lab",)), Choices())
+    assert "2 worlds are running" in connection_html(made_up.nothing("choose", worlds=("lab", "ward")), Choices())
+
+
+def test_where_the_world_has_gone_the_only_other_one_is_offered(gui: viser.GuiApi, calls: Calls) -> None:
+    panel = ConnectionPanel(gui, calls.to("world"))
+    panel.show(made_up.nothing("gone", worlds=("lab",), world="ward"), Choices())
+    assert panel._worlds.visible
+    enter(panel._worlds, "lab")
+    assert calls == [("world", "lab")]
+
+
+@pytest.mark.parametrize("phase", get_args(Phase))
+def test_the_picture_of_the_past_is_greyed_as_the_words_say(phase: str) -> None:
+    page = connection_html(made_up.nothing(phase), Choices())
+    assert (GREYED in page) == ("greyed" in page)
+
+
+def test_an_empty_scene_says_why_and_one_with_a_floor_says_nothing() -> None:
+    words = nothing_to_see(made_up.nothing("no-router"), Choices())
+    assert words == "No router at tcp/127.0.0.1:7447\nStart iw-router.\nThis page connects as soon as it is there."
+    assert nothing_to_see(made_up.seen(), Choices()) == ""

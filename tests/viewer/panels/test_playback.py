@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 
 import viser
 
+from intellwheels_schemas.messages import Pose
 from intellwheels_viewer.panels.choices import Choices
 from intellwheels_viewer.panels.playback import HANDS_ON, PlaybackPanel, playback_html
 from tests.viewer.panels import made_up
@@ -80,3 +82,11 @@ def test_buttons_call_and_are_disabled_without_rights(gui: viser.GuiApi, calls: 
     assert calls == [("pause",), ("resume",), ("speed", 2.0)]
     shown.show(LOG, Choices(allowed=False))
     assert shown._line.disabled
+
+
+def test_how_far_a_real_chair_was_from_where_it_said_it_was() -> None:
+    one = LOG.entities[0]
+    pose = Pose(tick=LOG.tick, x=one.x + 0.3, y=one.y - 0.4, heading=one.heading + math.radians(2.0))
+    words = playback_html(replace(LOG, reported={one.name: pose, "gone": pose}))
+    assert f"{one.name} said it was, 0.50 m and 2.0\u00b0 off" in words
+    assert "gone" not in words

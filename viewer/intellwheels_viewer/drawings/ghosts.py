@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import viser
 
@@ -21,6 +21,9 @@ from intellwheels_viewer.drawings.layers import HALF_HEIGHT
 from intellwheels_viewer.drawings.model import extent
 from intellwheels_viewer.drawings.models import Shape, model_of, shape_of
 from intellwheels_viewer.drawings.solids import Solid
+
+if TYPE_CHECKING:
+    from intellwheels_viewer.seen import Seen
 
 OPACITY: Final = 0.4
 
@@ -48,6 +51,15 @@ def spirit(robot: Robot) -> Solid:
     """Return a body's look as one solid."""
     model = model_of(robot, cut=HALF_HEIGHT)
     return model.paint + model.dark + model.light
+
+
+def reported(seen: Seen, colours: palette.Colours) -> dict[str, Ghost]:
+    """Return the ghost of each real chair that is seen where it truly is, where it said that it is."""
+    return {
+        name: Ghost(seen.bodies[name].robot, pose.x, pose.y, pose.heading, colours.rgb(name))
+        for name, pose in seen.reported.items()
+        if name in seen.bodies
+    }
 
 
 class Ghosts:

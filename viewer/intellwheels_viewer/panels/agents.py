@@ -77,8 +77,8 @@ def words(entity: Entity, body: Body | None) -> str:
 
 
 def _is_agent(body: Body | None) -> bool:
-    # A body that an operator put there has no instance that joined as it.
-    return body is None or body.owner is not None
+    # A body that an operator put there has no instance that joined as it; in a log that is played nobody owns any.
+    return body is None or body.owner is not None or body.robot.instance is not None
 
 
 def _row(seen: Seen, entity: Entity, mark: Mark, selected: str | None) -> str:

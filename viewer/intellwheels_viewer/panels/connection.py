@@ -14,6 +14,8 @@ from intellwheels_viewer.panels.sheet import SHEET, block, note, prose
 from intellwheels_viewer.seen import Seen
 
 NO_WORLD: Final = "Choose one"
+GREYED: Final = "<style>canvas,.iw-plan svg{filter:grayscale(1) opacity(.55)}</style>"
+"""The picture is of the past: no colour says so of what is drawn."""
 
 
 class State(NamedTuple):
@@ -35,11 +37,19 @@ def state(seen: Seen, choices: Choices) -> State:
         "no-world": State(
             "wait", "No world is running", "Start `iw-run figure6`. This page shows it as soon as it is there."
         ),
-        "choose": State("wait", f"{len(seen.worlds)} worlds are running", "Choose the one to look at."),
+        "choose": _choice(seen),
         "silent": State("bad", silence, "Last picture, greyed. It goes on by itself when the simulator answers."),
         "gone": State("bad", f"World {world} has gone", "Last picture, greyed. It comes back when its simulator does."),
         "live": State("good", _floor(seen), f"World {world} at {seen.endpoint}"),
     }[seen.phase]
+
+
+def nothing_to_see(seen: Seen, choices: Choices) -> str:
+    """Return the state as plain lines for a scene without a floor; nothing where there is one."""
+    if seen.floor is not None:
+        return ""
+    now = state(seen, choices)
+    return f"{now.title}\n" + now.text.replace("`", "").replace(". ", ".\n")
 
 
 def connection_html(seen: Seen, choices: Choices) -> str:
@@ -55,7 +65,17 @@ def connection_html(seen: Seen, choices: Choices) -> str:
     if choices.refusal:
         refused = note(choices.refusal.replace("`", "'"), "bad")
         content += f'<div role="alert">{refused}</div>'
+    if seen.phase in ("silent", "gone"):
+        content += GREYED
     return block("connection", f'<div data-phase="{seen.phase}">{content}</div>')
+
+
+def _choice(seen: Seen) -> State:
+    if seen.world:
+        return State("wait", f"World {seen.world} is not running", "It is shown as soon as it is; or choose another.")
+    count = len(seen.worlds)
+    running = "1 world is running" if count == 1 else f"{count} worlds are running"
+    return State("wait", running, "Choose the one to look at.")
 
 
 def _floor(seen: Seen) -> str:
@@ -86,7 +106,7 @@ class ConnectionPanel:
         if options != self._worlds.options:
             self._worlds.options = options
         assign(self._worlds, seen.world if seen.world in seen.worlds else NO_WORLD)
-        self._worlds.visible = len(seen.worlds) > 1 or seen.phase == "choose"
+        self._worlds.visible = any(world != seen.world for world in seen.worlds)
 
     def _chosen(self, world: str) -> None:
         if world in self._known:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import html
+import math
 import time
 from collections.abc import Callable
 from typing import Final
@@ -25,8 +27,21 @@ def playback_html(seen: Seen) -> str:
         return ""
     times = f"{figures.moment(seen.tick, seen)} of {figures.moment(seen.last_tick, seen)} s"
     return block(
-        "playback", f'<b>Playing a log</b><div class="iw-small">{times}, tick {seen.tick} of {seen.last_tick}</div>'
+        "playback",
+        f'<b>Playing a log</b><div class="iw-small">{times}, tick {seen.tick} of {seen.last_tick}</div>{_off(seen)}',
     )
+
+
+def _off(seen: Seen) -> str:
+    """Return how far real chairs were from where they said that they were: what the ghosts show, in words."""
+    words = []
+    for name, pose in sorted(seen.reported.items()):
+        entity = seen.entity(name)
+        if entity is not None:
+            far = math.hypot(pose.x - entity.x, pose.y - entity.y)
+            turned = abs(math.degrees(math.remainder(pose.heading - entity.heading, math.tau)))
+            words.append(f"See-through: where {html.escape(name)} said it was, {far:.2f} m and {turned:.1f}\u00b0 off")
+    return "".join(f'<div class="iw-small">{word}</div>' for word in words)
 
 
 class PlaybackPanel:
