@@ -106,8 +106,8 @@ def render(page: Page) -> str:
     parts = [
         f"<h1>{escape(title)}</h1><p class=lead>{escape(lead)} Rows share their seeds. Everything is scored by where "
         "the chair truly was, never by what it believed.</p>",
-        _findings(page),
         _sweep(page),
+        _findings(page),
         _results(page),
         _comparisons(page),
         _umbmark(page),
