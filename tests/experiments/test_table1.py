@@ -29,6 +29,11 @@ def rows() -> dict[str, list[dict[str, str]]]:
     return {row: [line for line in lines if line["row"] == row] for row in ROWS}
 
 
+@pytest.fixture(scope="module")
+def summary() -> Summary:
+    return msgspec.json.decode((KEPT / "summary.json").read_bytes(), type=Summary)
+
+
 def succeeded(lines: list[dict[str, str]]) -> list[bool]:
     return [line["success"] == "yes" for line in lines]
 
@@ -43,14 +48,23 @@ def test_runs_by_hand_and_virtual_ones_touch_nothing(rows: dict[str, list[dict[s
     assert all(line["collided"] == "no" for line in rows[row])
 
 
-def test_real_chair_by_itself_is_worse_than_a_virtual_one(rows: dict[str, list[dict[str, str]]]) -> None:
-    found = compare(succeeded(rows["real-autonomous"]), succeeded(rows["virtual-autonomous"]))
-    assert found.difference < 0.0
-    assert found.p < 0.05
+def test_real_chair_by_itself_succeeds_as_often_as_a_virtual_one_and_is_worse_in_all_else(
+    rows: dict[str, list[dict[str, str]]], summary: Summary
+) -> None:
+    """Against the paper's one run each.
+
+    Wheels that differ by 0.2 % and err at random as measured ones do put it 0.4 m aside at the end, which is still
+    at its place; sonars lose what they see aslant and nothing else, as no figure of what else they lose is known.
+    """
+    assert compare(succeeded(rows["real-autonomous"]), succeeded(rows["virtual-autonomous"])).equivalent
+    (found,) = (one for one in summary.comparisons if one.first == "real-autonomous" and one.second)
+    assert found.verdict == "otherwise"
+    assert found.differences["clearance"][1].high < 0.0
+    assert found.differences["path"][1].low > 0.0
+    assert found.differences["odometry_error"][1].low > 0.3
 
 
-def test_report_is_kept_with_the_same_figures(rows: dict[str, list[dict[str, str]]]) -> None:
-    summary = msgspec.json.decode((KEPT / "summary.json").read_bytes(), type=Summary)
+def test_report_is_kept_with_the_same_figures(rows: dict[str, list[dict[str, str]]], summary: Summary) -> None:
     assert {line.name: line.succeeded for line in summary.lines} == {
         row: sum(succeeded(lines)) for row, lines in rows.items()
     }
@@ -58,20 +72,15 @@ def test_report_is_kept_with_the_same_figures(rows: dict[str, list[dict[str, str
     assert all(line.title in report for line in summary.lines)
 
 
-def test_augmented_chair_corrected_by_fixes_is_as_good_as_a_virtual_one(rows: dict[str, list[dict[str, str]]]) -> None:
-    assert compare(succeeded(rows["augmented-corrected"]), succeeded(rows["virtual-autonomous"])).equivalent
-
-
-def test_augmented_chair_with_raw_odometry_is_worse_than_one_that_is_corrected(
-    rows: dict[str, list[dict[str, str]]],
+@pytest.mark.parametrize("row", ["augmented-calibrated", "augmented-corrected"])
+def test_augmented_chair_that_is_calibrated_or_corrected_is_as_good_as_a_virtual_one(
+    rows: dict[str, list[dict[str, str]]], row: str
 ) -> None:
-    found = compare(succeeded(rows["augmented-raw"]), succeeded(rows["augmented-corrected"]))
-    assert found.difference < 0.0
-    assert found.p < 0.05
+    assert compare(succeeded(rows[row]), succeeded(rows["virtual-autonomous"])).equivalent
 
 
-def test_calibration_alone_does_not_make_an_augmented_chair_equivalent(rows: dict[str, list[dict[str, str]]]) -> None:
-    """Against the hypothesis: what wheels err by at random (1e-5 m2 a metre) no calibration takes away."""
-    found = compare(succeeded(rows["augmented-calibrated"]), succeeded(rows["virtual-autonomous"]))
-    assert not found.equivalent
-    assert found.difference == -0.25
+@pytest.mark.parametrize("other", ["virtual-autonomous", "augmented-calibrated", "augmented-corrected"])
+def test_augmented_chair_with_raw_odometry_is_worse(rows: dict[str, list[dict[str, str]]], other: str) -> None:
+    found = compare(succeeded(rows["augmented-raw"]), succeeded(rows[other]))
+    assert found.interval.high < -0.5
+    assert found.p < 0.001
