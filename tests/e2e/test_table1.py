@@ -1,4 +1,4 @@
-"""`iw-run table1` with five seeds: rows, numbers and report, and its runs are those that are kept for the hypotheses."""
+"""`iw-run table1` with five seeds: rows, numbers and report; its runs are those that are kept for the hypotheses."""
 
 from __future__ import annotations
 
