@@ -170,6 +170,8 @@ def test_real_chair_joins_where_it_says_it_is_whatever_stands_there() -> None:
     state = world({"a": cart()})
     state, outcome, _ = do(state, Join(agent="b", robot=cart(0.2, type="real")))
     assert outcome.code == "ok"
+    # So deep the two may stay while they part: 0.6 m across is the shortest way out.
+    assert state.numbers[LICENCE, state.fleet.index["b"]] == pytest.approx(0.6)
 
 
 @pytest.mark.parametrize(
