@@ -3,14 +3,15 @@
     speed    metres a second that full forward gives (default 0.8)
     turn     radians a second that full turn gives (default 1.0)
     words    share of full that a word alone asks for: forward, back, left, right, stop (default 0.5)
-    margin   metres kept ahead and behind, half of it to the sides (default 0.05)
+    margin   metres kept around the chair, a quarter of it to the sides (default 0.05)
     ahead    seconds over which the footprint is projected (default 1.0)
 
 It never does what was not wanted: forward and turn are each slowed, to nothing if need be, and neither is turned
-round. What leads away from things is always free; a stop keeps so much room ahead and behind that the chair can turn.
-A long back that stands beside a wall cannot turn away from it in place without touching it: there it goes with forward
-or back first. Where no sensor looks (a robot without sensors behind, things above or below their height, what stands
-between two cones from the start) it is as blind as `joystick`.
+round. What leads away from things is always free. A stop keeps room ahead and behind to turn in place by, but no more
+than lets a user come to 0.104 m of a thing: a chair whose corners are much further out than its front (front-wheel)
+turns a little there, and goes back first for the rest. A long back beside a wall cannot turn away from it in place either.
+Where no sensor looks (a robot without sensors behind, things above or below their height, what stands between two cones
+from the start) it is as blind as `joystick`. Two cones that are added ahead tell a doorway from a wall.
 """
 
 from __future__ import annotations
@@ -35,14 +36,14 @@ SHARES: Final = (1.0, 0.7, 0.45, 0.3, 0.2, 0.12, 0.06, 0.0)
 CREEPS: Final = (0.024, 0.012, 0.005)
 """Metres a second that are tried as well, for the last centimetres before a thing."""
 APPROACH: Final = 0.085
-"""Metres ahead and behind where a user who goes on is stopped at the latest; an arc tells of a thing as up to 0.02 m nearer
-than it is, and he is to get as near as 0.104 m."""
+"""Metres ahead and behind where a user who goes on is stopped at the latest; an arc tells of a thing as up to 0.02 m
+nearer than it is, and he is to get as near as 0.104 m."""
 CELL: Final = 0.02
 """Metres of the raster of what was seen. With points 0.03 m apart a corner can come to 0.0125 m of all of them and
 not lie between two."""
 ASIDE: Final = 0.26
-"""Metres from the middle to the two cones that `equip` adds: from a metre and a half before a doorway of 0.81 m they see
-through it, and so tell that nothing stands in it where the cones of a chair's middle and corners do not look."""
+"""Metres from the middle to the two cones that `equip` adds: from a metre and a half before a doorway of 0.81 m they
+see through it, and so tell that nothing stands in it where the cones of a chair's middle and corners do not look."""
 ALONE: Final = 0.1
 """What less of the wish is worth to keep its curve: a tie goes to equal shares."""
 DOUBT: Final = 0.05
