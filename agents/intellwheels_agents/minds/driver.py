@@ -17,7 +17,8 @@ that tells the place with an error of standard deviation 1 on each axis, less th
 
 Of the three figures of the hand all defaults are chosen, not measured: the reaction, of the size of the delays that
 quasi-linear models of a person who tracks what he sees have (McRuer and Jex 1967, A review of quasi-linear pilot
-models, IEEE Transactions on Human Factors in Electronics 8); the tremor's size; and its frequency, among those that are told of
+models, IEEE
+Transactions on Human Factors in Electronics 8); the tremor's size; and its frequency, among those that are told of
 pathological tremors. A study takes its own.
 """
 
