@@ -112,9 +112,10 @@ def moving(speed: Floats, turn_rate: Floats) -> slice:
 def user_effort(forward: Floats, turn: Floats) -> float:
     """Return how much a joystick was moved about: the length of its way, in units of full deflection.
 
-    Source:
-        The joystick variation of Urdiales et al. (2011), A new multi-criteria optimization strategy for shared control
-        in wheelchair assisted navigation, Autonomous Robots 30, as a sum rather than a mean.
+    The definition is this project's: the sum over ticks of hypot(change of forward, change of turn), from rest. It is
+    no paper's number; joystick variation as a measure of effort is common in work on shared control, as in Urdiales
+    et al. (2011), A new multi-criteria optimization strategy for shared control in wheelchair assisted navigation,
+    Autonomous Robots 30.
     """
     return float(np.hypot(np.diff(forward, prepend=0.0), np.diff(turn, prepend=0.0)).sum())
 
@@ -123,13 +124,12 @@ def agreement(wanted: Floats, done: Floats) -> float:
     """Return how far what was done pointed where the user wanted, in [0, 1]; NaN where nothing was ever wanted.
 
     It is 1 - |angle| / pi, averaged over the ticks at which something was wanted; where nothing is done then, it is 0.
+    The angle is between the two as vectors of forward and turn. The definition is this project's, after the idea of
+    Urdiales et al. (2011), as above, to measure how far user and chair point the same way; it is no paper's number.
 
     Args:
         wanted: float64[n, 2], forward and turn of the user.
         done: float64[n, 2], forward and turn that the motors got.
-
-    Source:
-        One less the disagreement of Urdiales et al. (2011), as above.
     """
     asked = np.hypot(wanted[:, 0], wanted[:, 1]) > 1e-6
     if not asked.any():

@@ -3,14 +3,16 @@
     speed    metres a second that full forward gives (default 0.8)
     turn     radians a second that full turn gives (default 1.0)
     words    share of full that a word alone asks for: forward, back, left, right, stop (default 0.5)
-    margin   metres kept ahead and behind, half of it to the sides (default 0.05)
+    margin   metres kept around the chair, a quarter of it to the sides (default 0.05)
     ahead    seconds over which the footprint is projected (default 1.0)
 
 It never does what was not wanted: forward and turn are each slowed, to nothing if need be, and neither is turned
-round. What leads away from things is always free; a stop keeps so much room ahead and behind that the chair can turn.
-A long back that stands beside a wall cannot turn away from it in place without touching it: there it goes with forward
-or back first. Where no sensor looks (a robot without sensors behind, things above or below their height, what stands
-between two cones from the start) it is as blind as `joystick`.
+round. What leads away from things is always free. A stop keeps room ahead and behind to turn in place by, but no more
+than lets a user come to 0.104 m of a thing: a chair whose corners are much further out than its front (front-wheel)
+turns a little there, and goes back first for the rest. A long back beside a wall cannot turn
+away from it in place either.
+Where no sensor looks (a robot without sensors behind, things above or below their height, what stands between two cones
+from the start) it is as blind as `joystick`. Two cones that are added ahead tell a doorway from a wall.
 """
 
 from __future__ import annotations

@@ -15,10 +15,11 @@ time, with the tremor on both axes. Nothing looks after the person: what is touc
 The tremor's noise is the simulation's own, so that it follows from the seed of the run as all noise does: a receiver
 that tells the place with an error of standard deviation 1 on each axis, less the true place.
 
-Source:
-    McRuer and Jex (1967), A review of quasi-linear pilot models, IEEE Transactions on Human Factors in Electronics 8:
-    delays of 0.2 to 0.4 s of a person who tracks what is seen. Deuschl et al. (1998), Consensus statement of the
-    Movement Disorder Society on tremor: frequencies from 4 to 7 Hz of most kinds that people in wheelchairs have.
+Of the three figures of the hand all defaults are chosen, not measured: the reaction, of the size of the delays that
+quasi-linear models of a person who tracks what he sees have (McRuer and Jex 1967, A review of quasi-linear pilot
+models, IEEE
+Transactions on Human Factors in Electronics 8); the tremor's size; and its frequency, among those that are told of
+pathological tremors. A study takes its own.
 """
 
 from __future__ import annotations

@@ -28,8 +28,7 @@ APPROACHES = ((0.0, 0.0), (0.2, 0.0), (-0.2, 0.0), (0.3, -5.0), (-0.3, 10.0), (0
 """Where the chair starts from 4.5 m before the doorway: metres beside its axis, and its heading in degrees."""
 THROUGH = CHAIRS
 TURNS = {"rear-wheel": 0.5, "mid-wheel": 0.5, "intellwheels": 0.5, "front-wheel": 0.1}
-"""Radians turned in place within 1.5 s. The front-wheel chair's corner, 0.14 m longer than its
-front, has no room for more."""
+"""Radians turned in place within 1.5 s. The front-wheel chair's corners reach 0.14 m beyond its front."""
 LOOKAHEAD = 1.0
 """Metres ahead of the chair to which its user steers."""
 
