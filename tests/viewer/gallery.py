@@ -2,8 +2,8 @@
 
 figure6 runs with real agents, and each camera, tab, layer, empty and error state is kept as a small JPEG, light and
 dark, at both sizes, in `viewer/gallery/`; besides `viewer/figure6.jpg` for the README. What is too small to read, or
-cut, is printed. Parts are `run`, `states`, `playback` and `reported`, and `light` and `dark` of each; without one all
-are taken.
+cut, is printed. Parts are `run`, `states`, `playback` and `reported`, and of these `light` and `dark`, and of the run
+`1280` and `1920`; without one all are taken.
 """
 
 from __future__ import annotations
@@ -34,6 +34,7 @@ SIZES: Final = ((1280, 800), (1920, 1080))
 THEMES: Final = {"light": (), "dark": ("--dark",)}
 PARTS: Final = ("run", "states", "playback", "reported")
 Words: TypeAlias = dict[str, tuple[str, ...]]
+Sizes: TypeAlias = tuple[tuple[int, int], ...]
 LAYERS: Final = ("Full walls", "Sensors", "Lidar", "Trails", "Names, speech", "Goals", "Plan")
 
 
@@ -62,14 +63,14 @@ class Album:
         print(f"{name}.jpg {len(picture)} bytes", flush=True)
 
 
-def main(folder: Path, parts: tuple[str, ...], themes: Words) -> None:
+def main(folder: Path, parts: tuple[str, ...], themes: Words, sizes: Sizes) -> None:
     """Take all pictures of these parts."""
     album = Album(folder / "gallery")
     with tempfile.TemporaryDirectory() as scratch, browser() as chromium:
         at = Path(scratch)
         log = at / "figure6.jsonl"
         if "run" in parts or "playback" in parts:
-            run_of_figure6(album, folder, chromium, at, log, themes if "run" in parts else {})
+            run_of_figure6(album, folder, chromium, at, log, themes if "run" in parts else {}, sizes)
         if "states" in parts:
             for theme, words in themes.items():
                 with Theatre(at / f"states-{theme}", "lab") as theatre:
@@ -85,34 +86,49 @@ def main(folder: Path, parts: tuple[str, ...], themes: Words) -> None:
                 played(album, theatre, chromium, themes, "playback-reported", share=0.95, key="f")
 
 
-def run_of_figure6(album: Album, top: Path, chromium: Any, scratch: Path, log: Path, themes: Words) -> None:
-    """The run: seen while it goes, then paused and looked at from everywhere."""
+def run_of_figure6(
+    album: Album, top: Path, chromium: Any, scratch: Path, log: Path, themes: Words, sizes: Sizes
+) -> None:
+    """The run: seen while it goes, for the README, then paused and looked at from everywhere."""
     with Rig(scratch / "rig", scene="figure6", pace="realtime", words=("--log", str(log))) as rig:
-        stage = Theatre(scratch / "viewers", WORLD)
-        with stage:
+        with Theatre(scratch / "viewers", WORLD) as stage:
             rig.cast()
             rig.ctl("pause")
-            urls = {theme: stage.viewer(*words, endpoint=rig.endpoint) for theme, words in THEMES.items()}
-            with stage.screen(chromium, width=SIZES[0][0], height=SIZES[0][1]) as screen:
-                screen.open(urls["light"])
-                screen.select("chair3")
-                rig.ctl("resume")
-                rig.run_until(lambda now: now["chair1"].x > 8.2, seconds=60.0)
-                # A browser that draws in software is a second late with some nodes: they catch up.
-                rig.ctl("pause")
-                screen.page.wait_for_timeout(4000)
-                rig.ctl("resume")
-                screen.says("Running")
-                if "light" in themes:
+            urls = {theme: stage.viewer(*THEMES[theme], endpoint=rig.endpoint) for theme in themes}
+            if "light" in themes and SIZES[0] in sizes:
+                with opened(stage, chromium, urls["light"], *SIZES[0]) as screen:
+                    screen.select("chair3")
+                    go_on(rig)
+                    # A browser that draws in software is a second late with some nodes: they catch up.
+                    screen.page.wait_for_timeout(4000)
+                    rig.ctl("resume")
+                    screen.says("Running")
                     (top / "figure6.jpg").write_bytes(screen.page.screenshot(type="jpeg", quality=88))
-            rig.ctl("pause")
-            for theme in themes:
-                for width, height in SIZES:
-                    with stage.screen(chromium, width=width, height=height) as screen:
-                        screen.open(urls[theme])
-                        screen.rest()
+                rig.ctl("pause")
+            else:
+                go_on(rig)
+            for theme, url in urls.items():
+                for width, height in sizes:
+                    with opened(stage, chromium, url, width, height) as screen:
                         tour(album, screen, f"{theme}-{width}")
         rig.end_simulator()
+
+
+def go_on(rig: Rig) -> None:
+    """Let the run go until the first chair is through the door, and halt it."""
+    rig.ctl("resume")
+    rig.run_until(lambda now: now["chair1"].x > 8.2, seconds=60.0)
+    rig.ctl("pause")
+
+
+@contextmanager
+def opened(theatre: Theatre, chromium: Any, url: str, width: int, height: int) -> Iterator[Screen]:
+    """A page with bodies in it, and its camera at rest."""
+    with theatre.screen(chromium, width=width, height=height) as screen:
+        screen.page.set_default_timeout(PATIENCE * 1000)
+        screen.open(url)
+        screen.rest()
+        yield screen
 
 
 def tour(album: Album, screen: Screen, prefix: str) -> None:
@@ -166,6 +182,7 @@ def states(album: Album, theatre: Theatre, chromium: Any, theme: str, words: tup
     url = theatre.line(child, "ready")["url"] + "/?fixedDpr=1"
 
     with theatre.screen(chromium, width=SIZES[0][0], height=SIZES[0][1]) as screen:
+        screen.page.set_default_timeout(PATIENCE * 1000)
         screen.page.goto(url)
 
         def shoot(phase: str, name: str) -> None:
@@ -217,9 +234,7 @@ def played(album: Album, theatre: Theatre, chromium: Any, themes: Words, name: s
         peer.ctl("seek", Tick=int(peer.clock()["Last"] * share))
         for theme, url in urls.items():
             for width, height in SIZES:
-                with theatre.screen(chromium, width=width, height=height) as screen:
-                    screen.open(url)
-                    screen.rest()
+                with opened(theatre, chromium, url, width, height) as screen:
                     screen.says("Playing a log")
                     screen.select("chair1")
                     screen.page.keyboard.press(key)
@@ -261,9 +276,11 @@ def stages(scratch: Path) -> Iterator[tuple[Stage, Stage]]:
 
 if __name__ == "__main__":
     given = sys.argv[1:]
-    folders = [Path(word) for word in given if word not in {*PARTS, *THEMES}]
+    widths = {str(size[0]): size for size in SIZES}
+    folders = [Path(word) for word in given if word not in {*PARTS, *THEMES, *widths}]
     main(
         folders[0] if folders else FOLDER,
         tuple(part for part in PARTS if part in given) or PARTS,
         {theme: THEMES[theme] for theme in THEMES if theme in given} or THEMES,
+        tuple(widths[word] for word in widths if word in given) or SIZES,
     )
