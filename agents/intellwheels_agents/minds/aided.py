@@ -8,11 +8,12 @@
 
 It never does what was not wanted: forward and turn are each slowed, to nothing if need be, and neither is turned
 round. What leads away from things is always free. A stop keeps room ahead and behind to turn in place by, but no more
-than lets a user come to 0.104 m of a thing: a chair whose corners are much further out than its front (front-wheel)
+than lets a user come to 0.104 m of a thing: a chair whose corners are far beyond its front (mid-wheel, front-wheel)
 turns a little there, and goes back first for the rest. A long back beside a wall cannot turn
 away from it in place either.
 Where no sensor looks (a robot without sensors behind, things above or below their height, what stands between two cones
 from the start) it is as blind as `joystick`. Two cones that are added ahead tell a doorway from a wall.
+Before a narrow doorway that is approached from the side it may stop at what two cones left undecided.
 """
 
 from __future__ import annotations
