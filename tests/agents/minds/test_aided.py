@@ -86,7 +86,7 @@ def test_before_a_wall_it_slows_stops_and_still_turns_and_backs(chair: str) -> N
     for turn in (1.0, -1.0):
         arena = Arena("room")
         arena.join("chair1", "aided", chair, "start1", {"speed": "0.8"})
-        wish(arena, 1.0, 0.0, 12.0)
+        wish(arena, 1.0, 0.0, 28.0)  # the last centimetres are crept, at 5 mm/s
         speeds = [math.dist(a[:2], b[:2]) / 0.05 for a, b in itertools.pairwise(arena.paths["chair1"])]
         assert max(speeds) > 0.6
         assert arena.speed("chair1") == pytest.approx(0.0, abs=1e-3)
