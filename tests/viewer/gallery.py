@@ -115,9 +115,9 @@ def run_of_figure6(
 
 
 def go_on(rig: Rig) -> None:
-    """Let the run go until the first chair is through the door, and halt it."""
+    """Let the run go until the first chair is well through the door, clear of its label, and halt it."""
     rig.ctl("resume")
-    rig.run_until(lambda now: now["chair1"].x > 8.2, seconds=60.0)
+    rig.run_until(lambda now: now["chair1"].x > 9.7, seconds=60.0)
     rig.ctl("pause")
 
 
