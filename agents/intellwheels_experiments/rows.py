@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from itertools import product
@@ -51,12 +52,12 @@ def rows_of(scene: Scene) -> tuple[Row, ...]:
     """Return the rows of a scene, the last factor varied first.
 
     Raises:
-        WireError: A setting names no rule of the simulation, or one that is true or false has another value; or
-            the runs of a scene with bridges are those of a chair without one.
+        WireError: A setting names no rule of the simulation, or its value is none; or the runs of a row with bridges
+            are those of a chair without one.
     """
-    _check_subject(scene)
     if scene.experiment is None or not scene.experiment.factor:
         bridges = {one.agent: one for one in scene.bridge}
+        _check_subject(scene, bridges)
         real = scene.experiment is not None and scene.experiment.subject in bridges
         return (Row(scene.name, scene.title or scene.name, real, scene, (), bridges),)
     factors = [factor.level for factor in scene.experiment.factor]
@@ -66,6 +67,7 @@ def rows_of(scene: Scene) -> tuple[Row, ...]:
 def _row(scene: Scene, levels: tuple[Level, ...]) -> Row:
     cast = {one.name: one for one in scene.cast}
     words: list[str] = []
+    period = scene.period
     # Who is cast comes first, whatever the order of the factors: an option is of whoever stands there then.
     for level in levels:
         cast |= {one.name: one for one in level.cast}
@@ -73,27 +75,28 @@ def _row(scene: Scene, levels: tuple[Level, ...]) -> Row:
         for setting in level.setting:
             if setting.agent is None:
                 words += _rule(setting)
+                period = _period(setting) if setting.name == "Period" else period
             else:
                 cast[setting.agent] = _given(cast[setting.agent], setting)
     bridges = {one.agent: one for one in (*scene.bridge, *(one for level in levels for one in level.bridge))}
+    _check_subject(scene, bridges)
     return Row(
         name="+".join(level.name for level in levels),
         title=", ".join(level.title or level.name for level in levels),
         real=any(level.real for level in levels)
         or (scene.experiment is not None and scene.experiment.subject in bridges),
-        scene=msgspec.structs.replace(scene, cast=tuple(cast.values())),
+        scene=msgspec.structs.replace(scene, cast=tuple(cast.values()), period=period),
         words=tuple(words),
         bridges=bridges,
     )
 
 
-def _check_subject(scene: Scene) -> None:
+def _check_subject(scene: Scene, bridges: Mapping[str, Bridge]) -> None:
     """Raise where runs are scored by a laboratory that the chair is not in."""
-    if scene.experiment is None or not scene.bridge:
+    if scene.experiment is None or not bridges:
         return
-    names = [bridge.agent for bridge in scene.bridge]
-    if scene.experiment.subject not in names:
-        expected, got = ", ".join(names), scene.experiment.subject
+    if scene.experiment.subject not in bridges:
+        expected, got = ", ".join(bridges), scene.experiment.subject
         where = "Experiment.Subject"
         raise WireError("value", f"{where}: expected one with a bridge ({expected}), got {got!r}", where)
 
@@ -107,6 +110,18 @@ def _rule(setting: Setting) -> tuple[str, ...]:
     if setting.value not in WHETHER[setting.name]:
         raise WireError("value", f"Setting.Value: expected true or false, got {setting.value!r}", "Setting.Value")
     return (WHETHER[setting.name][setting.value],)
+
+
+def _period(setting: Setting) -> float:
+    """Return a period, which a laboratory keeps too."""
+    try:
+        value = float(setting.value)
+    except ValueError:
+        value = math.nan
+    if not 0.001 <= value <= 1.0:
+        text = f"Setting.Value: expected a period in [0.001, 1] s, got {setting.value!r}"
+        raise WireError("value", text, "Setting.Value")
+    return value
 
 
 def _given(cast: Cast, setting: Setting) -> Cast:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from typing import Final, Literal, TypeAlias
 from xml.etree import ElementTree as Tree
@@ -16,6 +17,8 @@ from intellwheels_experiments.squares import Squares
 from intellwheels_experiments.statistics import Interval, Paired, compare, mean_difference, wilson
 from intellwheels_schemas.messages import Compare, Experiment
 
+_NOT_XML: Final = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
+"""What XML 1.0 has no way to write."""
 DECIDES: Final = 0.05
 """p below which one row is worse than another."""
 SPREAD: Final = ("clearance", "time", "path", "spl", "ldlj", "sparc", "effort", "agreement", "odometry_error")
@@ -152,7 +155,8 @@ def _comparison(asked: Compare, lines: dict[str, Line], of_row: dict[str, list[K
         if run.measured is not None and (other := second.get(run.seed)) is not None
     ]
     if not pairs:
-        return Comparison(first=asked.first, second=asked.second, expect=asked.expect, verdict="undecided")
+        verdict = "not asked" if asked.expect is None else "undecided"
+        return Comparison(first=asked.first, second=asked.second, expect=asked.expect, verdict=verdict)
     paired = compare([a.success for a, _ in pairs], [b.success for _, b in pairs], margin)
     there = [(a, b) for a, b in pairs if a.reached and b.reached]
     return Comparison(
@@ -201,7 +205,8 @@ def to_junit(name: str, summary: Summary, runs: Sequence[Kept]) -> str:
         for run in here:
             case = Tree.SubElement(suite, "testcase", classname=f"{name}.{line.name}", name=f"seed {run.seed}")
             if run.died:
-                Tree.SubElement(case, "error", message=run.died.splitlines()[0]).text = run.died
+                died = _NOT_XML.sub("\ufffd", run.died)
+                Tree.SubElement(case, "error", message=died.splitlines()[0]).text = died
     asked = [one for one in summary.comparisons if one.verdict != "not asked"]
     failed = sum(one.verdict == "otherwise" for one in asked)
     skipped = sum(one.verdict == "undecided" for one in asked)

@@ -32,7 +32,7 @@ class Sweep:
 
 
 def sweep(experiment: Experiment | None, lines: Sequence[Line]) -> Sweep | None:
-    """Return the rows of a batch as a grid, or None of an experiment with less than two factors or with one row."""
+    """Return the rows of a batch as a grid, None of an experiment with less than two factors or with one row."""
     factors = experiment.factor if experiment else ()
     if len(factors) < 2 or len(lines) < 2:
         return None
@@ -44,6 +44,8 @@ def sweep(experiment: Experiment | None, lines: Sequence[Line]) -> Sweep | None:
         cells = tuple(known.get("+".join(level.name for level in (*levels, *column))) for column in columns)
         if any(cells):
             rows.append((_titles(levels), cells))
+    if not rows:
+        return None
     return Sweep(
         down=_titles(factors[:cut]), across=_titles(factors[cut:]),
         columns=tuple(_titles(column) for column in columns), rows=tuple(rows),

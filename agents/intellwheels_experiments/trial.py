@@ -17,6 +17,7 @@ from typing import Final
 
 import msgspec
 import numpy as np
+from rich import markup
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 from rich.table import Table
@@ -139,7 +140,12 @@ def show(summary: Summary, console: Console, experiment: Experiment | None = Non
     shown = Table("row", "runs", "succeeded", "95 %", "collided", "physical", "virtual", "time", "odometry error")
     for line in summary.lines:
         low, high = line.interval
-        cells = [line.title, str(line.runs), str(line.succeeded), f"{100 * low:.0f} to {100 * high:.0f} %"]
+        cells = [
+            markup.escape(line.title),
+            str(line.runs),
+            str(line.succeeded),
+            f"{100 * low:.0f} to {100 * high:.0f} %",
+        ]
         cells += [str(line.collided), str(line.physical), str(line.virtual)]
         for name, form in (("time", "{:.1f} s"), ("odometry_error", "{:.3f} m")):
             cells.append(form.format(line.spread[name].median) if name in line.spread else "-")
@@ -161,9 +167,12 @@ def _show_sweep(summary: Summary, console: Console, experiment: Experiment | Non
     if found is None:
         return
     across = " and ".join(title.lower() for title in found.across)
-    shown = Table(*found.down, *("\n".join(column) for column in found.columns), title=f"Succeeded, by {across}")
+    heads = (*found.down, *("\n".join(column) for column in found.columns))
+    shown = Table(*map(markup.escape, heads), title=markup.escape(f"Succeeded, by {across}"))
     for levels, cells in found.rows:
-        shown.add_row(*levels, *(f"{line.succeeded} / {line.runs}" if line else "" for line in cells))
+        shown.add_row(
+            *map(markup.escape, levels), *(f"{line.succeeded} / {line.runs}" if line else "" for line in cells)
+        )
     console.print(shown)
 
 

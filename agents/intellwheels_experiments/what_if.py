@@ -23,7 +23,7 @@ from intellwheels_experiments.batch import Batch
 from intellwheels_experiments.keep import IMAGE, LOG, Kept, keep
 from intellwheels_experiments.measure import measured
 from intellwheels_experiments.rows import Row
-from intellwheels_experiments.stand import Branch, Site, Stand, StandError
+from intellwheels_experiments.stand import Branch, Site, Stand, StandError, StoppedError
 from intellwheels_experiments.summary import Summary
 from intellwheels_experiments.trace import Trace, read_trace
 from intellwheels_experiments.trial import write_files
@@ -111,6 +111,8 @@ def perform_branch(batch: Batch, scene: Scene, other: Row, log: Path, at: int, s
             keep(batch.out, Kept(row=name, seed=seed, measured=numbers), course, source, log_of[name])
     except StandError as error:
         raise ParentError(str(error)) from error
+    except StoppedError:
+        raise ParentError("broken off") from None
     finally:
         shutil.rmtree(scratch, ignore_errors=True)
     rows = (
@@ -127,7 +129,10 @@ def perform_branch(batch: Batch, scene: Scene, other: Row, log: Path, at: int, s
 def _again(log: Path, target: Path) -> Trace:
     """Return what was true in a log's world, by running it again."""
     command = [sys.executable, "-m", "intellwheels_server", "--resimulate", str(log), "--trace", str(target)]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=LIMIT, check=False)
+    try:
+        done = subprocess.run(command, capture_output=True, text=True, timeout=LIMIT, check=False)
+    except subprocess.TimeoutExpired as error:
+        raise ParentError(f"{log}: running it again took more than {LIMIT:g} s") from error
     if done.returncode != 0:
         raise ParentError(done.stderr.strip() or f"exit {done.returncode}")
     try:

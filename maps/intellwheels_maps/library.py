@@ -6,7 +6,7 @@ its schema and its checks; what has not is a `WireError` that names file, line a
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from importlib.resources import files
 from importlib.resources.abc import Traversable
 from pathlib import Path
@@ -15,7 +15,7 @@ from typing import Literal, TypeAlias, TypeVar, get_args
 from intellwheels_maps.check import Finding, check_map, check_robot, check_scene
 from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.files import read_with_lines
-from intellwheels_schemas.messages import Map, Record, Robot, Scene
+from intellwheels_schemas.messages import Bridge, Map, Record, Robot, Scene
 
 Shelf: TypeAlias = Literal["floors", "robots", "scenes"]
 
@@ -79,9 +79,24 @@ def scene(name_or_path: str | Path, *, beside: Path | None = None) -> Scene:
                 robot(cast.robot, beside=folder)
             except WireError as error:
                 findings.append(Finding(f"Scene.Cast[{index}]", f"agent {cast.name!r}: {error.text}"))
+        for where, bridge in _bridges(document):
+            try:
+                if bridge.chair is not None:
+                    robot(bridge.chair, beside=folder)
+            except WireError as error:
+                findings.append(Finding(where, f"chair of {bridge.agent!r}: {error.text}"))
         return findings
 
     return _load(Scene, file, check)
+
+
+def _bridges(document: Scene) -> Iterator[tuple[str, Bridge]]:
+    for index, bridge in enumerate(document.bridge):
+        yield f"Scene.Bridge[{index}]", bridge
+    for number, factor in enumerate(document.experiment.factor if document.experiment else ()):
+        for at, level in enumerate(factor.level):
+            for index, bridge in enumerate(level.bridge):
+                yield f"Scene.Experiment.Factor[{number}].Level[{at}].Bridge[{index}]", bridge
 
 
 def _shelf(shelf: Shelf) -> Traversable:

@@ -339,6 +339,8 @@ def _check_experiment(experiment: Experiment, cast: set[str], where: str) -> Non
     if experiment.umbmark is not None:
         _check_row(experiment.umbmark.left, rows, f"{where}.Umbmark.Left")
         _check_row(experiment.umbmark.right, rows, f"{where}.Umbmark.Right")
+        if experiment.umbmark.left == experiment.umbmark.right:
+            raise _wrong(f"{where}.Umbmark.Right", "another row than Left", shown(experiment.umbmark.right))
 
 
 def _check_row(row: str, rows: set[str], where: str) -> None:

@@ -77,3 +77,17 @@ def test_runs_of_a_scene_with_bridges_are_those_of_a_chair_that_has_one() -> Non
     lab = scene("lab")
     with pytest.raises(WireError, match=r"expected one with a bridge \(real1, real2\), got 'virtual1'"):
         rows_of(msgspec.structs.replace(lab, experiment=Experiment(subject="virtual1")))
+
+
+def test_runs_of_a_level_with_a_bridge_are_those_of_a_chair_that_has_one() -> None:
+    level = Level(name="a", bridge=(Bridge(agent="chair2"),))
+    with pytest.raises(WireError, match=r"expected one with a bridge \(chair2\), got 'chair1'"):
+        rows_of(_varied(level))
+
+
+def test_period_of_a_row_is_that_of_its_laboratory_too() -> None:
+    (row,) = rows_of(_varied(Level(name="a", setting=(Setting(name="Period", value="0.1"),)), of="lab"))
+    assert (row.scene.period, row.words) == (0.1, ("--period", "0.1"))
+    for wrong in ("soon", "0", "nan"):
+        with pytest.raises(WireError, match=r"Setting.Value: expected a period in \[0.001, 1\] s, got '" + wrong):
+            rows_of(_varied(Level(name="a", setting=(Setting(name="Period", value=wrong),))))

@@ -33,12 +33,22 @@ def end(turn: float, noise: float = 0.0) -> tuple[float, float]:
     return x + noise, y
 
 
-def write(folder: Path, row: str, seed: str, true: tuple[float, float]) -> Kept:
+def write(
+    folder: Path,
+    row: str,
+    seed: str,
+    true: tuple[float, float],
+    *,
+    heading: float = 0.0,
+    reported: tuple[float, float] = (0.0, 0.0),
+) -> Kept:
     place = place_of(folder, row, seed)
     place.mkdir(parents=True)
     (place / "robot.json").write_bytes(msgspec.json.encode(CHAIR))
-    for name, (x, y) in (("true", true), ("reported", (0.0, 0.0))):
-        (place / f"{name}.tum").write_text(tum(np.array([0.0, 1.0]), np.array([[0.0, 0.0, 0.0], [x, y, 0.0]])))
+    cos, sin = math.cos(heading), math.sin(heading)
+    for name, (x, y) in (("true", true), ("reported", reported)):
+        poses = np.array([[0.0, 0.0, heading], [cos * x - sin * y, sin * x + cos * y, heading]])
+        (place / f"{name}.tum").write_text(tum(np.array([0.0, 1.0]), poses))
     return kept(row, seed)
 
 
@@ -65,3 +75,33 @@ def test_one_seed_has_no_error_and_none_both_ways_has_no_figures(tmp_path: Path)
     found = squares(tmp_path, [left, write(tmp_path, "right", "1", end(-1.0))], ASKED)
     assert found is not None
     assert (found.wheels.error, found.base.error) == (None, None)
+
+
+@pytest.mark.parametrize("degrees", [90.0, 180.0, -30.0])
+def test_squares_may_begin_along_any_direction(tmp_path: Path, degrees: float) -> None:
+    runs = [
+        write(tmp_path, row, "1", end(turn), heading=math.radians(degrees))
+        for row, turn in (("left", 1.0), ("right", -1.0))
+    ]
+    found = squares(tmp_path, runs, ASKED)
+    assert found is not None
+    assert found.wheels.found == pytest.approx(1.002, abs=3e-4)
+    assert found.base.found == pytest.approx(1.005, abs=3e-4)
+
+
+def test_who_touched_something_or_did_not_come_round_counts_nowhere(tmp_path: Path) -> None:
+    runs = [write(tmp_path, row, "1", end(turn)) for row, turn in (("left", 1.0), ("right", -1.0))]
+    runs += [write(tmp_path, "right", seed, end(-1.0)) for seed in "23"]
+    hit = write(tmp_path, "left", "2", end(1.0))
+    assert hit.measured is not None
+    runs.append(msgspec.structs.replace(hit, measured=msgspec.structs.replace(hit.measured, collided=True)))
+    runs.append(write(tmp_path, "left", "3", (2.0, 1.0), reported=(2.0, 1.0)))
+    found = squares(tmp_path, runs, ASKED)
+    assert found is not None
+    assert found.seeds == 1
+
+
+def test_chair_that_reports_nothing_has_no_figures(tmp_path: Path) -> None:
+    runs = [write(tmp_path, row, "1", end(turn)) for row, turn in (("left", 1.0), ("right", -1.0))]
+    (place_of(tmp_path, "left", "1") / "reported.tum").unlink()
+    assert squares(tmp_path, runs, ASKED) is None

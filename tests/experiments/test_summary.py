@@ -73,6 +73,18 @@ def test_comparison_with_a_row_that_is_not_run_is_left_out() -> None:
     assert summed(forty(0), Compare(first="bad", second="ugly")).comparisons == ()
 
 
+def test_rows_without_a_common_seed_say_nothing_where_nothing_is_asked() -> None:
+    runs = [kept("good", "1"), kept("bad", "2")]
+    summary = summed(runs, Compare(first="bad", second="good"))
+    assert summary.comparisons[0].verdict == "not asked"
+    assert 'skipped="0"' in to_junit("e", summary, runs)
+
+
+def test_junit_is_xml_whatever_a_process_printed() -> None:
+    runs = [kept("good", "1"), kept("bad", "1", died="agent-chair: \x1b[31mred\x00\ud800")]
+    assert "red" in str(next(Tree.fromstring(to_junit("e", summed(runs), runs)).iter("error")).text)
+
+
 def test_junit_has_an_error_for_who_died_and_a_failure_for_what_is_otherwise() -> None:
     runs = [*forty(30), kept("good", "x", died="agent-chair: exit 3\n  words")]
     summary = summed(runs, Compare(first="bad", second="good", expect="equivalent"))

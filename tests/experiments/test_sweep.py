@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from intellwheels_experiments.rows import rows_of
+from intellwheels_experiments.rows import Row, rows_of
 from intellwheels_experiments.summary import sum_up
 from intellwheels_experiments.sweep import sweep
 from intellwheels_maps import scene
@@ -40,3 +40,9 @@ def test_one_factor_is_no_grid() -> None:
     summary = sum_up(rows, [kept(row.name, "1") for row in rows], None)
     assert sweep(scene("follow").experiment, summary.lines) is None
     assert sweep(None, summary.lines) is None
+
+
+def test_rows_that_are_not_of_the_experiment_are_no_grid() -> None:
+    rows = [Row(name, name, False, DOOR, (), {}) for name in ("parent", "branch")]
+    summary = sum_up(rows, [kept(row.name, "1") for row in rows], None)
+    assert sweep(DOOR.experiment, summary.lines) is None

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import io
 import json
 import threading
@@ -87,6 +88,13 @@ def test_script_reads_lines_and_a_person_a_table(tmp_path: Path) -> None:
     assert [line.split()[0:2] for line in lines[:2]] == [["row", "name=equal"], ["row", "name=unlike"]]
     assert lines[2].startswith("compare first=unlike second=equal expect=- difference=+0.000")
     assert "┃" in shown(summary, terminal=True)
+
+
+def test_titles_with_brackets_stand_in_the_table_as_they_are(tmp_path: Path) -> None:
+    wanted, document = kept_batch(tmp_path)
+    rows = tuple(dataclasses.replace(row, title=f"{row.name} [/m]") for row in wanted.rows)
+    summary = write_files(dataclasses.replace(wanted, rows=rows), document)
+    assert "unlike [/m]" in shown(summary, terminal=True)
 
 
 def test_run_that_is_missing_is_told_and_counts_nowhere(tmp_path: Path) -> None:

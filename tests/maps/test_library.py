@@ -119,6 +119,17 @@ def test_scene_finds_its_floor_and_robots_beside_itself(tmp_path: Path) -> None:
     assert scene(write(tmp_path, "s.xml", text)).map == "mine.xml"
 
 
+def test_scene_whose_chair_of_a_laboratory_is_not_there_is_refused(tmp_path: Path) -> None:
+    write(tmp_path, "floor.xml", MAP.format(wall=WALL, place="goal"))
+    text = """<Scene Format="iw.v1" Name="s" Map="floor.xml">
+  <Cast Name="a" Robot="rear-wheel" Mind="drive" Place="start"/>
+  <Bridge Agent="a" Chair="chiar"/>
+</Scene>
+"""
+    with pytest.raises(WireError, match=r"chair of 'a': .*chiar"):
+        scene(str(write(tmp_path, "scene.xml", text)))
+
+
 def test_scene_of_an_unknown_place_or_robot_is_refused_with_its_line(tmp_path: Path) -> None:
     write(tmp_path, "mine.xml", MAP.format(wall=WALL, place="goal"))
     text = """<Scene Format="iw.v1" Name="s" Map="mine.xml">

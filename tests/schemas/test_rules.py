@@ -131,3 +131,6 @@ def test_bridge_and_squares_are_of_what_the_scene_has() -> None:
     )
     asked = msgspec.structs.replace(lab, bridge=(), experiment=squares)
     assert refusal(asked) == "Scene.Experiment.Umbmark.Right: expected a row (x), got 'y'"
+    same = msgspec.structs.replace(squares, umbmark=Umbmark(left="x", right="x", side=4.0))
+    asked = msgspec.structs.replace(lab, bridge=(), experiment=same)
+    assert refusal(asked) == "Scene.Experiment.Umbmark.Right: expected another row than Left, got 'x'"

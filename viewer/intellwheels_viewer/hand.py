@@ -8,6 +8,7 @@ from __future__ import annotations
 import dataclasses
 import math
 import threading
+from typing import Any
 
 import viser
 
@@ -42,13 +43,17 @@ class Hand:
 
     def turn(self, heading: float) -> None:
         """Turn what is held to a heading, in radians."""
-        if (ghost := self._ghost) is not None:
-            self._show(dataclasses.replace(ghost, heading=heading))
+        self._change(heading=heading)
 
     def redden(self, *_: object) -> None:
         """Say of what is held that it may not stand there."""
-        if (ghost := self._ghost) is not None:
-            self._show(dataclasses.replace(ghost, refused=True))
+        self._change(refused=True)
+
+    def _change(self, **changes: Any) -> None:
+        with self._lock:
+            if self._ghost is not None:
+                self._ghost = dataclasses.replace(self._ghost, **changes)
+                self._ghosts.show({"hand": self._ghost})
 
     def _show(self, ghost: Ghost | None) -> None:
         with self._lock:

@@ -338,7 +338,7 @@ class Wedges:
         self._mounts.keep(bodies)
         shown = cones(bodies, entities, measures, agents, arcs, self._mounts)
         drawn = shown.where(shown.state != _FAILED)
-        angles = np.round(drawn.cone, 4)
+        angles = np.round(np.degrees(drawn.cone), 3)
         for cone in sorted({*self._fans, *angles.tolist()}):
             self._fan(cone, drawn.where(angles == cone))
         lines = bars(shown)
@@ -346,8 +346,8 @@ class Wedges:
 
     def _fan(self, cone: float, group: Cones) -> None:
         if cone not in self._fans:
-            name = f"/wedges/fan-{math.degrees(cone):.4g}".replace(".", "-")
-            self._fans[cone] = Batch(self._scene, name, fan(cone), opacity=1.0, side="double")
+            name = f"/wedges/fan-{cone:.6g}".replace(".", "-")
+            self._fans[cone] = Batch(self._scene, name, fan(math.radians(cone)), opacity=1.0, side="double")
         lifts = _LIFT * (np.arange(len(group.x)) % _LIFTS)
         self._fans[cone].show(
             np.column_stack([group.x, group.y, lifts]),
