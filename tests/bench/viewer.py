@@ -74,7 +74,7 @@ def draw(chairs: int, seconds: float) -> None:
     """Draw as many chairs at 20 Hz; all is reckoned before."""
     from intellwheels_viewer.guard import open_server
     from intellwheels_viewer.seen import Seen
-    from intellwheels_viewer.stage import Stage, watched
+    from intellwheels_viewer.stage import Stage
     from tests.bench.feed import body, entities, measures
 
     server = open_server("127.0.0.1", 0)
@@ -95,7 +95,7 @@ def draw(chairs: int, seconds: float) -> None:
     while time.monotonic() - begun < seconds:
         tick += 1
         seen = made[tick % len(made)]
-        stage.show(seen, watched(seen, ()))
+        stage.show(seen, ())  # nobody is selected, as when a page has just been opened
         threading.Event().wait(max(begun + tick / RATE - time.monotonic(), 0.0))
     print(f"milliseconds a tick: {1000 * (time.process_time() - cpu) / tick:.3f}", flush=True)
     os._exit(0)

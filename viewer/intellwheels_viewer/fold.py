@@ -50,6 +50,7 @@ class Fold:
         self._words: deque[Words] = deque(maxlen=EVENTS_KEPT)
         self._saying: dict[str, str] = {}
         self._history: dict[str, deque[Sample]] = {}
+        self._told: Mapping[str, tuple[Sample, ...]] | None = None  # the same until the state changes
         self._stamp = 0.0
         self._version = 0
         self.wants_events_since: int | None = None
@@ -197,7 +198,9 @@ class Fold:
         return None if self._clock is None else self._clock.last
 
     def _histories(self, here: set[str]) -> Mapping[str, tuple[Sample, ...]]:
-        return {name: tuple(samples) for name, samples in self._history.items() if name in here}
+        if self._told is None:
+            self._told = {name: tuple(samples) for name, samples in self._history.items() if name in here}
+        return self._told
 
     def _is_of_now(self, run: str) -> bool:
         """Return whether a message is of the newest run, beginning that run when it is the first of it."""
@@ -211,6 +214,7 @@ class Fold:
         self._clock = None
         self._parts, self._entities, self._state_at = {}, (), (-1, 0.0)
         self._bodies, self._measures, self._history, self._saying = {}, {}, {}, {}
+        self._told = None
         self._events, self._next_event, self.wants_events_since = {}, 0, 0
         self._words.clear()
         self._reported = {}
@@ -229,6 +233,7 @@ class Fold:
             del self._events[number]
 
     def _remember(self, time: float, *, back: bool) -> None:
+        self._told = None
         if back:
             self._history.clear()
             self._words.clear()

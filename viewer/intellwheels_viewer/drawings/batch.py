@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Literal, TypeAlias
+from typing import Any, Literal, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
@@ -45,6 +45,8 @@ class Batch:
         self.handle: viser.BatchedMeshHandle | None = None
         self.names: tuple[str, ...] = ()
         self._scene, self._name, self._shape = scene, name, shape
+        self._visible = True
+        self._told: dict[str, npt.NDArray[Any]] = {}
         self._opacity, self._side, self._shadow, self._made = opacity, side, shadow, made
 
     def show(
@@ -77,22 +79,30 @@ class Batch:
             if len(places) and len(self._shape.faces):
                 self._make(places, turns, tints, sizes, shares)
             return
-        self.handle.visible = bool(len(places))
+        self._see(bool(len(places)))
         if not len(places):
             return
-        self.handle.batched_positions = places
-        self.handle.batched_wxyzs = turns
-        self.handle.batched_colors = tints
-        if sizes is not None:
-            self.handle.batched_scales = sizes
-        if shares is not None:
-            self.handle.batched_opacities = shares
+        self._assign("batched_positions", places)
+        self._assign("batched_wxyzs", turns)
+        self._assign("batched_colors", tints)
+        self._assign("batched_scales", sizes)
+        self._assign("batched_opacities", shares)
 
     def hide(self) -> None:
         """Show none."""
         self.names = ()
         if self.handle is not None:
-            self.handle.visible = False
+            self._see(False)
+
+    def _see(self, visible: bool) -> None:
+        if self.handle is not None and visible != self._visible:
+            self.handle.visible = self._visible = visible
+
+    def _assign(self, name: str, value: npt.NDArray[Any] | None) -> None:
+        """Assign what is another than the last time: viser looks too, and takes ten times as long."""
+        if value is not None and not np.array_equal(value, self._told.get(name, ())):
+            self._told[name] = value
+            setattr(self.handle, name, value)
 
     def _make(self, places: Array, turns: Array, tints: Bytes, sizes: Array | None, shares: Array | None) -> None:
         self.handle = self._scene.add_batched_meshes_simple(

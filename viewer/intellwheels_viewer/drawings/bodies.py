@@ -6,7 +6,6 @@ a red footprint, what is stale is faded, what is selected has the ring.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Final, Literal, TypeAlias
@@ -240,18 +239,17 @@ class Bodies:
         self._contact.show(placed.positions, quaternions(placed.headings), placed.colours, scales=sizes)
 
     def _show_stripes(self, groups: Mapping[int, Sequence[Entity]], colours: palette.Colours) -> None:
-        places, headings, sizes = [], [], []
-        for number, group in groups.items():
-            x, z, across = self._looks[number].model.stripe
-            for entity in group:
-                for stripe in range(colours.mark(entity.name)):
-                    back = x - 0.1 * stripe
-                    cos, sin = math.cos(entity.heading), math.sin(entity.heading)
-                    places.append((entity.x + back * cos, entity.y + back * sin, z))
-                    headings.append(entity.heading)
-                    sizes.append((1.0, across, 1.0))
-        scales = np.array(sizes, np.float32).reshape(-1, 3)
-        self._stripes.show(places, quaternions(headings), np.tile(_STRIPE, (len(places), 1)), scales=scales)
+        rows = [
+            (entity.x, entity.y, entity.heading, x - 0.1 * stripe, z, across)
+            for number, group in groups.items()
+            for x, z, across in [self._looks[number].model.stripe]
+            for entity in group
+            for stripe in range(colours.mark(entity.name))
+        ]
+        x, y, heading, back, z, across = np.array(rows, np.float64).reshape(-1, 6).T
+        places = np.column_stack([x + back * np.cos(heading), y + back * np.sin(heading), z])
+        scales = np.column_stack([np.ones(len(rows)), across, np.ones(len(rows))])
+        self._stripes.show(places, quaternions(heading), np.tile(_STRIPE, (len(rows), 1)), scales=scales)
 
     def _listen(self, batch: Batch) -> None:
         self._clickable.append(batch)

@@ -97,6 +97,7 @@ class Labels:
     def __init__(self, scene: viser.SceneApi, name: str = "/labels") -> None:
         self._scene, self._name = scene, name
         self._nodes: dict[str, viser.LabelHandle] = {}
+        self._shown: dict[str, Tag] = {}
 
     def show(
         self,
@@ -108,7 +109,7 @@ class Labels:
     ) -> None:
         """Show names and what was said; the arguments are those of `tags`."""
         shown = tags(bodies, entities, words, now, wanted)
-        for name in self._nodes.keys() - shown.keys():
+        for name in self._shown.keys() - shown.keys():
             self._nodes[name].visible = False
         for name, tag in shown.items():
             place = (tag.x, tag.y, tag.z)
@@ -118,4 +119,12 @@ class Labels:
                     f"{self._name}/{name}", tag.text, position=place, font_screen_scale=0.85, anchor="bottom-center"
                 )
                 continue
-            node.text, node.position, node.visible = tag.text, place, True
+            before = self._shown.get(name)
+            if before is None:
+                node.visible = True
+            # An assignment costs viser more than a look, even of what is the same.
+            if before is None or before.text != tag.text:
+                node.text = tag.text
+            if before is None or (before.x, before.y, before.z) != place:
+                node.position = place
+        self._shown = shown

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from typing import Final
 
 import numpy as np
+import numpy.typing as npt
 import viser
 
 from intellwheels_viewer import palette
@@ -22,49 +24,85 @@ JUMP: Final = 0.6
 
 _STEP_SQUARED: Final = STEP**2
 _JUMP_SQUARED: Final = JUMP**2
+_NOWHERE: Final[Array] = np.zeros((0, 3), np.float32)
 
 
-def trail(history: Sequence[Sample], now: float) -> list[tuple[float, float, float]]:
-    """Return the corners (x, y, age in seconds) of a trail, oldest first; its end is the newest sample."""
-    corners: list[tuple[float, float, float]] = []
-    before: Sample | None = None
-    newest = history[-1] if history else None
-    x = y = 0.0
-    for sample in history:
-        age = now - sample.time
-        if not 0.0 <= age <= LENGTH:
-            continue
-        if before is not None and (sample.x - before.x) ** 2 + (sample.y - before.y) ** 2 > _JUMP_SQUARED:
-            corners.clear()
-        before = sample
-        if corners and sample is not newest and (sample.x - x) ** 2 + (sample.y - y) ** 2 < _STEP_SQUARED:
-            continue
-        x, y = sample.x, sample.y
-        corners.append((x, y, age))
-    return corners
+class Trail:
+    """One agent's corners, taken up sample by sample: of a history only what is new is looked at."""
+
+    def __init__(self) -> None:
+        self._corners: Array = _NOWHERE
+        self._last: Sample | None = None
+
+    def corners(self, history: Sequence[Sample], now: float) -> Array:
+        """Return the corners (N, 3) x, y and time of a trail, oldest first; its end is the newest sample.
+
+        Args:
+            history: Samples, oldest first: those of the last time and some more, or of another run.
+            now: The simulated time, in seconds.
+        """
+        new: list[Sample] = []
+        for sample in reversed(history):
+            if sample is self._last:
+                break
+            new.append(sample)
+        else:
+            self._corners, self._last = _NOWHERE, None
+        self._take(new[::-1])
+        if self._last is None:
+            return _NOWHERE
+        first = int(np.searchsorted(self._corners[:, 2], now - LENGTH))
+        if first:
+            self._corners = self._corners[first:]
+        last = self._last
+        kept = self._corners[self._corners[:, 2] <= now]
+        if last.time > now or last.time < now - LENGTH:
+            return kept
+        if len(kept) and kept[-1, 2] == np.float32(last.time):
+            return kept
+        return np.concatenate([kept, np.array([(last.x, last.y, last.time)], np.float32)])
+
+    def _take(self, samples: Sequence[Sample]) -> None:
+        added: list[tuple[float, float, float]] = []
+        before, kept = self._last, self._corners
+        x, y = (float(kept[-1, 0]), float(kept[-1, 1])) if len(kept) else (math.inf, math.inf)
+        for sample in samples:
+            if before is not None and (sample.x - before.x) ** 2 + (sample.y - before.y) ** 2 > _JUMP_SQUARED:
+                kept, added = _NOWHERE, []
+                x = y = math.inf
+            before = sample
+            if (sample.x - x) ** 2 + (sample.y - y) ** 2 >= _STEP_SQUARED:
+                x, y = sample.x, sample.y
+                added.append((x, y, sample.time))
+        self._last = before
+        self._corners = np.concatenate([kept, np.array(added, np.float32).reshape(-1, 3)]) if added else kept
 
 
-def segments(histories: Mapping[str, Sequence[Sample]], now: float, colours: palette.Colours) -> tuple[Array, Array]:
-    """Return the trails' stretches (N, 2, 3) in metres and the colours of their ends (N, 2, 3) in sRGB bytes."""
-    points, tints = [np.zeros((0, 2, 3), np.float32)], [np.zeros((0, 2, 3), np.float32)]
-    for name, history in histories.items():
-        corners = np.array(trail(history, now), np.float32).reshape(-1, 3)
-        if len(corners) > 1:
-            tints.append(_paired(_faded(colours.rgb(name), corners[:, 2])))
-            corners[:, 2] = layers.TRAIL
-            points.append(_paired(corners))
-    return np.concatenate(points), np.concatenate(tints)
+def segments(corners: Sequence[Array], now: float, colours: Sequence[palette.RGB]) -> tuple[Array, Array]:
+    """Return the trails' stretches (N, 2, 3) in metres and the colours of their ends (N, 2, 3) in sRGB bytes.
+
+    Args:
+        corners: Of each agent, (N, 3) x, y and time.
+        now: The simulated time, in seconds.
+        colours: Of each agent.
+    """
+    rows = np.concatenate([_NOWHERE, *corners])
+    owner = np.repeat(np.arange(len(corners)), [len(each) for each in corners])
+    own = np.array(colours, np.float32).reshape(-1, 3)[owner]
+    tints = _faded(own, (now - rows[:, 2]).astype(np.float32))
+    rows[:, 2] = layers.TRAIL
+    joined = owner[1:] == owner[:-1]
+    return _paired(rows, joined), _paired(tints, joined)
 
 
-def _paired(rows: Array) -> Array:
-    """Return each row with the next, (N - 1, 2, 3)."""
-    return np.stack([rows[:-1], rows[1:]], axis=1)
+def _paired(rows: Array, joined: npt.NDArray[np.bool_]) -> Array:
+    """Return each row with the next where they are joined, (N, 2, 3)."""
+    return np.stack([rows[:-1][joined], rows[1:][joined]], axis=1)
 
 
-def _faded(rgb: palette.RGB, ages: Array) -> Array:
-    """Return a colour at so many ages, (N, 3)."""
-    shares = 0.25 + 0.7 * np.minimum(ages / LENGTH, 1.0)[:, None]
-    own = np.array(rgb, np.float32)
+def _faded(own: Array, ages: Array) -> Array:
+    """Return colours at so many ages, (N, 3)."""
+    shares = 0.25 + 0.7 * np.clip(ages / LENGTH, 0.0, 1.0)[:, None]
     faded: Array = np.round(own + (np.array(palette.FLOOR, np.float32) - own) * shares)
     return faded
 
@@ -75,6 +113,7 @@ class Trails:
     def __init__(self, scene: viser.SceneApi) -> None:
         self._scene = scene
         self._lines: viser.LineSegmentsHandle | None = None
+        self._trails: dict[str, Trail] = {}
 
     def show(self, histories: Mapping[str, Sequence[Sample]], now: float, colours: palette.Colours) -> None:
         """Show the trails of some agents.
@@ -84,7 +123,10 @@ class Trails:
             now: The simulated time, in seconds.
             colours: Whose colour is which.
         """
-        points, tints = segments(histories, now, colours)
+        for name in self._trails.keys() - histories.keys():
+            del self._trails[name]
+        corners = [self._trails.setdefault(name, Trail()).corners(each, now) for name, each in histories.items()]
+        points, tints = segments(corners, now, [colours.rgb(name) for name in histories])
         colors = palette.light_bytes(tints)
         if self._lines is not None:
             self._lines.visible = bool(len(points))
