@@ -31,6 +31,9 @@ FRAME: Final = 1 / 30
 """Seconds of wall time between two drawn ticks."""
 PANELS: Final = 0.22
 """Seconds of wall time between two fillings of the panels."""
+PANELS_OF_MANY: Final = 0.5
+"""The same above `CROWDED` bodies, whose table and plan are long."""
+CROWDED: Final = 33
 FAREWELL: Final = 1.0
 """Seconds that pages have, in all, to give back what they drive."""
 FAULTS_TOLD: Final = 20
@@ -116,7 +119,7 @@ class Viewer:
                     drawn = state
                     self._draw(seen, pages)
                 now = time.monotonic()
-                if now - filled >= PANELS:
+                if now - filled >= (PANELS if len(seen.entities) <= CROWDED else PANELS_OF_MANY):
                     filled = now
                     for page in pages.values():
                         self._shield(page.panels, seen)
