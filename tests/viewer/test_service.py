@@ -13,7 +13,7 @@ import pytest
 
 from intellwheels_schemas.link import Link
 from intellwheels_schemas.messages import Result
-from intellwheels_viewer import service
+from intellwheels_viewer import service, stage
 from intellwheels_viewer.service import Options, Viewer, serve
 from tests.viewer.browser import Browser, opened
 from tests.viewer.wire import OTHER, Simulator, body, clock, entity, simulator, until
@@ -302,3 +302,8 @@ def test_nothing_of_a_browser_is_left_open(world: tuple[Simulator, Running]) -> 
             browser.element("Camera")
         until(lambda: viewer.pages() == 0)
     until(lambda: _open_files() <= open_now + 1)
+
+
+def test_panels_of_many_bodies_are_filled_less_often() -> None:
+    assert service.filling(stage.MANY) == service.PANELS
+    assert service.filling(stage.MANY + 1) == service.PANELS_OF_MANY > service.PANELS

@@ -25,15 +25,14 @@ from intellwheels_viewer.network import Network
 from intellwheels_viewer.page import Page
 from intellwheels_viewer.recording import Recording
 from intellwheels_viewer.seen import Seen
-from intellwheels_viewer.stage import Stage, watched
+from intellwheels_viewer.stage import MANY, Stage, watched
 
 FRAME: Final = 1 / 30
 """Seconds of wall time between two drawn ticks."""
 PANELS: Final = 0.22
 """Seconds of wall time between two fillings of the panels."""
 PANELS_OF_MANY: Final = 0.5
-"""The same above `CROWDED` bodies, whose table and plan are long."""
-CROWDED: Final = 33
+"""The same of many bodies, whose table and plan are long."""
 FAREWELL: Final = 1.0
 """Seconds that pages have, in all, to give back what they drive."""
 FAULTS_TOLD: Final = 20
@@ -119,7 +118,7 @@ class Viewer:
                     drawn = state
                     self._draw(seen, pages)
                 now = time.monotonic()
-                if now - filled >= (PANELS if len(seen.entities) <= CROWDED else PANELS_OF_MANY):
+                if now - filled >= filling(len(seen.entities)):
                     filled = now
                     for page in pages.values():
                         self._shield(page.panels, seen)
@@ -192,6 +191,11 @@ class Viewer:
         page = self._page(event.client_id)
         if page is not None:
             page.drag(name, event)
+
+
+def filling(bodies: int) -> float:
+    """Return the seconds of wall time between two fillings of the panels with so many bodies."""
+    return PANELS if bodies <= MANY else PANELS_OF_MANY
 
 
 def serve(options: Options, link: Link, stop: threading.Event) -> int:

@@ -35,6 +35,8 @@ SKY: Final = (232, 236, 241)
 NIGHT: Final = (34, 37, 43)
 FEW: Final = 100
 """Bodies up to which all wedges are drawn; of more the selected ones' only."""
+MANY: Final = FEW // 3
+"""Bodies above which what costs most is eased: only selected readings have arcs, labels and panels are less often."""
 SLOW_EVERY: Final = 0.2
 """Simulated seconds between two drawings of what does not have to be smooth: trails and, of many, labels."""
 
@@ -90,7 +92,7 @@ class Stage:
             self.bodies.show(seen.bodies, seen.entities, self.colours, seen.stale)
             self._reported.show(reported(seen, self.colours))
             agents = watched(seen, wanted)
-            many = len(seen.entities) > FEW // 3
+            many = len(seen.entities) > MANY
             # Three quarters of a wedge's bytes are its arc.
             self._wedges.show(seen.bodies, seen.entities, seen.measures, agents, wanted if many else None)
             self._lidars.show(seen.bodies, seen.entities, seen.measures, agents)

@@ -57,3 +57,25 @@ def test_what_is_hidden_names_nobody(scene: viser.SceneApi) -> None:
     assert batch.names == ()
     assert batch.handle is not None
     assert not batch.handle.visible
+
+
+def test_only_what_changed_is_assigned(scene: viser.SceneApi) -> None:
+    assigned: list[str] = []
+
+    class Handle:
+        def __setattr__(self, name: str, value: object) -> None:
+            assigned.append(name)
+
+    batch = Batch(scene, "/b", CUBE)
+    show(batch, 2)
+    batch.handle = Handle()  # type: ignore[assignment]
+    show(batch, 2)
+    assigned.clear()
+    show(batch, 2)
+    assert assigned == []
+    batch.show(np.ones((2, 3)), quaternions([0.0] * 2), [(0, 188, 255)] * 2, names=["a"] * 2)
+    assert assigned == ["batched_positions"]
+    show(batch, 3)
+    assert assigned[1:] == ["batched_positions", "batched_wxyzs", "batched_colors"]
+    show(batch, 0)
+    assert assigned[4:] == ["visible"]

@@ -1,3 +1,5 @@
+"""An empty scene says why it is empty, and no longer than it is."""
+
 from __future__ import annotations
 
 import viser
