@@ -13,6 +13,6 @@ COMPILED = 600.0
 
 @pytest.fixture(scope="session", autouse=True)
 def _kernels() -> None:
-    words = [sys.executable, "-c", "from intellwheels_server.warming import warm; warm()"]
+    words = [sys.executable, "-c", "from intellwheels_server.world.warmup import warm; warm()"]
     done = subprocess.run(words, capture_output=True, text=True, timeout=COMPILED, check=False)
     assert done.returncode == 0, done.stderr

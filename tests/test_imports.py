@@ -29,12 +29,12 @@ MAY_IMPORT = {
 }
 KNOWS_ZENOH = {
     "schemas/intellwheels_schemas/link.py",
-    "server/intellwheels_server/service.py",
-    "agents/intellwheels_agents/network.py",
-    "agents/intellwheels_agents/joystick/network.py",
-    "agents/intellwheels_experiments/watch.py",
-    "agents/intellwheels_experiments/check/network.py",
-    "viewer/intellwheels_viewer/network.py",
+    "server/intellwheels_server/service/simulator_peer.py",
+    "agents/intellwheels_agents/agent_peer.py",
+    "agents/intellwheels_agents/joystick/joystick_peer.py",
+    "agents/intellwheels_experiments/run/world_watch.py",
+    "agents/intellwheels_experiments/conformance/scripted_simulator.py",
+    "viewer/intellwheels_viewer/viewer_peer.py",
 }
 """The files that talk to the network, one a room, the stand of `iw-check-agent` and the joystick."""
 
@@ -63,9 +63,9 @@ def imported(path: Path) -> Iterator[str]:
 
 FILES = list(sources())
 COMMANDS = {
-    "intellwheels_schemas.present", "intellwheels_server.router", "intellwheels_experiments.check.__main__",
-    "intellwheels_agents.joystick.__main__", "intellwheels_experiments.rig", "intellwheels_viewer.service",
-    "intellwheels_agents.bridge.__main__", "intellwheels_experiments.stand",
+    "intellwheels_schemas.present", "intellwheels_server.service.router", "intellwheels_experiments.conformance.__main__",
+    "intellwheels_agents.joystick.__main__", "intellwheels_experiments.testing.rig", "intellwheels_viewer.viewer_service",
+    "intellwheels_agents.bridge.__main__", "intellwheels_experiments.batch.run_worker",
 }  # fmt: skip
 """Commands that are files of their own; the rig and the viewer's service, which do a command's work."""
 

@@ -25,7 +25,7 @@ def test_test_of_the_readme_passes(tmp_path: Path) -> None:
     for name in ("forward.py", "test_forward.py"):
         (tmp_path / name).write_text(blocks[name])
     # By the file and not by the entry point: a checkout may be newer than what is installed.
-    words = ["-p", "no:intellwheels", "-p", "intellwheels_experiments.plugin", "-p", "no:cacheprovider"]
+    words = ["-p", "no:intellwheels", "-p", "intellwheels_experiments.testing.plugin", "-p", "no:cacheprovider"]
     done = subprocess.run(
         [sys.executable, "-m", "pytest", "-W", "error", *words, str(tmp_path)],
         cwd=tmp_path, capture_output=True, text=True, timeout=300, check=False,

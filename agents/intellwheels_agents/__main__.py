@@ -9,10 +9,10 @@ from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 
 from intellwheels_agents import minds, starter
-from intellwheels_agents.equipment import equipped, joining, split_options
+from intellwheels_agents.agent_peer import run_agent
 from intellwheels_agents.harness import NAME_TAKEN, PLACE_TAKEN
-from intellwheels_agents.network import run_agent
 from intellwheels_agents.options import OptionError, Options
+from intellwheels_agents.robot_document import equipped, joining, split_options
 from intellwheels_maps import robot as robot_file
 from intellwheels_schemas.codec import Encoding
 from intellwheels_schemas.errors import WireError

@@ -9,8 +9,8 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 
-from intellwheels_agents.path import Point
-from intellwheels_agents.surroundings import Outline
+from intellwheels_agents.pure_pursuit import Point
+from intellwheels_agents.range_scan import Outline
 
 Moving = tuple[float, float, float, float]
 

@@ -21,9 +21,9 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Sequence
 
-from intellwheels_agents.chair import wrapped
-from intellwheels_agents.path import Point
-from intellwheels_agents.ring import Thing
+from intellwheels_agents.differential_drive import wrapped
+from intellwheels_agents.pure_pursuit import Point
+from intellwheels_agents.range_ring import Thing
 
 LIKED = 1.34
 """Metres a second, v0."""

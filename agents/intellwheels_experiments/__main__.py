@@ -14,12 +14,12 @@ from typing import get_args
 import msgspec
 from rich.console import Console
 
-from intellwheels_experiments.plan import WALL_LIMIT, Plan, wall_limit
-from intellwheels_experiments.progress import Progress
-from intellwheels_experiments.report import show, to_json
-from intellwheels_experiments.rows import Row, rows_of
-from intellwheels_experiments.run import perform
-from intellwheels_experiments.watch import watching
+from intellwheels_experiments.batch.experiment_rows import Row, rows_of
+from intellwheels_experiments.run.launch_spec import WALL_LIMIT, LaunchSpec, wall_limit
+from intellwheels_experiments.run.progress import Progress
+from intellwheels_experiments.run.run_report import show, to_json
+from intellwheels_experiments.run.scene_run import perform
+from intellwheels_experiments.run.world_watch import watching
 from intellwheels_maps import floor, names, scene
 from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.link import Link
@@ -112,7 +112,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     wanted = msgspec.structs.replace(wanted, **{name: value for name, value in changes.items() if value is not None})
     logs = options.logs or Path(tempfile.mkdtemp(prefix="iw-run-"))
     is_led = options.connect or options.config is not None
-    plan = Plan(
+    plan = LaunchSpec(
         scene=wanted,
         source=str(Path(options.scene).absolute()) if is_path else options.scene,
         folder=folder,
@@ -147,10 +147,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
 def _batch(options: argparse.Namespace, wanted: Scene, plan_floor: Map, folder: Path | None) -> int:
     try:
         # These import numpy, scipy, shapely and matplotlib: a single run needs none of them.
-        from intellwheels_experiments.batch import Batch  # noqa: PLC0415
-        from intellwheels_experiments.trial import OtherBatchError, perform_batch  # noqa: PLC0415
-        from intellwheels_experiments.trial import show as show_batch  # noqa: PLC0415
-        from intellwheels_experiments.what_if import ParentError, changed, perform_branch  # noqa: PLC0415
+        from intellwheels_experiments.batch.batch_command import OtherBatchError, perform_batch  # noqa: PLC0415
+        from intellwheels_experiments.batch.batch_command import show as show_batch  # noqa: PLC0415
+        from intellwheels_experiments.batch.run_batch import Batch  # noqa: PLC0415
+        from intellwheels_experiments.batch.what_if import ParentError, changed, perform_branch  # noqa: PLC0415
     except ModuleNotFoundError as error:
         print(f"iw-run: --seeds: {error.name} is missing: pip install 'intellwheels[experiments]'", file=sys.stderr)
         return 2

@@ -15,10 +15,10 @@ from intellwheels_schemas.link import DEFAULT_WORLD, Link, add_link_options, lin
 from intellwheels_schemas.messages import Map, Scene
 from intellwheels_schemas.names import check_name
 from intellwheels_schemas.process import add_process_options, stop_on_signals
-from intellwheels_server.branch import read_branch
-from intellwheels_server.desk import Options
-from intellwheels_server.log import LogError, read_header
-from intellwheels_server.resimulate import resimulate
+from intellwheels_server.log.branch import read_branch
+from intellwheels_server.log.input_log import LogError, read_header
+from intellwheels_server.log.resimulate import resimulate
+from intellwheels_server.service.service_state import Options
 from intellwheels_server.world import Setup
 
 EXAMPLES = """\
@@ -174,8 +174,8 @@ def main(arguments: list[str] | None = None) -> int:
         grammar.error(str(error))
     stop = stop_on_signals(given.lifeline)
     # These import numba and zenoh: `--help` and usage errors come without them.
-    from intellwheels_server.service import WorldTakenError, serve  # noqa: PLC0415
-    from intellwheels_server.warming import warm  # noqa: PLC0415
+    from intellwheels_server.service.simulator_peer import WorldTakenError, serve  # noqa: PLC0415
+    from intellwheels_server.world.warmup import warm  # noqa: PLC0415
 
     warm()
     # What lives now lives as long as the process: the collector need not look at it at every pass of the loop.
@@ -206,17 +206,17 @@ def _play(given: argparse.Namespace) -> int:
         print(f"iw-server: {error.filename}: {error.strerror}", file=sys.stderr)
         return 1
     stop = stop_on_signals(given.lifeline)
-    from intellwheels_server.recording import Recording  # noqa: PLC0415
-    from intellwheels_server.service import WorldTakenError, serve  # noqa: PLC0415
-    from intellwheels_server.warming import warm  # noqa: PLC0415
+    from intellwheels_server.log.seekable_log import SeekableLog  # noqa: PLC0415
+    from intellwheels_server.service.simulator_peer import WorldTakenError, serve  # noqa: PLC0415
+    from intellwheels_server.world.warmup import warm  # noqa: PLC0415
 
     def progress(lines: int) -> None:
         print(f"reading lines={lines}", file=sys.stderr, flush=True)
         if stop.is_set():
             raise SystemExit(0)
 
-    def read(log: Path) -> Recording:
-        recording = Recording(log, progress)
+    def read(log: Path) -> SeekableLog:
+        recording = SeekableLog(log, progress)
         if recording.cut:
             print(f"{log}: the last line was cut and is dropped", file=sys.stderr)
         if recording.differs is not None:
@@ -325,7 +325,7 @@ def _resimulate(path: Path) -> int:
 
 
 def _trace(log: Path, target: Path) -> int:
-    from intellwheels_server.trace import trace_lines  # noqa: PLC0415
+    from intellwheels_server.log.true_trace import trace_lines  # noqa: PLC0415
 
     try:
         with target.open("wb") as file:

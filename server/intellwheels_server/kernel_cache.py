@@ -53,7 +53,7 @@ def source_digest() -> str:
 
 
 def _kernel_files() -> list[Traversable]:
-    package = resources.files("intellwheels_server").joinpath("kernels")
+    package = resources.files("intellwheels_server").joinpath("world", "kernels")
     return [file for file in package.iterdir() if file.name.endswith(".py")]
 
 

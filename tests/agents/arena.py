@@ -9,14 +9,14 @@ from dataclasses import dataclass
 import msgspec
 
 from intellwheels_agents import minds
-from intellwheels_agents.equipment import equipped, split_options
 from intellwheels_agents.mind import Bridge, Context, Mind
 from intellwheels_agents.options import Options
+from intellwheels_agents.robot_document import equipped, split_options
 from intellwheels_maps import floor, robot
 from intellwheels_schemas.messages import Actions, Event, Map, Parameters, Position, Scene, UserInput
-from intellwheels_server.inputs import Inputs, Join
-from intellwheels_server.kernels.rows import HEADING, SPEED, X, Y
 from intellwheels_server.world import Setup, State, advance, apply, begin, measures
+from intellwheels_server.world.inputs import Inputs, Join
+from intellwheels_server.world.kernels.rows import HEADING, SPEED, X, Y
 
 RUN = "0123456789abcdef"
 
@@ -95,12 +95,12 @@ class Arena:
         return player
 
     def _pose(self, name: str) -> tuple[float, float, float]:
-        x, y, heading = self.state.numbers[[X, Y, HEADING], self.state.fleet.index[name]].tolist()
+        x, y, heading = self.state.numbers[[X, Y, HEADING], self.state.body_set.index[name]].tolist()
         return x, y, heading
 
     def speed(self, name: str) -> float:
         """Return how fast a body moves, m/s."""
-        return float(self.state.numbers[SPEED, self.state.fleet.index[name]])
+        return float(self.state.numbers[SPEED, self.state.body_set.index[name]])
 
     def step(self) -> None:
         """Let everybody decide once, and the world take a step."""

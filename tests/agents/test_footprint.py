@@ -7,7 +7,7 @@ import math
 import pytest
 
 from intellwheels_agents.footprint import Footprint, displacement
-from intellwheels_agents.surroundings import Outline
+from intellwheels_agents.range_scan import Outline
 
 BODY = Footprint(Outline(front=0.8, back=0.2, side=0.3))
 

@@ -11,7 +11,7 @@ for name in ("numpy", "numba", "shapely", "viser"):
     sys.modules[name] = None
 import importlib
 from intellwheels_agents import minds
-import intellwheels_agents.__main__, intellwheels_agents.network
+import intellwheels_agents.__main__, intellwheels_agents.agent_peer
 for name in minds.names():
     minds.find(name)
 """

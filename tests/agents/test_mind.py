@@ -6,7 +6,7 @@ import pytest
 
 from intellwheels_agents.mind import Context
 from intellwheels_agents.options import OptionError, Options
-from intellwheels_agents.path import path_of
+from intellwheels_agents.pure_pursuit import path_of
 from intellwheels_maps import floor, robot
 from intellwheels_schemas.messages import Parameters, Position
 

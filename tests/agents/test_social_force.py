@@ -6,7 +6,7 @@ import math
 
 import pytest
 
-from intellwheels_agents.ring import Thing
+from intellwheels_agents.range_ring import Thing
 from intellwheels_agents.social_force import POTENTIAL, REACH, attraction, drive, elliptic, repulsion
 
 EAST = (1.34, 0.0)

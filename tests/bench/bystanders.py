@@ -99,8 +99,8 @@ def bench(*, chairs: int = 5, count: int = 5, seconds: float = 60.0, pages: int 
         words = ("--map", str(floor), "--world", WORLD, "--listen", address, "--pace", "realtime", "--expect", names)
         simulator = stack.enter_context(process("intellwheels_server", *words))
         wait_for(simulator, "ready")
-        fleet = stack.enter_context(process("tests.bench.chairs", address, WORLD, str(chairs), str(chairs)))
-        wait_for(fleet, "ready")
+        body_set = stack.enter_context(process("tests.bench.chairs", address, WORLD, str(chairs), str(chairs)))
+        wait_for(body_set, "ready")
         session = link.open_session(link.Link(connect=(address,)), threading.Event())
         assert session is not None
         stack.enter_context(session)

@@ -79,8 +79,8 @@ def measure(server: str, pace: str, chairs: int, sessions: int, seconds: float) 
         with ExitStack() as stack:
             simulator = stack.enter_context(process(*words, "--expect", names))
             wait_for(simulator, "ready")
-            fleet = stack.enter_context(process("tests.bench.chairs", address, WORLD, str(chairs), str(sessions)))
-            wait_for(fleet, "ready")
+            body_set = stack.enter_context(process("tests.bench.chairs", address, WORLD, str(chairs), str(sessions)))
+            wait_for(body_set, "ready")
             session = link.open_session(link.Link(connect=(address,)), threading.Event())
             assert session is not None
             with session:

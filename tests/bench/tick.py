@@ -19,10 +19,10 @@ from intellwheels_schemas.channels import CHANNELS
 from intellwheels_schemas.codec import Encoding, decode, encode
 from intellwheels_schemas.keys import Keys
 from intellwheels_schemas.messages import Actions, Proximity, Robot
-from intellwheels_server.inputs import Inputs, Join
-from intellwheels_server.sensors import sense
-from intellwheels_server.sensors.kind import View
 from intellwheels_server.world import Setup, State, advance, apply, begin, measures
+from intellwheels_server.world.inputs import Inputs, Join
+from intellwheels_server.world.sensors import sense
+from intellwheels_server.world.sensors.kind import View
 from tests.bench.rows import Row
 from tests.bench.sink import endpoint
 
@@ -112,8 +112,10 @@ def _of(count: int, times: int) -> list[Row]:
 
     whole = best(move, times)
     state = held[0]
-    view = View(state.numbers, state.fleet.bodies.parts, state.fleet.bodies.part_start, state.walls, state.setup.period)
-    sensing = best(lambda: sense(state.fleet.plan, view, state.tick, state.samples), times)
+    view = View(
+        state.numbers, state.body_set.bodies.parts, state.body_set.bodies.part_start, state.walls, state.setup.period
+    )
+    sensing = best(lambda: sense(state.body_set.plan, view, state.tick, state.samples), times)
     packed = [encode(action) for action in powers[0].values()]
     decoding = best(lambda: [decode(Actions, data) for data in packed], times)
     encoding = best(lambda: [encode(measures(state, name)) for name in state.names], max(2, times // 5))

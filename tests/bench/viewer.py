@@ -72,8 +72,8 @@ def drawing(chairs: int, seconds: float) -> tuple[float, float]:
 
 def draw(chairs: int, seconds: float) -> None:
     """Draw as many chairs at 20 Hz; all is reckoned before."""
-    from intellwheels_viewer.guard import open_server
-    from intellwheels_viewer.seen import Seen
+    from intellwheels_viewer.origin_guard import open_server
+    from intellwheels_viewer.snapshot import Snapshot
     from intellwheels_viewer.stage import Stage
     from tests.bench.feed import body, entities, measures
 
@@ -82,7 +82,7 @@ def draw(chairs: int, seconds: float) -> None:
     names = [f"a{number:04d}" for number in range(chairs)]
     bodies = {name: body(name) for name in names}
     made = [
-        Seen(
+        Snapshot(
             phase="live", run="0" * 16, tick=tick, time=tick / RATE, bodies=bodies,
             entities=tuple(entities(names, tick)), version=tick,
             measures={name: measures(tick, number) for number, name in enumerate(names)},

@@ -14,7 +14,7 @@ from typing import Any, Final, NamedTuple, TypeVar
 
 from playwright.sync_api import Page
 
-from intellwheels_experiments.processes import AwaitedError
+from intellwheels_experiments.run.run_processes import AwaitedError
 from tests.e2e.stage import Peer, Stage
 
 OPENING = 25.0

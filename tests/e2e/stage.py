@@ -19,7 +19,7 @@ from typing import Any, Self
 
 import zenoh
 
-from intellwheels_experiments.processes import DEADLINE, Processes, free_port
+from intellwheels_experiments.run.run_processes import DEADLINE, RunProcesses, free_port
 
 __all__ = ["DEADLINE", "JSON", "XML", "Peer", "Stage", "children_of", "free_port", "is_gone", "resident", "run"]
 
@@ -61,7 +61,7 @@ def run(module: str, *words: str, timeout: float = 120.0, **environment: str) ->
     )
 
 
-class Stage(Processes):
+class Stage(RunProcesses):
     """The processes of a test.
 
     Attributes:

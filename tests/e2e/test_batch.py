@@ -7,7 +7,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-from intellwheels_experiments.processes import Processes
+from intellwheels_experiments.run.run_processes import RunProcesses
 from tests.experiments.scenes import write_scene
 
 LIMIT = 180.0
@@ -26,7 +26,7 @@ def test_batch_that_is_killed_half_way_and_run_again_gives_the_same_csv(tmp_path
     through = subprocess.run(words(scene, whole), capture_output=True, text=True, timeout=LIMIT, check=False)
     assert through.returncode == 0, through.stderr
     assert through.stdout.count("row name=") == 2
-    processes = Processes(tmp_path / "logs")
+    processes = RunProcesses(tmp_path / "logs")
     try:
         child = processes.launch("batch", lambda _lifeline: words(scene, cut))
         processes.wait(lambda: results(cut)[2:] or None, "three runs", LIMIT, unless=child)

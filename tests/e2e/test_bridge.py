@@ -282,7 +282,7 @@ class Controller:
         pipe = stage.folder / "ask"
         os.mkfifo(pipe)
         self.child = stage.start(
-            "firmware", "intellwheels_agents.bridge.firmware", "--link", str(self.port), "--ask", str(pipe)
+            "firmware", "intellwheels_agents.bridge.firmware_stand_in", "--link", str(self.port), "--ask", str(pipe)
         )
         stage.line(self.child, "ready")
         self._pipe = pipe

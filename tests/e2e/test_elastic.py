@@ -6,7 +6,7 @@ import json
 from collections.abc import Callable
 from pathlib import Path
 
-from intellwheels_experiments.rig import Rig
+from intellwheels_experiments.testing.rig import Rig
 from tests.e2e.stage import run
 
 

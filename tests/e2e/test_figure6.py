@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 
 from intellwheels_schemas.messages import Entity
-from intellwheels_server.log import read_header, read_lines
+from intellwheels_server.log.input_log import read_header, read_lines
 from intellwheels_server.world import advance, apply, begin, digest, entities, measures
 from tests.e2e.stage import run
 

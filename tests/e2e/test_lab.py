@@ -7,7 +7,7 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from intellwheels_experiments.plan import parse
+from intellwheels_experiments.run.launch_spec import parse
 from tests.e2e.stage import Stage, run
 
 REAL = {"real1", "real2"}

@@ -47,7 +47,7 @@ def example(request: pytest.FixtureRequest) -> Started:
 def test_example_passes_the_check(stage: Stage, example: Started) -> None:
     with example(stage) as command:
         done = subprocess.run(
-            [sys.executable, "-m", "intellwheels_experiments.check", "--listen", stage.endpoint, "--", *command],
+            [sys.executable, "-m", "intellwheels_experiments.conformance", "--listen", stage.endpoint, "--", *command],
             capture_output=True,
             text=True,
             timeout=120.0,

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from intellwheels_server.log import read_header, read_lines
+from intellwheels_server.log.input_log import read_header, read_lines
 from tests.e2e.stage import Stage, run
 
 

@@ -10,7 +10,7 @@ from pathlib import Path
 import msgspec
 import pytest
 
-from intellwheels_experiments.summary import Summary
+from intellwheels_experiments.batch.summary import Summary
 
 KEPT = Path(__file__).parents[1] / "experiments" / "table1" / "batch.csv"
 SEEDS = 5

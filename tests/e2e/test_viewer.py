@@ -340,7 +340,7 @@ def test_an_open_page_outlives_simulator_and_router(tmp_path: Path, chromium: An
         meeting = f"tcp/127.0.0.1:{free_port()}"
 
         def router() -> str:
-            child = theatre.start("router", "intellwheels_server.router", "--listen", meeting)
+            child = theatre.start("router", "intellwheels_server.service.router", "--listen", meeting)
             theatre.line(child, "ready")
             return child
 

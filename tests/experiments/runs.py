@@ -5,9 +5,9 @@ from __future__ import annotations
 import msgspec
 import numpy as np
 
-from intellwheels_experiments.keep import Kept
-from intellwheels_experiments.measure import Measured
-from intellwheels_experiments.trace import Heading, Moment, Shown, Trace
+from intellwheels_experiments.batch.run_measures import Measured
+from intellwheels_experiments.batch.run_store import StoredRun
+from intellwheels_experiments.batch.trace_reader import Heading, Moment, Shown, Trace
 from intellwheels_maps import robot
 from intellwheels_schemas.messages import Event
 
@@ -45,9 +45,9 @@ NUMBERS = Measured(
 )  # fmt: skip
 
 
-def kept(row: str, seed: str, *, success: bool = True, died: str = "") -> Kept:
+def kept(row: str, seed: str, *, success: bool = True, died: str = "") -> StoredRun:
     """Return what came of a run."""
     if died:
-        return Kept(row=row, seed=seed, died=died)
+        return StoredRun(row=row, seed=seed, died=died)
     changes = {} if success else {"success": False, "collided": True, "contacts_physical": 2}
-    return Kept(row=row, seed=seed, measured=msgspec.structs.replace(NUMBERS, **changes), wall=1.0)
+    return StoredRun(row=row, seed=seed, measured=msgspec.structs.replace(NUMBERS, **changes), wall=1.0)

@@ -12,8 +12,8 @@ from pathlib import Path
 import msgspec
 import pytest
 
-from intellwheels_experiments.statistics import compare
-from intellwheels_experiments.summary import Summary
+from intellwheels_experiments.batch.statistics import compare
+from intellwheels_experiments.batch.summary import Summary
 
 KEPT = Path(__file__).parent / "table1"
 ROWS = (

@@ -6,10 +6,10 @@ from pathlib import Path
 from typing import NamedTuple
 
 from intellwheels_schemas.messages import Leave, Reset, Restore, Result
-from intellwheels_server.desk import Options
-from intellwheels_server.player import Player
-from intellwheels_server.recording import Recording
-from intellwheels_server.reported import Reported
+from intellwheels_server.log.reported_poses import Reported
+from intellwheels_server.log.seekable_log import SeekableLog
+from intellwheels_server.service.playback import Playback
+from intellwheels_server.service.service_state import Options
 from tests.server.stage import Stage
 
 
@@ -40,7 +40,7 @@ def record(path: Path, ticks: int = 50) -> list[Seen]:
             note()
 
     def note() -> None:
-        seen.append(Seen(stage.conductor.state.run, stage.tick, stage.conductor.digest()))
+        seen.append(Seen(stage.live_run.state.run, stage.tick, stage.live_run.digest()))
 
     stage.join("chair1")
     note()
@@ -57,7 +57,7 @@ def record(path: Path, ticks: int = 50) -> list[Seen]:
     stage.result("restore", Restore(slot="s1"))
     note()
     go(15)
-    stage.conductor.finish(stage.now)
+    stage.live_run.finish(stage.now)
     assert stage.log is not None
     stage.log.close()
     return seen
@@ -75,14 +75,14 @@ class PlayStage(Stage):
         self.notes = []
         self.sessions = {}
         self.log = None
-        self.recording = Recording(path)
+        self.recording = SeekableLog(path)
         options = Options(
             world="main-play", setup=self.recording.header.world_setup(), speed=speed, quit_at_end=quit_at_end
         )
-        self.beside = None if reported is None else Recording(reported)
+        self.beside = None if reported is None else SeekableLog(reported)
         told = None if self.beside is None else Reported(self.recording.runs, self.beside)
-        self.conductor = Player(options, self, lambda: 1.8e9 + self.now, self.recording, told)  # type: ignore[assignment]
-        self.conductor.begin()
+        self.live_run = Playback(options, self, lambda: 1.8e9 + self.now, self.recording, told)  # type: ignore[assignment]
+        self.live_run.begin()
         self.work()
 
     def close(self) -> None:

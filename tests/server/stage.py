@@ -30,11 +30,11 @@ from intellwheels_schemas.messages import (
     WorldState,
 )
 from intellwheels_server import world
-from intellwheels_server.arrival import Ask, Put, PutKind, Token, Topic
-from intellwheels_server.conductor import Conductor
-from intellwheels_server.desk import Options
-from intellwheels_server.inputs import Inputs
-from intellwheels_server.log import Line, Log
+from intellwheels_server.log.input_log import Line, Log
+from intellwheels_server.service.arrival import Ask, Put, PutKind, Token, Topic
+from intellwheels_server.service.live_run import LiveRun
+from intellwheels_server.service.service_state import Options
+from intellwheels_server.world.inputs import Inputs
 
 RUN = "0123456789abcdef"
 JSON = Encoding.JSON
@@ -56,7 +56,7 @@ class Stage:
         self.notes: list[str] = []
         self.sessions: dict[str, str] = {}
         self.log = Log(log, setup, RUN) if log else None
-        self.conductor = Conductor(
+        self.live_run = LiveRun(
             Options(world="main", setup=setup, **options),
             self,
             self._floor_of,
@@ -64,7 +64,7 @@ class Stage:
             record=self._record if log else None,
             run=RUN,
         )
-        self.conductor.begin()
+        self.live_run.begin()
         self.work()
 
     # ------------------------------------------------------------ the outlet
@@ -121,9 +121,9 @@ class Stage:
         """Let time pass, doing what is due when it is due."""
         until = self.now + seconds
         for _ in range(20_000 if seconds else 200):
-            self.conductor.work(self.now)
-            due = self.conductor.due(self.now)
-            if due > until or self.conductor.exit is not None:
+            self.live_run.work(self.now)
+            due = self.live_run.due(self.now)
+            if due > until or self.live_run.exit is not None:
                 break
             self.now = max(self.now, due)
             if due <= self.now and seconds == 0.0 and self._still():
@@ -131,12 +131,12 @@ class Stage:
         self.now = until
 
     def _still(self) -> bool:
-        tick = self.conductor.state.tick
-        self.conductor.work(self.now)
-        return self.conductor.state.tick == tick and self.conductor.due(self.now) >= self.now
+        tick = self.live_run.state.tick
+        self.live_run.work(self.now)
+        return self.live_run.state.tick == tick and self.live_run.due(self.now) >= self.now
 
     def token(self, agent: str, role: Role = "both", instance: str = "a" * 16, *, present: bool = True) -> None:
-        self.conductor.take(Token(agent, role, instance, present), self.now)
+        self.live_run.take(Token(agent, role, instance, present), self.now)
         self.work()
 
     def ask(self, topic: Topic, name: str, message: Record | bytes = b"", **more: Any) -> list[tuple[Record, bool]]:
@@ -149,7 +149,7 @@ class Stage:
             encode(reply, reply_encoding)
             replies.append((reply, ok))
 
-        self.conductor.take(Ask(topic, name, data, encoding.value, send, lambda: None, **more), self.now)
+        self.live_run.take(Ask(topic, name, data, encoding.value, send, lambda: None, **more), self.now)
         self.work()
         return replies
 
@@ -169,10 +169,10 @@ class Stage:
 
     def join_two(self, **more: Any) -> None:
         """Join chair1 and chair2 at one tick: paused, so that the first one's barrier does not open between."""
-        self.conductor._desk.paused = True
+        self.live_run._service.paused = True
         self.join("chair1")
         self.join("chair2", instance="b" * 16, **more)
-        self.conductor._desk.paused = False
+        self.live_run._service.paused = False
         self.work()
 
     def try_join(
@@ -189,12 +189,12 @@ class Stage:
 
     def put(self, agent: str, message: Record | bytes, kind: PutKind = "actions", encoding: str = JSON.value) -> None:
         data = message if isinstance(message, bytes) else encode(message)
-        self.conductor.take(Put(agent, kind, data, encoding), self.now)
+        self.live_run.take(Put(agent, kind, data, encoding), self.now)
         self.work()
 
     def act(self, agent: str, left: float | None = None, right: float | None = None, **more: Any) -> None:
         """Answer the current tick as the harness does."""
-        state = self.conductor.state
+        state = self.live_run.state
         more.setdefault("tick", state.tick)
         actions = Actions(run=state.run, session=self.sessions[agent], left_motor=left, right_motor=right, **more)
         self.put(agent, actions)
@@ -203,7 +203,7 @@ class Stage:
 
     @property
     def tick(self) -> int:
-        return self.conductor.state.tick
+        return self.live_run.state.tick
 
     def of(self, kind: str, agent: str = "") -> list[Any]:
         return [message for to, what, message, _ in self.sent if what == kind and to == agent]

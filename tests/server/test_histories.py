@@ -27,8 +27,7 @@ from intellwheels_schemas.messages import (
     UserInput,
     WorldState,
 )
-from intellwheels_server import inputs as do
-from intellwheels_server.log import Line
+from intellwheels_server.log.input_log import Line
 from intellwheels_server.world import (
     Outputs,
     Setup,
@@ -41,6 +40,7 @@ from intellwheels_server.world import (
     measures,
     power_in_force,
 )
+from intellwheels_server.world import inputs as do
 
 AGENTS = [f"a{k}" for k in range(8)]
 VERDICTS: list[Any] = ["late", "rested", "back", "silent", "stale", "fresh", "halt", "unhalt"]
@@ -147,7 +147,7 @@ def check(state: State, outputs: Outputs) -> None:
         for encoding in (Encoding.JSON, Encoding.XML):
             assert decode(Measures, encode(told, encoding), encoding) == told
         decode(PowerInForce, encode(power_in_force(state, name)))
-        decode(Body, encode(Body(run=state.run, tick=state.tick, robot=state.fleet.figures[name].robot)))
+        decode(Body, encode(Body(run=state.run, tick=state.tick, robot=state.body_set.figures[name].robot)))
     world = WorldState(run=state.run, tick=state.tick, time=state.time, entity=entities(state))
     assert decode(WorldState, encode(world)) == world
 

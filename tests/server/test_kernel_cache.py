@@ -62,7 +62,7 @@ def test_cold_folder_becomes_warm(tmp_path: Path) -> None:
 def test_package_imports_where_nothing_can_be_written_but_the_temporary_folder(tmp_path: Path) -> None:
     environment = {name: value for name, value in os.environ.items() if name not in {"HOME", "XDG_CACHE_HOME"}}
     environment.update(HOME="/proc", TMPDIR=str(tmp_path))
-    code = "import intellwheels_server.kernels.elementary as e; print(e.sin(0.0))"
+    code = "import intellwheels_server.world.kernels.elementary as e; print(e.sin(0.0))"
     done = subprocess.run(
         [sys.executable, "-c", code], env=environment, capture_output=True, text=True, timeout=120, check=False
     )

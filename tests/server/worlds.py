@@ -15,8 +15,8 @@ from intellwheels_schemas.messages import (
     Robot,
     Wall,
 )
-from intellwheels_server.inputs import Change, Inputs, Join
 from intellwheels_server.world import Outcome, Setup, State, advance, apply, begin
+from intellwheels_server.world.inputs import Change, Inputs, Join
 
 RUN = "0123456789abcdef"
 

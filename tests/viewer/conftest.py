@@ -8,7 +8,7 @@ from collections.abc import Iterator
 import pytest
 import viser
 
-from intellwheels_viewer.guard import open_server
+from intellwheels_viewer.origin_guard import open_server
 from tests.viewer.browser import opened
 from tests.viewer.opened import Opened
 from tests.viewer.wire import until

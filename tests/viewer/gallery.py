@@ -19,8 +19,8 @@ from typing import Any, Final, TypeAlias
 
 from PIL import Image
 
-from intellwheels_experiments.ensemble import WORLD
-from intellwheels_experiments.rig import Rig
+from intellwheels_experiments.testing.process_group import WORLD
+from intellwheels_experiments.testing.rig import Rig
 from tests.e2e.screen import Screen, Theatre
 from tests.e2e.stage import Stage, free_port
 from tests.viewer.panels.board import FAULTS, browser
@@ -194,7 +194,7 @@ def states(album: Album, theatre: Theatre, chromium: Any, theme: str, words: tup
                 album.shoot(screen, f"{theme}-{width}-state-{name}")
 
         shoot("no-router", "no-router")
-        theatre.line(theatre.start("router", "intellwheels_server.router", "--listen", meeting), "ready")
+        theatre.line(theatre.start("router", "intellwheels_server.service.router", "--listen", meeting), "ready")
         shoot("no-world", "no-world")
         with Theatre(theatre.folder / "ward", "ward") as other:
             other.server("--map", "room", "--connect", meeting)

@@ -43,9 +43,9 @@ from intellwheels_schemas.messages import (
     UserInput,
     WorldState,
 )
-from intellwheels_viewer import service
-from intellwheels_viewer.fold import Fold
-from intellwheels_viewer.seen import Seen
+from intellwheels_viewer import viewer_service
+from intellwheels_viewer.snapshot import Snapshot
+from intellwheels_viewer.state_store import StateStore
 
 RUN: Final = "0" * 16
 CHAIRS: Final = tuple(f"chair{number}" for number in range(1, 6))
@@ -94,43 +94,45 @@ class MadeUp:
 
     quiet = 0.0
 
-    def __init__(self, updates: int, viewer: service.Viewer, stop: threading.Event) -> None:
+    def __init__(self, updates: int, viewer: viewer_service.Viewer, stop: threading.Event) -> None:
         self._updates, self._viewer, self._stop = updates, viewer, stop
-        self._fold = Fold()
+        self._store = StateStore()
         self._tick = 0
         self.figures: list[tuple[int, int, int]] = []
 
     def start(self) -> None:
         """Say what is said once."""
-        fold = self._fold
-        fold.on_clock(self._clock())
-        fold.on_map_info(MapInfo(run=RUN, tick=0, name="room", revision=0, hash=RUN))
-        fold.on_floor(library.floor("room"))
-        fold.on_events(Events(run=RUN, next=0, oldest=0))
+        store = self._store
+        store.on_clock(self._clock())
+        store.on_map_info(MapInfo(run=RUN, tick=0, name="room", revision=0, hash=RUN))
+        store.on_floor(library.floor("room"))
+        store.on_events(Events(run=RUN, next=0, oldest=0))
         for index, name in enumerate(CHAIRS):
             robot = library.robot(("rear-wheel", "mid-wheel", "intellwheels")[index % 3])
-            fold.on_body(Body(run=RUN, tick=0, robot=msgspec.structs.replace(robot, name=name), owner="0" * 32))
+            store.on_body(Body(run=RUN, tick=0, robot=msgspec.structs.replace(robot, name=name), owner="0" * 32))
 
-    def pour(self) -> Seen:
+    def pour(self) -> Snapshot:
         """Make one update and return what is known, when a page looks."""
         if self._viewer._pages:
             self._go_on()
-        return self._fold.seen("live", "main", ("main",), "tcp/127.0.0.1:7447")
+        return self._store.seen("live", "main", ("main",), "tcp/127.0.0.1:7447")
 
     def _go_on(self) -> None:
         self._tick += 1
-        tick, fold = self._tick, self._fold
-        fold.on_state(WorldState(run=RUN, tick=tick, time=tick * 0.05, part=0, parts=1, entity=self._entities()))
+        tick, store = self._tick, self._store
+        store.on_state(WorldState(run=RUN, tick=tick, time=tick * 0.05, part=0, parts=1, entity=self._entities()))
         for number, name in enumerate(CHAIRS):
             readings = tuple(
                 ProximityReading(id=sensor.id, value=1.5 + math.sin(tick / 9 + number))
                 for sensor in library.robot("rear-wheel").proximity
             )
-            fold.on_measures(name, Measures(run=RUN, tick=tick, time=tick * 0.05, sensors=Sensors(proximity=readings)))
+            store.on_measures(name, Measures(run=RUN, tick=tick, time=tick * 0.05, sensors=Sensors(proximity=readings)))
         if tick % 2 == 0:
-            fold.on_event(Event(run=RUN, tick=tick, number=tick // 2 - 1, code="contact", agent="chair1", x=2.0, y=2.0))
+            store.on_event(
+                Event(run=RUN, tick=tick, number=tick // 2 - 1, code="contact", agent="chair1", x=2.0, y=2.0)
+            )
         if tick % 10 == 0:
-            fold.on_clock(self._clock())
+            store.on_clock(self._clock())
         if tick % EVERY == 0:
             gc.collect()
             pages = int(Path("/proc/self/statm").read_text().split()[1])
@@ -182,12 +184,12 @@ class MadeUp:
 
 def main(updates: int, kind: str) -> None:
     """Run and print the figures: seconds, and at each look the update, resident bytes and viser's kept messages."""
-    service.FRAME = 0.0  # type: ignore[misc]
-    service.PANELS = 0.05  # type: ignore[misc]
+    viewer_service.FRAME = 0.0  # type: ignore[misc]
+    viewer_service.PANELS = 0.05  # type: ignore[misc]
     stop = threading.Event()
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", DeprecationWarning)  # viser's own use of websockets
-        viewer = service.Viewer(service.Options(port=0), Link("main", connect=("tcp/127.0.0.1:1",)), stop)
+        viewer = viewer_service.Viewer(viewer_service.Options(port=0), Link("main", connect=("tcp/127.0.0.1:1",)), stop)
     made_up = MadeUp(updates, viewer, stop)
     viewer._network = made_up  # type: ignore[assignment]
     url = f"http://127.0.0.1:{viewer.server.get_port()}"

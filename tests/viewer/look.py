@@ -21,16 +21,16 @@ from playwright.sync_api import Page, sync_playwright
 from intellwheels_maps import library
 from intellwheels_schemas.messages import Body, Entity, Event, Goal, Measures, Position, ProximityReading, Sensors
 from intellwheels_viewer.drawings.bodies import Bodies
-from intellwheels_viewer.drawings.contacts import Contacts
-from intellwheels_viewer.drawings.floor import Floor
+from intellwheels_viewer.drawings.contact_flashes import Contacts
+from intellwheels_viewer.drawings.extruded_walls import Walls
+from intellwheels_viewer.drawings.floor_plate import Floor
 from intellwheels_viewer.drawings.ghosts import Ghost, Ghosts
 from intellwheels_viewer.drawings.goals import Goals
 from intellwheels_viewer.drawings.labels import Labels
 from intellwheels_viewer.drawings.trails import Trails
-from intellwheels_viewer.drawings.walls import Walls
 from intellwheels_viewer.drawings.wedges import Wedges
 from intellwheels_viewer.palette import Colours
-from intellwheels_viewer.seen import Sample, Words
+from intellwheels_viewer.snapshot import Sample, Words
 
 FLAGS = [
     "--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader",

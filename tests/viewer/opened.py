@@ -12,7 +12,7 @@ from intellwheels_schemas.keys import Verb
 from intellwheels_schemas.messages import Record, Result, UserInput
 from intellwheels_viewer.page import Page
 from intellwheels_viewer.palette import Colours
-from intellwheels_viewer.seen import Seen
+from intellwheels_viewer.snapshot import Snapshot
 from intellwheels_viewer.steering import Refusal
 from tests.viewer.browser import Browser
 from tests.viewer.panels import made_up
@@ -61,7 +61,7 @@ class Opened:
         self.page = Page(client, cast(Any, self.network), Colours())
         self.show(SEEN)
 
-    def show(self, seen: Seen) -> None:
+    def show(self, seen: Snapshot) -> None:
         self.page.draw(seen)
         self.page.panels(seen)
 

@@ -19,7 +19,7 @@ from intellwheels_schemas.messages import (
     Take,
 )
 from intellwheels_viewer.page import MODES
-from intellwheels_viewer.seen import Seen
+from intellwheels_viewer.snapshot import Snapshot
 from tests.viewer.browser import opened
 from tests.viewer.opened import SEEN, Opened
 from tests.viewer.panels import made_up
@@ -71,7 +71,7 @@ def test_a_selection_outlives_the_one_who_was_selected(here: Opened) -> None:
     here.page.select("a")
     here.page.look("first")
     here.show(replace(SEEN, entities=(), bodies={}))
-    here.show(Seen())
+    here.show(Snapshot())
     here.show(SEEN)
     assert here.page.selected == "a"
 

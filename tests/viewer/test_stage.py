@@ -10,8 +10,8 @@ import pytest
 import viser
 
 from intellwheels_schemas.messages import Map, Pose, Robot
-from intellwheels_viewer.guard import open_server
-from intellwheels_viewer.seen import Seen
+from intellwheels_viewer.origin_guard import open_server
+from intellwheels_viewer.snapshot import Snapshot
 from intellwheels_viewer.stage import FEW, LAYERS, Stage, background, period_of, watched
 from tests.bench.feed import body as feed_body
 from tests.bench.feed import measures as feed_measures
@@ -39,7 +39,7 @@ def nodes(server: viser.ViserServer) -> int:
 
 
 EMPTY = Map(format="iw.v1", name="empty")
-CROWD = Seen(
+CROWD = Snapshot(
     phase="live", run=RUN, tick=4, time=0.2,
     entities=tuple(entity(f"n{k:03d}", k * 1.0) for k in range(FEW + 1)),
     bodies={f"n{k:03d}": body(f"n{k:03d}") for k in range(FEW + 1)},
@@ -49,15 +49,15 @@ CROWD = Seen(
 @pytest.mark.parametrize(
     "seen",
     [
-        Seen(), Seen(floor=EMPTY, revision=0), made_up.seen(), made_up.hostile(), CROWD,
+        Snapshot(), Snapshot(floor=EMPTY, revision=0), made_up.seen(), made_up.hostile(), CROWD,
         # A mind's form of a robot says nothing of its body.
-        Seen(entities=(entity("a"),), bodies={"a": body("a", length=None, width=None, center=None, top=None, part=())}),
-        Seen(entities=(entity("a"),)),
-        Seen(bodies={"gone": body("gone")}), replace(made_up.seen(), entities=()), replace(made_up.seen(), bodies={}),
+        Snapshot(entities=(entity("a"),), bodies={"a": body("a", length=None, width=None, center=None, top=None, part=())}),
+        Snapshot(entities=(entity("a"),)),
+        Snapshot(bodies={"gone": body("gone")}), replace(made_up.seen(), entities=()), replace(made_up.seen(), bodies={}),
         replace(made_up.seen(), measures={}), replace(made_up.seen(), tick=0, time=0.0),
     ],
 )  # fmt: skip
-def test_whatever_is_seen_is_drawn(stage: Stage, seen: Seen) -> None:
+def test_whatever_is_seen_is_drawn(stage: Stage, seen: Snapshot) -> None:
     stage.show(seen, ())
     stage.show(made_up.seen(), {"chair1", "no such", ""})
     stage.show(seen, {"chair1"})
@@ -67,11 +67,11 @@ def test_a_body_that_has_no_more_than_a_name_is_drawn(stage: Stage) -> None:
     from intellwheels_schemas.messages import Body
 
     bare = Body(run=RUN, tick=0, robot=Robot(name="a"))
-    stage.show(Seen(entities=(entity("a"),), bodies={"a": bare}), {"a"})
+    stage.show(Snapshot(entities=(entity("a"),), bodies={"a": bare}), {"a"})
 
 
 def test_bodies_stand_where_the_state_says(server: viser.ViserServer, stage: Stage) -> None:
-    seen = Seen(entities=(entity("a", 1.5, -2.25), entity("b", 3.0)), bodies={"a": body("a"), "b": body("b")})
+    seen = Snapshot(entities=(entity("a", 1.5, -2.25), entity("b", 3.0)), bodies={"a": body("a"), "b": body("b")})
     stage.show(seen, ())
     ((name, names),) = [(n, who) for n, who in stage.bodies.names.items() if n.endswith("/paint")]
     assert names == ("a", "b")
@@ -87,7 +87,7 @@ def test_hundreds_of_ticks_leave_no_more_behind_than_a_few(server: viser.ViserSe
             moved = tuple(entity(f"n{k}", k + tick * 0.01, say=f"word {tick // 40}" if k == tick % 3 else None)
                           for k in range(5 if tick % 7 else 4))  # fmt: skip
             bodies = {each.name: body(each.name) for each in moved}
-            stage.show(Seen(run=RUN, tick=tick, time=tick * 0.05, entities=moved, bodies=bodies), {"n1"})
+            stage.show(Snapshot(run=RUN, tick=tick, time=tick * 0.05, entities=moved, bodies=bodies), {"n1"})
 
     run(1, 100)
     before = nodes(server)
@@ -117,7 +117,7 @@ def test_every_layer_has_a_node_that_a_browser_can_hide(server: viser.ViserServe
 
 
 def test_of_few_everybodys_sensors_are_drawn_of_many_those_that_somebody_selected() -> None:
-    few = Seen(entities=CROWD.entities[:FEW])
+    few = Snapshot(entities=CROWD.entities[:FEW])
     assert watched(few, ()) == {each.name for each in few.entities}
     assert watched(CROWD, ()) == frozenset()
     assert watched(CROWD, {"n003"}) == {"n003"}
@@ -129,8 +129,8 @@ def test_a_selected_text_that_is_nobody_is_not_watched(name: str) -> None:
 
 
 def test_the_period_is_told_by_the_newest_tick() -> None:
-    assert period_of(Seen(tick=40, time=4.0)) == pytest.approx(0.1)
-    assert period_of(Seen()) == 0.05
+    assert period_of(Snapshot(tick=40, time=4.0)) == pytest.approx(0.1)
+    assert period_of(Snapshot()) == 0.05
 
 
 def test_the_background_is_plain() -> None:
@@ -141,7 +141,7 @@ def test_the_background_is_plain() -> None:
 def test_a_click_names_the_browser_and_the_body(server: viser.ViserServer, stage: Stage) -> None:
     picked: list[tuple[int, str]] = []
     stage.on_pick(lambda number, name: picked.append((number, name)))
-    stage.show(Seen(entities=(entity("a"), entity("b")), bodies={"a": body("a"), "b": body("b")}), ())
+    stage.show(Snapshot(entities=(entity("a"), entity("b")), bodies={"a": body("a"), "b": body("b")}), ())
     (node,) = [name for name in stage.bodies.names if name.endswith("/paint")]
     with opened(server.get_port()) as browser:
         browser.wait(lambda: node in browser.scene)
@@ -174,7 +174,7 @@ def test_of_many_only_the_selected_ones_readings_have_arcs(stage: Stage) -> None
 
 
 def test_the_ghost_of_a_reported_pose_stands_beside_the_truth(server: viser.ViserServer, stage: Stage) -> None:
-    seen = Seen(entities=(entity("a", 1.5),), bodies={"a": body("a")})
+    seen = Snapshot(entities=(entity("a", 1.5),), bodies={"a": body("a")})
     stage.show(replace(seen, reported={"a": Pose(x=1.0, y=0.5, heading=0.0)}), ())
     ghost = server.scene._handle_from_node_name["/reported/a/body"]
     assert ghost.position == pytest.approx([1.0, 0.5, 0.0])

@@ -72,7 +72,7 @@ def main(arguments: list[str] | None = None) -> int:
         return 2
     stop = stop_on_signals(given.lifeline)
     # These import viser, numpy and zenoh: `--help` and usage errors come without them.
-    from intellwheels_viewer.service import Options, serve  # noqa: PLC0415
+    from intellwheels_viewer.viewer_service import Options, serve  # noqa: PLC0415
 
     return serve(
         Options(

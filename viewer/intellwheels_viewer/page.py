@@ -17,15 +17,14 @@ from intellwheels_schemas.messages import (
     Speed,
     Step,
 )
-from intellwheels_viewer.aiming import Aiming, takes_goals
 from intellwheels_viewer.cameras import Camera, Mode
+from intellwheels_viewer.drag_move import DragMove
 from intellwheels_viewer.drawings import wedges
 from intellwheels_viewer.drawings.notice import Notice
 from intellwheels_viewer.drawings.selection import Selection
-from intellwheels_viewer.hand import Hand
-from intellwheels_viewer.hover import Hover
-from intellwheels_viewer.layering import Layering
-from intellwheels_viewer.moving import Moving
+from intellwheels_viewer.goal_click import GoalClick, takes_goals
+from intellwheels_viewer.held_ghost import HeldGhost
+from intellwheels_viewer.layer_visibility import LayerVisibility
 from intellwheels_viewer.panels.agents import AgentsPanel
 from intellwheels_viewer.panels.callbacks import assign, clicked, updated
 from intellwheels_viewer.panels.choices import Choices
@@ -33,13 +32,14 @@ from intellwheels_viewer.panels.clock import ClockPanel
 from intellwheels_viewer.panels.connection import ConnectionPanel, nothing_to_see
 from intellwheels_viewer.panels.drive import DrivePanel
 from intellwheels_viewer.panels.events import EventsPanel
-from intellwheels_viewer.panels.layers import LayersPanel
+from intellwheels_viewer.panels.layers_panel import LayersPanel
 from intellwheels_viewer.panels.place import PlacePanel
-from intellwheels_viewer.panels.plan import PlanPanel
+from intellwheels_viewer.panels.plan_panel import PlanPanel
 from intellwheels_viewer.panels.playback import PlaybackPanel
 from intellwheels_viewer.panels.selected import SelectedPanel
-from intellwheels_viewer.placing import Placing
-from intellwheels_viewer.seen import Seen
+from intellwheels_viewer.placing_click import PlacingClick
+from intellwheels_viewer.pointer_hover import PointerHover
+from intellwheels_viewer.snapshot import Snapshot
 from intellwheels_viewer.steering import Driving, Simulator, Wishes
 
 if TYPE_CHECKING:
@@ -79,16 +79,16 @@ class Page:
     def __init__(self, client: viser.ClientHandle, network: Worlds, colours: Colours) -> None:
         self._client, self._network, self._colours = client, network, colours
         # First of all: it waits for the page.
-        self._layering = Layering(client)
+        self._layering = LayerVisibility(client)
         self._wishes = Wishes(network, self._refused)
         self._driving = Driving(network, self._wishes)
-        self._seen = Seen()
+        self._seen = Snapshot()
         self.selected: str | None = None
         self._refusal, self._refused_at = "", 0.0
-        self._hand = Hand(client.scene)
-        self._placing = Placing(client, self._wishes, self._hand, self._names)
-        self._moving = Moving(client, self._wishes, self._hand, colours)
-        self._aiming = Aiming(client, self._driving, self._notify)
+        self._hand = HeldGhost(client.scene)
+        self._placing = PlacingClick(client, self._wishes, self._hand, self._names)
+        self._moving = DragMove(client, self._wishes, self._hand, colours)
+        self._aiming = GoalClick(client, self._driving, self._notify)
         self._ring = Selection(client.scene, "/selected")
         self._notice = Notice(client.scene)
         self._framed = -1
@@ -111,7 +111,7 @@ class Page:
 
     # ------------------------------------------------------------ shown, by the drawing thread
 
-    def draw(self, seen: Seen) -> None:
+    def draw(self, seen: Snapshot) -> None:
         """Go on with what moves: the ring, and the camera that follows. Once per drawn tick."""
         self._seen = seen
         selected = self.selected
@@ -126,7 +126,7 @@ class Page:
                 self.camera.frame(seen.floor)
             self._layering.draw_walls(seen, inside=self.camera.mode == "first")
 
-    def panels(self, seen: Seen) -> None:
+    def panels(self, seen: Snapshot) -> None:
         """Show what is read: figures, plan, plots. Four or five times a second."""
         self._seen = seen
         self._driving.tick()
@@ -208,7 +208,7 @@ class Page:
                 self._layering.choose,
                 legend=f'<div style="padding:4px 10px">{wedges.legend()}</div>',
             )
-        self._hover = Hover(gui, self._placing.hover)
+        self._hover = PointerHover(gui, self._placing.hover)
         self._commands(gui)
 
     def _commands(self, gui: viser.GuiApi) -> None:

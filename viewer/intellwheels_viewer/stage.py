@@ -12,19 +12,19 @@ import numpy as np
 import viser
 
 from intellwheels_viewer.drawings.bodies import Bodies
-from intellwheels_viewer.drawings.contacts import Contacts
-from intellwheels_viewer.drawings.floor import Floor
+from intellwheels_viewer.drawings.contact_flashes import Contacts
+from intellwheels_viewer.drawings.extruded_walls import Walls
+from intellwheels_viewer.drawings.floor_plate import Floor
 from intellwheels_viewer.drawings.ghosts import Ghosts, reported
 from intellwheels_viewer.drawings.goals import Goals
 from intellwheels_viewer.drawings.labels import Labels
-from intellwheels_viewer.drawings.lidar import Lidars
+from intellwheels_viewer.drawings.lidar_points import Lidars
 from intellwheels_viewer.drawings.trails import Trails
-from intellwheels_viewer.drawings.walls import Walls
 from intellwheels_viewer.drawings.wedges import Wedges
 from intellwheels_viewer.palette import Colours
 
 if TYPE_CHECKING:
-    from intellwheels_viewer.seen import Seen
+    from intellwheels_viewer.snapshot import Snapshot
 
 LAYERS: Final = {
     "wedges": "/wedges", "lidar": "/lidar", "trails": "/trails", "labels": "/labels",
@@ -75,7 +75,7 @@ class Stage:
         self._revision = -1
         self._slow_at: tuple[str, float] = ("", -1.0)
 
-    def show(self, seen: Seen, wanted: Collection[str]) -> None:
+    def show(self, seen: Snapshot, wanted: Collection[str]) -> None:
         """Draw what is seen, in one frame.
 
         Args:
@@ -111,7 +111,7 @@ class Stage:
         self.bodies.on_pick(lambda name, event: call(event.client_id, name))
 
 
-def watched(seen: Seen, wanted: Collection[str]) -> frozenset[str]:
+def watched(seen: Snapshot, wanted: Collection[str]) -> frozenset[str]:
     """Return whose sensors are drawn: everybody's while they are few, else those that somebody selected."""
     if len(seen.entities) <= FEW:
         return frozenset(entity.name for entity in seen.entities)
@@ -119,6 +119,6 @@ def watched(seen: Seen, wanted: Collection[str]) -> frozenset[str]:
     return frozenset(entity.name for entity in seen.entities if entity.name in wanted)
 
 
-def period_of(seen: Seen) -> float:
+def period_of(seen: Snapshot) -> float:
     """Return the run's period in seconds, as its newest tick tells; 50 ms before there is one."""
     return seen.time / seen.tick if seen.tick > 0 else 0.05

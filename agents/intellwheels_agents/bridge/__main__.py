@@ -9,21 +9,21 @@ import threading
 from collections.abc import Callable, Sequence
 from typing import Literal
 
-from intellwheels_agents.bridge.chair import RealChair
-from intellwheels_agents.bridge.driver import Driver
-from intellwheels_agents.bridge.faults import Faults
-from intellwheels_agents.bridge.laboratory import Laboratory, fitted
-from intellwheels_agents.bridge.motors import Motors
-from intellwheels_agents.bridge.outfit import SENSORS, Outfit
-from intellwheels_agents.bridge.port import Port
-from intellwheels_agents.bridge.pump import Pump
-from intellwheels_agents.bridge.source import DRIFT, POSE_SOURCES, Calibration, PoseSource
-from intellwheels_agents.bridge.stick import StickSource
-from intellwheels_agents.equipment import equipped, joining
-from intellwheels_agents.joystick.network import operate
+from intellwheels_agents.agent_peer import run_agent
+from intellwheels_agents.bridge.chair_joystick import StickSource
+from intellwheels_agents.bridge.hardware_driver import Driver
+from intellwheels_agents.bridge.line_faults import Faults
+from intellwheels_agents.bridge.motor_deadman import MotorDeadman
+from intellwheels_agents.bridge.motor_writer import MotorWriter
+from intellwheels_agents.bridge.pose_source import DRIFT, POSE_SOURCES, Calibration, PoseSource
+from intellwheels_agents.bridge.real_chair import RealChair
+from intellwheels_agents.bridge.sensor_merge import SENSORS, SensorMerge
+from intellwheels_agents.bridge.serial_driver import SerialDriver
+from intellwheels_agents.bridge.world_driver import WorldDriver, fitted
+from intellwheels_agents.joystick.joystick_peer import operate
 from intellwheels_agents.mind import Make
-from intellwheels_agents.network import run_agent
 from intellwheels_agents.options import OptionError
+from intellwheels_agents.robot_document import equipped, joining
 from intellwheels_maps import robot as robot_file
 from intellwheels_schemas.codec import Encoding
 from intellwheels_schemas.errors import WireError
@@ -182,26 +182,26 @@ class _Bridge:
         robot = equipped(robot_file(given.robot), _fields("--option", given.option))
         chair = equipped(robot_file(given.chair or given.robot), _fields("--chair-option", given.chair_option))
         faults = Faults(given.delay, given.jitter, given.loss, f"{given.seed}/{self._agent}")
-        self._motors = Motors(faults)
+        self._motors = MotorDeadman(faults)
         self._driver = self._laboratory(chair) if given.driver == "world" else self._port(chair)
         calibration = Calibration(given.wheel_ratio, given.wheel_scale, given.track_ratio)
         self._source = PoseSource(chair, given.pose, calibration, drift=given.drift, returns=self._driver.returns)
         default: Literal["real", "simulated"] = "real" if given.driver == "serial" else "simulated"
-        outfit = Outfit(robot, chair, given.sensors, given.hardware or default)
+        merge = SensorMerge(robot, chair, given.sensors, given.hardware or default)
         self._stick = StickSource(stop)
         self._chair = RealChair(
-            self._driver, self._source, self._motors, outfit, faults=faults, hear=self._stick.hear,
+            self._driver, self._source, self._motors, merge, faults=faults, hear=self._stick.hear,
             clock_offset=given.clock_offset,
         )  # fmt: skip
         self._body = joining(
-            outfit.robot, agent=self._agent, role="body", instance=new_hex(), place=given.place, barrier=None
+            merge.robot, agent=self._agent, role="body", instance=new_hex(), place=given.place, barrier=None
         )
 
     def run(self) -> int:
         """Live, and return the exit code."""
         given, stop = self._given, self._stop
         self._driver.start()
-        pump = Pump(self._motors, self._driver, lambda: self._chair.lockstep)
+        pump = MotorWriter(self._motors, self._driver, lambda: self._chair.lockstep)
         threads = [threading.Thread(target=pump.run, args=(stop,), name="motors")]
         if given.joystick:
             threads.append(threading.Thread(target=self._operate, name="joystick", daemon=True))
@@ -260,10 +260,10 @@ class _Bridge:
                 tell=lambda line: print(f"lab-{line}", flush=True),
             )  # fmt: skip
 
-        return Laboratory(chair, self._motors, enter, self._stop)
+        return WorldDriver(chair, self._motors, enter, self._stop)
 
     def _port(self, chair: Robot) -> Driver:
-        return Port(self._given.port, self._given.baud, chair.proximity, self._stop)
+        return SerialDriver(self._given.port, self._given.baud, chair.proximity, self._stop)
 
     def _summary(self) -> str:
         tally, source = self._chair.tally, self._source

@@ -9,11 +9,11 @@ import threading
 from collections.abc import Sequence
 from pathlib import Path
 
-from intellwheels_agents.joystick.network import operate
-from intellwheels_agents.joystick.script import ScriptError, ScriptSource, read
-from intellwheels_agents.joystick.window import DeviceError, GamepadSource, KeyboardSource, is_gamepad_there
+from intellwheels_agents.joystick.joystick_peer import operate
+from intellwheels_agents.joystick.pygame_source import DeviceError, GamepadSource, KeyboardSource, is_gamepad_there
+from intellwheels_agents.joystick.script_source import ScriptError, ScriptSource, read
 from intellwheels_agents.joystick.wish import Source
-from intellwheels_agents.joystick.words import Spoken, WordsSource
+from intellwheels_agents.joystick.words_source import Spoken, WordsSource
 from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.link import add_link_options, link_of
 from intellwheels_schemas.names import check_agent

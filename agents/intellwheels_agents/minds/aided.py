@@ -24,13 +24,13 @@ from typing import Final
 
 import msgspec
 
-from intellwheels_agents.chair import Odometry, powers
+from intellwheels_agents.differential_drive import Odometry, powers
 from intellwheels_agents.mind import Context
+from intellwheels_agents.motion_projection import MotionProjection, Wheels
+from intellwheels_agents.obstacle_memory import ObstacleMemory
 from intellwheels_agents.options import OptionError, Options
-from intellwheels_agents.projection import Projection, Wheels
-from intellwheels_agents.seen import Seen
-from intellwheels_agents.surroundings import outline
-from intellwheels_agents.user import wanted
+from intellwheels_agents.range_scan import outline
+from intellwheels_agents.user_input import wanted
 from intellwheels_schemas.messages import Actions, Measures, Robot, Sensors
 
 SHARES: Final = (1.0, 0.7, 0.45, 0.3, 0.2, 0.12, 0.06, 0.0)
@@ -95,8 +95,10 @@ class Mind:
         self._margin = options.number("margin", 0.05, 0.01, 1.0)
         self._ahead = options.number("ahead", 1.0, 0.2, 5.0)
         self.pose = Odometry(robot, context.position, compass_share=0.0)
-        self.seen = Seen(robot) if by_itself else Seen(robot, CELL)
-        self._footprint = Projection(outline(robot), robot.track, robot.acceleration_curve, context.parameters.period)
+        self.seen = ObstacleMemory(robot) if by_itself else ObstacleMemory(robot, CELL)
+        self._footprint = MotionProjection(
+            outline(robot), robot.track, robot.acceleration_curve, context.parameters.period
+        )
         body = self._footprint.outline
         # Who turns in place comes near on purpose.
         self._beside, self._turning = (

@@ -10,10 +10,10 @@ ahead is free, or two walls would send it to and fro for ever.
 
 from __future__ import annotations
 
-from intellwheels_agents.chair import powers
+from intellwheels_agents.differential_drive import powers
 from intellwheels_agents.mind import Context
 from intellwheels_agents.options import OptionError
-from intellwheels_agents.surroundings import Surroundings, outline
+from intellwheels_agents.range_scan import RangeScan, outline
 from intellwheels_schemas.messages import Actions, Measures
 
 TURN_RATE = 0.8
@@ -35,7 +35,7 @@ class Mind:
         self._stop = options.number("stop", 0.5, 0.05, 20.0)
         if self._stop >= self._clear:
             raise OptionError(f"option stop: expected less than clear ({self._clear:g}), got {self._stop:g}")
-        self._around = Surroundings(context.robot)
+        self._around = RangeScan(context.robot)
         self._turning = 0.0
         # A long back swings wider.
         self._tail = SWING * max(1.0, outline(context.robot).back / 0.5)

@@ -21,11 +21,11 @@ import math
 
 import msgspec
 
-from intellwheels_agents.chair import Odometry, powers, wrapped
+from intellwheels_agents.differential_drive import Odometry, powers, wrapped
 from intellwheels_agents.mind import Context
 from intellwheels_agents.options import OptionError, Options
-from intellwheels_agents.path import path_of
-from intellwheels_agents.surroundings import distance, outline
+from intellwheels_agents.pure_pursuit import path_of
+from intellwheels_agents.range_scan import distance, outline
 from intellwheels_schemas.messages import Actions, Goal, Measures, Proximity, Robot
 
 CONES = 25

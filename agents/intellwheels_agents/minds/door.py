@@ -16,9 +16,9 @@ from __future__ import annotations
 import math
 from enum import Enum
 
-from intellwheels_agents.chair import Odometry, powers, wrapped
+from intellwheels_agents.differential_drive import Odometry, powers, wrapped
 from intellwheels_agents.mind import Context
-from intellwheels_agents.surroundings import distance
+from intellwheels_agents.range_scan import distance
 from intellwheels_schemas.messages import Actions, Measures, Proximity
 
 NEARER = 0.05

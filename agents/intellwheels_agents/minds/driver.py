@@ -29,11 +29,11 @@ from collections import deque
 
 import msgspec
 
-from intellwheels_agents.chair import Odometry, powers
+from intellwheels_agents.differential_drive import Odometry, powers
 from intellwheels_agents.mind import Context
 from intellwheels_agents.options import OptionError, Options
-from intellwheels_agents.path import Path, Point
-from intellwheels_agents.pilot import Pilot
+from intellwheels_agents.path_follower import PathFollower
+from intellwheels_agents.pure_pursuit import Path, Point
 from intellwheels_schemas.messages import GPS, Actions, Measures, Robot, Truth
 
 HAND = "hand"
@@ -51,7 +51,7 @@ class Mind:
     def __init__(self, context: Context) -> None:
         options = context.options
         self._robot = context.robot
-        self._pilot = Pilot(options.number("speed", 0.6, 0.05, 5.0))
+        self._pilot = PathFollower(options.number("speed", 0.6, 0.05, 5.0))
         self._within = options.number("within", 0.2, 0.01, 10.0)
         period = context.parameters.period
         delay = round(options.number("reaction", 0.3, 0.0, 5.0) / period)

@@ -14,12 +14,12 @@ from __future__ import annotations
 
 import re
 
-from intellwheels_agents.chair import Odometry, powers
+from intellwheels_agents.differential_drive import Odometry, powers
 from intellwheels_agents.mind import Context
 from intellwheels_agents.options import OptionError
-from intellwheels_agents.path import Path, Point
-from intellwheels_agents.pilot import CREEP, Pilot, braking
-from intellwheels_agents.surroundings import Surroundings
+from intellwheels_agents.path_follower import CREEP, PathFollower, braking
+from intellwheels_agents.pure_pursuit import Path, Point
+from intellwheels_agents.range_scan import RangeScan
 from intellwheels_schemas.messages import Actions, Goal, Measures
 
 _NUMBER = r"(-?\d{1,5}(?:\.\d{1,9})?)"
@@ -47,9 +47,9 @@ class Mind:
         self._gap = options.number("gap", 2.0, 0.1, 100.0)
         self._stop = options.number("stop", 0.4, 0.05, 10.0)
         self._silence = options.number("silence", 3.0, 0.1, 60.0)
-        self._pilot = Pilot(options.number("speed", 0.8, CREEP, 20.0))
+        self._pilot = PathFollower(options.number("speed", 0.8, CREEP, 20.0))
         self._pose = Odometry(robot, context.position)
-        self._around = Surroundings(robot)
+        self._around = RangeScan(robot)
         self._path: Path | None = None
         self._heard_at: float | None = None
 

@@ -14,7 +14,7 @@ import msgspec
 
 from intellwheels_agents.mind import Context
 from intellwheels_agents.options import Options
-from intellwheels_agents.user import mixed, wanted
+from intellwheels_agents.user_input import mixed, wanted
 from intellwheels_schemas.messages import Actions, Measures, Robot
 
 

@@ -23,15 +23,15 @@ from __future__ import annotations
 
 import math
 
-from intellwheels_agents.chair import Odometry, powers, wrapped
+from intellwheels_agents.differential_drive import Odometry, powers, wrapped
 from intellwheels_agents.footprint import Footprint, Moving
 from intellwheels_agents.mind import Context
 from intellwheels_agents.minds.follow import point_in
 from intellwheels_agents.options import OptionError, Options
-from intellwheels_agents.path import Point
-from intellwheels_agents.ring import CONES, Ring, with_ring
+from intellwheels_agents.pure_pursuit import Point
+from intellwheels_agents.range_ring import CONES, RangeRing, with_ring
+from intellwheels_agents.range_scan import outline
 from intellwheels_agents.social_force import LIKED, attraction, drive, repulsion
-from intellwheels_agents.surroundings import outline
 from intellwheels_schemas.messages import Actions, Goal, Measures, Robot
 
 HEADWAY = 0.25
@@ -90,7 +90,7 @@ class Mind:
         self._pose = Odometry(robot, context.position)
         self._velocity = (0.0, 0.0)
         self._period = context.parameters.period
-        self._ring = Ring(robot, self._period)
+        self._ring = RangeRing(robot, self._period)
         self._footprint = Footprint(outline(robot))
         self._heard: dict[str, tuple[float, Point]] = {}
         self._spoke = -math.inf

@@ -22,14 +22,14 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from intellwheels_agents.chair import wrapped
+from intellwheels_agents.differential_drive import wrapped
 from intellwheels_agents.mind import Context
 from intellwheels_agents.minds.aided import Mind as Guard
 from intellwheels_agents.options import OptionError
-from intellwheels_agents.pilot import BRAKING, TURN_RATE, braking
-from intellwheels_agents.surroundings import outline
-from intellwheels_agents.user import Goals
-from intellwheels_agents.user import takes_goals as equip
+from intellwheels_agents.path_follower import BRAKING, TURN_RATE, braking
+from intellwheels_agents.range_scan import outline
+from intellwheels_agents.user_input import Goals
+from intellwheels_agents.user_input import takes_goals as equip
 from intellwheels_schemas.messages import Actions, Goal, Measures
 
 __all__ = ["Mind", "equip"]

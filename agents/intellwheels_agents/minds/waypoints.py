@@ -20,13 +20,13 @@ import math
 
 import msgspec
 
-from intellwheels_agents.chair import Odometry, powers
+from intellwheels_agents.differential_drive import Odometry, powers
 from intellwheels_agents.mind import Context
 from intellwheels_agents.options import OptionError, Options
-from intellwheels_agents.path import Path, path_of
-from intellwheels_agents.pilot import CREEP, Pilot, braking
-from intellwheels_agents.surroundings import Surroundings
-from intellwheels_agents.user import Goals, takes_goals
+from intellwheels_agents.path_follower import CREEP, PathFollower, braking
+from intellwheels_agents.pure_pursuit import Path, path_of
+from intellwheels_agents.range_scan import RangeScan
+from intellwheels_agents.user_input import Goals, takes_goals
 from intellwheels_schemas.messages import Actions, Goal, Measures, Robot, Truth
 
 CORNER = math.radians(30.0)
@@ -60,9 +60,9 @@ class Mind:
             raise OptionError("option truth: expected true for a robot without encoders, got false")
         self._pose = Odometry(robot, context.position)
         self._path = path_of(context)
-        self._around = Surroundings(robot)
+        self._around = RangeScan(robot)
         self._free_at = 0.0
-        self._pilot = Pilot(self._speed)
+        self._pilot = PathFollower(self._speed)
         self._leads = options.flag("lead")
         self._said: tuple[float, float, float] | None = None
         self._arrived = self._path is None

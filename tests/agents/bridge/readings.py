@@ -5,7 +5,7 @@ from __future__ import annotations
 import threading
 from typing import Any
 
-from intellwheels_agents.bridge.driver import Reading
+from intellwheels_agents.bridge.hardware_driver import Reading
 from intellwheels_schemas.messages import Pace
 
 

@@ -10,7 +10,7 @@ import pytest
 
 from intellwheels_agents.joystick import __main__ as command
 from intellwheels_agents.joystick import main
-from intellwheels_agents.joystick.script import ScriptSource
+from intellwheels_agents.joystick.script_source import ScriptSource
 from intellwheels_agents.joystick.wish import Source, Wish
 from intellwheels_schemas.link import Link
 

@@ -14,9 +14,9 @@ import numpy as np
 
 from intellwheels_maps import robot
 from intellwheels_schemas.messages import Actions, Corner, Map, Position, Wall
-from intellwheels_server.inputs import Inputs, Join
-from intellwheels_server.kernels.rows import X
 from intellwheels_server.world import advance, apply, measures
+from intellwheels_server.world.inputs import Inputs, Join
+from intellwheels_server.world.kernels.rows import X
 from tests.agents.arena import Arena
 
 IMAGES = ("before", "after")
@@ -57,7 +57,7 @@ class Corridor:
             x = (i // rows + 0.5) * pitch_x + off_x * (pitch_x - 0.5)
             y = (i % rows + 0.5) * pitch_y - half + off_y * (pitch_y - 0.6)
             self._join(f"walker{i}", x % length, y)
-        index = self.arena.state.fleet.index
+        index = self.arena.state.body_set.index
         self._real = np.array([index[f"walker{i}"] for i in range(self.count)])
         self._images = [np.array([index[f"walker{i}-{image}"] for i in range(self.count)]) for image in IMAGES]
         self.walked = np.zeros(self.count)

@@ -16,8 +16,8 @@ from intellwheels_agents.minds.aided import Mind, equip
 from intellwheels_agents.options import OptionError, Options
 from intellwheels_maps import robot
 from intellwheels_schemas.messages import Actions, Measures, Robot, UserInput
-from intellwheels_server.inputs import Inputs
 from intellwheels_server.world import advance
+from intellwheels_server.world.inputs import Inputs
 from tests.agents.arena import Arena
 from tests.agents.kinematics import RUN, context
 

@@ -12,7 +12,7 @@ import random
 
 import pytest
 
-from intellwheels_agents.surroundings import outline
+from intellwheels_agents.range_scan import outline
 from intellwheels_maps import robot
 from intellwheels_schemas.messages import Corner, Map, Position, UserInput, Wall
 from tests.agents.arena import Arena

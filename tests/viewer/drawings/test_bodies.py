@@ -12,7 +12,7 @@ import viser
 from intellwheels_schemas.messages import Body
 from intellwheels_viewer import palette
 from intellwheels_viewer.drawings.bodies import Bodies, grouped, stand, tints
-from intellwheels_viewer.drawings.forms import Forms
+from intellwheels_viewer.drawings.body_documents import BodyDocuments
 from intellwheels_viewer.palette import Colours
 from tests.viewer.drawings.cast import body, entity, node
 
@@ -22,7 +22,7 @@ CAST: dict[str, Body] = {
     "c": body("mid-wheel"),
     "table": body("table"),
 }
-FORMS = Forms().of(CAST, crowd=False)
+FORMS = BodyDocuments().of(CAST, crowd=False)
 LOOK = "/bodies/0-wheelchair"
 
 

@@ -8,8 +8,8 @@ import viser
 from intellwheels_schemas.messages import Pose
 from intellwheels_viewer import palette
 from intellwheels_viewer.drawings.ghosts import Ghost, Ghosts, reported, spirit
-from intellwheels_viewer.drawings.models import model_of
-from intellwheels_viewer.seen import Seen
+from intellwheels_viewer.drawings.looks import model_of
+from intellwheels_viewer.snapshot import Snapshot
 from tests.viewer.drawings.cast import node, robot
 from tests.viewer.wire import body
 
@@ -46,6 +46,6 @@ def test_it_goes_when_it_is_not_shown_and_changes_with_its_robot(scene: viser.Sc
 def test_a_real_chair_has_a_ghost_where_it_said_it_was() -> None:
     pose = Pose(x=1.0, y=2.0, heading=0.5)
     bodies = {"a": body("a")}
-    (found,) = reported(Seen(bodies=bodies, reported={"a": pose, "gone": pose}), palette.Colours()).values()
+    (found,) = reported(Snapshot(bodies=bodies, reported={"a": pose, "gone": pose}), palette.Colours()).values()
     assert (found.robot, found.x, found.y, found.heading) == (bodies["a"].robot, 1.0, 2.0, 0.5)
     assert found.colour == palette.Colours().rgb("a")

@@ -3,7 +3,7 @@ from __future__ import annotations
 import viser
 
 from intellwheels_viewer.drawings.labels import Labels, cut, name_of, tags
-from intellwheels_viewer.seen import Words
+from intellwheels_viewer.snapshot import Words
 from tests.viewer.drawings.cast import body, entity, node
 
 CAST = {"a": body("rear-wheel"), "table": body("table"), "door": body("door")}

@@ -9,7 +9,7 @@ import viser
 from intellwheels_viewer import palette
 from intellwheels_viewer.drawings.trails import LENGTH, STEP, Trail, Trails, segments
 from intellwheels_viewer.palette import Colours
-from intellwheels_viewer.seen import Sample
+from intellwheels_viewer.snapshot import Sample
 from tests.viewer.drawings.cast import node
 
 

@@ -18,12 +18,12 @@ from intellwheels_viewer.panels.clock import ClockPanel
 from intellwheels_viewer.panels.connection import ConnectionPanel
 from intellwheels_viewer.panels.drive import DrivePanel
 from intellwheels_viewer.panels.events import EventsPanel
-from intellwheels_viewer.panels.layers import Layers, LayersPanel
+from intellwheels_viewer.panels.layers_panel import Layers, LayersPanel
 from intellwheels_viewer.panels.place import PlacePanel
-from intellwheels_viewer.panels.plan import PlanPanel
+from intellwheels_viewer.panels.plan_panel import PlanPanel
 from intellwheels_viewer.panels.playback import PlaybackPanel
 from intellwheels_viewer.panels.selected import SelectedPanel
-from intellwheels_viewer.seen import Seen
+from intellwheels_viewer.snapshot import Snapshot
 
 CHROMIUM = shutil.which("chromium")
 FLAGS = [
@@ -35,7 +35,7 @@ FLAGS = [
 class Board:
     """One browser's panels; what they call is kept in `calls`, a name and its arguments each."""
 
-    def __init__(self, client: viser.ClientHandle, seen: Seen, choices: Choices) -> None:
+    def __init__(self, client: viser.ClientHandle, seen: Snapshot, choices: Choices) -> None:
         gui = client.gui
         self.calls: list[tuple[Any, ...]] = []
         self.news = threading.Condition()
@@ -85,7 +85,7 @@ class Board:
         with self.news:
             assert self.news.wait_for(lambda: there(self.calls), seconds), self.calls[-20:]
 
-    def show(self, seen: Seen, choices: Choices) -> None:
+    def show(self, seen: Snapshot, choices: Choices) -> None:
         self.connection.show(seen, choices)
         self.clock.show(seen, choices)
         self.playback.show(seen, choices)
@@ -115,7 +115,7 @@ FAULTS = """() => {
 
 
 @contextmanager
-def served(seen: Seen, choices: Choices, *, dark: bool = False) -> Iterator[tuple[viser.ViserServer, list[Board]]]:
+def served(seen: Snapshot, choices: Choices, *, dark: bool = False) -> Iterator[tuple[viser.ViserServer, list[Board]]]:
     """A server on a free loopback port; each browser that comes gets a board, in the order they come."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", DeprecationWarning)  # viser's own use of websockets

@@ -28,7 +28,7 @@ from intellwheels_schemas.messages import (
     Sensors,
 )
 from intellwheels_viewer.panels.choices import Choices
-from intellwheels_viewer.seen import Sample, Seen, Words
+from intellwheels_viewer.snapshot import Sample, Snapshot, Words
 
 RUN = "9f3c21d4a0b1c2d3"
 PERIOD = 0.05
@@ -60,7 +60,7 @@ def replace_record(record: Robot, **changes: object) -> Robot:
 
 
 @cache
-def seen() -> Seen:
+def seen() -> Snapshot:
     floor = library.floor("ward")
     xs = [corner.x for wall in floor.wall for corner in wall.corner]
     ys = [corner.y for wall in floor.wall for corner in wall.corner]
@@ -88,7 +88,7 @@ def seen() -> Seen:
     table = library.robot("table")
     entities.append(Entity(name="table1", x=west + across * 0.8, y=south + up * 0.75, heading=0.4))
     bodies["table1"] = Body(run=RUN, tick=0, robot=replace_record(table, name="table1"))
-    return Seen(
+    return Snapshot(
         phase="live", world="main", worlds=("lab", "main"), endpoint="tcp/127.0.0.1:7447", run=RUN, tick=TICK, time=NOW,
         clock=clock("running"), floor=floor, revision=1, bodies=bodies, entities=tuple(entities), events=events(),
         measures={"chair1": measures()}, history=history,
@@ -163,15 +163,15 @@ def choices() -> Choices:
     return Choices(selected="chair1", colours=colours)
 
 
-def nothing(phase: str, **changes: object) -> Seen:
+def nothing(phase: str, **changes: object) -> Snapshot:
     """A page without a run."""
-    return replace(Seen(phase=phase, endpoint="tcp/127.0.0.1:7447"), **changes)  # type: ignore[arg-type]
+    return replace(Snapshot(phase=phase, endpoint="tcp/127.0.0.1:7447"), **changes)  # type: ignore[arg-type]
 
 
 ATTACK = '<img src=x: onerror="window.hacked=1">\'`&'
 
 
-def hostile() -> Seen:
+def hostile() -> Snapshot:
     """A run all of whose texts are an attack, as if the wire's own patterns did not hold."""
     from intellwheels_schemas.messages import Map
 

@@ -9,12 +9,12 @@ import viser
 
 from intellwheels_viewer.panels.choices import Choices
 from intellwheels_viewer.panels.clock import ClockPanel, clock_html
-from intellwheels_viewer.seen import Seen
+from intellwheels_viewer.snapshot import Snapshot
 from tests.viewer.panels import made_up
 from tests.viewer.panels.panel import Calls, enter, press
 
 
-def at(state: str, **changes: object) -> Seen:
+def at(state: str, **changes: object) -> Snapshot:
     return replace(made_up.seen(), clock=made_up.clock(state, **changes))
 
 

@@ -17,7 +17,7 @@ from intellwheels_viewer.panels.connection import (
     nothing_to_see,
     state,
 )
-from intellwheels_viewer.seen import Phase, Seen
+from intellwheels_viewer.snapshot import Phase, Snapshot
 from tests.viewer.panels import made_up
 from tests.viewer.panels.panel import Calls, enter
 
@@ -73,7 +73,7 @@ def test_worlds_are_offered_where_there_are_several(gui: viser.GuiApi, calls: Ca
 
 def test_only_a_world_that_is_there_can_be_chosen(gui: viser.GuiApi, calls: Calls) -> None:
     panel = ConnectionPanel(gui, calls.to("world"))
-    panel.show(Seen(phase="choose", worlds=("lab", "main")), Choices())
+    panel.show(Snapshot(phase="choose", worlds=("lab", "main")), Choices())
     for world in ("elsewhere", NO_WORLD, "lab"):
         enter(panel._worlds, world)
     assert calls == [("world", "lab")]

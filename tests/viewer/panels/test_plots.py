@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from intellwheels_viewer.panels import plots
-from intellwheels_viewer.seen import Sample
+from intellwheels_viewer.snapshot import Sample
 from tests.viewer.panels import made_up
 
 BODY = made_up.seen().bodies["chair1"]

@@ -6,17 +6,17 @@ import msgspec
 
 from intellwheels_schemas.messages import Body, Lidar, LidarReading, Measures, ProximityReading, Sensors
 from intellwheels_viewer.panels.ranges import nearest, tone
-from intellwheels_viewer.seen import Sample, Seen
+from intellwheels_viewer.snapshot import Sample, Snapshot
 from tests.viewer.panels import made_up
 
 LIDAR = Lidar(id="laser", x=0, y=0, z=0.3, direction_deg=0, fov_deg=180, rays=3, min_range=0.02, max_range=9)
 
 
-def seen(sensors: Sensors) -> Seen:
+def seen(sensors: Sensors) -> Snapshot:
     robot = msgspec.structs.replace(made_up.robot("chair1"), lidar=(LIDAR,))
     body = Body(run=made_up.RUN, tick=0, robot=robot)
     measures = Measures(run=made_up.RUN, tick=1, time=0.05, sensors=sensors)
-    return Seen(bodies={"chair1": body}, measures={"chair1": measures})
+    return Snapshot(bodies={"chair1": body}, measures={"chair1": measures})
 
 
 def test_tones_change_at_their_bounds() -> None:
@@ -42,8 +42,8 @@ def test_nothing_seen_and_a_failure_are_no_distance() -> None:
 
 def test_without_measures_the_newest_sample_counts() -> None:
     history = (Sample(0, 0, 0, 0, 0, (0.1,)), Sample(1, 0, 0, 0, 0, (0.7, None, 0.4)))
-    assert nearest(Seen(history={"chair1": history}), "chair1") == 0.4
+    assert nearest(Snapshot(history={"chair1": history}), "chair1") == 0.4
 
 
 def test_a_body_of_which_nothing_is_known_has_no_nearest() -> None:
-    assert nearest(Seen(), "chair1") is None
+    assert nearest(Snapshot(), "chair1") is None

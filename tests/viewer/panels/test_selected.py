@@ -9,7 +9,7 @@ import viser
 
 from intellwheels_viewer.panels.choices import Choices
 from intellwheels_viewer.panels.selected import LOG, SelectedPanel, head_html, log_html, sensors_html
-from intellwheels_viewer.seen import Words
+from intellwheels_viewer.snapshot import Words
 from tests.viewer.panels import made_up
 
 

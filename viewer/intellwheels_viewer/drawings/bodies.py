@@ -15,12 +15,12 @@ import viser
 
 from intellwheels_schemas.messages import Body, Entity
 from intellwheels_viewer import palette
-from intellwheels_viewer.drawings import footprints
-from intellwheels_viewer.drawings.batch import Batch, quaternions
-from intellwheels_viewer.drawings.forms import Form, Forms
-from intellwheels_viewer.drawings.layers import HALF_HEIGHT
-from intellwheels_viewer.drawings.model import CROWD, Extent, Model
-from intellwheels_viewer.drawings.models import model_of
+from intellwheels_viewer.drawings import footprint_outlines
+from intellwheels_viewer.drawings.body_documents import BodyDocument, BodyDocuments
+from intellwheels_viewer.drawings.body_look import CROWD, BodyLook, Extent
+from intellwheels_viewer.drawings.floor_heights import HALF_HEIGHT
+from intellwheels_viewer.drawings.instance_batch import InstanceBatch, quaternions
+from intellwheels_viewer.drawings.looks import model_of
 from intellwheels_viewer.drawings.selection import Selection
 from intellwheels_viewer.drawings.solids import Array, Solid, box
 
@@ -37,7 +37,7 @@ OnDrag: TypeAlias = Callable[[str, Drag], None]
 
 
 @dataclass(frozen=True)
-class Stand:
+class PoseArrays:
     """N bodies as they stand: positions (N, 3), headings (N,), colours (N, 3) sRGB bytes."""
 
     names: tuple[str, ...]
@@ -46,9 +46,9 @@ class Stand:
     colours: Array
 
 
-def stand(entities: Sequence[Entity], colour: Callable[[str], palette.RGB]) -> Stand:
+def stand(entities: Sequence[Entity], colour: Callable[[str], palette.RGB]) -> PoseArrays:
     """Return bodies as arrays, in their order."""
-    return Stand(
+    return PoseArrays(
         names=tuple(entity.name for entity in entities),
         positions=np.array([(entity.x, entity.y, 0.0) for entity in entities], np.float32).reshape(-1, 3),
         headings=np.array([entity.heading for entity in entities], np.float32),
@@ -56,7 +56,7 @@ def stand(entities: Sequence[Entity], colour: Callable[[str], palette.RGB]) -> S
     )
 
 
-def grouped(forms: Mapping[str, Form], entities: Sequence[Entity]) -> dict[int, list[Entity]]:
+def grouped(forms: Mapping[str, BodyDocument], entities: Sequence[Entity]) -> dict[int, list[Entity]]:
     """Return the bodies that look alike, in the order of the state. One whose document has not come yet is left out."""
     groups: dict[int, list[Entity]] = {}
     for entity in entities:
@@ -67,8 +67,8 @@ def grouped(forms: Mapping[str, Form], entities: Sequence[Entity]) -> dict[int, 
 
 
 def tints(
-    forms: Mapping[str, Form], entities: Sequence[Entity], colour: Callable[[str], palette.RGB]
-) -> tuple[Stand, Array]:
+    forms: Mapping[str, BodyDocument], entities: Sequence[Entity], colour: Callable[[str], palette.RGB]
+) -> tuple[PoseArrays, Array]:
     """Return where the tinted footprints lie and how large (N, 3) they are: of what goes, and of what touches."""
     shown = [e for e in entities if e.name in forms and (forms[e.name].goes or e.contact)]
     hulls = [forms[entity.name].hull for entity in shown]
@@ -85,22 +85,22 @@ class _Look:
     """The nodes of one look."""
 
     def __init__(
-        self, scene: viser.SceneApi, name: str, model: Model, hull: Extent, made: Callable[[Batch], None]
+        self, scene: viser.SceneApi, name: str, model: BodyLook, hull: Extent, made: Callable[[InstanceBatch], None]
     ) -> None:
         self.model, self.hull = model, hull
         self._scene, self._name, self._made = scene, name, made
         self._fresh = self._batches("", None)
-        self._stale: list[tuple[Batch, palette.RGB | None]] = []
-        self._outline = Batch(scene, f"{name}/outline", footprints.outline(hull))
+        self._stale: list[tuple[InstanceBatch, palette.RGB | None]] = []
+        self._outline = InstanceBatch(scene, f"{name}/outline", footprint_outlines.outline(hull))
 
-    def show(self, fresh: Stand, stale: Stand, lines: Stand) -> None:
+    def show(self, fresh: PoseArrays, stale: PoseArrays, lines: PoseArrays) -> None:
         _assign(self._fresh, fresh)
         if stale.names and not self._stale:
             self._stale = self._batches("/stale", FADED)
         _assign(self._stale, stale)
         self._outline.show(lines.positions, quaternions(lines.headings), lines.colours, names=lines.names)
 
-    def _batches(self, suffix: str, opacity: float | None) -> list[tuple[Batch, palette.RGB | None]]:
+    def _batches(self, suffix: str, opacity: float | None) -> list[tuple[InstanceBatch, palette.RGB | None]]:
         model = self.model
         solids: tuple[tuple[str, Solid, palette.RGB | None], ...] = (
             ("paint", model.paint, None),
@@ -109,7 +109,7 @@ class _Look:
         )
         return [
             (
-                Batch(
+                InstanceBatch(
                     self._scene,
                     f"{self._name}{suffix}/{part}",
                     shape,
@@ -123,7 +123,7 @@ class _Look:
         ]
 
 
-def _assign(batches: Sequence[tuple[Batch, palette.RGB | None]], placed: Stand) -> None:
+def _assign(batches: Sequence[tuple[InstanceBatch, palette.RGB | None]], placed: PoseArrays) -> None:
     turns = quaternions(placed.headings)
     for batch, rgb in batches:
         colours = placed.colours if rgb is None else np.tile(np.array(rgb, np.float32), (len(placed.names), 1))
@@ -141,14 +141,14 @@ class Bodies:
 
     def __init__(self, scene: viser.SceneApi, *, name: str = "/bodies", cut: float | None = HALF_HEIGHT) -> None:
         self._scene, self._name, self._cut = scene, name, cut
-        self._forms = Forms()
+        self._forms = BodyDocuments()
         self._looks: dict[int, _Look] = {}
-        self._clickable: list[Batch] = []
+        self._clickable: list[InstanceBatch] = []
         self._picks: list[OnPick] = []
         self._drags: list[tuple[OnDrag, Literal["shift"] | None]] = []
-        self._tint = Batch(scene, f"{name}/tint", footprints.tint(), opacity=_TINT, made=self._listen)
-        self._contact = Batch(scene, f"{name}/contact", footprints.tint(), opacity=0.7)
-        self._stripes = Batch(scene, f"{name}/stripes", box(-0.025, 0.025, -0.5, 0.5, 0.0, 0.006))
+        self._tint = InstanceBatch(scene, f"{name}/tint", footprint_outlines.tint(), opacity=_TINT, made=self._listen)
+        self._contact = InstanceBatch(scene, f"{name}/contact", footprint_outlines.tint(), opacity=0.7)
+        self._stripes = InstanceBatch(scene, f"{name}/stripes", box(-0.025, 0.025, -0.5, 0.5, 0.0, 0.006))
         self._ring = Selection(scene, f"{name}/selection")
 
     @property
@@ -207,7 +207,7 @@ class Bodies:
         body = None if chosen is None else bodies.get(chosen.name)
         self._ring.show(None if body is None else body.robot, chosen)
 
-    def _look(self, number: int, form: Form, *, crowd: bool) -> _Look:
+    def _look(self, number: int, form: BodyDocument, *, crowd: bool) -> _Look:
         look = self._looks.get(number)
         if look is None:
             model = model_of(form.robot, crowd=crowd, cut=self._cut)
@@ -217,8 +217,8 @@ class Bodies:
 
     @staticmethod
     def _stands(
-        group: Sequence[Entity], forms: Mapping[str, Form], colours: palette.Colours, stale: Collection[str]
-    ) -> tuple[Stand, Stand, Stand]:
+        group: Sequence[Entity], forms: Mapping[str, BodyDocument], colours: palette.Colours, stale: Collection[str]
+    ) -> tuple[PoseArrays, PoseArrays, PoseArrays]:
         """Return those drawn in full, those faded, and the outlines: of what goes, and of what touches."""
         fresh = [entity for entity in group if entity.name not in stale]
         faded = [entity for entity in group if entity.name in stale]
@@ -230,7 +230,9 @@ class Bodies:
             stand(lined, lambda name: palette.CONTACT if name in touching else colours.rgb(name)),
         )
 
-    def _show_floor(self, forms: Mapping[str, Form], entities: Sequence[Entity], colours: palette.Colours) -> None:
+    def _show_floor(
+        self, forms: Mapping[str, BodyDocument], entities: Sequence[Entity], colours: palette.Colours
+    ) -> None:
         placed, sizes = tints(forms, [entity for entity in entities if not entity.contact], colours.rgb)
         self._tint.show(
             placed.positions, quaternions(placed.headings), placed.colours, scales=sizes, names=placed.names
@@ -251,7 +253,7 @@ class Bodies:
         scales = np.column_stack([np.ones(len(rows)), across, np.ones(len(rows))])
         self._stripes.show(places, quaternions(heading), np.tile(_STRIPE, (len(rows), 1)), scales=scales)
 
-    def _listen(self, batch: Batch) -> None:
+    def _listen(self, batch: InstanceBatch) -> None:
         self._clickable.append(batch)
         for callback in self._picks:
             self._listen_pick(batch, callback)
@@ -259,7 +261,7 @@ class Bodies:
             self._listen_drag(batch, drag, modifier)
 
     @staticmethod
-    def _listen_pick(batch: Batch, callback: OnPick) -> None:
+    def _listen_pick(batch: InstanceBatch, callback: OnPick) -> None:
         assert batch.handle is not None  # noqa: S101  # listened to when it is made
 
         @batch.handle.on_click
@@ -269,7 +271,7 @@ class Bodies:
                 callback(name, event)
 
     @staticmethod
-    def _listen_drag(batch: Batch, callback: OnDrag, modifier: Literal["shift"] | None) -> None:
+    def _listen_drag(batch: InstanceBatch, callback: OnDrag, modifier: Literal["shift"] | None) -> None:
         assert batch.handle is not None  # noqa: S101  # listened to when it is made
         held: dict[int, str] = {}
 

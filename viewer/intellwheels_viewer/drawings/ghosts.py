@@ -16,14 +16,14 @@ import viser
 from intellwheels_schemas.messages import Robot
 from intellwheels_schemas.rules import parts_of
 from intellwheels_viewer import palette
-from intellwheels_viewer.drawings.footprints import outline
-from intellwheels_viewer.drawings.layers import HALF_HEIGHT
-from intellwheels_viewer.drawings.model import extent
-from intellwheels_viewer.drawings.models import Shape, model_of, shape_of
+from intellwheels_viewer.drawings.body_look import extent
+from intellwheels_viewer.drawings.floor_heights import HALF_HEIGHT
+from intellwheels_viewer.drawings.footprint_outlines import outline
+from intellwheels_viewer.drawings.looks import Shape, model_of, shape_of
 from intellwheels_viewer.drawings.solids import Solid
 
 if TYPE_CHECKING:
-    from intellwheels_viewer.seen import Seen
+    from intellwheels_viewer.snapshot import Snapshot
 
 OPACITY: Final = 0.4
 
@@ -53,7 +53,7 @@ def spirit(robot: Robot) -> Solid:
     return model.paint + model.dark + model.light
 
 
-def reported(seen: Seen, colours: palette.Colours) -> dict[str, Ghost]:
+def reported(seen: Snapshot, colours: palette.Colours) -> dict[str, Ghost]:
     """Return the ghost of each real chair that is seen where it truly is, where it said that it is."""
     return {
         name: Ghost(seen.bodies[name].robot, pose.x, pose.y, pose.heading, colours.rgb(name))

@@ -11,8 +11,8 @@ import viser
 
 from intellwheels_schemas.messages import Entity
 from intellwheels_viewer import palette
-from intellwheels_viewer.drawings import layers
-from intellwheels_viewer.drawings.batch import Batch, quaternions
+from intellwheels_viewer.drawings import floor_heights
+from intellwheels_viewer.drawings.instance_batch import InstanceBatch, quaternions
 from intellwheels_viewer.drawings.solids import Array, Solid, band, join, sheet
 
 _DASH: Final = 0.25
@@ -22,13 +22,13 @@ _LONGEST: Final = 200
 
 def target() -> Solid:
     """Return the sign of a goal: two rings around a point."""
-    z = layers.GOAL
+    z = floor_heights.GOAL
     return join([band(0.24, 0.28, z, sides=36), band(0.13, 0.16, z, sides=28), band(0.0, 0.05, z, sides=16)])
 
 
 def arrow() -> Solid:
     """Return the sign of the heading a goal asks for: outside of the rings, towards x."""
-    return sheet([(0.32, -0.08), (0.46, 0.0), (0.32, 0.08)], layers.GOAL)
+    return sheet([(0.32, -0.08), (0.46, 0.0), (0.32, 0.08)], floor_heights.GOAL)
 
 
 def dashes(entities: Sequence[Entity], colours: palette.Colours) -> tuple[Array, Array]:
@@ -45,8 +45,8 @@ def dashes(entities: Sequence[Entity], colours: palette.Colours) -> tuple[Array,
             a, b = dash / count, (dash + 0.45) / count
             points.append(
                 (
-                    (entity.x + a * dx, entity.y + a * dy, layers.GOAL),
-                    (entity.x + b * dx, entity.y + b * dy, layers.GOAL),
+                    (entity.x + a * dx, entity.y + a * dy, floor_heights.GOAL),
+                    (entity.x + b * dx, entity.y + b * dy, floor_heights.GOAL),
                 )
             )
             tints.append((colours.rgb(entity.name), colours.rgb(entity.name)))
@@ -58,8 +58,8 @@ class Goals:
 
     def __init__(self, scene: viser.SceneApi) -> None:
         self._scene = scene
-        self._targets = Batch(scene, "/goals/targets", target())
-        self._arrows = Batch(scene, "/goals/headings", arrow())
+        self._targets = InstanceBatch(scene, "/goals/targets", target())
+        self._arrows = InstanceBatch(scene, "/goals/headings", arrow())
         self._lines: viser.LineSegmentsHandle | None = None
 
     def show(self, entities: Sequence[Entity], colours: palette.Colours) -> None:

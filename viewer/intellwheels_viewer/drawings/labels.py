@@ -14,8 +14,8 @@ import viser
 
 from intellwheels_schemas.messages import Body, Entity
 from intellwheels_schemas.rules import has_motors, parts_of
-from intellwheels_viewer.drawings.model import extent
-from intellwheels_viewer.seen import Words
+from intellwheels_viewer.drawings.body_look import extent
+from intellwheels_viewer.snapshot import Words
 
 MANY: Final = 30
 """Above so many bodies only some have names."""

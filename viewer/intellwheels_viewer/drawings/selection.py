@@ -10,8 +10,8 @@ import viser
 from intellwheels_schemas.messages import Entity, Robot
 from intellwheels_schemas.rules import parts_of
 from intellwheels_viewer import palette
-from intellwheels_viewer.drawings import layers
-from intellwheels_viewer.drawings.model import extent
+from intellwheels_viewer.drawings import floor_heights
+from intellwheels_viewer.drawings.body_look import extent
 from intellwheels_viewer.drawings.solids import Solid, band
 
 _WIDTH: Final = 0.075
@@ -28,8 +28,8 @@ def ring_of(robot: Robot) -> tuple[float, float, float]:
 def rings(radius: float) -> tuple[Solid, Solid]:
     """Return the yellow ring and the dark one under it."""
     outer = radius + _WIDTH
-    return band(radius, outer, layers.RING + 0.002, sides=96), band(
-        radius - 0.014, outer + 0.014, layers.RING, sides=96
+    return band(radius, outer, floor_heights.RING + 0.002, sides=96), band(
+        radius - 0.014, outer + 0.014, floor_heights.RING, sides=96
     )
 
 

@@ -11,9 +11,9 @@ import numpy.typing as npt
 import viser
 
 from intellwheels_viewer import palette
-from intellwheels_viewer.drawings import layers
+from intellwheels_viewer.drawings import floor_heights
 from intellwheels_viewer.drawings.solids import Array
-from intellwheels_viewer.seen import Sample
+from intellwheels_viewer.snapshot import Sample
 
 LENGTH: Final = 20.0
 """Seconds of simulated time that a trail goes back."""
@@ -90,7 +90,7 @@ def segments(corners: Sequence[Array], now: float, colours: Sequence[palette.RGB
     owner = np.repeat(np.arange(len(corners)), [len(each) for each in corners])
     own = np.array(colours, np.float32).reshape(-1, 3)[owner]
     tints = _faded(own, (now - rows[:, 2]).astype(np.float32))
-    rows[:, 2] = layers.TRAIL
+    rows[:, 2] = floor_heights.TRAIL
     joined = owner[1:] == owner[:-1]
     return _paired(rows, joined), _paired(tints, joined)
 

@@ -26,8 +26,8 @@ from intellwheels_schemas.messages import (
     Status,
 )
 from intellwheels_viewer import palette
-from intellwheels_viewer.drawings import layers
-from intellwheels_viewer.drawings.batch import Batch, quaternions
+from intellwheels_viewer.drawings import floor_heights
+from intellwheels_viewer.drawings.instance_batch import InstanceBatch, quaternions
 from intellwheels_viewer.drawings.solids import Array, Solid, band, sheet
 
 Rows: TypeAlias = npt.NDArray[np.float64]
@@ -218,7 +218,7 @@ def _states(value: Column, status: Sequence[Status]) -> Indices:
 
 def fan(cone: float) -> Solid:
     """Return a flat fan of radius 1 around x, `cone` radians wide."""
-    return band(0.0, 1.0, layers.WEDGE, -cone / 2, cone / 2, max(2, math.ceil(cone / (_PIECE / 2))))
+    return band(0.0, 1.0, floor_heights.WEDGE, -cone / 2, cone / 2, max(2, math.ceil(cone / (_PIECE / 2))))
 
 
 @dataclass(frozen=True)
@@ -246,7 +246,7 @@ def bars(shown: Cones) -> Bars:
     rows += [_arcs(edged.where(pieces == count), count) for count in sorted({*pieces.tolist()})]
     table = np.concatenate(rows)
     flat = np.zeros((len(table), 3), np.float32)
-    flat[:, :2], flat[:, 2] = table[:, :2], layers.ARC
+    flat[:, :2], flat[:, 2] = table[:, :2], floor_heights.ARC
     sizes = np.ones((len(table), 3), np.float32)
     sizes[:, :2] = table[:, 3:5]
     return Bars(flat, table[:, 2].astype(np.float32), sizes, table[:, 5:].astype(np.float32))
@@ -313,10 +313,10 @@ class Wedges:
 
     def __init__(self, scene: viser.SceneApi) -> None:
         self._scene = scene
-        self._fans: dict[float, Batch] = {}
+        self._fans: dict[float, InstanceBatch] = {}
         self._mounts = Mounts()
         square = sheet([(-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5)], 0.0)
-        self._bars = Batch(scene, "/wedges/bars", square)
+        self._bars = InstanceBatch(scene, "/wedges/bars", square)
 
     def show(
         self,
@@ -347,7 +347,7 @@ class Wedges:
     def _fan(self, cone: float, group: Cones) -> None:
         if cone not in self._fans:
             name = f"/wedges/fan-{cone:.6g}".replace(".", "-")
-            self._fans[cone] = Batch(self._scene, name, fan(math.radians(cone)), opacity=1.0, side="double")
+            self._fans[cone] = InstanceBatch(self._scene, name, fan(math.radians(cone)), opacity=1.0, side="double")
         lifts = _LIFT * (np.arange(len(group.x)) % _LIFTS)
         self._fans[cone].show(
             np.column_stack([group.x, group.y, lifts]),

@@ -9,13 +9,13 @@ from typing import Final
 import viser
 
 from intellwheels_schemas.messages import Body, Entity
-from intellwheels_viewer.panels import figures
+from intellwheels_viewer.panels import number_format
 from intellwheels_viewer.panels.callbacks import Pick, assign, updated
 from intellwheels_viewer.panels.choices import Choices
 from intellwheels_viewer.panels.marks import Mark, marks, swatch
 from intellwheels_viewer.panels.ranges import nearest, tone
-from intellwheels_viewer.panels.sheet import SHEET, block, note
-from intellwheels_viewer.seen import Seen
+from intellwheels_viewer.panels.style_sheet import STYLE_SHEET, block, note
+from intellwheels_viewer.snapshot import Snapshot
 
 ROWS: Final = 40
 """A longer table is not read but searched, in the list."""
@@ -35,12 +35,12 @@ _COLUMNS: Final = (
 )
 
 
-def in_order(seen: Seen) -> list[Entity]:
+def in_order(seen: Snapshot) -> list[Entity]:
     """Return the bodies, those of agents before those that an operator put there."""
     return sorted(seen.entities, key=lambda entity: not _is_agent(seen.bodies.get(entity.name)))
 
 
-def agents_html(seen: Seen, choices: Choices, handler: str = "") -> str:
+def agents_html(seen: Snapshot, choices: Choices, handler: str = "") -> str:
     """Return the table of bodies.
 
     Args:
@@ -81,18 +81,18 @@ def _is_agent(body: Body | None) -> bool:
     return body is None or body.owner is not None or body.robot.instance is not None
 
 
-def _row(seen: Seen, entity: Entity, mark: Mark, selected: str | None) -> str:
+def _row(seen: Snapshot, entity: Entity, mark: Mark, selected: str | None) -> str:
     name = html.escape(entity.name)
     classes = " ".join(
         word for word, on in (("chosen", entity.name == selected), ("stale", entity.state == "stale")) if on
     )
     distance = nearest(seen, entity.name)
-    near = "\u2013" if distance is None else figures.decimal(distance)
+    near = "\u2013" if distance is None else number_format.decimal(distance)
     return (
         f'<tr class="{classes}" data-agent="{name}" data-testid="agent-{name}" data-state="{entity.state}">'
         f'<td><div class="iw-head">{swatch(mark)}<b class="iw-cut" title="{name}">{name}</b></div>'
         f'<div class="iw-small iw-wide">{html.escape(words(entity, seen.bodies.get(entity.name)))}</div></td>'
-        f"<td><span>{figures.decimal(entity.speed)}</span></td>"
+        f"<td><span>{number_format.decimal(entity.speed)}</span></td>"
         f'<td><span class="{"iw-near" if distance is not None and tone(distance) == "near" else ""}">{near}</span></td>'
         f"<td>{_contacts(entity)}</td></tr>"
     )
@@ -113,7 +113,7 @@ class AgentsPanel:
     """
 
     def __init__(self, gui: viser.GuiApi, on_select: Callable[[str | None], None]) -> None:
-        gui.add_html(SHEET)
+        gui.add_html(STYLE_SHEET)
         self._table = gui.add_html("")
         self._list: viser.GuiDropdownHandle[str] = gui.add_dropdown("Selected", (NOBODY,))
         self._known: frozenset[str] = frozenset()
@@ -121,7 +121,7 @@ class AgentsPanel:
         self._pick = Pick(gui, self._selected)
         updated(self._list, self._selected)
 
-    def show(self, seen: Seen, choices: Choices) -> None:
+    def show(self, seen: Snapshot, choices: Choices) -> None:
         """Show who is there."""
         self._table.content = agents_html(seen, choices, self._pick.attribute)
         names = tuple(entity.name for entity in in_order(seen))

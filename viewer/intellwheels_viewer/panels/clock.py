@@ -9,12 +9,12 @@ from typing import Final
 import viser
 
 from intellwheels_schemas.messages import Clock
-from intellwheels_viewer.panels import figures
+from intellwheels_viewer.panels import number_format
 from intellwheels_viewer.panels.callbacks import chosen, clicked, disable
 from intellwheels_viewer.panels.choices import Choices
-from intellwheels_viewer.panels.sheet import SHEET, block
-from intellwheels_viewer.panels.sheet import figures as large
-from intellwheels_viewer.seen import Seen
+from intellwheels_viewer.panels.style_sheet import STYLE_SHEET, block
+from intellwheels_viewer.panels.style_sheet import figures as large
+from intellwheels_viewer.snapshot import Snapshot
 
 STEPS: Final = ("1", "10", "100")
 SPEEDS: Final = ("0.5", "1", "2", "5")
@@ -32,7 +32,7 @@ _STATES: Final = {
 }
 
 
-def clock_html(seen: Seen) -> str:
+def clock_html(seen: Snapshot) -> str:
     """Return state, time, tick, real-time factor and late ticks."""
     clock = seen.clock
     if clock is None:
@@ -45,7 +45,7 @@ def clock_html(seen: Seen) -> str:
         f'<b class="iw-cut">{html.escape(word + _awaited(clock))}</b></div>',
         large(
             (
-                (figures.decimal(clock.time), "time, s"),
+                (number_format.decimal(clock.time), "time, s"),
                 (str(clock.tick), "tick"),
                 (_factor(clock), "real-time factor"),
             )
@@ -65,7 +65,7 @@ def _awaited(clock: Clock) -> str:
 
 
 def _factor(clock: Clock) -> str:
-    return figures.decimal(clock.factor) if clock.state == "running" else clock.state
+    return number_format.decimal(clock.factor) if clock.state == "running" else clock.state
 
 
 def _late(clock: Clock) -> str:
@@ -74,7 +74,7 @@ def _late(clock: Clock) -> str:
 
 def _pace(clock: Clock) -> str:
     if clock.pace == "realtime" and clock.speed != 1.0:
-        return f"speed {figures.factor(clock.speed)} \u00d7"
+        return f"speed {number_format.factor(clock.speed)} \u00d7"
     return _PACES[clock.pace]
 
 
@@ -100,7 +100,7 @@ class ClockPanel:
         on_reset: Callable[[], None],
         on_speed: Callable[[float], None],
     ) -> None:
-        gui.add_html(SHEET)
+        gui.add_html(STYLE_SHEET)
         self._clock = gui.add_html("")
         self._pause = gui.add_button("Pause", icon=viser.Icon.PLAYER_PAUSE, disabled=True)
         self._resume = gui.add_button("Resume", icon=viser.Icon.PLAYER_PLAY, visible=False)
@@ -113,7 +113,7 @@ class ClockPanel:
         chosen(self._step, lambda word: on_step(int(word)))
         chosen(self._speed, lambda word: on_speed(float(word)))
 
-    def show(self, seen: Seen, choices: Choices) -> None:
+    def show(self, seen: Snapshot, choices: Choices) -> None:
         """Show the clock; what cannot act is disabled."""
         self._clock.content = clock_html(seen)
         clock = seen.clock

@@ -10,8 +10,8 @@ import viser
 
 from intellwheels_viewer.panels.callbacks import assign, updated
 from intellwheels_viewer.panels.choices import Choices
-from intellwheels_viewer.panels.sheet import SHEET, block, note, prose
-from intellwheels_viewer.seen import Seen
+from intellwheels_viewer.panels.style_sheet import STYLE_SHEET, block, note, prose
+from intellwheels_viewer.snapshot import Snapshot
 
 NO_WORLD: Final = "Choose one"
 GREYED: Final = "<style>canvas,.iw-plan svg{filter:grayscale(1) opacity(.55)}</style>"
@@ -26,7 +26,7 @@ class State(NamedTuple):
     text: str
 
 
-def state(seen: Seen, choices: Choices) -> State:
+def state(seen: Snapshot, choices: Choices) -> State:
     """Return the connection's state in words."""
     silence = f"Simulator silent for {choices.quiet:.0f} s"
     world = seen.world or "the world"
@@ -44,7 +44,7 @@ def state(seen: Seen, choices: Choices) -> State:
     }[seen.phase]
 
 
-def nothing_to_see(seen: Seen, choices: Choices) -> str:
+def nothing_to_see(seen: Snapshot, choices: Choices) -> str:
     """Return the state as plain lines for a scene without a floor; nothing where there is one."""
     if seen.floor is not None:
         return ""
@@ -52,7 +52,7 @@ def nothing_to_see(seen: Seen, choices: Choices) -> str:
     return f"{now.title}\n" + now.text.replace("`", "").replace(". ", ".\n")
 
 
-def connection_html(seen: Seen, choices: Choices) -> str:
+def connection_html(seen: Snapshot, choices: Choices) -> str:
     """Return the state with a dot, its text, and whether this viewer may only look."""
     now = state(seen, choices)
     size = "iw-small" if now.tone == "good" else "iw-soft"
@@ -70,7 +70,7 @@ def connection_html(seen: Seen, choices: Choices) -> str:
     return block("connection", f'<div data-phase="{seen.phase}">{content}</div>')
 
 
-def _choice(seen: Seen) -> State:
+def _choice(seen: Snapshot) -> State:
     if seen.world:
         return State("wait", f"World {seen.world} is not running", "It is shown as soon as it is; or choose another.")
     count = len(seen.worlds)
@@ -78,7 +78,7 @@ def _choice(seen: Seen) -> State:
     return State("wait", running, "Choose the one to look at.")
 
 
-def _floor(seen: Seen) -> str:
+def _floor(seen: Snapshot) -> str:
     return (seen.floor.title or seen.floor.name) if seen.floor else "Connected, waiting for the floor"
 
 
@@ -91,14 +91,14 @@ class ConnectionPanel:
     """
 
     def __init__(self, gui: viser.GuiApi, on_world: Callable[[str], None]) -> None:
-        gui.add_html(SHEET)
+        gui.add_html(STYLE_SHEET)
         self._words = gui.add_html("")
         self._worlds: viser.GuiDropdownHandle[str] = gui.add_dropdown("World", (NO_WORLD,), visible=False)
         self._known: tuple[str, ...] = ()
         self._on_world = on_world
         updated(self._worlds, self._chosen)
 
-    def show(self, seen: Seen, choices: Choices) -> None:
+    def show(self, seen: Snapshot, choices: Choices) -> None:
         """Show the state of now."""
         self._words.content = connection_html(seen, choices)
         self._known = seen.worlds

@@ -16,8 +16,8 @@ import viser
 
 from intellwheels_viewer.panels.callbacks import assign, clicked, element_id, updated
 from intellwheels_viewer.panels.choices import Choices
-from intellwheels_viewer.panels.sheet import SHEET, block, note
-from intellwheels_viewer.seen import Seen
+from intellwheels_viewer.panels.style_sheet import STYLE_SHEET, block, note
+from intellwheels_viewer.snapshot import Snapshot
 
 RATE: Final = 10.0
 """Messages a second."""
@@ -97,7 +97,7 @@ _STICK: Final = (
 )
 
 
-def drive_html(seen: Seen, choices: Choices) -> str:
+def drive_html(seen: Snapshot, choices: Choices) -> str:
     """Return who would be driven, or why nobody."""
     if seen.phase != "live":
         words = note("No world to drive in", "wait")
@@ -114,7 +114,7 @@ def drive_html(seen: Seen, choices: Choices) -> str:
     return block("drive", words, off)
 
 
-def able(seen: Seen, choices: Choices) -> bool:
+def able(seen: Snapshot, choices: Choices) -> bool:
     """Return whether the selected body can be driven from here."""
     if seen.phase != "live" or not choices.allowed or choices.selected is None:
         return False
@@ -146,7 +146,7 @@ class DrivePanel:
         on_stick: Callable[[float, float, int], None],
         on_say: Callable[[str, str | None], None],
     ) -> None:
-        gui.add_html(SHEET)
+        gui.add_html(STYLE_SHEET)
         self._words = gui.add_html("")
         self._value = gui.add_vector3("stick", (0.0, 0.0, 0.0), visible=False)
         self._stick = gui.add_html(page_html(element_id(self._value)))
@@ -173,7 +173,7 @@ class DrivePanel:
         clicked(self._say, self._said)
         form.on_submit(self._submitted)
 
-    def show(self, seen: Seen, choices: Choices) -> None:
+    def show(self, seen: Snapshot, choices: Choices) -> None:
         """Show who would be driven; the stick itself is left alone."""
         self._words.content = drive_html(seen, choices)
         if choices.selected != self._selected:

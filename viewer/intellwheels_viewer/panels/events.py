@@ -9,15 +9,15 @@ from typing import Final
 import viser
 
 from intellwheels_schemas.messages import Event
-from intellwheels_viewer.panels import figures
+from intellwheels_viewer.panels import number_format
 from intellwheels_viewer.panels.sentences import sentence
-from intellwheels_viewer.panels.sheet import SHEET, block
-from intellwheels_viewer.seen import Seen
+from intellwheels_viewer.panels.style_sheet import STYLE_SHEET, block
+from intellwheels_viewer.snapshot import Snapshot
 
 SHOWN: Final = 100
 
 
-def events_html(seen: Seen) -> str:
+def events_html(seen: Snapshot) -> str:
     """Return the list of the newest events."""
     if not seen.events:
         return block("events", '<span class="iw-soft">Nothing has happened yet.</span>')
@@ -32,16 +32,16 @@ def events_html(seen: Seen) -> str:
     )
 
 
-def event_item(seen: Seen, event: Event) -> str:
+def event_item(seen: Snapshot, event: Event) -> str:
     """Return a line of a list: time and sentence."""
     red = ' class="iw-red"' if event.code == "contact" else ""
     return (
-        f'<li data-code="{event.code}" data-number="{event.number}"><span>{figures.moment(event.tick, seen)}</span>'
+        f'<li data-code="{event.code}" data-number="{event.number}"><span>{number_format.moment(event.tick, seen)}</span>'
         f"<span{red}>{html.escape(sentence(event))}</span></li>"
     )
 
 
-def _items(seen: Seen, newest: Iterable[Event]) -> Iterable[str]:
+def _items(seen: Snapshot, newest: Iterable[Event]) -> Iterable[str]:
     run = None
     for event in newest:
         if run is not None and event.run != run:
@@ -58,9 +58,9 @@ class EventsPanel:
     """
 
     def __init__(self, gui: viser.GuiApi) -> None:
-        gui.add_html(SHEET)
+        gui.add_html(STYLE_SHEET)
         self._list = gui.add_html("")
 
-    def show(self, seen: Seen) -> None:
+    def show(self, seen: Snapshot) -> None:
         """Show the events; costs nothing while none is new."""
         self._list.content = events_html(seen)

@@ -12,8 +12,8 @@ import viser
 
 from intellwheels_viewer.panels.callbacks import chosen, clicked, disable, updated
 from intellwheels_viewer.panels.choices import Choices
-from intellwheels_viewer.panels.sheet import SHEET, block, note
-from intellwheels_viewer.seen import Seen
+from intellwheels_viewer.panels.style_sheet import STYLE_SHEET, block, note
+from intellwheels_viewer.snapshot import Snapshot
 
 PALETTE: Final = {
     "Box": "crate",
@@ -26,7 +26,7 @@ TURN_STEP: Final = 15
 """Degrees of a step of the turn."""
 
 
-def place_html(seen: Seen, choices: Choices) -> str:
+def place_html(seen: Snapshot, choices: Choices) -> str:
     """Return what to do next, or why there is nothing to do."""
     if seen.phase != "live":
         words = note("No world to place anything in", "wait")
@@ -59,7 +59,7 @@ class PlacePanel:
         on_turn_selected: Callable[[float], None],
         on_remove: Callable[[], None],
     ) -> None:
-        gui.add_html(SHEET)
+        gui.add_html(STYLE_SHEET)
         self._words = gui.add_html("")
         # Two by two: four in a row are wider than a panel of 280 px.
         self._things = gui.add_button_group("Place a thing", tuple(PALETTE)[:2], disabled=True)
@@ -75,7 +75,7 @@ class PlacePanel:
         chosen(self._by, lambda word: on_turn_selected(float(word.replace("\u2212", "-"))))
         updated(self._turn, lambda value: on_turn(float(min(max(value, -180), 180))))
 
-    def show(self, seen: Seen, choices: Choices) -> None:
+    def show(self, seen: Snapshot, choices: Choices) -> None:
         """Show what can be done now."""
         able = seen.phase == "live" and choices.allowed
         self._words.content = place_html(seen, choices)

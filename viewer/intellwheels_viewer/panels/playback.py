@@ -10,29 +10,29 @@ from typing import Final
 
 import viser
 
-from intellwheels_viewer.panels import figures
+from intellwheels_viewer.panels import number_format
 from intellwheels_viewer.panels.callbacks import assign, chosen, clicked, disable, updated
 from intellwheels_viewer.panels.choices import Choices
 from intellwheels_viewer.panels.clock import SPEEDS
-from intellwheels_viewer.panels.sheet import SHEET, block
-from intellwheels_viewer.seen import Seen
+from intellwheels_viewer.panels.style_sheet import STYLE_SHEET, block
+from intellwheels_viewer.snapshot import Snapshot
 
 HANDS_ON: Final = 1.0
 """Wall seconds after a page moved the time line in which the run does not move it: it would jump under the hand."""
 
 
-def playback_html(seen: Seen) -> str:
+def playback_html(seen: Snapshot) -> str:
     """Return how far the log is played; nothing without one."""
     if seen.last_tick is None:
         return ""
-    times = f"{figures.moment(seen.tick, seen)} of {figures.moment(seen.last_tick, seen)} s"
+    times = f"{number_format.moment(seen.tick, seen)} of {number_format.moment(seen.last_tick, seen)} s"
     return block(
         "playback",
         f'<b>Playing a log</b><div class="iw-small">{times}, tick {seen.tick} of {seen.last_tick}</div>{_off(seen)}',
     )
 
 
-def _off(seen: Seen) -> str:
+def _off(seen: Snapshot) -> str:
     """Return how far real chairs were from where they said that they were: what the ghosts show, in words."""
     words = []
     for name, pose in sorted(seen.reported.items()):
@@ -66,7 +66,7 @@ class PlaybackPanel:
         on_speed: Callable[[float], None],
         now: Callable[[], float] = time.monotonic,
     ) -> None:
-        gui.add_html(SHEET)
+        gui.add_html(STYLE_SHEET)
         self._words = gui.add_html("", visible=False)
         self._line = gui.add_slider("Tick", 0, 1, 1, 0, marks=(), visible=False)
         self._pause = gui.add_button("Pause", icon=viser.Icon.PLAYER_PAUSE, visible=False)
@@ -81,7 +81,7 @@ class PlaybackPanel:
         chosen(self._speed, lambda word: on_speed(float(word)))
         updated(self._line, self._moved)
 
-    def show(self, seen: Seen, choices: Choices) -> None:
+    def show(self, seen: Snapshot, choices: Choices) -> None:
         """Show how far the log is; nothing when there is none."""
         playing = seen.last_tick is not None
         halted = seen.clock is not None and seen.clock.state in {"paused", "ended"}

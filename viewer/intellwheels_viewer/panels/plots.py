@@ -15,9 +15,9 @@ import numpy.typing as npt
 from viser import uplot
 
 from intellwheels_schemas.messages import Body
-from intellwheels_viewer.panels import figures
+from intellwheels_viewer.panels import number_format
 from intellwheels_viewer.panels.ranges import tone
-from intellwheels_viewer.seen import HISTORY, Sample
+from intellwheels_viewer.snapshot import HISTORY, Sample
 
 LINES: Final = 8
 """A plot has always so many lines, so that another agent is other data only; more could not be told apart."""
@@ -94,7 +94,7 @@ def speeds(samples: Sequence[Sample], body: Body | None) -> Plot | None:
     values = np.array([sample.speed for sample in kept])
     top = max(body.robot.top_speed if body else 0.0, float(np.ceil(values.max() * 2.0) / 2.0), 0.5)
     bottom = min(float(np.floor(values.min() * 2.0 + 1e-6) / 2.0), 0.0)
-    return Plot(times, (Line("", figures.decimal(float(values[-1])), "", values),), bottom, top)
+    return Plot(times, (Line("", number_format.decimal(float(values[-1])), "", values),), bottom, top)
 
 
 def labels_html(plot: Plot) -> str:
@@ -164,7 +164,7 @@ def _distance(sensor: str, column: Sequence[float | None], top: float) -> Line:
     values = np.array([2.0 * top if value is None else value for value in column])
     if newest is None:
         return Line(sensor, "\u2013", "far", values)
-    return Line(sensor, figures.decimal(newest), tone(newest), values)
+    return Line(sensor, number_format.decimal(newest), tone(newest), values)
 
 
 def _share(line: Line, plot: Plot) -> float:

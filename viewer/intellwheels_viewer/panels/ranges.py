@@ -8,7 +8,7 @@ from __future__ import annotations
 from typing import Final, Literal, TypeAlias
 
 from intellwheels_schemas.messages import Body, Measures, Status
-from intellwheels_viewer.seen import Seen
+from intellwheels_viewer.snapshot import Snapshot
 
 Tone: TypeAlias = Literal["near", "middle", "far"]
 
@@ -27,7 +27,7 @@ def tone(distance: float) -> Tone:
     return "middle" if distance < MIDDLE else "far"
 
 
-def nearest(seen: Seen, name: str) -> float | None:
+def nearest(seen: Snapshot, name: str) -> float | None:
     """Return the smallest distance in m that an agent's sensors see; None: they see nothing, or there are none.
 
     What is nearer than a sensor's range counts as its least. The newest measures where they are watched, else the

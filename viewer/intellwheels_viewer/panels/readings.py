@@ -21,7 +21,7 @@ from intellwheels_schemas.messages import (
     Sensors,
     TruthReading,
 )
-from intellwheels_viewer.panels.figures import decimal, degrees
+from intellwheels_viewer.panels.number_format import decimal, degrees
 from intellwheels_viewer.panels.ranges import WORDS, tone
 
 

@@ -8,22 +8,22 @@ from typing import Final
 import viser
 
 from intellwheels_schemas.messages import Entity
-from intellwheels_viewer.panels import figures, plots
+from intellwheels_viewer.panels import number_format, plots
 from intellwheels_viewer.panels.agents import words
 from intellwheels_viewer.panels.choices import Choices
 from intellwheels_viewer.panels.events import event_item
 from intellwheels_viewer.panels.marks import Mark, marks, swatch
 from intellwheels_viewer.panels.ranges import nearest
 from intellwheels_viewer.panels.readings import Group, groups
-from intellwheels_viewer.panels.sheet import SHEET, block, note
-from intellwheels_viewer.panels.sheet import figures as large
-from intellwheels_viewer.seen import Seen
+from intellwheels_viewer.panels.style_sheet import STYLE_SHEET, block, note
+from intellwheels_viewer.panels.style_sheet import figures as large
+from intellwheels_viewer.snapshot import Snapshot
 
 LOG: Final = 8
 """Lines of what was said and what happened, newest first."""
 
 
-def head_html(seen: Seen, choices: Choices) -> str:
+def head_html(seen: Snapshot, choices: Choices) -> str:
     """Return who is selected and how it moves; in words when nobody is, or it has gone."""
     if choices.selected is None:
         return block("selected", note("Nothing selected: click a chair"))
@@ -39,16 +39,16 @@ def head_html(seen: Seen, choices: Choices) -> str:
         f'<div class="iw-small">{html.escape(words(entity, seen.bodies.get(entity.name)))}</div>',
         large(
             (
-                (figures.decimal(entity.speed), "speed, m/s"),
-                (figures.degrees(entity.turn_rate), "turn, \u00b0/s"),
-                ("\u2013" if distance is None else figures.decimal(distance), "nearest, m"),
+                (number_format.decimal(entity.speed), "speed, m/s"),
+                (number_format.degrees(entity.turn_rate), "turn, \u00b0/s"),
+                ("\u2013" if distance is None else number_format.decimal(distance), "nearest, m"),
             )
         ),
         f'<div class="iw-small">{html.escape(_whereabouts(entity))}</div>',
     )
 
 
-def sensors_html(seen: Seen, name: str) -> str:
+def sensors_html(seen: Snapshot, name: str) -> str:
     """Return every reading as a number, by kind of sensor."""
     measures = seen.measures.get(name)
     found = groups(measures) if measures is not None else []
@@ -57,9 +57,9 @@ def sensors_html(seen: Seen, name: str) -> str:
     return block("sensors", "".join(_group(group) for group in found))
 
 
-def log_html(seen: Seen, name: str) -> str:
+def log_html(seen: Snapshot, name: str) -> str:
     """Return what a body said and what befell it, newest first, at most `LOG` lines."""
-    length = figures.period(seen) or 0.0
+    length = number_format.period(seen) or 0.0
     lines = [(one.tick * length, event_item(seen, one)) for one in seen.events if name in {one.agent, one.other}]
     lines += [(said.time, _said(said.time, said.text)) for said in seen.words if said.speaker == name]
     if not lines:
@@ -73,11 +73,11 @@ def log_html(seen: Seen, name: str) -> str:
 
 
 def _whereabouts(entity: Entity) -> str:
-    heading = figures.degrees(entity.heading)
-    place = f"at {figures.decimal(entity.x)}, {figures.decimal(entity.y)} m, heading {heading}\u00b0"
+    heading = number_format.degrees(entity.heading)
+    place = f"at {number_format.decimal(entity.x)}, {number_format.decimal(entity.y)} m, heading {heading}\u00b0"
     if entity.goal is None:
         return place
-    return f"{place}, goal {figures.decimal(entity.goal.x)}, {figures.decimal(entity.goal.y)}"
+    return f"{place}, goal {number_format.decimal(entity.goal.x)}, {number_format.decimal(entity.goal.y)}"
 
 
 def _group(group: Group) -> str:
@@ -99,7 +99,7 @@ def _age(ticks: int) -> str:
 
 
 def _said(time: float, text: str) -> str:
-    return f"<li><span>{figures.decimal(time)}</span><span>\u201c{html.escape(text)}\u201d</span></li>"
+    return f"<li><span>{number_format.decimal(time)}</span><span>\u201c{html.escape(text)}\u201d</span></li>"
 
 
 class SelectedPanel:
@@ -110,14 +110,14 @@ class SelectedPanel:
     """
 
     def __init__(self, gui: viser.GuiApi) -> None:
-        gui.add_html(SHEET)
+        gui.add_html(STYLE_SHEET)
         self._head = gui.add_html("")
         self._distances = _Chart(gui, "proximity, m, over the last 30 s")
         self._speeds = _Chart(gui, "speed, m/s, over the last 30 s")
         self._sensors = gui.add_html("", visible=False)
         self._log = gui.add_html("", visible=False)
 
-    def show(self, seen: Seen, choices: Choices) -> None:
+    def show(self, seen: Snapshot, choices: Choices) -> None:
         """Show the selected body."""
         self._head.content = head_html(seen, choices)
         name = choices.selected

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Final
 
 from intellwheels_schemas.messages import Event, EventCode
-from intellwheels_viewer.panels import figures
+from intellwheels_viewer.panels import number_format
 
 SENTENCES: Final[dict[EventCode, str]] = {
     "joined": "{agent} joined{role}",
@@ -40,8 +40,8 @@ def sentence(event: Event) -> str:
     said = template.format(
         agent=event.agent or "Somebody",
         other="a wall" if event.other == "wall" else event.other or "something",
-        speed="" if event.speed is None else f" at {figures.decimal(abs(event.speed))} m/s",
-        factor=figures.factor(event.speed or 1.0),
+        speed="" if event.speed is None else f" at {number_format.decimal(abs(event.speed))} m/s",
+        factor=number_format.factor(event.speed or 1.0),
         text=event.text or "unnamed",
         role=" as a mind" if event.text == "mind" else "",
     )

@@ -1,0 +1,1 @@
+"""Many runs of an experiment: workers, stored results, statistics and the report."""

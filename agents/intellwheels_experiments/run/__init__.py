@@ -1,0 +1,1 @@
+"""One run of a scene: its processes, its record and its verdict."""

@@ -1,0 +1,155 @@
+"""What came of a run, for people and for programs. Pure text: a result in, a table, lines or JSON out."""
+
+from __future__ import annotations
+
+import platform
+from collections.abc import Iterator
+from importlib.metadata import PackageNotFoundError, version
+from typing import Final, Literal, TypeAlias
+
+import msgspec
+from rich import box
+from rich.console import Console
+from rich.table import Table
+from rich.text import Text
+
+from intellwheels_experiments.run.verdict import Row, Verdict
+
+Finish: TypeAlias = Literal["ended", "missed", "died", "interrupted", "overtime"]
+
+_DISTRIBUTIONS: Final = ("intellwheels", "eclipse-zenoh", "msgspec", "numpy", "numba")
+_HEADS: Final = ("agent", "mind", "robot", "place", "there", "distance", "contacts", "path", "turned")
+
+
+class Result(msgspec.Struct, frozen=True, kw_only=True):
+    """Everything about a run that is worth keeping; the fields of `--json`.
+
+    Attributes:
+        scene: The scene's name.
+        map: Its floor.
+        seed: The seed.
+        pace: The pace.
+        world: The world's name.
+        run: The run's id.
+        finish: How it finished.
+        words: What was said about that.
+        held: Whether everything held that had to.
+        failed: A sentence for each thing that did not.
+        hash: The state hash at the end, None when there was no end.
+        ticks: Steps made.
+        time: Simulated time in s.
+        wall: Wall time from the first step to the last in s.
+        factor: Simulated time over wall time.
+        late: Ticks that began late.
+        contacts: Contacts of the run.
+        events: Number of events by code.
+        agents: A row for each of the cast.
+        versions: Of Python, this distribution and what it stands on.
+    """
+
+    scene: str
+    map: str
+    seed: str
+    pace: str
+    world: str
+    run: str | None
+    finish: Finish
+    words: str
+    held: bool
+    failed: tuple[str, ...]
+    hash: str | None
+    ticks: int
+    time: float
+    wall: float
+    factor: float
+    late: int
+    contacts: int
+    events: dict[str, int]
+    agents: tuple[Row, ...]
+    versions: dict[str, str]
+
+
+def to_json(result: Result) -> bytes:
+    """Return the result as indented JSON with a final newline."""
+    return msgspec.json.format(msgspec.json.encode(result), indent=2) + b"\n"
+
+
+def show(result: Result, console: Console) -> None:
+    """Print the result: a table on a terminal, plain lines elsewhere."""
+    if console.is_terminal:
+        console.print(_table(result))
+        console.print(Text(_figures(result)), soft_wrap=True)
+        for sentence in result.failed:
+            console.print(Text(sentence, style="red"), soft_wrap=True)
+        console.print(Text(_headline(result), style="bold green" if result.held else "bold red"), soft_wrap=True)
+        return
+    for line in lines(result):
+        # Not the console's print: it would wrap and colour what a script reads.
+        console.file.write(line + "\n")
+    console.file.flush()
+
+
+def lines(result: Result) -> Iterator[str]:
+    """Return the result as lines for a log: verb first, then `name=value`."""
+    for row in result.agents:
+        yield "agent " + " ".join(f"{head}={value}" for head, value in zip(_KEYS, _cells(row), strict=True))
+    yield _figures(result)
+    yield from (f"failed {sentence}" for sentence in result.failed)
+    yield _headline(result)
+
+
+def versions() -> dict[str, str]:
+    """Return the versions that a result depends on."""
+    found = {"python": platform.python_version()}
+    for distribution in _DISTRIBUTIONS:
+        try:
+            found[distribution] = version(distribution)
+        except PackageNotFoundError:
+            continue
+    return found
+
+
+def verdict_fields(verdict: Verdict) -> dict[str, object]:
+    """Return the fields of a result that are the verdict's."""
+    return {name: getattr(verdict, name) for name in verdict.__struct_fields__}
+
+
+_KEYS: Final = ("name", "mind", "robot", "place", "reached", "distance", "contacts", "path", "turned_deg")
+
+
+def _cells(row: Row) -> tuple[str, ...]:
+    return (
+        row.name,
+        row.mind,
+        row.robot,
+        row.place or "-",
+        {True: "yes", False: "no", None: "-"}[row.reached],
+        "-" if row.distance is None else f"{row.distance:.3f}m",
+        str(row.contacts),
+        f"{row.path:.2f}m",
+        f"{row.turned * 57.29577951308232:.0f}",
+    )
+
+
+def _table(result: Result) -> Table:
+    title = Text(f"{result.scene}, seed {result.seed}, {result.pace}")
+    table = Table(box=box.SIMPLE_HEAD, title=title, title_justify="left", padding=0)
+    for index, head in enumerate(_HEADS):
+        table.add_column(head, justify="left" if index < 5 else "right", no_wrap=True)
+    for row in result.agents:
+        style = "red" if row.reached is False or not row.seen else None
+        cells = _cells(row)
+        table.add_row(*cells[:-1], f"{cells[-1]}°", style=style)
+    return table
+
+
+def _figures(result: Result) -> str:
+    return (
+        f"run ticks={result.ticks} time={result.time:.2f}s wall={result.wall:.2f}s factor={result.factor:.1f} "
+        f"contacts={result.contacts} late={result.late} seed={result.seed} hash={result.hash or '-'}"
+    )
+
+
+def _headline(result: Result) -> str:
+    held = "held" if result.held else "not-held"
+    return f"{held} scene={result.scene} finish={result.finish} {result.words}".rstrip()

@@ -1,0 +1,1 @@
+"""The pytest fixture, and the worlds under test behind it."""

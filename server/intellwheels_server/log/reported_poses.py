@@ -1,0 +1,61 @@
+"""Where bridges said that real chairs were, beside where they truly were: of two logs of one experiment.
+
+A laboratory's log has the truth, the log of the world that its chairs joined has the poses they reported: there a real
+body stands where its bridge says. The two worlds are paired as a bridge pairs them: run by run, tick by tick.
+"""
+
+from __future__ import annotations
+
+from intellwheels_schemas.messages import Pose
+from intellwheels_server.log.seekable_log import Place, SeekableLog
+from intellwheels_server.world import State
+from intellwheels_server.world.kernels.rows import HEADING, X, Y
+
+
+class Reported:
+    """The reported poses of a log, by run and tick of another.
+
+    Args:
+        runs: Those of the log that is played, in their order.
+        recording: The log of the world in which the chairs are real. It is closed by who opened it.
+    """
+
+    def __init__(self, runs: tuple[str, ...], recording: SeekableLog) -> None:
+        self._recording = recording
+        self._pairs = dict(zip(runs, recording.runs, strict=False))
+        self._place: Place | None = None
+
+    def at(self, run: str, tick: int) -> dict[str, Pose]:
+        """Return the pose in force of each real chair at a tick of a run; none where the log has no such tick.
+
+        Args:
+            run: Of the log that is played; poses say it too.
+            tick: In both logs.
+        """
+        pair = self._pairs.get(run)
+        place = None if pair is None else self._go(pair, tick)
+        return {} if place is None else _poses(place.state, run)
+
+    def _go(self, run: str, tick: int) -> Place | None:
+        place = self._place
+        if place is None or place.state.run != run or place.state.tick not in (tick, tick - 1):
+            try:
+                place = self._recording.go_to(run, tick)
+            except LookupError:
+                place = None
+        # The next tick is near: there may be changes before its step.
+        while place is not None and place.state.tick < tick:
+            place = self._recording.go_on(place) if place.position < self._recording.end else None
+            if place is not None and place.state.run != run:
+                place = None
+        self._place = place
+        return place
+
+
+def _poses(state: State, run: str) -> dict[str, Pose]:
+    found = {}
+    for i, name in enumerate(state.names):
+        if state.body_set.figures[name].held:
+            x, y, heading = state.numbers[[X, Y, HEADING], i].tolist()
+            found[name] = Pose(run=run, tick=state.tick, x=x, y=y, heading=heading)
+    return found

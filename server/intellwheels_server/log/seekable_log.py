@@ -1,0 +1,238 @@
+"""A log as something to move about in: any tick of it, forth and back.
+
+Reading it runs it once and keeps a state now and then; states are values, so keeping one is keeping a reference.
+Going to a tick runs it again from the nearest kept state before it.
+"""
+
+from __future__ import annotations
+
+from array import array
+from bisect import bisect_left, bisect_right
+from collections.abc import Callable, Iterator
+from itertools import takewhile
+from pathlib import Path
+from time import perf_counter
+from typing import Final, NamedTuple
+
+import msgspec
+
+from intellwheels_schemas.messages import Event
+from intellwheels_server.log.input_log import Line, LogError, parse_line, read_header
+from intellwheels_server.log.resimulate import difference, first_state, replay
+from intellwheels_server.world import State, advance, apply, digest
+
+BUDGET: Final = 0.05
+"""Seconds of running a log from one kept state to the next, at first."""
+KEYFRAMES: Final = 1024
+"""States kept at most; when there are more, every other one is dropped."""
+
+
+class Place(NamedTuple):
+    """Where in a log one is.
+
+    Attributes:
+        position: How many of its lines have been run.
+        state: As watchers saw it: with the changes of its tick made, those of the step that follows too.
+        events: What happened on the way here, if the way was one move.
+    """
+
+    position: int
+    state: State
+    events: tuple[Event, ...] = ()
+
+
+class Span(NamedTuple):
+    """A run of the log, and the position at which it begins."""
+
+    run: str
+    first: int
+
+
+class Keyframes:
+    """States along a log, so far apart that running it from one to the next takes a moment only.
+
+    Args:
+        budget: Seconds from one to the next, about.
+        most: States kept; when there are more, every other one is dropped and the budget doubled.
+    """
+
+    def __init__(self, budget: float = BUDGET, most: int = KEYFRAMES) -> None:
+        self.budget = budget
+        self._most = most
+        self._positions: list[int] = []
+        self._states: list[State] = []
+        self._cost = 0.0
+
+    def __len__(self) -> int:
+        return len(self._states)
+
+    def offer(self, position: int, state: State, cost: float) -> None:
+        """Keep a state, if one is due.
+
+        Args:
+            position: Of every state in order, from 0 on.
+            state: There.
+            cost: Seconds that it took to come here from the position before.
+        """
+        self._cost += cost
+        if self._states and self._cost < self.budget:
+            return
+        self._positions.append(position)
+        self._states.append(state)
+        self._cost = 0.0
+        if len(self._states) > self._most:
+            self.budget *= 2.0
+            del self._positions[1::2], self._states[1::2]
+
+    def before(self, position: int) -> tuple[int, State]:
+        """Return the last kept state at or before a position that was offered, and its position."""
+        i = bisect_right(self._positions, position) - 1
+        return self._positions[i], self._states[i]
+
+
+class SeekableLog:
+    """A log that has been run once.
+
+    Attributes:
+        header: Its first line.
+        cut: Whether its last line was cut and dropped.
+        differs: In words, the first tick whose hash is not the recorded one, or None.
+        end: The last position there is to show: who left after the last step, as all do in the end, is shown still.
+
+    Args:
+        path: The log; it is read again as one moves about.
+        progress: Called with the number of lines, every thousand.
+
+    Raises:
+        LogError: The file is no log, or its lines do not follow each other.
+        OSError: The file cannot be read.
+    """
+
+    def __init__(self, path: Path, progress: Callable[[int], None] = lambda _lines: None) -> None:
+        self._name = str(path)
+        self._file = path.open("rb")
+        self._offsets = array("Q")
+        self._ticks = array("q", [0])
+        self._events: dict[str, list[Event]] = {}
+        self._keyframes = Keyframes()
+        self.cut = False
+        self.differs: str | None = None
+        self.end = 0
+        try:
+            self.header = read_header(self._file, self._name)
+            self._spans = [Span(self.header.run, 0)]
+            self._run_through(progress)
+            # Where all joined takes long to make again, and is where one goes back to most.
+            self._beginning = self._settle(*self._keyframes.before(0), ())
+        except BaseException:
+            self.close()
+            raise
+
+    def close(self) -> None:
+        """Close the file."""
+        self._file.close()
+
+    def _run_through(self, progress: Callable[[int], None]) -> None:
+        state = first_state(self.header, self._name)
+        self._keyframes.offer(0, state, 0.0)
+        offset = self._file.tell()
+        for position, text in enumerate(iter(self._file.readline, b""), start=1):
+            line = parse_line(text, f"{self._name}:{position + 1}")
+            if line is None:
+                self.cut = True
+                return
+            began = perf_counter()
+            state, outputs = replay(state, line, f"{self._name}:{position + 1}")
+            self._keyframes.offer(position, state, perf_counter() - began)
+            self._offsets.append(offset)
+            offset += len(text)
+            self._ticks.append(state.tick)
+            if state.run != self._spans[-1].run:
+                self._spans.append(Span(state.run, position))
+                self.end = position
+            if line.stepped:
+                self.end = position
+            for event in outputs.events:
+                self._events.setdefault(event.run, []).append(event)
+            found = digest(state)
+            if self.differs is None and found != line.hash:
+                self.differs = difference(state, line, position + 1, found)
+            if position % 1000 == 0:
+                progress(position)
+
+    # ------------------------------------------------------------ what there is
+
+    @property
+    def runs(self) -> tuple[str, ...]:
+        """The names of the runs in it, in their order."""
+        return tuple(span.run for span in self._spans)
+
+    def ticks(self, run: str) -> tuple[int, int] | None:
+        """Return the first and the last tick of a run, or None when it is not in the log."""
+        bounds = self._bounds(run)
+        return None if bounds is None else (self._ticks[bounds[0]], self._ticks[bounds[1]])
+
+    def events(self, run: str, tick: int) -> Iterator[Event]:
+        """Return the events of a run up to a tick, that tick's too."""
+        return takewhile(lambda event: event.tick <= tick, self._events.get(run, ()))
+
+    # ------------------------------------------------------------ moving about
+
+    def go_to(self, run: str, tick: int) -> Place:
+        """Return the place at a tick of a run.
+
+        Raises:
+            LookupError: There is no such run or tick, in words.
+        """
+        bounds, ticks = self._bounds(run), self.ticks(run)
+        if bounds is None or ticks is None:
+            raise LookupError(f"expected a run of this log ({', '.join(self.runs)}), got {run}")
+        if not ticks[0] <= tick <= ticks[1]:
+            raise LookupError(f"run {run}: expected a tick in [{ticks[0]}, {ticks[1]}], got {tick}")
+        wanted = bisect_left(self._ticks, tick, bounds[0], bounds[1] + 1)
+        if wanted == 0:
+            return self._beginning
+        position, state = self._keyframes.before(wanted)
+        while position < wanted:
+            state, _ = replay(state, self._line(position), self._name)
+            position += 1
+        return self._settle(position, state, ())
+
+    def go_on(self, place: Place) -> Place:
+        """Return the place one tick on, or where the next run begins. The log must not be at its end."""
+        line = self._line(place.position)
+        if line.stepped:
+            state, outputs = advance(place.state, msgspec.structs.replace(line.inputs, changes=()))
+        else:
+            state, outputs = apply(place.state, line.inputs.changes)
+        return self._settle(place.position + 1, state, outputs.events)
+
+    def _settle(self, position: int, state: State, events: tuple[Event, ...]) -> Place:
+        """Make the changes of this tick, up to its step or to where another run begins."""
+        while position < self.end:
+            line = self._line(position)
+            if not line.stepped and self._span(position + 1) != self._span(position):
+                break
+            state, outputs = apply(state, line.inputs.changes)
+            events += outputs.events
+            if line.stepped:
+                break
+            position += 1
+        return Place(position, state, events)
+
+    def _span(self, position: int) -> int:
+        return bisect_right(self._spans, position, key=lambda span: span.first) - 1
+
+    def _bounds(self, run: str) -> tuple[int, int] | None:
+        """Return the first and the last position of a run."""
+        for span, following in zip(self._spans, [*self._spans[1:], Span("", self.end + 1)], strict=True):
+            if span.run == run:
+                return span.first, following.first - 1
+        return None
+
+    def _line(self, position: int) -> Line:
+        self._file.seek(self._offsets[position])
+        line = parse_line(self._file.readline(), f"{self._name}:{position + 2}")
+        if line is None:
+            raise LogError(f"{self._name}:{position + 2}: expected the line that was there, it was cut since")
+        return line

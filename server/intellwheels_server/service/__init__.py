@@ -1,0 +1,1 @@
+"""The simulator as a service: pace, joining, control, inbound and outbound messages, and the Zenoh peer."""

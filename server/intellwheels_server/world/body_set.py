@@ -1,0 +1,180 @@
+"""What is compiled of the bodies that are here, once, when the set of bodies changes.
+
+A figure is one body as accepted; a fleet is all of them, sorted by name, as arrays.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Set
+from typing import TYPE_CHECKING
+
+import msgspec
+import numpy as np
+
+from intellwheels_schemas.errors import RequestRefusedError
+from intellwheels_schemas.messages import Position, Robot
+from intellwheels_schemas.rules import parts_of
+from intellwheels_server.world.kernels.arrays import Bodies, Box, Floats, Ints, Shape, bodies_from, key_of
+from intellwheels_server.world.kernels.motion import MOTOR_ROWS, lag, wheel_scales
+from intellwheels_server.world.kernels.noise import noise_key
+from intellwheels_server.world.sensors import SensorPlan, check_sensors, plan_sensors
+
+if TYPE_CHECKING:
+    from intellwheels_server.world.state import Setup, State
+
+MOTOR_STREAM = "@motors"
+"""The noise stream of a body's motors; no sensor's id can begin so."""
+
+
+class BodyModel(msgspec.Struct, frozen=True, kw_only=True):
+    """A body as accepted.
+
+    Attributes:
+        name: Its name.
+        robot: As accepted, with its name.
+        shape: Its parts, for the kernels.
+        key: 53 bits of its name, by which kernels break ties.
+        held: True for a real chair, which only its bridge moves.
+        timeout: Steps after which a command no longer counts.
+        start: Where it joined.
+        mind_input: The user input that a mind in another process declared.
+    """
+
+    name: str
+    robot: Robot
+    shape: Shape
+    key: int
+    held: bool
+    timeout: int
+    start: Position
+    mind_input: tuple[str, ...] = ()
+
+    @property
+    def wants_user(self) -> bool:
+        """Whether its measures carry the user's input."""
+        return bool(self.robot.user_input or self.mind_input)
+
+
+class BodySet(msgspec.Struct, frozen=True, kw_only=True):
+    """All bodies, in the order of the state's columns.
+
+    Attributes:
+        names: Sorted.
+        index: Column of each name.
+        by_key: The name of each key.
+        figures: By name.
+        bodies: Shapes, for contact and sensing.
+        motors: float64[8, n], motor figures, rows of `kernels.motion`.
+        flaws: float64[2, n]: standard deviation of the motors' output, share by which blocked wheels turn on.
+        noise: Keys of the motors' noise, uint64[2, n].
+        limits: int64[2, n]: steps until a command times out; 1 for real bodies.
+        doors: int64[n], 1 for doors, which keep a say from being heard where walls do.
+        plan: The sensors, compiled.
+    """
+
+    names: tuple[str, ...]
+    index: dict[str, int]
+    by_key: dict[int, str]
+    figures: dict[str, BodyModel]
+    bodies: Bodies
+    motors: Floats
+    flaws: Floats
+    noise: Ints
+    limits: Ints
+    doors: Ints
+    plan: SensorPlan
+
+
+def body_model_of(name: str, robot: Robot, setup: Setup) -> BodyModel:
+    """Return the robot as a body of this world, not yet placed.
+
+    Raises:
+        RequestRefusedError: The robot asks for what this world does not give.
+    """
+    if robot.role == "mind":
+        raise RequestRefusedError("field", "Robot.Role: expected both or body, got 'mind'")
+    robot = msgspec.structs.replace(robot, name=name, format=None)
+    held = robot.type == "real"
+    check_sensors(robot, setup.floor, truth=setup.truth)
+    parts = parts_of(robot)
+    if not parts:
+        raise RequestRefusedError(
+            "field", "Robot: expected Length, Width, Center and Top, or at least 1 Part, got none"
+        )
+    timeout = setup.command_timeout if robot.command_timeout is None else robot.command_timeout
+    return BodyModel(
+        name=name,
+        robot=robot,
+        shape=Shape(
+            name=name,
+            boxes=[Box(part.x, part.y, part.length, part.width, part.bottom, part.top) for part in parts],
+            held=held,
+            anchored=robot.anchored,
+        ),
+        key=key_of(name),
+        held=held,
+        timeout=math.ceil(timeout / setup.period - 1e-9),
+        start=Position(x=0.0, y=0.0, heading=0.0),
+    )
+
+
+def assemble(
+    figures: dict[str, BodyModel], setup: Setup, tick: int, old: State | None, arrived: Set[str] = frozenset()
+) -> tuple[BodySet, Floats]:
+    """Return the fleet of these figures and room for its sensors' samples.
+
+    Args:
+        figures: By name.
+        setup: For the seed and the period.
+        tick: Tick at which sensors that are new take their first sample.
+        old: The state whose samples are kept for bodies that stay, or None to begin anew.
+        arrived: Who came, even if a body of that name was here before.
+    """
+    names = tuple(sorted(figures))
+    ordered = [figures[name] for name in names]
+    keys = [noise_key(setup.seed, name, MOTOR_STREAM) for name in names]
+    plan, samples = plan_sensors(
+        [(figure.robot, figure.start) for figure in ordered],
+        setup.seed,
+        setup.floor,
+        tick,
+        None if old is None else (old.body_set.plan, old.samples),
+        arrived,
+    )
+    body_set = BodySet(
+        names=names,
+        index={name: i for i, name in enumerate(names)},
+        by_key={figures[name].key: name for name in names},
+        figures={name: figures[name] for name in names},
+        bodies=bodies_from([figure.shape for figure in ordered]),
+        motors=_block([_motor(figure.robot, setup.period) for figure in ordered], MOTOR_ROWS),
+        flaws=_block([(figure.robot.motor_noise, figure.robot.slip) for figure in ordered], 2),
+        noise=np.array([[int(a) for a, _ in keys], [int(b) for _, b in keys]], dtype=np.uint64)
+        .reshape(2, len(names))
+        .view(np.int64),
+        limits=np.array(
+            [[figure.timeout for figure in ordered], [int(figure.held) for figure in ordered]], dtype=np.int64
+        ).reshape(2, len(names)),
+        doors=np.array([figure.robot.kind == "door" for figure in ordered], dtype=np.int64),
+        plan=plan,
+    )
+    return body_set, samples
+
+
+def _motor(robot: Robot, period: float) -> tuple[float, ...]:
+    kept, settling = lag(robot.acceleration_curve, period)
+    return (
+        robot.track * robot.track_ratio,
+        robot.top_speed,
+        kept,
+        settling,
+        math.inf if robot.acceleration_limit is None else robot.acceleration_limit,
+        math.inf if robot.turn_limit is None else robot.turn_limit,
+        *wheel_scales(robot.wheel_ratio, robot.wheel_scale),
+    )
+
+
+def _block(columns: list[tuple[float, ...]], rows: int) -> Floats:
+    """Return one column a body, a row a quantity."""
+    return np.ascontiguousarray(np.array(columns, dtype=np.float64).reshape(-1, rows).T)

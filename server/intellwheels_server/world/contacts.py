@@ -1,0 +1,110 @@
+"""From the pairs that touched in a step to episodes, their counts and their events."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from intellwheels_schemas.messages import Event
+from intellwheels_server.world.kernels.arrays import (
+    HIT_BODY,
+    HIT_CLOSING,
+    HIT_NORMAL_X,
+    HIT_NORMAL_Y,
+    HIT_OTHER,
+    HIT_OTHER_PART,
+    HIT_PART,
+    HIT_WALL,
+    HIT_WHO,
+    HIT_X,
+    HIT_Y,
+    Floats,
+    Ints,
+)
+from intellwheels_server.world.kernels.episodes import merge_episodes
+from intellwheels_server.world.kernels.rows import CONTACTS, MOST_SPEED, WALL_KEY, WORLD_EDGE
+from intellwheels_server.world.kernels.tick import pair_keys
+from intellwheels_server.world.state import State
+
+EPISODE_GAP = 0.25
+"""Simulated seconds without touch after which an episode of contact is over."""
+
+_ONLY_THE_OTHER = 2
+
+
+def follow(state: State, hits: Ints, hit_numbers: Floats, flags: Ints, first_number: int) -> tuple[Ints, list[Event]]:
+    """Return the episodes after a step and the events of those that began and ended; count those that began.
+
+    Args:
+        state: Before the step.
+        hits: Pairs that touched, as `tick_all` returns them.
+        hit_numbers: Their numbers.
+        flags: int64[FLAG_ROWS, n], written: contacts are counted for both.
+        first_number: Number of the first event.
+    """
+    if hits.shape[0] == 0 and state.episodes.shape[0] == 0:
+        return state.episodes, []
+    period = state.setup.period
+    pairs = pair_keys(hits, state.body_set.bodies.marks)
+    pairs = pairs[np.lexsort((hits[:, HIT_WALL], pairs[:, 1], pairs[:, 0]))]
+    hold = max(1, int(np.ceil(EPISODE_GAP / period - 1e-9)))
+    episodes, began, ended = merge_episodes(state.episodes, pairs, state.tick + 1, hold)
+    events: list[Event] = []
+    for k in began.tolist():
+        body, other = int(hits[k, HIT_BODY]), int(hits[k, HIT_OTHER])
+        flags[CONTACTS, body] += 1
+        if other >= 0:
+            flags[CONTACTS, other] += 1
+        events.append(_contact(state, hits[k].tolist(), hit_numbers[k].tolist(), first_number + len(events)))
+    for first, second in ended.tolist():
+        events.append(_parted(state, first, second, first_number + len(events)))
+    return episodes, events
+
+
+def _contact(state: State, hit: list[int], numbers: list[float], number: int) -> Event:
+    """Return the event; it is about the body that ran into the other, or of two that did, the first by name."""
+    names = state.names
+    x, y, speed = numbers[HIT_X], numbers[HIT_Y], numbers[HIT_CLOSING] / state.setup.period
+    normal_x, normal_y = numbers[HIT_NORMAL_X], numbers[HIT_NORMAL_Y]
+    body, part, other_part = hit[HIT_BODY], hit[HIT_PART], hit[HIT_OTHER_PART]
+    if hit[HIT_WALL] >= 0:
+        other = "wall"
+        other_part = hit[HIT_WALL]
+    else:
+        second = hit[HIT_OTHER]
+        swapped = hit[HIT_WHO] == _ONLY_THE_OTHER or (hit[HIT_WHO] != 1 and names[second] < names[body])
+        if swapped:
+            body, second, part, other_part = second, body, other_part, part
+            normal_x, normal_y = -normal_x, -normal_y
+        other = names[second]
+    return Event(
+        run=state.run,
+        tick=state.tick + 1,
+        number=number,
+        code="contact",
+        agent=names[body],
+        other=other,
+        part=part,
+        other_part=other_part,
+        x=_inside(x),
+        y=_inside(y),
+        normal_x=_unit(normal_x),
+        normal_y=_unit(normal_y),
+        speed=round(min(max(speed, -MOST_SPEED), MOST_SPEED), 6),
+    )
+
+
+def _parted(state: State, first: int, second: int, number: int) -> Event:
+    known = state.body_set.by_key
+    agent, other = known.get(first), "wall" if second == WALL_KEY else known.get(second)
+    if other is not None and other != "wall" and agent is not None and other < agent:
+        agent, other = other, agent
+    return Event(run=state.run, tick=state.tick + 1, number=number, code="parted", agent=agent, other=other)
+
+
+def _inside(value: float) -> float:
+    """Return a coordinate the wire can carry: who stands at the edge of the world touches beyond it."""
+    return round(min(max(value, -WORLD_EDGE), WORLD_EDGE), 6)
+
+
+def _unit(value: float) -> float:
+    return min(max(round(value, 6), -1.0), 1.0)

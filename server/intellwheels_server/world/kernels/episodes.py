@@ -1,0 +1,67 @@
+"""Episodes of contact: which pairs began to touch, which have parted.
+
+A pair touches for as long as no pause between two touches is longer than the hold time.
+"""
+
+import numpy as np
+from numba import njit
+
+from intellwheels_server.world.kernels.arrays import Ints
+
+FIRST, SECOND, LAST = 0, 1, 2
+"""Columns of episodes, int64[e, 3]: keys of both, the tick of the last touch."""
+
+
+@njit(cache=True, error_model="numpy")
+def _before(a0: int, a1: int, b0: int, b1: int) -> bool:
+    return a0 < b0 or (a0 == b0 and a1 < b1)
+
+
+@njit(cache=True, error_model="numpy")
+def merge_episodes(episodes: Ints, pairs: Ints, tick: int, hold: int) -> tuple[Ints, Ints, Ints]:
+    """Return the episodes after a tick, and what began and ended in it.
+
+    Args:
+        episodes: int64[e, 3], sorted by (FIRST, SECOND), each pair once.
+        pairs: int64[p, 3]: keys of both and a number of the caller's, sorted by the keys; a pair may stand
+            several times.
+        tick: This tick.
+        hold: Ticks without touch after which an episode is over, >= 1.
+
+    Returns:
+        The episodes, sorted; the caller's numbers of the pairs that began, first of each; and int64[k, 2], keys of the
+        pairs that ended.
+    """
+    kept = np.empty((episodes.shape[0] + pairs.shape[0], 3), dtype=np.int64)
+    began = np.empty(pairs.shape[0], dtype=np.int64)
+    ended = np.empty((episodes.shape[0], 2), dtype=np.int64)
+    count = starts = ends = 0
+    i = j = 0
+    while i < episodes.shape[0] or j < pairs.shape[0]:
+        old_first = j >= pairs.shape[0] or (
+            i < episodes.shape[0] and _before(episodes[i, 0], episodes[i, 1], pairs[j, 0], pairs[j, 1])
+        )
+        if old_first:  # not touching now
+            if tick - episodes[i, LAST] >= hold:
+                ended[ends, 0] = episodes[i, FIRST]
+                ended[ends, 1] = episodes[i, SECOND]
+                ends += 1
+            else:
+                kept[count] = episodes[i]
+                count += 1
+            i += 1
+            continue
+        first = pairs[j, 0]
+        second = pairs[j, 1]
+        if i < episodes.shape[0] and episodes[i, FIRST] == first and episodes[i, SECOND] == second:
+            i += 1
+        else:
+            began[starts] = pairs[j, 2]
+            starts += 1
+        kept[count, FIRST] = first
+        kept[count, SECOND] = second
+        kept[count, LAST] = tick
+        count += 1
+        while j < pairs.shape[0] and pairs[j, 0] == first and pairs[j, 1] == second:
+            j += 1
+    return kept[:count].copy(), began[:starts].copy(), ended[:ends].copy()

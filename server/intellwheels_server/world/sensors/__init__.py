@@ -1,0 +1,284 @@
+"""The sensors of all bodies: checked at joining, compiled when the bodies change, sampled each tick.
+
+Samples are part of the world's state: one array, which every kind writes its own places of. All else
+follows from the declarations, so that rate, latency and noise need no other memory and any
+state can be copied, kept and gone on from.
+
+A new kind of sensor is a file here and a line in `KINDS`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence, Set
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from intellwheels_schemas.errors import RequestRefusedError
+from intellwheels_schemas.messages import (
+    GPS,
+    IMU,
+    Beacon,
+    Bumper,
+    Compass,
+    Encoders,
+    Ground,
+    Lidar,
+    Map,
+    Odometry,
+    Position,
+    Proximity,
+    Record,
+    Robot,
+    Sensors,
+    Truth,
+)
+from intellwheels_schemas.rules import sensors_of
+from intellwheels_server.world.kernels import timetable
+from intellwheels_server.world.kernels.arrays import Floats, Ints
+from intellwheels_server.world.kernels.noise import noise_key
+from intellwheels_server.world.sensors.beacon import BeaconKind, find_place
+from intellwheels_server.world.sensors.bumper import BumperKind
+from intellwheels_server.world.sensors.compass import CompassKind
+from intellwheels_server.world.sensors.encoders import EncodersKind
+from intellwheels_server.world.sensors.gps import GPSKind
+from intellwheels_server.world.sensors.ground import GroundKind
+from intellwheels_server.world.sensors.imu import IMUKind
+from intellwheels_server.world.sensors.kind import Block, Fitted, Kind, View
+from intellwheels_server.world.sensors.lidar import LidarKind
+from intellwheels_server.world.sensors.odometry import ODOMETRY_STREAM, OdometryKind, read_encoders
+from intellwheels_server.world.sensors.proximity import ProximityKind
+from intellwheels_server.world.sensors.truth import TruthKind
+
+KINDS: dict[type[Record], Kind] = {
+    Proximity: ProximityKind(),
+    Lidar: LidarKind(),
+    Encoders: EncodersKind(),
+    Odometry: OdometryKind(),
+    Compass: CompassKind(),
+    GPS: GPSKind(),
+    IMU: IMUKind(),
+    Beacon: BeaconKind(),
+    Ground: GroundKind(),
+    Bumper: BumperKind(),
+    Truth: TruthKind(),
+}
+"""The kinds, by their declaration: all that the contract names."""
+
+
+def check_sensors(robot: Robot, floor: Map, *, truth: bool) -> None:
+    """Refuse a robot whose sensors cannot be simulated here.
+
+    Args:
+        robot: The robot as it wants to join; what documents must fulfil (`rules.check_robot`) it does.
+        floor: The map, for what a sensor names on it.
+        truth: Whether agents may know the truth here.
+
+    Raises:
+        RequestRefusedError: With code `value` for figures that do not go together, `truth`, `no-place`, or `mount` for
+            a real body's sensor that is fixed in the world.
+    """
+    for name, index, declaration in sensors_of(robot):
+        where = f"Robot.{name}[{index}]"
+        if isinstance(declaration, Truth) and not truth:
+            raise RequestRefusedError("truth", f"{where}: truth sensors are not allowed in this simulation")
+        if robot.type == "real" and getattr(declaration, "mount", "body") == "start":
+            raise RequestRefusedError("mount", f"{where}.Mount: expected body for a real robot, got 'start'")
+        if declaration.source == "real":  # the bridge reads it
+            continue
+        if isinstance(declaration, Beacon) and find_place(floor, declaration.place) is None:
+            text = f"{where}.Place: expected a place of floor '{floor.name}', got '{declaration.place}'"
+            raise RequestRefusedError("no-place", text)
+        KINDS[type(declaration)].check(where, declaration, robot)
+
+
+class _Place(NamedTuple):
+    """A sensor, and where its samples are among those of its body."""
+
+    kind: Kind
+    sensor: Fitted
+    first: int
+    depth: int
+    width: int
+    every: int
+    latency: int
+    phase: int
+
+
+@dataclass(frozen=True, slots=True)
+class _Fitting:
+    """The sensors of one body; all its samples lie together."""
+
+    robot: Robot
+    start: Position
+    joined: int
+    begin: int
+    end: int
+    places: tuple[_Place, ...]
+
+
+@dataclass(frozen=True)
+class SensorPlan:
+    """All sensors of all bodies, compiled.
+
+    Attributes:
+        blocks: By kind, what takes their samples.
+        fittings: By body, in the order of the state's arrays, where its samples are.
+        memory: int64[...], which places of the samples sensors remember from tick to tick, ascending.
+    """
+
+    blocks: tuple[Block, ...]
+    fittings: tuple[_Fitting, ...]
+    memory: Ints
+
+
+def plan_sensors(
+    bodies: Sequence[tuple[Robot, Position]],
+    seed: str,
+    floor: Map,
+    tick: int,
+    before: tuple[SensorPlan, Floats] | None,
+    arrived: Set[str] = frozenset(),
+) -> tuple[SensorPlan, Floats]:
+    """Return the sensors of all bodies, ready to be sampled, and room for their samples.
+
+    To be called anew when the bodies or the seed change. Sensors with `Source` real are left out: their
+    readings come from the bridge.
+
+    Args:
+        bodies: Each body's robot, with its name, and where it joined, in the order of the state's arrays.
+            The robots have passed `check_sensors`.
+        seed: The run's seed.
+        floor: The map.
+        tick: Tick at which sensors that are new take their first sample.
+        before: The plan until now and its samples, which bodies that stay go on with; None begins anew.
+        arrived: Names of bodies that are new, though one of that name was here before.
+
+    Returns:
+        The plan, and its samples, float64[...].
+    """
+    stayed = {} if before is None else {fitting.robot.name: fitting for fitting in before[0].fittings}
+    fittings: list[_Fitting] = []
+    kept: list[tuple[_Fitting, _Fitting]] = []
+    fitted: dict[Kind, list[tuple[Fitted, list[int]]]] = {}
+    size = 0
+    remembered: list[int] = []
+    for body, (robot, start) in enumerate(bodies):
+        old = None if robot.name in arrived else stayed.get(robot.name)
+        stays = old is not None and old.robot == robot and old.start == start
+        joined = old.joined if old is not None and stays else tick
+        begin = size
+        places = []
+        for _, _, declaration in sensors_of(robot):
+            if declaration.source == "real":
+                continue
+            kind = KINDS[type(declaration)]
+            sensor = Fitted(body, robot, start, declaration, floor)
+            every, latency, phase = declaration.every, declaration.latency, getattr(declaration, "group", 0)
+            depth, width = timetable.depth(every, latency), kind.width(declaration)
+            places.append(_Place(kind, sensor, size - begin, depth, width, every, latency, phase))
+            key = noise_key(seed, str(robot.name), _stream(sensor))
+            row = _row(body, declaration, joined + phase, size, depth, key)
+            fitted.setdefault(kind, []).append((sensor, row))
+            size += depth * width
+            remembered.extend(range(size, size + kind.memory(declaration)))
+            size += kind.memory(declaration)
+        fittings.append(_Fitting(robot, start, joined, begin, size, tuple(places)))
+        if old is not None and stays:
+            kept.append((old, fittings[-1]))
+    samples = np.zeros(size)
+    if before is not None:
+        for old, new in kept:
+            samples[new.begin : new.end] = before[1][old.begin : old.end]
+    blocks = tuple(_compiled(kind, sensors) for kind, sensors in fitted.items())
+    return SensorPlan(blocks, tuple(fittings), np.array(remembered, dtype=np.int64)), samples
+
+
+def _stream(sensor: Fitted) -> str:
+    """Return the name of a sensor's noise: odometry errs as the encoders do that it reads."""
+    if isinstance(sensor.declaration, Odometry):
+        read = read_encoders(sensor.robot)
+        return ODOMETRY_STREAM if read is None else read.id
+    return str(sensor.declaration.id)
+
+
+def _row(
+    body: int, declaration: Any, joined: int, first: int, depth: int, key: tuple[np.uint64, np.uint64]
+) -> list[int]:
+    row = [0] * timetable.COLUMNS
+    row[timetable.BODY] = body
+    row[timetable.EVERY] = declaration.every
+    row[timetable.LATENCY] = declaration.latency
+    row[timetable.JOINED] = joined
+    row[timetable.FIRST] = first
+    row[timetable.DEPTH] = depth
+    row[timetable.KEY0], row[timetable.KEY1] = (int(half.view(np.int64)) for half in key)
+    return row
+
+
+def _compiled(kind: Kind, sensors: list[tuple[Fitted, list[int]]]) -> Block:
+    # The sort is stable: bodies stay in order, and so do the sensors of one mount.
+    ordered = sorted(
+        sensors, key=lambda sensor: (sensor[0].body, getattr(sensor[0].declaration, "mount", "") == "start")
+    )
+    rows = np.array([row for _, row in ordered], dtype=np.int64)
+    return kind.compile([sensor for sensor, _ in ordered], rows)
+
+
+def sense(plan: SensorPlan, view: View, tick: int, samples: Floats) -> Floats:
+    """Return the samples with those that are due at a tick.
+
+    To be called once for every tick, in order, after the bodies have their poses; calling it again at the
+    same tick takes the same samples again.
+
+    Args:
+        plan: The sensors.
+        view: The bodies at that tick.
+        tick: The tick.
+        samples: Those of the tick before; not changed.
+    """
+    if not plan.blocks:
+        return samples
+    samples = samples.copy()
+    for block in plan.blocks:
+        block.take(tick, view, samples)
+    return samples
+
+
+def readings(plan: SensorPlan, samples: Floats, tick: int, body: int) -> Sensors | None:
+    """Return what an agent reads: of each sensor the newest sample that its latency lets through.
+
+    Args:
+        plan: The sensors.
+        samples: With those of this tick.
+        tick: This tick.
+        body: Index of the agent's body.
+
+    Returns:
+        None when there is no reading, be it that the body has no sensors or that all are still to come.
+    """
+    fitting = plan.fittings[body]
+    if not fitting.places:
+        return None
+    values = samples[fitting.begin : fitting.end].tolist()
+    found: dict[str, list[Record]] = {}
+    for kind, sensor, first, depth, width, every, latency, phase in fitting.places:
+        at, sampled = first, None
+        if depth > 1 or every > 1:
+            age = tick - latency - fitting.joined - phase
+            if age < 0:
+                continue
+            number, rest = divmod(age, every)
+            at += number % depth * width
+            late = latency + rest
+            sampled = tick - late if late else None
+        reading = kind.reading(sensor, sampled, values[at : at + width])
+        if kind.field in found:
+            found[kind.field].append(reading)
+        else:
+            found[kind.field] = [reading]
+    if not found:
+        return None
+    # Each kind makes readings of its own class.
+    return Sensors(**{field: tuple(listed) for field, listed in found.items()})  # type: ignore[arg-type]

@@ -1,0 +1,129 @@
+"""Wheel encoders: whole ticks of both wheels since joining, forward positive.
+
+They count by the wheels as they are: a wheel larger than the nominal one turns less for the same way. With `Drift`
+k each wheel counts a way that is wrong by a normal number of variance k a metre rolled: slipping, uneven ground.
+The variance grows with the way alone, so it does not depend on the tick.
+
+Source:
+    Borenstein and Feng (1996), Measurement and correction of systematic odometry errors in mobile robots, IEEE
+    Transactions on Robotics and Automation 12(6): E_d, right wheel over left one at the same mean, and E_b.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numba import njit
+
+from intellwheels_schemas.messages import MAX_INTEGER, Encoders, EncodersReading, Robot
+from intellwheels_server.world.kernels.arrays import Floats, Ints
+from intellwheels_server.world.kernels.bias import memory_of
+from intellwheels_server.world.kernels.motion import wheel_scales
+from intellwheels_server.world.kernels.noise import normal
+from intellwheels_server.world.kernels.rows import LEFT_TRAVEL, RIGHT_TRAVEL
+from intellwheels_server.world.kernels.timetable import BODY, KEY0, KEY1, due_slot
+from intellwheels_server.world.sensors.kind import Fitted, View
+
+# The largest count of the wire; a wheel of a nanometre would soon be beyond.
+_MOST = float(MAX_INTEGER)
+
+# Columns of the figures, float64[sensors, 3]: ticks a metre of the left and right wheel as it is; variance a metre, m.
+_LEFT, _RIGHT, _DRIFT = 0, 1, 2
+
+# What encoders remember, from `memory_of` on: ways that the errors cover, m; errors, m; counts.
+LEFT_COVERED, RIGHT_COVERED, LEFT_ERROR, RIGHT_ERROR, LEFT_COUNT, RIGHT_COUNT = 0, 1, 2, 3, 4, 5
+MEMORY = 6
+
+
+@njit(cache=True, error_model="numpy")
+def count_rolled(
+    tick: int, numbers: Floats, figures: Floats, timetable: Ints, sensor: int, place: int, samples: Floats
+) -> None:
+    """Bring what a sensor remembers up to the ways that its wheels have rolled; again at the same tick changes nothing.
+
+    Args:
+        tick: The tick.
+        numbers: Of the bodies.
+        figures: float64[sensors, 3], as `encoder_figures` gives them.
+        timetable: int64[sensors, 8].
+        sensor: Row of the timetable and of the figures.
+        place: Where it remembers.
+        samples: float64[...], in and out.
+    """
+    body = timetable[sensor, BODY]
+    drift = figures[sensor, _DRIFT]
+    for wheel in range(2):
+        way = numbers[LEFT_TRAVEL if wheel == 0 else RIGHT_TRAVEL, body]
+        if drift > 0.0:
+            rolled = abs(way - samples[place + LEFT_COVERED + wheel])
+            if rolled > 0.0:
+                key0, key1 = np.uint64(timetable[sensor, KEY0]), np.uint64(timetable[sensor, KEY1])
+                error = math.sqrt(drift * rolled) * normal(key0, key1, tick, wheel)
+                samples[place + LEFT_ERROR + wheel] += error
+                samples[place + LEFT_COVERED + wheel] = way
+            way += samples[place + LEFT_ERROR + wheel]
+        # Rounded, not cut: a wheel that is back where it was within rounding counts what it counted there.
+        count = np.floor(way * figures[sensor, _LEFT + wheel] + 0.5)
+        samples[place + LEFT_COUNT + wheel] = min(max(count, -_MOST), _MOST)
+
+
+@njit(cache=True, error_model="numpy")
+def _take(tick: int, numbers: Floats, figures: Floats, timetable: Ints, samples: Floats) -> None:
+    for sensor in range(timetable.shape[0]):
+        place = memory_of(timetable, sensor, 2)
+        count_rolled(tick, numbers, figures, timetable, sensor, place, samples)
+        slot = due_slot(timetable, sensor, tick, 2)
+        if slot >= 0:
+            samples[slot] = samples[place + LEFT_COUNT]
+            samples[slot + 1] = samples[place + RIGHT_COUNT]
+
+
+def encoder_figures(robot: Robot, drift: float) -> tuple[float, float, float]:
+    """Return ticks a metre of the left and of the right wheel as it is, and the variance a metre, m."""
+    left, right = wheel_scales(robot.wheel_ratio, robot.wheel_scale)
+    return (
+        min(robot.encoder_ticks / (math.pi * max(robot.wheel_diameter * left, 5e-324)), _MOST),
+        min(robot.encoder_ticks / (math.pi * max(robot.wheel_diameter * right, 5e-324)), _MOST),
+        drift,
+    )
+
+
+@dataclass(frozen=True)
+class EncodersBlock:
+    """All encoders."""
+
+    figures: Floats
+    timetable: Ints
+
+    def take(self, tick: int, view: View, samples: Floats) -> None:
+        """Store the samples that are due at a tick."""
+        _take(tick, view.numbers, self.figures, self.timetable, samples)
+
+
+class EncodersKind:
+    """The kind that serves `Encoders`."""
+
+    field = "encoders"
+
+    def check(self, where: str, declaration: Encoders, robot: Robot) -> None:
+        """Refuse none."""
+
+    def width(self, declaration: Encoders) -> int:  # noqa: ARG002 - as `Kind` has it
+        """Return the numbers in a sample."""
+        return 2
+
+    def memory(self, declaration: Encoders) -> int:  # noqa: ARG002 - as `Kind` has it
+        """Return the room of errors and counts."""
+        return MEMORY
+
+    def compile(self, fitted: Sequence[Fitted], timetable: Ints) -> EncodersBlock:
+        """Return the block."""
+        figures = [encoder_figures(sensor.robot, sensor.declaration.drift) for sensor in fitted]
+        return EncodersBlock(np.array(figures, dtype=np.float64), timetable)
+
+    def reading(self, sensor: Fitted, tick: int | None, sample: Sequence[float]) -> EncodersReading:
+        """Return the counts."""
+        return EncodersReading(id=sensor.declaration.id, tick=tick, left=int(sample[0]), right=int(sample[1]))

@@ -1,0 +1,78 @@
+"""Positioning: where a point of the body is, with Gaussian noise, a bias that walks, and a quantisation step."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numba import njit
+
+from intellwheels_schemas.messages import GPS, GPSReading, Robot
+from intellwheels_server.world.kernels.arrays import Floats, Ints
+from intellwheels_server.world.kernels.bias import MEMORY, spoilt, walk
+from intellwheels_server.world.kernels.elementary import sincos
+from intellwheels_server.world.kernels.rows import HEADING, WORLD_EDGE, X, Y
+from intellwheels_server.world.kernels.timetable import BODY, due_slot
+from intellwheels_server.world.sensors.kind import Fitted, View
+
+# Columns of the settings, float64[sensors, 5]: the point, then m.
+_X, _Y, _SIGMA, _STEP, _WALK = 0, 1, 2, 3, 4
+
+
+@njit(cache=True, error_model="numpy")
+def _take(tick: int, period: float, numbers: Floats, settings: Floats, timetable: Ints, samples: Floats) -> None:
+    for sensor in range(timetable.shape[0]):
+        if settings[sensor, _WALK] > 0.0:
+            walk(timetable, sensor, tick, 2, 2, settings[sensor, _WALK], settings[sensor, _WALK], period, samples)
+        slot = due_slot(timetable, sensor, tick, 2)
+        if slot < 0:
+            continue
+        body = timetable[sensor, BODY]
+        s, c = sincos(numbers[HEADING, body])
+        a, b = settings[sensor, _X], settings[sensor, _Y]
+        for axis in range(2):
+            true = numbers[X, body] + (c * a - s * b) if axis == 0 else numbers[Y, body] + (s * a + c * b)
+            samples[slot + axis] = spoilt(
+                true, timetable, sensor, tick, 2, axis, settings[sensor, _WALK] > 0.0, settings[sensor, _SIGMA],
+                settings[sensor, _STEP], WORLD_EDGE, samples,
+            )  # fmt: skip
+
+
+@dataclass(frozen=True)
+class GPSBlock:
+    """All of them."""
+
+    settings: Floats
+    timetable: Ints
+
+    def take(self, tick: int, view: View, samples: Floats) -> None:
+        """Store the samples that are due at a tick."""
+        _take(tick, view.period, view.numbers, self.settings, self.timetable, samples)
+
+
+class GPSKind:
+    """The kind that serves `GPS`."""
+
+    field = "gps"
+
+    def check(self, where: str, declaration: GPS, robot: Robot) -> None:
+        """Refuse none."""
+
+    def width(self, declaration: GPS) -> int:  # noqa: ARG002 - as `Kind` has it
+        """Return the numbers in a sample."""
+        return 2
+
+    def memory(self, declaration: GPS) -> int:
+        """Return the room of a bias that walks."""
+        return MEMORY if declaration.walk > 0.0 else 0
+
+    def compile(self, fitted: Sequence[Fitted], timetable: Ints) -> GPSBlock:
+        """Return the block."""
+        ones: list[GPS] = [sensor.declaration for sensor in fitted]
+        settings = [(one.x, one.y, one.noise, one.step, one.walk) for one in ones]
+        return GPSBlock(np.array(settings, dtype=np.float64), timetable)
+
+    def reading(self, sensor: Fitted, tick: int | None, sample: Sequence[float]) -> GPSReading:
+        """Return the position on the map, m."""
+        return GPSReading(id=sensor.declaration.id, tick=tick, x=sample[0], y=sample[1])

@@ -1,0 +1,100 @@
+"""Ground sensors: the zone under a point of the body. Of zones that overlap, the first of the map counts."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numba import njit
+
+from intellwheels_schemas.messages import Ground, GroundReading, Map, Robot
+from intellwheels_server.world.kernels.arrays import Floats, Ints
+from intellwheels_server.world.kernels.elementary import sincos
+from intellwheels_server.world.kernels.rows import HEADING, X, Y
+from intellwheels_server.world.kernels.timetable import BODY, due_slot
+from intellwheels_server.world.sensors.kind import Fitted, View
+
+
+@njit(cache=True, error_model="numpy")
+def _zone_at(corners: Floats, starts: Ints, x: float, y: float) -> int:
+    """Return the first zone that holds a point, or -1: a line to the right crosses its edge an odd number of times.
+
+    An edge holds its lower end and not its upper one, so that of two zones side by side one holds the border.
+    """
+    for zone in range(starts.shape[0] - 1):
+        inside = False
+        before = starts[zone + 1] - 1
+        for corner in range(starts[zone], starts[zone + 1]):
+            low, high = corners[before, 1], corners[corner, 1]
+            if (low <= y) != (high <= y):
+                at = corners[before, 0] + (y - low) / (high - low) * (corners[corner, 0] - corners[before, 0])
+                if x < at:
+                    inside = not inside
+            before = corner
+        if inside:
+            return zone
+    return -1
+
+
+@njit(cache=True, error_model="numpy")
+def _take(
+    tick: int, numbers: Floats, points: Floats, corners: Floats, starts: Ints, timetable: Ints, samples: Floats
+) -> None:
+    for sensor in range(timetable.shape[0]):
+        slot = due_slot(timetable, sensor, tick, 1)
+        if slot < 0:
+            continue
+        body = timetable[sensor, BODY]
+        s, c = sincos(numbers[HEADING, body])
+        x = numbers[X, body] + (c * points[sensor, 0] - s * points[sensor, 1])
+        y = numbers[Y, body] + (s * points[sensor, 0] + c * points[sensor, 1])
+        samples[slot] = _zone_at(corners, starts, x, y)
+
+
+@dataclass(frozen=True)
+class GroundBlock:
+    """All ground sensors, and the zones: corners of all, and where those of each begin and the last end."""
+
+    points: Floats
+    corners: Floats
+    starts: Ints
+    timetable: Ints
+
+    def take(self, tick: int, view: View, samples: Floats) -> None:
+        """Store the samples that are due at a tick."""
+        _take(tick, view.numbers, self.points, self.corners, self.starts, self.timetable, samples)
+
+
+class GroundKind:
+    """The kind that serves `Ground`."""
+
+    field = "ground"
+
+    def check(self, where: str, declaration: Ground, robot: Robot) -> None:
+        """Refuse none."""
+
+    def width(self, declaration: Ground) -> int:  # noqa: ARG002 - as `Kind` has it
+        """Return the numbers in a sample."""
+        return 1
+
+    def memory(self, declaration: Ground) -> int:  # noqa: ARG002 - as `Kind` has it
+        """Return 0: it remembers nothing."""
+        return 0
+
+    def compile(self, fitted: Sequence[Fitted], timetable: Ints) -> GroundBlock:
+        """Return the block."""
+        floor: Map = fitted[0].floor
+        corners = [(corner.x, corner.y) for zone in floor.zone for corner in zone.corner]
+        return GroundBlock(
+            points=np.array([(one.declaration.x, one.declaration.y) for one in fitted], dtype=np.float64),
+            corners=np.array(corners, dtype=np.float64).reshape(-1, 2),
+            starts=np.cumsum([0, *(len(zone.corner) for zone in floor.zone)], dtype=np.int64),
+            timetable=timetable,
+        )
+
+    def reading(self, sensor: Fitted, tick: int | None, sample: Sequence[float]) -> GroundReading:
+        """Return the zone's name, or none."""
+        index = int(sample[0])
+        name = None if index < 0 else sensor.floor.zone[index].name
+        return GroundReading(id=sensor.declaration.id, tick=tick, zone=name)

@@ -1,0 +1,108 @@
+"""Lidars: ranges by angle. See `kernels.scanning` for how they are found and what goes wrong."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from intellwheels_schemas.messages import Lidar, LidarReading, Robot, Status
+from intellwheels_server.world.kernels.arrays import Floats, Ints
+from intellwheels_server.world.kernels.scanning import scan
+from intellwheels_server.world.sensors.angles import unit_vector
+from intellwheels_server.world.sensors.kind import Fitted, View
+
+# By the whole number that stands for it, negated.
+_STATUS: tuple[Status, ...] = ("ok", "none", "near", "fault")
+
+
+def angles(declaration: Lidar) -> tuple[float, float]:
+    """Return the angle of the first ray in the body frame and that from ray to ray, degrees.
+
+    The first and the last ray are the edges of the field of view; all around, they are one step apart. A single ray is
+    the middle.
+    """
+    gaps = declaration.rays if declaration.fov_deg >= 360.0 else declaration.rays - 1
+    if declaration.rays == 1:
+        return declaration.direction_deg, 0.0
+    start = declaration.direction_deg - 0.5 * declaration.fov_deg
+    return (start + 360.0 if start < -360.0 else start), declaration.fov_deg / gaps
+
+
+@dataclass(frozen=True)
+class LidarBlock:
+    """All lidars: what `scan` takes of them."""
+
+    scanners: Floats
+    reels: Ints
+    directions: Floats
+    timetable: Ints
+
+    def take(self, tick: int, view: View, samples: Floats) -> None:
+        """Store the samples that are due at a tick."""
+        scan(
+            tick,
+            view.period,
+            view.numbers,
+            view.parts,
+            view.part_start,
+            *view.walls,
+            self.scanners,
+            self.reels,
+            self.directions,
+            self.timetable,
+            samples,
+        )
+
+
+class LidarKind:
+    """The kind that serves `Lidar`."""
+
+    field = "lidar"
+
+    def check(self, where: str, declaration: Lidar, robot: Robot) -> None:
+        """Refuse none."""
+
+    def width(self, declaration: Lidar) -> int:
+        """Return the numbers in a sample: its time, and one for each ray."""
+        return 1 + declaration.rays
+
+    def memory(self, declaration: Lidar) -> int:  # noqa: ARG002 - as `Kind` has it
+        """Return 0: it remembers nothing."""
+        return 0
+
+    def compile(self, fitted: Sequence[Fitted], timetable: Ints) -> LidarBlock:
+        """Return the block."""
+        scanners: list[tuple[float, ...]] = []
+        reels: list[tuple[int, int, int]] = []
+        directions: list[tuple[float, float]] = []
+        for sensor in fitted:
+            one: Lidar = sensor.declaration
+            start, step = angles(one)
+            begin = len(directions)
+            directions.extend(unit_vector(start + ray * step) for ray in range(one.rays))
+            reels.append((int(one.mount == "start"), begin, len(directions)))
+            least_cos, _ = unit_vector(one.incidence_deg)
+            at = (sensor.start.x, sensor.start.y, sensor.start.heading, one.x, one.y, one.z)
+            errors = (one.noise, one.noise_share, least_cos, one.dropout)
+            scanners.append((*at, one.min_range, one.max_range, *errors))
+        return LidarBlock(
+            scanners=np.array(scanners, dtype=np.float64),
+            reels=np.array(reels, dtype=np.int64),
+            directions=np.array(directions, dtype=np.float64),
+            timetable=timetable,
+        )
+
+    def reading(self, sensor: Fitted, tick: int | None, sample: Sequence[float]) -> LidarReading:
+        """Return the ranges, m, and the time of the scan; a lidar sends all its rays at once."""
+        start, step = angles(sensor.declaration)
+        return LidarReading(
+            id=sensor.declaration.id,
+            tick=tick,
+            stamp=sample[0],
+            start_deg=start,
+            step_deg=step,
+            ranges=tuple([way if way >= 0.0 else None for way in sample[1:]]),
+            statuses=tuple(["ok" if way >= 0.0 else _STATUS[int(-way)] for way in sample[1:]]),
+        )

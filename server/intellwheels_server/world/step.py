@@ -1,0 +1,172 @@
+"""One step of the world: what was latched goes into the arrays, the kernels move the bodies, the rest follows."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from intellwheels_schemas.messages import Event, EventCode
+from intellwheels_server.world.apply_inputs import (
+    Happening,
+    enter_actions,
+    enter_forwarded,
+    enter_poses,
+    enter_user,
+    enter_verdicts,
+    hush,
+    words_of,
+)
+from intellwheels_server.world.contacts import follow
+from intellwheels_server.world.digest import digest
+from intellwheels_server.world.ending import end_reason
+from intellwheels_server.world.inputs import Inputs
+from intellwheels_server.world.kernels.arrays import Ints
+from intellwheels_server.world.kernels.command import NOW_SILENT, NOW_STALE, NOW_TIMED_OUT
+from intellwheels_server.world.kernels.rows import LEFT_COMMAND, RIGHT_COMMAND, SILENT, STALE, TIMED_OUT
+from intellwheels_server.world.kernels.tick import tick_all
+from intellwheels_server.world.sensors import sense
+from intellwheels_server.world.sensors.kind import View
+from intellwheels_server.world.state import State
+
+USER_SILENCE = 0.3
+"""Seconds without input after which a user is silent."""
+
+_NOBODY = np.empty(0, dtype=np.int64)
+
+
+def staleness(period: float) -> float:
+    """Return the seconds without a pose after which a real body is stale: three cycles, at least 0.3."""
+    return max(3.0 * period, 0.3)
+
+
+def steps_in(seconds: float, period: float) -> int:
+    """Return in how many whole steps a time is over."""
+    return math.ceil(seconds / period - 1e-9)
+
+
+def step(state: State, inputs: Inputs) -> tuple[State, tuple[Event, ...], bool]:
+    """Return the next state, what happened, and whether the end condition was met."""
+    setup, body_set = state.setup, state.body_set
+    numbers, flags = state.numbers.copy(), state.flags.copy()
+    manners, said = enter_actions(state, inputs.actions, numbers, flags)
+    user = enter_user(state, inputs.user_input, numbers, flags) if inputs.user_input else state.user
+    reported, forwarded = _NOBODY, state.forwarded
+    if inputs.poses:
+        forwarded = enter_forwarded(state, inputs.poses)
+        reported = np.array(sorted(enter_poses(state, inputs.poses, numbers, flags)), dtype=np.int64)
+    happenings: list[Happening] = []
+    if inputs.verdicts:
+        happenings, user = enter_verdicts(state, inputs.verdicts, flags, user)
+    if setup.strict and len(reported):
+        happenings.extend(_fresh(state, reported, flags))
+
+    period, bodies, walls = setup.period, body_set.bodies, state.walls
+    found, hits, hit_numbers = tick_all(
+        bodies.parts,
+        bodies.part_start,
+        bodies.shape,
+        bodies.marks,
+        walls.pieces,
+        walls.links,
+        walls.edges,
+        walls.cells,
+        walls.frame,
+        body_set.motors,
+        body_set.flaws,
+        body_set.noise,
+        body_set.limits,
+        numbers,
+        flags,
+        reported,
+        state.tick,
+        period,
+        steps_in(USER_SILENCE, period) if setup.strict else -1,
+        steps_in(staleness(period), period) if setup.strict else -1,
+    )
+    if found:
+        happenings.extend(_found(state, found, flags))
+        if found & NOW_SILENT:
+            user = {
+                name: hush(wish)
+                if flags[SILENT, body_set.index[name]] and not state.flags[SILENT, body_set.index[name]]
+                else wish
+                for name, wish in user.items()
+            }
+    events = [
+        Event(run=state.run, tick=state.tick + 1, number=state.event_count + k, code=code, agent=agent)
+        for k, (code, agent) in enumerate(happenings)
+    ]
+    episodes, contact_events = follow(state, hits, hit_numbers, flags, state.event_count + len(events))
+    events.extend(contact_events)
+    coming, heard = state.coming, state.spoken
+    if said or inputs.says or coming:
+        late = steps_in(setup.say_delay, period)
+        coming += words_of(state, inputs, said, numbers, state.tick + 1 + late)
+        heard += tuple(words for words in coming if words.due <= state.tick + 1)
+        coming = tuple(words for words in coming if words.due > state.tick + 1)
+    view = View(numbers, body_set.bodies.parts, body_set.bodies.part_start, state.walls, period)
+    new = State(
+        run=state.run,
+        tick=state.tick + 1,
+        setup=setup,
+        walls=state.walls,
+        body_set=body_set,
+        numbers=numbers,
+        flags=flags,
+        samples=sense(body_set.plan, view, state.tick + 1, state.samples),
+        episodes=episodes,
+        manners=manners,
+        user=user,
+        forwarded=forwarded,
+        heard=heard,
+        coming=coming,
+        event_count=state.event_count + len(events),
+        revision=state.revision,
+        end_waived=state.end_waived,
+        kept=state.kept,
+    )
+    if setup.end is not None and not state.end_waived:
+        reason = end_reason(new, setup.end)
+        if reason is not None:
+            return _ended(new, events, reason)
+    return new, tuple(events), False
+
+
+def _ended(state: State, events: list[Event], reason: str) -> tuple[State, tuple[Event, ...], bool]:
+    event = Event(
+        run=state.run,
+        tick=state.tick,
+        number=state.event_count,
+        code="ended",
+        text=f"{reason}, hash {digest(state)}",
+    )
+    state = State(
+        **{name: getattr(state, name) for name in State.__struct_fields__ if name not in {"ended", "event_count"}},
+        ended=True,
+        event_count=state.event_count + 1,
+    )
+    return state, (*events, event), True
+
+
+def _fresh(state: State, reported: Ints, flags: Ints) -> list[Happening]:
+    """In simulated time the world itself sees that a stale body reports again."""
+    found: list[Happening] = []
+    for i in reported.tolist():
+        if flags[STALE, i]:
+            flags[STALE, i] = 0
+            found.append(("fresh", state.names[i]))
+    return found
+
+
+def _found(state: State, found: int, flags: Ints) -> list[Happening]:
+    """Return the events of time-outs and of poses that became stale by simulated time."""
+    happenings: list[Happening] = []
+    codes: list[tuple[int, int, EventCode]] = [(NOW_TIMED_OUT, TIMED_OUT, "timeout"), (NOW_STALE, STALE, "stale")]
+    for bit, row, code in codes:
+        if found & bit:
+            new = (flags[row] != 0) & (state.flags[row] == 0)
+            if code == "timeout":
+                new &= (state.numbers[LEFT_COMMAND] != 0.0) | (state.numbers[RIGHT_COMMAND] != 0.0)
+            happenings.extend((code, state.names[i]) for i in np.nonzero(new)[0].tolist())
+    return happenings

@@ -1,0 +1,357 @@
+"""Walls: what a floor's solids and lines become for the kernels, convex pieces in a grid.
+
+Pure, and exact where it can be: corners stay the numbers they were given, a solid that is not convex is cut along
+diagonals between its own corners, and orientation is decided in rational arithmetic. The
+same input gives the same pieces, in the same order, on every machine.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from itertools import pairwise
+from typing import TypeAlias
+
+import numpy as np
+from shapely.geometry import Polygon
+from shapely.validation import explain_validity
+
+from intellwheels_server.world.kernels.arrays import Floats, Walls
+from intellwheels_server.world.kernels.grid import fill_cells
+
+__all__ = ["Line", "Solid", "Walls", "walls_from"]
+
+Point: TypeAlias = tuple[float, float]
+
+# Corners nearer to each other than contact can tell make no edge, m.
+_SHORTEST = 1e-9
+# (3 + 16 e) e with e = 2^-53; products below the second may have lost digits to underflow.
+_SURE = 3.3306690738754716e-16
+_NO_UNDERFLOW = 1e-290
+
+# Cells of about the size of a chair's surroundings: a search looks at four or so.
+_CELL = 1.0
+# A floor that needs more cells gets larger ones.
+_MOST_CELLS = 1 << 16
+# So does one whose pieces lie in more cells than this, all in all: a slanting wall lies in all of its bounding box.
+_MOST_ITEMS = 1 << 20
+
+
+@dataclass(frozen=True)
+class Solid:
+    """A polygon that fills its inside.
+
+    Attributes:
+        corners: At least three, either way round, not crossing itself; m. Repeating the first at the end is allowed.
+        bottom: Lower end, m.
+        top: Upper end, m, above `bottom`.
+    """
+
+    corners: Sequence[Point]
+    bottom: float
+    top: float
+
+
+@dataclass(frozen=True)
+class Line:
+    """A wall of even thickness along a line; closed if its last corner is its first.
+
+    Attributes:
+        corners: At least two, m. Turns are mitred up to a right angle, cut flat beyond.
+        thickness: m, > 0, half of it to each side.
+        bottom: Lower end, m.
+        top: Upper end, m, above `bottom`.
+    """
+
+    corners: Sequence[Point]
+    thickness: float
+    bottom: float
+    top: float
+
+
+@dataclass(frozen=True)
+class _Piece:
+    """A convex polygon, anticlockwise; `outer` says which edges (from that corner on) face the open."""
+
+    corners: tuple[Point, ...]
+    outer: tuple[bool, ...]
+
+
+def walls_from(walls: Sequence[Solid | Line]) -> Walls:
+    """Return the walls as convex pieces.
+
+    Args:
+        walls: In the order that gives each its index.
+
+    Raises:
+        ValueError: A wall has too few corners, crosses itself, has no area, or a size that is none; the text
+            names the wall by its index.
+    """
+    pieces: list[list[float]] = []
+    links: list[tuple[int, int, int]] = []
+    edges: list[tuple[float, float, float, float, float]] = []
+    for index, wall in enumerate(walls):
+        where = f"wall {index}"
+        _check_heights(where, wall)
+        found = _solid_pieces(where, wall) if isinstance(wall, Solid) else _line_pieces(where, wall)
+        for piece in found:
+            first = len(edges)
+            sides = _edges(where, piece.corners)
+            edges.extend(sides)
+            links.append((first, len(edges), index))
+            xs = [x for x, _ in piece.corners]
+            ys = [y for _, y in piece.corners]
+            pieces.append([min(xs), min(ys), max(xs), max(ys), wall.bottom, wall.top, _thickness(piece, sides)])
+    piece_block = np.array(pieces, dtype=np.float64).reshape(-1, 7)
+    frame, columns, rows = _frame(piece_block)
+    return Walls(
+        pieces=piece_block,
+        links=np.array(links, dtype=np.int64).reshape(-1, 3),
+        edges=np.array(edges, dtype=np.float64).reshape(-1, 5),
+        cells=fill_cells(piece_block, frame[0], frame[1], frame[2], columns, rows),
+        frame=np.array(frame, dtype=np.float64),
+    )
+
+
+def _check_heights(where: str, wall: Solid | Line) -> None:
+    if not (math.isfinite(wall.bottom) and math.isfinite(wall.top) and wall.bottom < wall.top):
+        raise ValueError(f"{where}: expected a top above its bottom, got bottom {wall.bottom:g} and top {wall.top:g}")
+    for corner in wall.corners:
+        if not all(map(math.isfinite, corner)):
+            raise ValueError(f"{where}: expected finite corners, got {corner}")
+
+
+def _frame(pieces: Floats) -> tuple[tuple[float, float, float], int, int]:
+    """Return the grid's origin and cell, and how many columns and rows it has."""
+    if len(pieces) == 0:
+        return (0.0, 0.0, _CELL), 1, 1
+    x0, y0 = float(pieces[:, 0].min()), float(pieces[:, 1].min())
+    width, height = float(pieces[:, 2].max()) - x0, float(pieces[:, 3].max()) - y0
+    size = _CELL
+    while (int(width / size) + 1) * (int(height / size) + 1) > _MOST_CELLS or _items(pieces, size) > _MOST_ITEMS:
+        size *= 2.0
+    return (x0, y0, size), int(width / size) + 1, int(height / size) + 1
+
+
+def _items(pieces: Floats, size: float) -> float:
+    """Return in about how many cells of a size the pieces lie, all in all, beyond one each."""
+    spans = ((pieces[:, 2] - pieces[:, 0]) / size + 1.0) * ((pieces[:, 3] - pieces[:, 1]) / size + 1.0)
+    return float(spans.sum()) - len(pieces)
+
+
+# ---------------------------------------------------------------- convex polygons
+
+
+def _edges(where: str, corners: Sequence[Point]) -> list[tuple[float, float, float, float, float]]:
+    rows = []
+    for (x, y), (x2, y2) in zip(corners, [*corners[1:], corners[0]], strict=True):
+        dx, dy = x2 - x, y2 - y
+        length = math.sqrt(dx * dx + dy * dy)
+        if length < _SHORTEST:
+            raise ValueError(
+                f"{where}: expected corners at least {_SHORTEST:g} m apart, got ({x}, {y}) and ({x2}, {y2})"
+            )
+        nx, ny = dy / length, -dx / length
+        rows.append((x, y, nx, ny, nx * x + ny * y))
+    return rows
+
+
+def _thickness(piece: _Piece, edges: Sequence[tuple[float, float, float, float, float]]) -> float:
+    """Return the least width of the piece seen from an outer edge that another outer edge faces away from, else inf.
+
+    Edges along which a solid was cut lead to the next piece, and what has open sides only on
+    one side is not passed through: neither makes a wall thin.
+    """
+    outer = [edge for edge, is_outer in zip(edges, piece.outer, strict=True) if is_outer]
+    return min(
+        (
+            max(offset - (nx * x + ny * y) for x, y in piece.corners)
+            for _, _, nx, ny, offset in outer
+            if any(nx * other[2] + ny * other[3] < 0.0 for other in outer)
+        ),
+        default=math.inf,
+    )
+
+
+def _orientation(a: Point, b: Point, c: Point) -> int:
+    """Return 1 if a, b, c turn left, -1 if right, 0 if they are in line. Exact.
+
+    Source:
+        Shewchuk, Adaptive precision floating-point arithmetic, 1997: when the rounded product's sign is sure.
+    """
+    one, other = (b[0] - a[0]) * (c[1] - a[1]), (b[1] - a[1]) * (c[0] - a[0])
+    size = abs(one) + abs(other)
+    if abs(one - other) > _SURE * size and size > _NO_UNDERFLOW:
+        return 1 if one > other else -1
+    ax, ay = Fraction(a[0]), Fraction(a[1])
+    cross = (Fraction(b[0]) - ax) * (Fraction(c[1]) - ay) - (Fraction(b[1]) - ay) * (Fraction(c[0]) - ax)
+    return (cross > 0) - (cross < 0)
+
+
+# ---------------------------------------------------------------- solids
+
+
+def _solid_pieces(where: str, wall: Solid) -> list[_Piece]:
+    corners = [(float(x), float(y)) for x, y in wall.corners]
+    if len(corners) > 1 and corners[0] == corners[-1]:
+        corners.pop()
+    if len(corners) < 3:
+        raise ValueError(f"{where}: a solid needs at least 3 corners, got {len(corners)}")
+    if all(_orientation(corners[0], b, c) == 0 for b, c in pairwise(corners)):
+        raise ValueError(f"{where}: expected an area, got corners in one line")
+    polygon = Polygon(corners)
+    if not polygon.is_valid:
+        raise ValueError(f"{where}: expected a polygon that does not cross itself, got {explain_validity(polygon)}")
+    if not polygon.exterior.is_ccw:
+        corners.reverse()
+    ring = _without_straight(corners)
+    size = len(ring)
+    return [
+        _Piece(
+            tuple(ring[i] for i in piece),
+            tuple((a + 1) % size == b for a, b in zip(piece, [*piece[1:], piece[0]], strict=True)),
+        )
+        for piece in _merged(ring, _triangles(where, ring))
+    ]
+
+
+def _without_straight(corners: list[Point]) -> list[Point]:
+    """Return the ring without the corners at which it does not turn."""
+    size = len(corners)
+    return [corners[i] for i in range(size) if _orientation(corners[i - 1], corners[i], corners[(i + 1) % size]) != 0]
+
+
+def _triangles(where: str, ring: list[Point]) -> list[list[int]]:
+    """Return the anticlockwise ring as one convex polygon or as triangles, as indices, by clipping ears."""
+    left = list(range(len(ring)))
+    triangles: list[list[int]] = []
+    while len(left) > 3 and not _is_convex(ring, left):
+        for at in range(len(left)):
+            before, tip, after = left[at - 1], left[at], left[(at + 1) % len(left)]
+            if _is_ear(ring, left, before, tip, after):
+                triangles.append([before, tip, after])
+                del left[at]
+                break
+        else:
+            raise ValueError(f"{where}: expected a polygon that does not touch itself")
+    return [*triangles, left]
+
+
+def _is_convex(ring: list[Point], left: list[int]) -> bool:
+    size = len(left)
+    return all(_orientation(ring[left[i - 1]], ring[left[i]], ring[left[(i + 1) % size]]) > 0 for i in range(size))
+
+
+def _is_ear(ring: list[Point], left: list[int], before: int, tip: int, after: int) -> bool:
+    a, b, c = ring[before], ring[tip], ring[after]
+    if _orientation(a, b, c) <= 0:
+        return False
+    x0, x1 = min(a[0], b[0], c[0]), max(a[0], b[0], c[0])
+    y0, y1 = min(a[1], b[1], c[1]), max(a[1], b[1], c[1])
+    return not any(
+        x0 <= p[0] <= x1
+        and y0 <= p[1] <= y1
+        and _orientation(a, b, p) >= 0
+        and _orientation(b, c, p) >= 0
+        and _orientation(c, a, p) >= 0
+        for p in (ring[i] for i in left if i not in {before, tip, after})
+    )
+
+
+def _merged(ring: list[Point], pieces: list[list[int]]) -> list[list[int]]:
+    """Return the pieces with those joined that are convex together (Hertel and Mehlhorn, 1983)."""
+    found = True
+    while found:
+        found = False
+        owner = {edge: k for k, piece in enumerate(pieces) for edge in _sides(piece)}
+        for k, piece in enumerate(pieces):
+            for a, b in _sides(piece):
+                other = owner.get((b, a))
+                if other is None:
+                    continue
+                joined = _from(piece, b) + _from(pieces[other], a)[1:-1]
+                if _turns_left(ring, joined):
+                    pieces = [p for i, p in enumerate(pieces) if i not in {k, other}]
+                    pieces.insert(min(k, other), joined)
+                    found = True
+                    break
+            if found:
+                break
+    return pieces
+
+
+def _sides(piece: list[int]) -> list[tuple[int, int]]:
+    return list(zip(piece, [*piece[1:], piece[0]], strict=True))
+
+
+def _from(piece: list[int], first: int) -> list[int]:
+    """Return the piece turned so that it starts with the corner `first`."""
+    at = piece.index(first)
+    return piece[at:] + piece[:at]
+
+
+def _turns_left(ring: list[Point], piece: list[int]) -> bool:
+    size = len(piece)
+    return all(_orientation(ring[piece[i - 1]], ring[piece[i]], ring[piece[(i + 1) % size]]) >= 0 for i in range(size))
+
+
+# ---------------------------------------------------------------- lines
+
+
+def _line_pieces(where: str, wall: Line) -> list[_Piece]:
+    corners = [(float(x), float(y)) for x, y in wall.corners]
+    if len(corners) < 2:
+        raise ValueError(f"{where}: a line needs at least 2 corners, got {len(corners)}")
+    if not (math.isfinite(wall.thickness) and wall.thickness >= _SHORTEST):
+        raise ValueError(f"{where}: expected a thickness of at least {_SHORTEST:g} m, got {wall.thickness:g}")
+    half = wall.thickness / 2.0
+    steps = list(pairwise(corners))
+    for k, (a, b) in enumerate(steps):
+        if a == b:
+            raise ValueError(f"{where}: expected corners that differ, got {a} twice, at {k} and {k + 1}")
+        if max(abs(b[0] - a[0]), abs(b[1] - a[1])) < _SHORTEST:
+            raise ValueError(f"{where}: expected corners at least {_SHORTEST:g} m apart, got {a} and {b}")
+    boxes = [_box_along(a, b, half) for a, b in steps]
+    joints = list(pairwise(steps))
+    if len(steps) > 2 and corners[0] == corners[-1]:
+        joints.append((steps[-1], steps[0]))
+    return boxes + [joint for before, after in joints if (joint := _joint(before, after, half)) is not None]
+
+
+def _direction(a: Point, b: Point) -> Point:
+    dx, dy = b[0] - a[0], b[1] - a[1]
+    length = math.sqrt(dx * dx + dy * dy)
+    return dx / length, dy / length
+
+
+def _box_along(a: Point, b: Point, half: float) -> _Piece:
+    ux, uy = _direction(a, b)
+    sx, sy = -uy * half, ux * half
+    return _Piece(
+        ((a[0] - sx, a[1] - sy), (b[0] - sx, b[1] - sy), (b[0] + sx, b[1] + sy), (a[0] + sx, a[1] + sy)), (True,) * 4
+    )
+
+
+def _joint(before: tuple[Point, Point], after: tuple[Point, Point], half: float) -> _Piece | None:
+    """Return what fills the outer side of a turn, None where the line goes straight on or back."""
+    ux, uy = _direction(*before)
+    vx, vy = _direction(*after)
+    cross, dot = ux * vy - uy * vx, ux * vx + uy * vy
+    # A turn of less leaves a gap thinner than the tolerance of contact; back on itself there is none.
+    if half * abs(cross) < _SHORTEST:
+        return None
+    side = 1.0 if cross > 0.0 else -1.0
+    x, y = after[0]
+    first = (x + side * uy * half, y - side * ux * half)
+    second = (x + side * vy * half, y - side * vx * half)
+    if dot < -1e-12:
+        corners = [(x, y), first, second]
+    else:
+        reach = half * abs(cross) / (1.0 + dot)
+        corners = [(x, y), first, (first[0] + ux * reach, first[1] + uy * reach), second]
+    outer = (False, *(True,) * (len(corners) - 2), False)
+    if side < 0.0:
+        corners = [corners[0], *corners[:0:-1]]
+    return _Piece(tuple(corners), outer)

@@ -1,0 +1,56 @@
+"""A joystick that ends leaves no lease behind, not even one that was being granted."""
+
+from __future__ import annotations
+
+import queue
+import threading
+from typing import Any, cast
+
+import pytest
+
+from intellwheels_agents.joystick.joystick_peer import _Loop
+from intellwheels_agents.joystick.wish import NOTHING, Wish
+from intellwheels_schemas.link import Inbox
+from intellwheels_schemas.messages import Result, Take
+
+LEASE = "a" * 16
+
+
+class Simulator:
+    """Grants what is asked for when it is told to."""
+
+    def __init__(self) -> None:
+        self.answers: queue.SimpleQueue[Result | None] = queue.SimpleQueue()
+        self.back: list[Take] = []
+
+    def start(self, take: Take) -> None:
+        pass
+
+    def grant(self) -> None:
+        self.answers.put(Result(run="0" * 16, tick=0, code="ok", lease=LEASE))
+
+    def ask(self, take: Take) -> Result:
+        self.back.append(take)
+        return Result(run="0" * 16, tick=0, code="ok")
+
+
+class Brief:
+    """Ends after one wish; meanwhile the answer comes."""
+
+    def __init__(self, simulator: Simulator) -> None:
+        self._simulator = simulator
+        self._wishes: list[Wish | None] = [NOTHING, None]
+
+    def wait(self, seconds: float) -> None:
+        self._simulator.grant()
+
+    def wish(self, now: float, time: float | None) -> Wish | None:
+        return self._wishes.pop(0)
+
+
+def test_a_lease_that_is_granted_while_it_ends_is_given_back(capsys: pytest.CaptureFixture[str]) -> None:
+    simulator = Simulator()
+    loop = _Loop("chair1", Brief(simulator), cast(Any, simulator), Inbox(), cast(Any, None), take=True)
+    assert loop.run(threading.Event()) == 0
+    assert [(take.agent, take.lease, take.seconds) for take in simulator.back] == [("chair1", LEASE, 0.0)]
+    assert capsys.readouterr().out.splitlines()[-2:] == ["released agent=chair1", "ended agent=chair1"]

@@ -1,0 +1,54 @@
+"""Options that begin with a capital letter change the robot document."""
+
+from __future__ import annotations
+
+import pytest
+
+from intellwheels_agents.options import OptionError
+from intellwheels_agents.robot_document import equipped, joining, split_options
+from intellwheels_schemas.messages import Compass, Encoders, Robot
+
+ROBOT = Robot(
+    format="iw.v1",
+    kind="wheelchair",
+    top_speed=1.0,
+    length=1.1,
+    width=0.6,
+    center=0.3,
+    encoders=(Encoders(id="wheels"),),
+    compass=(Compass(id="a"), Compass(id="b")),
+    barrier=True,
+)
+
+
+def test_capitals_are_the_robots_and_the_rest_is_the_minds() -> None:
+    robot, mind = split_options({"MotorNoise": "0.015", "speed": "1"})
+    assert (robot, mind) == ({"MotorNoise": "0.015"}, {"speed": "1"})
+
+
+def test_a_field_of_the_robot_and_of_every_sensor_of_a_kind_is_set() -> None:
+    robot = equipped(ROBOT, {"MotorNoise": "0.015", "Compass.NoiseDeg": "1", "Anchored": "true", "Kind": "car"})
+    assert robot.motor_noise == 0.015
+    assert [compass.noise_deg for compass in robot.compass] == [1.0, 1.0]
+    assert robot.anchored
+    assert robot.kind == "car"
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [("MotorNose", "1"), ("MotorNoise", "2"), ("Lidar.Noise", "1"), ("Compass.Noise", "1"), ("TopSpeed", "x")],
+)
+def test_what_the_document_does_not_take_is_refused_by_name(name: str, value: str) -> None:
+    with pytest.raises(OptionError, match=f"option {name}: expected"):
+        equipped(ROBOT, {name: value})
+
+
+def test_a_whole_agent_joins_with_its_body_and_without_the_files_format() -> None:
+    robot = joining(ROBOT, agent="chair1", role="both", instance="0" * 16, place="bed1", barrier=None)
+    assert (robot.format, robot.name, robot.place, robot.barrier) == (None, "chair1", "bed1", True)
+    assert robot.encoders == ROBOT.encoders
+
+
+def test_a_mind_joins_with_nothing_of_a_body() -> None:
+    robot = joining(ROBOT, agent="chair1", role="mind", instance="0" * 16, place=None, barrier=False)
+    assert robot == Robot(name="chair1", role="mind", instance="0" * 16, barrier=False)

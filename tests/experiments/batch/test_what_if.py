@@ -1,0 +1,102 @@
+from __future__ import annotations
+
+import threading
+from pathlib import Path
+
+import pytest
+
+from intellwheels_experiments.batch.experiment_rows import rows_of
+from intellwheels_experiments.batch.run_batch import Batch, read_batch, run_batch
+from intellwheels_experiments.batch.run_store import StoredRun, place_of, read_tum
+from intellwheels_experiments.batch.what_if import ParentError, changed, perform_branch
+from intellwheels_maps import floor, scene
+from intellwheels_schemas.errors import WireError
+from tests.experiments.scenes import write_scene
+
+
+def test_other_mind_and_options_are_in_the_cast() -> None:
+    row = rows_of(scene("table1"))[2]
+    other = changed(row, ["chair=driver"], ["chair.to=goal", "chair.speed=0.3"])
+    (cast,) = other.scene.cast
+    assert cast.mind == "driver"
+    own, body = ({one.name for one in cast.option if one.name[0].isupper() is upper} for upper in (False, True))
+    assert own == {"to", "speed"}
+    assert body == {"MotorNoise", "Proximity.Model", "WheelRatio", "Encoders.Drift"}
+
+
+@pytest.mark.parametrize(
+    ("minds", "options"), [(["nobody=drive"], []), (["chair"], []), ([], ["chair.WheelRatio=1"]), ([], ["chair=1"])]
+)
+def test_what_a_branch_cannot_change_is_refused(minds: list[str], options: list[str]) -> None:
+    with pytest.raises(WireError, match="expected AGENT"):
+        changed(rows_of(scene("table1"))[2], minds, options)
+
+
+@pytest.fixture
+def parent(tmp_path: Path) -> tuple[Batch, Path]:
+    path = write_scene(tmp_path)
+    rows = rows_of(scene(str(path)))[:1]
+    out = tmp_path / "out"
+    out.mkdir()
+    batch = Batch(
+        rows=rows, seeds=("1", "2"), subject="chair", floor=floor("corridor15m"), source=str(path), folder=tmp_path,
+        out=out, jobs=1, timeout=120.0,
+    )  # fmt: skip
+    told: list[StoredRun] = []
+    run_batch(batch, told.append, threading.Event())
+    return batch, place_of(out, "equal", "2") / "input.jsonl"
+
+
+def test_branch_is_its_parent_up_to_the_tick_and_another_after_it(parent: tuple[Batch, Path]) -> None:
+    batch, log = parent
+    other = changed(batch.rows[0], [], ["chair.left=0.1"])
+    summary = perform_branch(batch, scene(batch.source), other, log, 20, threading.Event())
+    assert [line.title for line in summary.lines] == ["equal: as it was", "equal: chair.left=0.1 from tick 20 on"]
+    was, branch = (read_tum(place_of(batch.out, name, "2") / "true.tum") for name in ("parent", "branch"))
+    assert was is not None
+    assert branch is not None
+    assert (was[:21] == branch[:21]).all()
+    assert abs(branch[-1, 3] - was[-1, 3]) > 0.1
+
+
+def test_branch_with_the_same_mind_is_the_same_run_to_the_hash(parent: tuple[Batch, Path]) -> None:
+    batch, log = parent
+    perform_branch(batch, scene(batch.source), batch.rows[0], log, 20, threading.Event())
+    files = [place_of(batch.out, name, "2") / "measures.csv" for name in ("parent", "branch")]
+    was, branch = (path.read_text().splitlines()[1].split(",", 1)[1] for path in files)
+    assert was == branch
+    assert was.split(",")[-1] == next(
+        run.measured.hash for run in read_batch(batch) if run.seed == "2" and run.measured
+    )
+
+
+def test_branch_of_a_chair_in_a_laboratory_is_its_parent_in_both_worlds_up_to_the_tick(tmp_path: Path) -> None:
+    path = write_scene(tmp_path, laboratory=True)
+    row = rows_of(scene(str(path)))[2]
+    out = tmp_path / "out"
+    out.mkdir()
+    batch = Batch(
+        rows=(row,), seeds=("1",), subject="chair", floor=floor("corridor15m"), source=str(path), folder=tmp_path,
+        out=out, jobs=1, timeout=120.0,
+    )  # fmt: skip
+    told: list[StoredRun] = []
+    run_batch(batch, told.append, threading.Event())
+    log = place_of(out, "real", "1") / "input.jsonl"
+    perform_branch(batch, scene(batch.source), changed(row, [], ["chair.left=0.1"]), log, 10, threading.Event())
+    for name in ("true", "reported"):
+        was, branch = (read_tum(place_of(out, run, "1") / f"{name}.tum") for run in ("parent", "branch"))
+        assert was is not None
+        assert branch is not None
+        assert (was[:11] == branch[:11]).all()
+        end = min(len(was), len(branch)) - 2
+        assert abs(branch[end, 3] - was[end, 3]) > 0.02
+    assert (place_of(out, "branch", "1") / "image.jsonl").exists()
+    log.with_name("image.jsonl").unlink()
+    with pytest.raises(ParentError, match="expected the log of the world that showed the chair"):
+        perform_branch(batch, scene(batch.source), row, log, 20, threading.Event())
+
+
+def test_tick_that_the_log_has_not_is_told(parent: tuple[Batch, Path]) -> None:
+    batch, log = parent
+    with pytest.raises(ParentError, match="expected a tick in"):
+        perform_branch(batch, scene(batch.source), batch.rows[0], log, 4000, threading.Event())

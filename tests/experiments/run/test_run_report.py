@@ -1,0 +1,68 @@
+"""A result for people and for programs says the same."""
+
+from __future__ import annotations
+
+import io
+import json
+
+import msgspec
+from rich.console import Console
+
+from intellwheels_experiments.run.run_report import Result, lines, show, to_json, versions
+from intellwheels_experiments.run.verdict import Row
+
+RESULT = Result(
+    scene="figure6",
+    map="room",
+    seed="1",
+    pace="lockstep",
+    world="main",
+    run="0" * 16,
+    finish="ended",
+    words="",
+    held=False,
+    failed=("agent 'chair1' did not reach 'goal1': 1.00 m short of it",),
+    hash="00000000000000ff",
+    ticks=812,
+    time=40.6,
+    wall=2.0,
+    factor=20.3,
+    late=0,
+    contacts=0,
+    events={"joined": 1},
+    agents=(Row(name="chair1", mind="waypoints", robot="rear-wheel", place="goal1", distance=1.0, reached=False),),
+    versions={"python": "3.11.0"},
+)
+
+
+def test_json_has_the_hash_and_comes_back_whole() -> None:
+    data = to_json(RESULT)
+    assert json.loads(data)["hash"] == "00000000000000ff"
+    assert msgspec.json.decode(data, type=Result) == RESULT
+
+
+def test_lines_are_a_verb_and_values() -> None:
+    assert list(lines(RESULT)) == [
+        "agent name=chair1 mind=waypoints robot=rear-wheel place=goal1 reached=no distance=1.000m contacts=0 "
+        "path=0.00m turned_deg=0",
+        "run ticks=812 time=40.60s wall=2.00s factor=20.3 contacts=0 late=0 seed=1 hash=00000000000000ff",
+        "failed agent 'chair1' did not reach 'goal1': 1.00 m short of it",
+        "not-held scene=figure6 finish=ended",
+    ]
+
+
+def test_no_terminal_gets_lines_however_long() -> None:
+    text = io.StringIO()
+    show(RESULT, Console(file=text, width=20))
+    assert text.getvalue().splitlines() == list(lines(RESULT))
+
+
+def test_terminal_gets_a_table() -> None:
+    text = io.StringIO()
+    show(RESULT, Console(file=text, force_terminal=True, width=120))
+    assert "chair1" in text.getvalue()
+    assert "\x1b[" in text.getvalue()
+
+
+def test_versions_name_python_and_this_distribution() -> None:
+    assert {"python", "intellwheels", "eclipse-zenoh"} <= versions().keys()

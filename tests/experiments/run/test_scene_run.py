@@ -1,0 +1,125 @@
+"""A run however it finishes has a result. Simulator and agents here are small Python programs."""
+
+from __future__ import annotations
+
+import io
+import sys
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+
+import pytest
+from rich.console import Console
+
+from intellwheels_experiments.run.launch_spec import LaunchSpec
+from intellwheels_experiments.run.progress import Progress
+from intellwheels_experiments.run.run_record import RunRecord
+from intellwheels_experiments.run.run_report import Result
+from intellwheels_experiments.run.scene_run import perform
+from intellwheels_schemas.messages import Cast, End, Entity, Grid, Hold, Map, Place, Reach, Scene, WorldState
+
+RUN = "0" * 16
+HASH = "00000000000000ff"
+FLOOR = Map(format="iw.v1", name="room", grid=Grid(position=(Place(name="goal1", x=5.0, y=1.0),)))
+SCENE = Scene(
+    format="iw.v1",
+    name="test",
+    map="room",
+    cast=(Cast(name="chair1", robot="rear-wheel", mind="waypoints"),),
+    end=End(reach=(Reach(agent="chair1", place="goal1", within=0.3),)),
+    hold=Hold(contacts=0, reached="all"),
+)
+
+READY = "print('ready world=main', flush=True); "
+RUNNING = READY + "print('running tick=0', flush=True); "
+WAIT = "import time; time.sleep(60)"
+
+
+@dataclass(frozen=True, kw_only=True)
+class FakePlan(LaunchSpec):
+    server: str
+    agent: str = WAIT
+
+    def server_command(self, lifeline: int) -> list[str]:
+        return [sys.executable, "-c", self.server]
+
+    def agent_command(self, cast: Cast, lifeline: int) -> list[str]:
+        return [sys.executable, "-c", self.agent]
+
+
+class FakeWatch:
+    def pour(self, record: RunRecord) -> None:
+        pass
+
+    def complete(self, record: RunRecord) -> None:
+        chair = Entity(name="chair1", x=5.0, y=1.0, heading=0.0)
+        record.on_state(WorldState(run=RUN, tick=9, time=0.45, entity=(chair,)))
+
+
+@contextmanager
+def watching(stop: threading.Event) -> Iterator[FakeWatch]:
+    yield FakeWatch()
+
+
+def play(tmp_path: Path, server: str, agent: str = WAIT, *, timeout: float = 60.0, stop: bool = False) -> Result:
+    plan = FakePlan(
+        scene=SCENE,
+        source="test",
+        floor=FLOOR,
+        listen=("tcp/127.0.0.1:1",),
+        logs=tmp_path,
+        server=server,
+        agent=agent,
+        timeout=timeout,
+    )
+    event = threading.Event()
+    if stop:
+        threading.Timer(1.0, event.set).start()
+    with Progress(Console(file=io.StringIO()), SCENE, FLOOR) as progress:
+        return perform(plan, watching, progress, event)
+
+
+def test_run_that_ends_is_judged_by_what_the_simulator_says_last(tmp_path: Path) -> None:
+    result = play(tmp_path, RUNNING + f"print('ended tick=812 hash={HASH}', flush=True); {WAIT}")
+    assert (result.finish, result.hash, result.ticks, result.held) == ("ended", HASH, 812, True)
+    assert result.time == pytest.approx(40.6)
+    assert result.wall > 0.0
+
+
+def test_agent_that_dies_is_named_with_its_last_words(tmp_path: Path) -> None:
+    result = play(tmp_path, RUNNING + WAIT, "raise SystemExit('no such mind')")
+    assert result.finish == "died"
+    assert result.words.startswith("agent-chair1: exit 1; the last lines of ")
+    assert result.words.endswith("  no such mind")
+    assert not result.held
+
+
+def test_agent_that_leaves_is_no_death(tmp_path: Path) -> None:
+    server = RUNNING + f"import time; time.sleep(1.5); print('ended tick=1 hash={HASH}', flush=True); {WAIT}"
+    assert play(tmp_path, server, "pass").finish == "ended"
+
+
+def test_simulator_that_dies_before_it_is_ready_is_named(tmp_path: Path) -> None:
+    result = play(tmp_path, "raise SystemExit('port taken')")
+    assert result.finish == "died"
+    assert "server: exit 1" in result.words
+    assert result.words.endswith("port taken")
+
+
+def test_miss_names_who_missed(tmp_path: Path) -> None:
+    result = play(tmp_path, RUNNING + f"print('miss agent=chair1 tick=40', flush=True); {WAIT}")
+    assert (result.finish, result.ticks, result.held) == ("missed", 40, False)
+    assert result.words.startswith("agent-chair1: missed tick 40")
+
+
+def test_interrupted_run_says_what_happened(tmp_path: Path) -> None:
+    result = play(tmp_path, RUNNING + WAIT, stop=True)
+    assert result.finish == "interrupted"
+    assert result.agents[0].reached is True
+    assert not result.held
+
+
+def test_run_that_takes_too_long_is_broken_off(tmp_path: Path) -> None:
+    assert play(tmp_path, RUNNING + WAIT, timeout=0.5).finish == "overtime"

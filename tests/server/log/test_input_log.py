@@ -1,0 +1,82 @@
+from __future__ import annotations
+
+from pathlib import Path
+
+import msgspec
+import pytest
+
+from intellwheels_maps import floor
+from intellwheels_schemas.messages import Actions
+from intellwheels_server.log.input_log import Line, Log, LogError, read_header, read_lines
+from intellwheels_server.world import Setup
+from intellwheels_server.world.inputs import Inputs
+
+RUN = "0123456789abcdef"
+SETUP = Setup(floor=floor("room"), seed="7", say_walls=True, say_loss=0.1, say_delay=0.2)
+
+
+def written(path: Path, count: int = 3) -> list[Line]:
+    log = Log(path, SETUP, RUN)
+    lines = [
+        Line(tick=k, inputs=Inputs(actions={"one": Actions(left_motor=0.1 + 0.2 * k)}), hash="0" * 16)
+        for k in range(count)
+    ]
+    for line in lines:
+        log.write(line, 0.0)
+    log.close()
+    return lines
+
+
+def test_what_is_written_is_read_again(tmp_path: Path) -> None:
+    path = tmp_path / "log"
+    lines = written(path)
+    with path.open("rb") as file:
+        header = read_header(file, "log")
+        assert (header.run, header.seed, header.period) == (RUN, "7", 0.05)
+        assert header.world_setup() == SETUP
+        assert {"python", "numpy", "numba", "intellwheels"} <= header.versions.keys()
+        assert list(read_lines(file, "log")) == lines
+
+
+def test_a_line_is_in_the_file_after_a_second(tmp_path: Path) -> None:
+    path = tmp_path / "log"
+    log = Log(path, Setup(floor=floor("room")), RUN)
+    line = Line(tick=0, inputs=Inputs(), hash="0" * 16)
+    for now in (100.0, 100.5, 101.1):
+        log.write(line, now)
+    assert path.read_bytes().count(b"\n") == 4
+    log.close()
+
+
+def test_a_last_line_that_was_cut_is_told(tmp_path: Path) -> None:
+    path = tmp_path / "log"
+    lines = written(path)
+    path.write_bytes(path.read_bytes()[:-20])
+    with path.open("rb") as file:
+        read_header(file, "log")
+        assert list(read_lines(file, "log")) == [*lines[:2], None]
+
+
+def test_a_broken_line_in_the_middle_is_an_error_with_its_number(tmp_path: Path) -> None:
+    path = tmp_path / "log"
+    written(path)
+    whole = path.read_bytes().splitlines(keepends=True)
+    path.write_bytes(whole[0] + b'{"Tick":"x"}\n' + whole[2])
+    with path.open("rb") as file:
+        read_header(file, "log")
+        with pytest.raises(LogError, match=r"^log:2: expected the line of a tick, got"):
+            list(read_lines(file, "log"))
+
+
+@pytest.mark.parametrize("data", [b"", b"{}\n", b"\xff\n", b"hello\n"])
+def test_what_is_no_log_is_said_so(tmp_path: Path, data: bytes) -> None:
+    path = tmp_path / "log"
+    path.write_bytes(data)
+    with path.open("rb") as file, pytest.raises(LogError, match=r"^log:1: expected the header of an input log"):
+        read_header(file, "log")
+
+
+def test_a_step_is_not_said_and_no_step_is() -> None:
+    line = Line(tick=1, inputs=Inputs(), hash="0" * 16)
+    assert msgspec.json.encode(line) == b'{"Tick":1,"Inputs":{},"Hash":"0000000000000000"}'
+    assert b'"Stepped":false' in msgspec.json.encode(msgspec.structs.replace(line, stepped=False))

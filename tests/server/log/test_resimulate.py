@@ -1,0 +1,105 @@
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import msgspec
+import pytest
+
+from intellwheels_maps import floor, robot
+from intellwheels_schemas.messages import Actions
+from intellwheels_server.__main__ import main
+from intellwheels_server.log.input_log import Line, Log, LogError
+from intellwheels_server.log.resimulate import resimulate
+from intellwheels_server.log.seekable_log import SeekableLog
+from intellwheels_server.world import Setup, advance, begin, digest
+from intellwheels_server.world.inputs import Inputs, Join
+
+RUN = "0123456789abcdef"
+
+
+def run(path: Path, ticks: int = 5) -> str:
+    setup = Setup(floor=floor("room"))
+    log, state = Log(path, setup, RUN), begin(setup, RUN)
+    for tick in range(ticks):
+        changes = (Join(agent="one", robot=robot("rear-wheel")),) if tick == 0 else ()
+        inputs = Inputs(changes=changes, actions={"one": Actions(left_motor=0.5, right_motor=0.25)})
+        state, _ = advance(state, inputs)
+        log.write(Line(tick=tick, inputs=inputs, hash=digest(state)), 0.0)
+    log.close()
+    return digest(state)
+
+
+def test_a_run_gives_the_same_hashes_again(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / "log"
+    hashed = run(path)
+    found = resimulate(path)
+    assert (found.ticks, found.tick, found.hash, found.cut, found.differs) == (5, 5, hashed, False, None)
+    assert main(["--resimulate", str(path)]) == 0
+    assert capsys.readouterr().out == f"same ticks=5 tick=5 hash={hashed}\n"
+
+
+def test_a_cut_last_line_is_dropped_and_said(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / "log"
+    run(path)
+    path.write_bytes(path.read_bytes()[:-9])
+    found = resimulate(path)
+    assert (found.ticks, found.cut, found.differs) == (4, True, None)
+    assert main(["--resimulate", str(path)]) == 0
+    assert "the last line was cut and is dropped" in capsys.readouterr().err
+
+
+def test_the_first_tick_that_differs_is_named(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / "log"
+    run(path)
+    lines = path.read_bytes().splitlines(keepends=True)
+    line = msgspec.json.decode(lines[3], type=Line)
+    lines[3] = msgspec.json.encode(msgspec.structs.replace(line, hash="f" * 16)) + b"\n"
+    path.write_bytes(b"".join(lines))
+    assert main(["--resimulate", str(path)]) == 1
+    assert capsys.readouterr().out.startswith(
+        f"differs tick 2 of run {RUN} (line 4): expected hash ffffffffffffffff, got "
+    )
+
+
+def test_a_tick_that_is_missing_is_an_error(tmp_path: Path) -> None:
+    path = tmp_path / "log"
+    run(path)
+    lines = path.read_bytes().splitlines(keepends=True)
+    path.write_bytes(b"".join(lines[:2] + lines[3:]))
+    with pytest.raises(LogError, match=r"log:3: expected tick 1, got 2"):
+        resimulate(path)
+
+
+def test_a_file_that_is_not_there_is_said(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["--resimulate", str(tmp_path / "none")]) == 1
+    assert "No such file" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("edit", "message"),
+    [
+        (lambda header: header.update(Period=0), r"log:1: expected the header of an input log, got .*Period"),
+        (lambda header: header.update(Run="../.."), r"log:1: expected the header of an input log, got .*Run"),
+        (lambda header: header["Setup"].update(SayLoss=7.0), r"log:1: expected the header .*Setup\.SayLoss"),
+        (lambda header: header["Map"]["Wall"][0].update(Corner=[]), r"log:1: wall 0: a line needs at least 2 corners"),
+        (
+            lambda header: header["Setup"].update(End={"Reach": [{"Agent": "one", "Place": "moon", "Within": 1.0}]}),
+            r"log:1: .*moon",
+        ),
+    ],
+)
+def test_a_header_of_no_world_is_an_error_in_words(
+    tmp_path: Path, edit: Callable[[dict[str, Any]], None], message: str
+) -> None:
+    run(tmp_path / "log")
+    lines = (tmp_path / "log").read_bytes().split(b"\n")
+    header = json.loads(lines[0])
+    edit(header)
+    (tmp_path / "log").write_bytes(b"\n".join([json.dumps(header).encode(), *lines[1:]]))
+    with pytest.raises(LogError, match=message):
+        resimulate(tmp_path / "log")
+    with pytest.raises(LogError, match=message):
+        SeekableLog(tmp_path / "log")

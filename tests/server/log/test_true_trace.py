@@ -1,0 +1,26 @@
+from __future__ import annotations
+
+from pathlib import Path
+
+import msgspec
+import pytest
+
+from intellwheels_server.log.input_log import LogError
+from intellwheels_server.log.true_trace import trace_lines
+from tests.server.log.test_branch import written
+
+
+def test_trace_of_a_log_has_every_tick_and_its_hash(tmp_path: Path) -> None:
+    hashes = written(tmp_path / "log")
+    first, *rest = [msgspec.json.decode(line) for line in trace_lines(tmp_path / "log")]
+    assert (first["Trace"], first["Seed"], first["Period"]) == ("iw.v1", "7", 0.05)
+    assert [(line["Tick"], line["Hash"]) for line in rest] == list(enumerate(hashes, start=1))
+    assert rest[-1]["Body"]["one"]["Power"][0] > 0.0
+
+
+def test_log_that_gives_something_else_has_no_trace(tmp_path: Path) -> None:
+    hashes = written(tmp_path / "log")
+    text = (tmp_path / "log").read_text().replace(hashes[3], "0" * 16)
+    (tmp_path / "log").write_text(text)
+    with pytest.raises(LogError, match="expected hash 0000000000000000"):
+        list(trace_lines(tmp_path / "log"))

@@ -1,0 +1,284 @@
+from __future__ import annotations
+
+import msgspec
+import pytest
+
+from intellwheels_maps import robot
+from intellwheels_schemas.codec import Encoding
+from intellwheels_schemas.messages import (
+    Actions,
+    Joined,
+    Leave,
+    Measures,
+    Pose,
+    Refused,
+    Result,
+    Robot,
+    Take,
+)
+from intellwheels_server.service.arrival import Topic
+from intellwheels_server.service.joining import MOST_WAITING
+from intellwheels_server.world.kernels.rows import X
+from tests.server.stage import Stage, real
+
+
+def test_a_leave_takes_effect_at_the_next_barrier_and_names_its_tick() -> None:
+    stage = Stage()
+    stage.join_two()
+    replies = stage.ask("leave", "chair2", Leave(session=stage.sessions["chair2"]))
+    assert replies == []
+    stage.act("chair1")
+    result = replies[0][0]
+    assert isinstance(result, Result)
+    assert (result.code, result.tick) == ("ok", 1)
+    assert stage.live_run.state.names == ("chair1",)
+
+
+@pytest.mark.parametrize("topic", ["join", "leave"])
+def test_a_name_that_is_none_is_refused_in_words_once_and_a_wildcard_not_at_all(topic: Topic) -> None:
+    stage = Stage()
+    (reply,) = stage.ask(topic, "")
+    message, ok = reply
+    assert isinstance(message, Refused | Result)
+    assert (message.code, ok) == ("name" if topic == "join" else "failed", False)
+    assert message.text is not None
+    assert message.text.startswith(f"{topic}/<agent>: expected a name")
+    assert stage.ask(topic, "", wild=True) == []
+
+
+def test_leave_in_the_last_actions_leaves() -> None:
+    stage = Stage()
+    stage.join("chair1")
+    stage.act("chair1", 1.0, 1.0, leave=True)
+    assert stage.live_run.state.names == ()
+    assert stage.tick == 1
+    assert "left" in stage.events()
+
+
+def test_two_of_one_name_are_refused_in_words() -> None:
+    stage = Stage()
+    stage.join("chair1")
+    stage.result("pause")
+    refused, ok = stage.try_join("chair1", instance="b" * 16)
+    assert not ok
+    assert isinstance(refused, Refused)
+    assert (refused.code, refused.text) == ("already-here", "agent 'chair1' is already here")
+
+
+def test_a_join_waits_a_moment_for_its_token() -> None:
+    stage = Stage()
+    wanted = msgspec.structs.replace(robot("rear-wheel"), name="chair1", instance="a" * 16, format=None)
+    replies = stage.ask("join", "chair1", wanted)
+    assert replies == []
+    stage.token("chair1")
+    assert isinstance(replies[0][0], Joined)
+
+
+def test_a_join_without_token_is_refused() -> None:
+    stage = Stage()
+    wanted = msgspec.structs.replace(robot("rear-wheel"), name="chair1", instance="a" * 16, format=None)
+    replies = stage.ask("join", "chair1", wanted)
+    stage.work(0.5)
+    refused, ok = replies[0]
+    assert not ok
+    assert isinstance(refused, Refused)
+    assert refused.code == "no-token"
+
+
+@pytest.mark.parametrize(
+    ("data", "code"),
+    [
+        (b"<Robot", "value"),
+        (b'{"Instance":"aaaaaaaaaaaaaaaa","Wheels":3}', "field"),
+        (b'{"Instance":"aaaaaaaaaaaaaaaa","TopSpeed":"fast"}', "value"),
+        (b"{" + b" " * 70_000 + b"}", "limit"),
+    ],
+)
+def test_a_robot_that_cannot_be_read_is_refused_with_place_and_code(data: bytes, code: str) -> None:
+    stage = Stage()
+    stage.token("chair1")
+    refused, ok = stage.ask("join", "chair1", data)[0]
+    assert not ok
+    assert isinstance(refused, Refused)
+    assert refused.code == code
+    assert refused.text.startswith("Robot")
+
+
+def test_a_successor_within_the_grace_time_gets_the_body_where_it_is() -> None:
+    stage = Stage()
+    first = stage.join("chair1")
+    for _ in range(20):
+        stage.act("chair1", 0.5, 0.5)
+    stage.token("chair1", present=False)
+    stage.result("pause")
+    second = stage.join("chair1", instance="b" * 16)
+    assert second.session != first.session
+    assert second.position.x > first.position.x + 0.1
+    assert [code for code in stage.events() if code in ("lost", "returned", "left", "joined")] == [
+        "joined",
+        "lost",
+        "returned",
+    ]
+
+
+def test_the_old_twin_is_told_that_its_session_is_over() -> None:
+    stage = Stage()
+    old = stage.join("chair1").session
+    stage.token("chair1", present=False)
+    stage.result("pause")
+    stage.join("chair1", instance="b" * 16)
+    stage.put("chair1", Actions(session=old, left_motor=1.0, right_motor=1.0))
+    assert [e.code for e in stage.errors("chair1")] == ["session"]
+
+
+def test_a_lost_token_removes_the_body_after_the_grace_time() -> None:
+    stage = Stage(strict=False, pace="realtime")
+    stage.join("chair1")
+    stage.token("chair1", present=False)
+    stage.work(2.9)
+    assert stage.live_run.state.names == ("chair1",)
+    stage.work(0.2)
+    assert len(stage.live_run.state.names) == 0
+    assert [code for code in stage.events() if code != "timeout"] == ["joined", "lost", "left"]
+
+
+def test_a_token_that_returns_within_the_grace_time_is_as_if_nothing_was() -> None:
+    stage = Stage(strict=False, pace="realtime")
+    stage.join("chair1")
+    stage.token("chair1", present=False)
+    stage.work(1.0)
+    stage.token("chair1")
+    stage.work(5.0)
+    assert stage.live_run.state.names == ("chair1",)
+    assert "returned" in stage.events()
+
+
+def test_in_strict_lockstep_a_member_lost_for_the_grace_time_is_a_miss() -> None:
+    stage = Stage()
+    stage.join("chair1")
+    stage.token("chair1", present=False)
+    stage.work(3.1)
+    assert stage.live_run.exit == 1
+
+
+def test_a_mind_joins_the_body_of_another_process() -> None:
+    stage = Stage()
+    mind = Robot(role="mind")
+    refused, ok = stage.try_join("chair1", mind, "b" * 16)
+    assert not ok
+    assert isinstance(refused, Refused)
+    assert refused.code == "no-body"
+    stage.join("chair1", msgspec.structs.replace(robot("rear-wheel"), role="body"))
+    joined = stage.join("chair1", mind, "b" * 16, encoding=Encoding.XML)
+    assert joined.robot.top_speed > 0.0
+    assert [(e, m.tick) for a, k, m, e in stage.sent if k == "measures" and isinstance(m, Measures)][-1] == (
+        Encoding.XML,
+        0,
+    )
+    stage.act("chair1", 0.5, 0.5)
+    assert stage.tick == 1
+
+
+def test_the_reserved_name_and_crews_are_refused() -> None:
+    stage = Stage()
+    for agent, more, code in (("operator", {}, "name"), ("chair1", {"crew": "many"}, "value")):
+        refused, ok = stage.try_join(agent, **more)
+        assert not ok
+        assert isinstance(refused, Refused)
+        assert refused.code == code
+
+
+def test_real_hardware_is_refused_where_time_is_not_real() -> None:
+    for options in ({"pace": "lockstep"}, {"pace": "realtime", "speed": 2.0}):
+        stage = Stage(**options)
+        refused, ok = stage.try_join("chair1", real())
+        assert not ok
+        assert isinstance(refused, Refused)
+        assert refused.code == "real-in-lockstep"
+    assert Stage().try_join("chair1", real(hardware="simulated"))[1]
+
+
+def test_a_successor_in_a_body_at_rest_moves_it_again() -> None:
+    stage = Stage(strict=False)
+    stage.join("chair1")
+    stage.work(3.5)
+    assert "rested" in stage.events()
+    stage.token("chair1", present=False)
+    stage.result("pause")
+    start = stage.join("chair1", instance="b" * 16).position
+    stage.result("resume")
+    for _ in range(20):
+        stage.act("chair1", 0.5, 0.5)
+    assert stage.events()[-1] == "back"
+    assert stage.live_run.state.numbers[X, 0] > start.x + 0.1
+
+
+def test_a_new_mind_in_a_body_at_rest_moves_it_again() -> None:
+    stage = Stage(strict=False)
+    stage.join("chair1", role="body", barrier=False)
+    stage.result("pause")
+    start = stage.join("chair1", Robot(role="mind"), "b" * 16).position
+    stage.result("resume")
+    stage.work(3.5)
+    assert "rested" in stage.events()
+    stage.token("chair1", "mind", "b" * 16, present=False)
+    stage.work(5.0)
+    assert "left" in stage.events()
+    stage.result("pause")
+    stage.join("chair1", Robot(role="mind"), "c" * 16)
+    stage.result("resume")
+    for _ in range(20):
+        stage.act("chair1", 0.5, 0.5)
+    assert stage.events()[-2:] == ["resumed", "back"]
+    assert stage.live_run.state.numbers[X, 0] > start.x + 0.1
+
+
+def test_a_stale_bridge_that_joins_again_is_fresh_with_its_first_pose() -> None:
+    stage = Stage(strict=False, pace="realtime")
+    stage.join("chair1", real(), role="body")
+    stage.work(1.0)
+    session = stage.join("chair1", real(), role="body").session
+    stage.work(0.2)
+    assert [code for code in stage.events() if code in ("stale", "fresh")] == ["stale"]
+    stage.put("chair1", Pose(session=session, x=2.0, y=2.0, heading=0.0), "pose")
+    stage.work(0.2)
+    assert [code for code in stage.events() if code in ("stale", "fresh")] == ["stale", "fresh"]
+
+
+def test_a_simulated_successor_of_a_real_chair_has_no_bridge_that_could_be_silent() -> None:
+    stage = Stage(strict=False, pace="realtime")
+    stage.join("chair1", real())
+    stage.token("chair1", present=False)
+    stage.join("chair1", instance="b" * 16)
+    stage.work(1.0)
+    assert "stale" not in stage.events()
+
+
+def test_a_lease_ends_with_the_body_it_was_taken_on() -> None:
+    stage = Stage(strict=False, pace="realtime")
+    stage.join("chair1")
+    lease = stage.result("take", Take(agent="chair1", seconds=10.0)).lease
+    stage.token("chair1", present=False)
+    stage.join("chair1", "mid-wheel", "b" * 16)
+    assert stage.result("take", Take(agent="chair1", lease=lease, seconds=10.0)).code == "incorrect-state"
+
+
+def test_a_leave_of_both_roles_is_answered_when_both_are_gone() -> None:
+    stage = Stage(strict=False, pace="realtime")
+    stage.join("chair1", role="body")
+    stage.join("chair1", Robot(role="mind"), "b" * 16)
+    result = stage.ask("leave", "chair1")[0][0]
+    assert isinstance(result, Result)
+    assert stage.live_run.state.names == ()
+    assert result.hash == stage.live_run.digest()
+
+
+def test_joins_without_token_are_refused_while_a_barrier_is_open() -> None:
+    stage = Stage()
+    stage.join("chair1")
+    wanted = msgspec.structs.replace(robot("rear-wheel"), instance="a" * 16, format=None)
+    replies = [stage.ask("join", f"n{number}", wanted) for number in range(MOST_WAITING + 5)]
+    assert [bool(reply) for reply in replies] == [False] * MOST_WAITING + [True] * 5
+    stage.work(0.5)
+    assert stage.tick == 0
+    assert {reply.code for ((reply, _),) in replies if isinstance(reply, Refused)} == {"no-token"}

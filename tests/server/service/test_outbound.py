@@ -1,0 +1,92 @@
+from __future__ import annotations
+
+import pytest
+
+from intellwheels_schemas.messages import (
+    Body,
+    Pose,
+    PowerInForce,
+    Robot,
+    Speed,
+    WorldState,
+)
+from tests.server.stage import Stage, real
+
+
+def test_state_and_clock_go_out_sixty_times_a_second_at_most() -> None:
+    stage = Stage(pace="realtime", speed=50.0)
+    stage.work(1.0)
+    assert stage.tick >= 999
+    assert 50 <= len(stage.of("clock")) <= 62
+
+
+def test_the_last_state_before_a_pause_goes_out() -> None:
+    stage = Stage(pace="realtime", speed=50.0)
+    stage.work(0.503)
+    stage.result("pause")
+    assert stage.of("state")[-1].tick == stage.tick
+    assert stage.of("clock")[-1].state == "paused"
+
+
+def test_events_are_numbered_and_asked_for() -> None:
+    stage = Stage()
+    stage.join("chair1")
+    stage.result("pause")
+    events = stage.ask("event", "", parameters={"since": "1"})[0][0]
+    assert [event.code for event in events.event] == ["paused"]  # type: ignore[attr-defined]
+    assert not stage.ask("event", "", parameters={"since": "x"})[0][1]
+
+
+def test_state_and_bodies_are_asked_for_by_late_viewers() -> None:
+    stage = Stage()
+    stage.join("chair1")
+    assert [type(reply) for reply, _ in stage.ask("state", "")] == [WorldState]
+    assert [type(reply) for reply, _ in stage.ask("body", "")] == [Body]
+    assert stage.ask("body", "", matches=lambda name: name == "chair2") == []
+
+
+def test_a_real_chair_is_where_its_bridge_says_and_gets_power_each_tick() -> None:
+    stage = Stage(pace="realtime", strict=False)
+    session = stage.join("chair1", real()).session
+    for tick in range(10):
+        stage.put("chair1", Pose(session=session, x=2.0, y=2.0 + 0.01 * tick, heading=0.0), "pose")
+        stage.act("chair1", 0.5, 0.5)
+        stage.work(0.0501)
+    assert stage.of("state")[-1].entity[0].y == pytest.approx(2.09, abs=0.011)
+    powers = stage.of("power", "chair1")
+    assert [p.tick for p in powers] == list(range(len(powers)))
+    assert (powers[-1].left_motor, powers[-1].state) == (0.5, "drive")
+
+
+def test_pause_and_speed_stop_real_chairs() -> None:
+    stage = Stage(pace="realtime", strict=False)
+    session = stage.join("chair1", real()).session
+
+    def drive() -> PowerInForce:
+        stage.put("chair1", Pose(session=session, x=2.0, y=2.0, heading=0.0), "pose")
+        stage.act("chair1", 0.5, 0.5)
+        stage.work(0.06)
+        power: PowerInForce = stage.of("power", "chair1")[-1]
+        return power
+
+    assert drive().left_motor == 0.5
+    stage.result("pause")
+    stage.work(0.2)
+    power = stage.of("power", "chair1")[-1]
+    assert (power.left_motor, power.state) == (0.0, "paused")
+    stage.result("resume")
+    assert drive().left_motor == 0.5
+    stage.result("speed", Speed(factor=2.0))
+    assert drive().left_motor == 0.0
+    stage.result("speed", Speed(factor=1.0))
+    assert drive().left_motor == 0.5
+    stage.live_run.finish(stage.now)
+    assert stage.of("power", "chair1")[-1].left_motor == 0.0
+
+
+def test_what_a_mind_of_its_own_process_takes_is_told_with_the_body() -> None:
+    stage = Stage(pace="realtime", strict=False)
+    stage.join("chair1", real(role="body"))
+    assert stage.of("body", "chair1")[-1].robot.user_input == ()
+    stage.join("chair1", Robot(role="mind", user_input=("goal",)), instance="c" * 16)
+    assert stage.of("body", "chair1")[-1].robot.user_input == ("goal",)

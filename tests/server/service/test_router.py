@@ -1,0 +1,88 @@
+import json
+import os
+import signal
+import socket
+import subprocess
+import sys
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+import pytest
+import zenoh
+
+from intellwheels_schemas import link
+from intellwheels_schemas.present import main as present
+from intellwheels_server.service.router import main
+
+DEADLINE = 30.0
+
+
+def endpoint() -> str:
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        return f"tcp/127.0.0.1:{probe.getsockname()[1]}"
+
+
+@contextmanager
+def router(address: str) -> Iterator["subprocess.Popen[str]"]:
+    child = subprocess.Popen(
+        [sys.executable, "-m", "intellwheels_server.service.router", "--listen", address],
+        stdout=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+    )
+    assert child.stdout is not None
+    try:
+        assert child.stdout.readline() == f"ready listen={address}\n"
+        yield child
+    finally:
+        if child.poll() is None:
+            os.killpg(child.pid, signal.SIGTERM)
+        assert child.wait(DEADLINE) == 0
+        child.stdout.close()
+
+
+def test_two_clients_meet_at_the_router_and_it_ends_when_told() -> None:
+    address = endpoint()
+    heard: list[bytes] = []
+    arrived = threading.Event()
+
+    def keep(sample: zenoh.Sample) -> None:
+        heard.append(sample.payload.to_bytes())
+        arrived.set()
+
+    with router(address):
+        one = link.open_session(link.Link(connect=(address,)), threading.Event(), timeout=DEADLINE)
+        other = link.open_session(link.Link(connect=(address,)), threading.Event(), timeout=DEADLINE)
+        assert one is not None
+        assert other is not None
+        with one, other, one.declare_subscriber("a/b", keep), other.declare_publisher("a/b") as publisher:
+            for _ in range(int(DEADLINE / 0.2)):  # until the subscription has come round
+                publisher.put(b"hello")
+                if arrived.wait(0.2):
+                    break
+    assert heard[0] == b"hello"
+
+
+def test_printed_configuration_is_one_that_zenoh_takes(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["--listen", "tcp/0.0.0.0:7000", "--print"]) == 0
+    text = capsys.readouterr().out
+    assert json.loads(text)["mode"] == "router"
+    assert json.loads(zenoh.Config.from_json5(text).get_json("listen/endpoints")) == ["tcp/0.0.0.0:7000"]
+
+
+def test_taken_port_is_said_in_words(capsys: pytest.CaptureFixture[str]) -> None:
+    with socket.socket() as taken:
+        taken.bind(("127.0.0.1", 0))
+        taken.listen()
+        address = f"tcp/127.0.0.1:{taken.getsockname()[1]}"
+        assert main(["--listen", address]) == 1
+    assert f"iw-router: cannot listen at {address}: it is taken" in capsys.readouterr().err
+
+
+def test_router_is_present_and_nobody_else() -> None:
+    address = endpoint()
+    with router(address):
+        assert present(["--router", "--connect", address]) == 0
+        assert present(["--connect", address]) == 1

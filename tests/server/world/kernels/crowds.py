@@ -1,0 +1,227 @@
+"""Bodies on a floor for the tests of contact, and crowds of them at random.
+
+By hand, `python -m tests.server.world.kernels.crowds 3000` looks for an order of bodies that changes one of so many scenes,
+and prints a digest of all of them: it must be the same with NUMBA_CPU_NAME=generic.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import math
+import sys
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from intellwheels_server.world.kernels import contact
+from intellwheels_server.world.kernels.arrays import (
+    BLOCKED,
+    COLLISION,
+    CONTACT,
+    END_HEADING,
+    END_X,
+    LICENCE,
+    STALLED,
+    Bodies,
+    Box,
+    Floats,
+    Ints,
+    Shape,
+    Walls,
+    bodies_from,
+)
+from intellwheels_server.world.wall_pieces import Line, Solid, walls_from
+
+CHAIR = (Box(0.25, 0.0, 1.2, 0.66, 0.0, 1.3),)
+TWO_PART_CHAIR = (Box(0.25, 0.0, 1.2, 0.66, 0.0, 0.5), Box(0.0, 0.0, 0.7, 0.6, 0.5, 1.3))
+TABLE = (
+    Box(0.0, 0.0, 1.2, 0.8, 0.69, 0.72),
+    *(Box(x, y, 0.05, 0.05, 0.0, 0.69) for x in (-0.55, 0.55) for y in (-0.35, 0.35)),
+)
+# The paper's door: length 1.0, width 0.1, centre of movement 0.99 of the length from the rear edge.
+LEAF = (Box(-0.49, 0.0, 1.0, 0.1, 0.0, 2.0),)
+NO_WALLS = walls_from([])
+
+# Type checkers count the arguments of a kernel and not those of a starred tuple.
+RESOLVE: Any = contact.resolve
+DECREE: Any = contact.decree
+
+
+class Floor:
+    """Bodies with constant twists, ticked one by one."""
+
+    def __init__(self, shapes: Sequence[Shape], poses: Sequence[tuple[float, float, float]], walls: Walls = NO_WALLS):
+        self.bodies: Bodies = bodies_from(shapes)
+        self.walls = walls
+        self.pose: Floats = np.ascontiguousarray(np.array(poses, dtype=np.float64).reshape(-1, 3).T)
+        self.licence: Floats = np.zeros(len(shapes))
+        self.twist: Floats = np.zeros((2, len(shapes)))
+        self.tick_number = 0
+        self.outcome: Floats = np.zeros((6, len(shapes)))
+        self.flags: Ints = np.zeros((4, len(shapes)), dtype=np.int64)
+        self.hits: Ints = np.empty((0, 6), dtype=np.int64)
+        self.hit_numbers: Floats = np.empty((0, 6))
+
+    @property
+    def blocks(self) -> tuple[Any, ...]:
+        """The arrays of bodies and walls, as kernels take them."""
+        return (*self.bodies, *self.walls)
+
+    def decree(self, who: Sequence[int] | None = None) -> None:
+        """Give those who were put where they are their licence."""
+        chosen = np.array(range(self.pose.shape[1]) if who is None else who, dtype=np.int64)
+        DECREE(*self.blocks, self.pose, chosen, self.licence)
+
+    def tick(self) -> None:
+        """Move all by one tick."""
+        room = 4
+        while True:
+            hits, numbers = np.empty((room, 6), dtype=np.int64), np.empty((room, 6))
+            used = RESOLVE(
+                *self.blocks, self.pose, self.twist, self.licence, self.tick_number,
+                self.outcome, self.flags, hits, numbers,
+            )  # fmt: skip
+            if used <= room:
+                break
+            room = used
+        order = np.lexsort((hits[:used, 1], hits[:used, 0]))
+        self.hits, self.hit_numbers = hits[:used][order], numbers[:used][order]
+        self.pose = self.outcome[END_X : END_HEADING + 1].copy()
+        self.licence = self.outcome[LICENCE].copy()
+        self.tick_number += 1
+
+    def drive(self, i: int, travel: float, turn: float) -> None:
+        """Set a body's twist of every tick from now."""
+        self.twist[:, i] = travel, turn
+
+    def blocked(self, i: int) -> bool:
+        """Return whether a body did not get all it proposed in the last tick."""
+        return bool(self.flags[BLOCKED, i])
+
+    def stalled(self, i: int) -> bool:
+        """Return whether a body's wheels stalled."""
+        return bool(self.flags[STALLED, i])
+
+    def collided(self, i: int) -> bool:
+        """Return whether a body led itself into something."""
+        return bool(self.flags[COLLISION, i])
+
+    def touched(self, i: int) -> bool:
+        """Return whether a body touched or was touched."""
+        return bool(self.flags[CONTACT, i])
+
+    def depth(self, i: int, j: int) -> float:
+        """Return the depth of body i in body j, m."""
+        return float(contact.depth_between(self.bodies.parts, self.bodies.part_start, self.pose, i, j))
+
+    def overlap(self, i: int) -> float:
+        """Return the largest depth of body i in anything, m."""
+        depth = np.zeros(self.pose.shape[1])
+        DECREE(*self.blocks, self.pose, np.array([i], dtype=np.int64), depth)
+        return float(depth[i])
+
+
+def random_floor(rng: np.random.Generator, count: int) -> Floor:
+    """Return a crowd in a small room: chairs, tables, leaves, posts; some put into one another."""
+    side = math.sqrt(2.5 * count) + 1.0
+    kinds = (CHAIR, TWO_PART_CHAIR, TABLE, LEAF, (Box(0.0, 0.0, 0.05, 0.05, 0.0, 1.0),))
+    shapes, poses = [], []
+    for k in range(count):
+        kind = int(rng.choice(5, p=(0.45, 0.25, 0.1, 0.1, 0.1)))
+        shapes.append(Shape(f"body{k}", kinds[kind], anchored=kind == 3, held=bool(rng.random() < 0.05)))
+        poses.append((rng.uniform(0.0, side), rng.uniform(0.0, side), rng.uniform(-3.1, 3.1)))
+    walls = walls_from(
+        [
+            Line([(-1.0, -1.0), (side + 1, -1.0), (side + 1, side + 1), (-1.0, side + 1), (-1.0, -1.0)], 0.1, 0.0, 2.5),
+            Solid([(0.3 * side, 0.3 * side), (0.3 * side + 0.5, 0.3 * side), (0.3 * side, 0.3 * side + 0.7)], 0.0, 0.6),
+        ]
+    )
+    floor = Floor(shapes, poses, walls)
+    floor.twist = np.array([rng.uniform(-0.06, 0.1, count), rng.normal(0.0, 0.06, count)])
+    floor.twist[:, rng.random(count) < 0.1] = 0.0
+    floor.decree()
+    return floor
+
+
+def permuted(floor: Floor, order: Ints) -> Floor:
+    """Return the same scene with its bodies in another order of the arrays."""
+    parts, starts = floor.bodies.parts, floor.bodies.part_start
+    slices = [parts[starts[i] : starts[i + 1]] for i in order]
+    counts = [len(part) for part in slices]
+    other = Floor([], [], floor.walls)
+    other.bodies = Bodies(
+        np.concatenate(slices),
+        np.concatenate([[0], np.cumsum(counts)]).astype(np.int64),
+        np.ascontiguousarray(floor.bodies.shape[:, order]),
+        np.ascontiguousarray(floor.bodies.marks[:, order]),
+    )
+    other.pose = np.ascontiguousarray(floor.pose[:, order])
+    other.twist = np.ascontiguousarray(floor.twist[:, order])
+    other.licence = floor.licence[order].copy()
+    other.outcome = np.zeros((6, len(order)))
+    other.flags = np.zeros((4, len(order)), dtype=np.int64)
+    return other
+
+
+def steer(floor: Floor, rng: np.random.Generator) -> None:
+    """Turn some of the movers to new ways."""
+    count = int(floor.twist.shape[1])
+    change = np.nonzero(rng.random(count) < 0.1)[0]
+    floor.twist[0, change] = rng.uniform(-0.06, 0.1, len(change))
+    floor.twist[1, change] = rng.normal(0.0, 0.06, len(change))
+
+
+def order_matters(seed: int, ticks: int = 40) -> bool:
+    """Return whether one random crowd comes out differently, in any bit, when its bodies are in another order."""
+    rng = np.random.default_rng(seed)
+    count = int(rng.integers(4, 40))
+    one = random_floor(rng, count)
+    order = rng.permutation(count)
+    other = permuted(one, order)
+    for _ in range(ticks):
+        steer(one, rng)
+        other.twist = np.ascontiguousarray(one.twist[:, order])
+        one.tick()
+        other.tick()
+        if one.outcome[:, order].tobytes() != other.outcome.tobytes():
+            return True
+        if (one.flags[:, order] != other.flags).any() or _pairs(one, None) != _pairs(other, order):
+            return True
+    return False
+
+
+def _pairs(floor: Floor, order: Ints | None) -> set[tuple[object, ...]]:
+    """Return who met whom, where, whatever the order of the arrays."""
+    found: set[tuple[object, ...]] = set()
+    for hit, numbers in zip(floor.hits.tolist(), floor.hit_numbers.tolist(), strict=True):
+        i, j, wall, part, other_part, who = hit
+        x, y, nx, ny, depth, closing = numbers
+        if order is not None:
+            i, j = int(order[i]), int(order[j]) if j >= 0 else j
+        if j >= 0 and i > j:
+            i, j, part, other_part, nx, ny = j, i, other_part, part, -nx, -ny
+            who = ((who & 1) << 1) | (who >> 1)
+        found.add((i, j, wall, part, other_part, who, x, y, nx + 0.0, ny + 0.0, depth, round(closing, 12)))
+    return found
+
+
+def digest_of(scenes: int, ticks: int = 40) -> str:
+    """Return a digest of how so many random crowds come out."""
+    digest = hashlib.blake2b(digest_size=8)
+    for seed in range(scenes):
+        rng = np.random.default_rng(seed)
+        floor = random_floor(rng, int(rng.integers(4, 40)))
+        for _ in range(ticks):
+            steer(floor, rng)
+            floor.tick()
+            digest.update((floor.outcome + 0.0).tobytes())
+    return digest.hexdigest()
+
+
+if __name__ == "__main__":
+    scenes = int(sys.argv[1]) if len(sys.argv) > 1 else 3000
+    wrong = [seed for seed in range(scenes) if order_matters(seed)]
+    print(f"{len(wrong)} of {scenes} scenes depend on the order of bodies: {wrong[:10]}")
+    print(f"digest {digest_of(scenes)}")
+    sys.exit(1 if wrong else 0)

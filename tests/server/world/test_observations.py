@@ -1,0 +1,62 @@
+import math
+
+import pytest
+
+from intellwheels_schemas.codec import decode, encode
+from intellwheels_schemas.messages import Actions, Pose, WorldState
+from intellwheels_server.world import advance, entities, measures, power_in_force
+from intellwheels_server.world.inputs import Inputs
+from tests.server.worlds import cart, run, world
+
+
+def test_power_in_force_is_the_command_and_then_nothing_once_it_is_too_old() -> None:
+    state = world({"a": cart(type="real")})
+    state, _ = advance(state, Inputs(actions={"a": Actions(left_motor=0.5, right_motor=-0.5)}))
+    power = power_in_force(state, "a")
+    assert (power.tick, power.left_motor, power.right_motor, power.state) == (1, 0.5, -0.5, "drive")
+    state, events = run(state, 10)
+    power = power_in_force(state, "a")
+    assert (power.left_motor, power.right_motor, power.state) == (0.0, 0.0, "timeout")
+    assert [(event.code, event.agent) for event in events] == [("timeout", "a")]
+
+
+def test_robot_may_ask_for_its_own_time_out() -> None:
+    state = world({"a": cart(command_timeout=0.1)})
+    state, _ = advance(state, Inputs(actions={"a": Actions(left_motor=1.0, right_motor=1.0)}))
+    state, _ = run(state, 10)
+    assert entities(state)[0].x == pytest.approx(0.1)
+
+
+def test_time_out_is_told_once_and_again_after_the_next_command() -> None:
+    state = world({"a": cart()})
+    codes = []
+    for _ in range(2):
+        state, _ = advance(state, Inputs(actions={"a": Actions(left_motor=1.0, right_motor=1.0)}))
+        state, events = run(state, 30)
+        codes.append([event.code for event in events])
+    assert codes == [["timeout"], ["timeout"]]
+
+
+def test_what_has_no_motors_times_never_out() -> None:
+    state, events = run(world({"a": cart(top_speed=0.0)}), 30)
+    assert entities(state)[0].state == "drive"
+    assert not events
+
+
+def test_who_is_not_here_has_no_measures() -> None:
+    with pytest.raises(KeyError):
+        measures(world(), "a")
+
+
+def test_pose_that_jumps_is_told_with_a_speed_the_wire_can_carry() -> None:
+    state = world({"a": cart(type="real")})
+    state, _ = advance(state, Inputs(poses={"a": Pose(x=10_000.0, y=-10_000.0, heading=3.0)}))
+    (entity,) = entities(state)
+    message = WorldState(run=state.run, tick=state.tick, time=state.time, entity=(entity,))
+    assert decode(WorldState, encode(message)) == message
+    assert abs(entity.speed) == 100.0
+
+
+def test_heading_is_told_in_its_range_though_it_is_rounded() -> None:
+    for heading in (math.pi, -math.pi + 1e-9):
+        assert entities(world({"a": cart(heading=heading)}))[0].heading == math.pi

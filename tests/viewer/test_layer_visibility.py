@@ -1,0 +1,51 @@
+"""Layers that one browser hides, and keeps."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+import viser
+
+from intellwheels_viewer.drawings.floor_heights import HALF_HEIGHT
+from intellwheels_viewer.layer_visibility import LAYERS_KEY
+from intellwheels_viewer.panels.layers_panel import Layers
+from tests.viewer.browser import opened
+from tests.viewer.opened import SEEN, Opened
+from tests.viewer.wire import until
+
+pytestmark = pytest.mark.filterwarnings("ignore::DeprecationWarning")
+
+
+def test_a_layer_that_was_hidden_is_hidden_the_next_time(pages: viser.ViserServer) -> None:
+    stored = replace(Layers(), wedges=False).to_json()
+    with opened(pages.get_port(), storage=stored) as browser:
+        made = Opened(pages, browser)
+        browser.wait(lambda: "/wedges" in browser.scene)
+        assert set(made.page._layering.hidden) == {"wedges"}
+        made.page.close()
+    until(lambda: not pages.get_clients())
+
+
+@pytest.mark.parametrize("stored", ["", "{", "[]", '{"wedges": 7}', "null", "x" * 100_000])
+def test_nonsense_that_a_browser_kept_is_as_nothing(pages: viser.ViserServer, stored: str) -> None:
+    with opened(pages.get_port(), storage=stored) as browser:
+        made = Opened(pages, browser)
+        made.page.close()
+    until(lambda: not pages.get_clients())
+
+
+def test_a_layer_is_kept_by_the_browser(here: Opened) -> None:
+    here.page._layering.choose(replace(Layers(), trails=False))
+    here.browser.wait(lambda: any(message.get("key") == LAYERS_KEY for message in here.browser.heard))
+
+
+def test_a_browser_that_once_had_full_walls_sees_those_of_another_floor(here: Opened) -> None:
+    layering = here.page._layering
+    layering.draw_walls(SEEN, inside=True)
+    layering.draw_walls(SEEN, inside=False)
+    drawn: list[object] = []
+    assert layering._walls is not None
+    layering._walls.show = lambda floor, height=None: drawn.append((floor, height))  # type: ignore[method-assign, assignment]
+    layering.draw_walls(replace(SEEN, revision=SEEN.revision + 1), inside=False)
+    assert drawn == [(SEEN.floor, HALF_HEIGHT)]

@@ -1,0 +1,83 @@
+"""What a body looks like: three solids in its own frame, and where it stands on the floor. Pure.
+
+The frame is the wire's: x forward, y to the left, the origin at the centre of movement. `paint` takes the agent's
+colour; `dark` and `light` are the same for all of its kind.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Final
+
+from intellwheels_schemas.messages import Part
+from intellwheels_viewer import palette
+from intellwheels_viewer.drawings.solids import Solid
+
+CROWD: Final = 40
+"""Above so many bodies each is drawn with few triangles."""
+
+
+@dataclass(frozen=True)
+class Extent:
+    """The box around all parts of a body, in its frame, in metres."""
+
+    rear: float
+    front: float
+    right: float
+    left: float
+    bottom: float
+    top: float
+
+    @property
+    def length(self) -> float:
+        """Its size along x."""
+        return self.front - self.rear
+
+    @property
+    def width(self) -> float:
+        """Its size along y."""
+        return self.left - self.right
+
+    @property
+    def middle(self) -> tuple[float, float]:
+        """The middle of its footprint."""
+        return (self.rear + self.front) / 2, (self.right + self.left) / 2
+
+
+@dataclass(frozen=True, eq=False)
+class BodyLook:
+    """A body's look.
+
+    Attributes:
+        paint, dark, light: Its solids.
+        dark_rgb, light_rgb: The colours of the latter two.
+        stripe: Middle and width of the stripes that tell agents of one colour apart: x, z, size across; along x they
+            go backwards from there.
+    """
+
+    paint: Solid
+    dark: Solid = field(default_factory=Solid)
+    light: Solid = field(default_factory=Solid)
+    dark_rgb: palette.RGB = palette.DARK
+    light_rgb: palette.RGB = palette.METAL
+    stripe: tuple[float, float, float] = (0.0, 1.0, 0.3)
+
+    @property
+    def triangles(self) -> int:
+        """How many there are in all."""
+        return sum(len(each.faces) for each in (self.paint, self.dark, self.light))
+
+
+def extent(parts: Sequence[Part]) -> Extent:
+    """Return the box around parts; of none, a point at the centre of movement."""
+    if not parts:
+        return Extent(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    return Extent(
+        rear=min(part.x - part.length / 2 for part in parts),
+        front=max(part.x + part.length / 2 for part in parts),
+        right=min(part.y - part.width / 2 for part in parts),
+        left=max(part.y + part.width / 2 for part in parts),
+        bottom=min(part.bottom for part in parts),
+        top=max(part.top for part in parts),
+    )

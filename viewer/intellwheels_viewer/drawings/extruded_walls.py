@@ -1,0 +1,104 @@
+"""The walls and the obstacles of a map, extruded; walls have dark caps, so that a house seen from above reads at once.
+
+By default walls are drawn to half height, as one looks in from above; a browser that stands inside shows them whole
+under the same names in its own scene.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from typing import Final
+
+import msgspec
+import viser
+
+from intellwheels_maps.check import wall_pieces
+from intellwheels_schemas.messages import Map
+from intellwheels_viewer import palette
+from intellwheels_viewer.drawings.floor_heights import HALF_HEIGHT
+from intellwheels_viewer.drawings.furniture import Painted, furniture
+from intellwheels_viewer.drawings.polygons import Point
+from intellwheels_viewer.drawings.solids import Solid, join, prism
+
+_CAP: Final = 0.025
+TALLER: Final = 0.25
+"""Metres by which a cut obstacle stands out of cut walls."""
+_EVERY: Final = 0.5
+"""How far apart the points are by which a bed finds its wall, in metres."""
+
+
+def extruded(floor: Map, height: float | None) -> tuple[Solid, Solid]:
+    """Return the sides and the caps of all walls.
+
+    Args:
+        floor: The map; lines with a thickness become a rectangle for each stretch.
+        height: Where walls are cut, in metres; None for their own height. What begins above the cut is not drawn.
+    """
+    sides, caps = [], []
+    for wall in floor.wall:
+        top = wall.height if height is None else min(wall.height, height)
+        if wall.bottom >= top:
+            continue
+        cap = min(_CAP, (top - wall.bottom) / 2)
+        for piece in wall_pieces(wall):
+            sides.append(prism(piece, wall.bottom, top - cap))
+            caps.append(prism(piece, top - cap, top))
+    return join(sides), join(caps)
+
+
+def obstacles(floor: Map, height: float | None) -> Painted:
+    """Return all obstacles, by colour; what is taller than the walls' cut is cut a little higher, so that it shows."""
+    walls = list(_wall_points(floor))
+    made: dict[palette.RGB, list[Solid]] = {}
+    for obstacle in floor.obstacle:
+        top = obstacle.top if height is None else min(obstacle.top, height + TALLER)
+        if obstacle.bottom >= top:
+            continue
+        for colour, solid in furniture(msgspec.structs.replace(obstacle, top=top), walls).items():
+            made.setdefault(colour, []).append(solid)
+    return {colour: join(solids) for colour, solids in sorted(made.items())}
+
+
+def _wall_points(floor: Map) -> Iterator[Point]:
+    for wall in floor.wall:
+        for piece in wall_pieces(wall):
+            for (ax, ay), (bx, by) in zip(piece, [*piece[1:], piece[0]], strict=True):
+                steps = max(1, math.ceil(math.hypot(bx - ax, by - ay) / _EVERY))
+                yield from ((ax + (bx - ax) * k / steps, ay + (by - ay) * k / steps) for k in range(steps))
+
+
+class Walls:
+    """Walls and obstacles in a scene."""
+
+    def __init__(self, scene: viser.SceneApi) -> None:
+        self._scene = scene
+        self._nodes: dict[str, viser.MeshHandle] = {}
+
+    def show(self, map: Map, height: float | None = HALF_HEIGHT) -> None:  # noqa: A002  # the wire calls it so
+        """Show another map, its walls cut at a height in metres, or whole."""
+        sides, caps = extruded(map, height)
+        made = {"/walls/sides": (sides, palette.WALL), "/walls/caps": (caps, palette.CAP)}
+        for colour, solid in obstacles(map, height).items():
+            made["/obstacles/" + palette.hexadecimal(colour)[1:]] = (solid, colour)
+        for name, node in self._nodes.items():
+            if name not in made:
+                node.visible = False
+        for name, (solid, colour) in made.items():
+            if len(solid.faces):
+                self._nodes[name] = self._scene.add_mesh_simple(
+                    name,
+                    solid.vertices,
+                    solid.faces,
+                    color=colour,
+                    cast_shadow=name.startswith("/obstacles"),
+                    receive_shadow=False,
+                )
+            elif name in self._nodes:
+                self._nodes[name].visible = False
+
+    def hide(self) -> None:
+        """Take them away: in a browser's own scene, those of all browsers are seen again."""
+        for node in self._nodes.values():
+            node.remove()
+        self._nodes.clear()

@@ -1,0 +1,43 @@
+"""What of a body is painted on the floor: its outline with a heading mark, a cross at its centre of movement, a tint.
+
+Red when it touches something: the chair itself stays to be seen. Pure; `bodies` puts it into nodes.
+"""
+
+from __future__ import annotations
+
+from typing import Final
+
+from intellwheels_viewer.drawings import floor_heights
+from intellwheels_viewer.drawings.body_look import Extent
+from intellwheels_viewer.drawings.solids import Solid, band, join, sheet
+
+LINE: Final = 0.035
+"""Width of the outline, in metres."""
+
+_MARK: Final = 0.20
+
+
+def outline(hull: Extent) -> Solid:
+    """Return a frame around a body's footprint, its outer edge the body's own, with the marks of heading and centre."""
+    x0, x1, y0, y1, line = hull.rear, hull.front, hull.right, hull.left, LINE
+    middle = (y0 + y1) / 2
+    strips = [
+        [(x0, y0), (x1, y0), (x1, y0 + line), (x0, y0 + line)],
+        [(x0, y1 - line), (x1, y1 - line), (x1, y1), (x0, y1)],
+        [(x0, y0), (x0 + line, y0), (x0 + line, y1), (x0, y1)],
+        [(x1 - line, y0), (x1, y0), (x1, y1), (x1 - line, y1)],
+    ]
+    wide = min(_MARK, 0.8 * hull.width)
+    heading = [(x1 + 0.03, middle - wide / 2), (x1 + 0.03 + 0.7 * wide, middle), (x1 + 0.03, middle + wide / 2)]
+    flat = [sheet(polygon, floor_heights.OUTLINE) for polygon in (*strips, heading)]
+    return join([*flat, centre()])
+
+
+def centre() -> Solid:
+    """Return the mark of a centre of movement: a ring with a point in it."""
+    return band(0.065, 0.085, floor_heights.OUTLINE, sides=24) + band(0.0, 0.025, floor_heights.OUTLINE, sides=16)
+
+
+def tint() -> Solid:
+    """Return a square of one metre, to be scaled to a footprint."""
+    return sheet([(-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5)], floor_heights.FOOTPRINT)

@@ -1,0 +1,124 @@
+"""One node of many equal solids. Made once; a tick assigns arrays, and what did not change is not sent."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any, Literal, TypeAlias
+
+import numpy as np
+import numpy.typing as npt
+import viser
+
+from intellwheels_viewer.drawings.solids import Array, Solid
+from intellwheels_viewer.palette import light_bytes
+
+Bytes: TypeAlias = npt.NDArray[np.uint8]
+
+
+def quaternions(headings: npt.ArrayLike) -> Array:
+    """Return turns about the upright axis as (N, 4) w, x, y, z."""
+    half = np.asarray(headings, np.float64).reshape(-1) / 2
+    turned = np.zeros((len(half), 4), np.float32)
+    turned[:, 0], turned[:, 3] = np.cos(half), np.sin(half)
+    return turned
+
+
+class InstanceBatch:
+    """A node of equal solids at many poses.
+
+    Attributes:
+        handle: viser's, for clicks and drags; None until first shown with anything to show.
+        names: Whose each instance is, in the order of viser's `instance_index`.
+    """
+
+    def __init__(
+        self,
+        scene: viser.SceneApi,
+        name: str,
+        shape: Solid,
+        *,
+        opacity: float | None = None,
+        side: Literal["front", "double"] = "front",
+        shadow: bool = False,
+        made: Callable[[InstanceBatch], None] | None = None,
+    ) -> None:
+        self.handle: viser.BatchedMeshHandle | None = None
+        self.names: tuple[str, ...] = ()
+        self._scene, self._name, self._shape = scene, name, shape
+        self._visible = True
+        self._told: dict[str, npt.NDArray[Any]] = {}
+        self._opacity, self._side, self._shadow, self._made = opacity, side, shadow, made
+
+    def show(
+        self,
+        positions: npt.ArrayLike,
+        wxyzs: npt.ArrayLike,
+        colours: npt.ArrayLike,
+        *,
+        scales: npt.ArrayLike | None = None,
+        opacities: npt.ArrayLike | None = None,
+        names: Sequence[str] = (),
+    ) -> None:
+        """Show it at N poses.
+
+        Args:
+            positions: (N, 3), metres.
+            wxyzs: (N, 4).
+            colours: (N, 3), sRGB bytes.
+            scales: (N,) or (N, 3); a node has them always or never.
+            opacities: (N,) shares of 1; a node has them always or never.
+            names: Whose each is.
+        """
+        places = np.asarray(positions, np.float32).reshape(-1, 3)
+        turns = np.asarray(wxyzs, np.float32).reshape(-1, 4)
+        tints = light_bytes(np.asarray(colours).reshape(-1, 3))
+        sizes = None if scales is None else np.asarray(scales, np.float32)
+        shares = None if opacities is None else np.asarray(opacities, np.float32)
+        self.names = tuple(names)
+        if self.handle is None:
+            if len(places) and len(self._shape.faces):
+                self._make(places, turns, tints, sizes, shares)
+            return
+        self._see(bool(len(places)))
+        if not len(places):
+            return
+        self._assign("batched_positions", places)
+        self._assign("batched_wxyzs", turns)
+        self._assign("batched_colors", tints)
+        self._assign("batched_scales", sizes)
+        self._assign("batched_opacities", shares)
+
+    def hide(self) -> None:
+        """Show none."""
+        self.names = ()
+        if self.handle is not None:
+            self._see(False)
+
+    def _see(self, visible: bool) -> None:
+        if self.handle is not None and visible != self._visible:
+            self.handle.visible = self._visible = visible
+
+    def _assign(self, name: str, value: npt.NDArray[Any] | None) -> None:
+        """Assign what is another than the last time: viser looks too, and takes ten times as long."""
+        if value is not None and not np.array_equal(value, self._told.get(name, ())):
+            self._told[name] = value
+            setattr(self.handle, name, value)
+
+    def _make(self, places: Array, turns: Array, tints: Bytes, sizes: Array | None, shares: Array | None) -> None:
+        self.handle = self._scene.add_batched_meshes_simple(
+            self._name,
+            self._shape.vertices,
+            self._shape.faces,
+            turns,
+            places,
+            batched_scales=sizes,
+            batched_colors=tints,
+            batched_opacities=shares,
+            lod="off",
+            opacity=self._opacity,
+            side=self._side,
+            cast_shadow=self._shadow,
+            receive_shadow=self._shadow,
+        )
+        if self._made is not None:
+            self._made(self)

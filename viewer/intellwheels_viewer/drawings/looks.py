@@ -1,0 +1,45 @@
+"""Which look a body has: by its kind, from its own parts. A kind's look is one file and one line here."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Final, TypeAlias
+
+from intellwheels_schemas.messages import Part, Robot
+from intellwheels_schemas.rules import has_motors, parts_of
+from intellwheels_viewer.drawings.body_look import BodyLook
+from intellwheels_viewer.drawings.car_look import car
+from intellwheels_viewer.drawings.chair_look import chair
+from intellwheels_viewer.drawings.door_look import door
+from intellwheels_viewer.drawings.person_look import person
+from intellwheels_viewer.drawings.plain_look import plain
+from intellwheels_viewer.drawings.table_look import table
+
+Shape: TypeAlias = tuple[str, tuple[Part, ...], float, float, bool, bool, bool]
+"""What decides a look: kind, parts, track, wheel diameter, whether it goes, whether it is held, whether in a crowd."""
+
+_KINDS: Final[Mapping[str, Callable[[Robot, bool, float | None], BodyLook]]] = {
+    "wheelchair": lambda robot, crowd, _: chair(robot, crowd=crowd),
+    "door": lambda robot, _, cut: door(robot, cut=cut),
+    "table": lambda robot, *_: table(robot),
+    "person": lambda robot, crowd, _: person(robot, crowd=crowd),
+    "car": lambda robot, *_: car(robot),
+}
+
+
+def shape_of(robot: Robot, *, crowd: bool = False) -> Shape:
+    """Return what two bodies share when they look the same but for their colour."""
+    wheels = (robot.track, robot.wheel_diameter) if robot.kind == "wheelchair" else (0.0, 0.0)
+    return (robot.kind, parts_of(robot), *wheels, has_motors(robot), robot.anchored, crowd)
+
+
+def model_of(robot: Robot, *, crowd: bool = False, cut: float | None = None) -> BodyLook:
+    """Return the look of a body.
+
+    Args:
+        robot: The body as declared.
+        crowd: Whether it is one of many and must have few triangles.
+        cut: The height above which doors are not drawn.
+    """
+    look = _KINDS.get(robot.kind)
+    return plain(robot) if look is None or not parts_of(robot) else look(robot, crowd, cut)

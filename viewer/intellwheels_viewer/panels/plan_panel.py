@@ -1,0 +1,225 @@
+"""A small plan that is always there: the floor, and over it who is where.
+
+Two drawings of one view box. The floor's is sent once a floor; the bodies' lies over it and is sent at the
+panels' rate. The drawing has no text: the scale is written below it, at a size that does not shrink with the panel.
+"""
+
+from __future__ import annotations
+
+import html
+import math
+from bisect import bisect_left
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from typing import Final, NamedTuple
+
+import viser
+
+from intellwheels_maps.check import wall_pieces
+from intellwheels_schemas.messages import Entity, Map
+from intellwheels_viewer.panels.callbacks import Pick
+from intellwheels_viewer.panels.choices import Choices
+from intellwheels_viewer.panels.marks import Mark, marks
+from intellwheels_viewer.panels.plan_footprints import Point, footprint, outline, placed
+from intellwheels_viewer.panels.style_sheet import STYLE_SHEET
+from intellwheels_viewer.snapshot import Sample, Snapshot
+
+TRAIL: Final = 20.0
+"""Simulated seconds of way shown behind an agent."""
+CROWD: Final = 60
+"""Bodies from which on each is drawn as its outline only."""
+_TRAIL_STEP: Final = 0.5  # s: closer points are not told apart in so small a drawing
+_MARGIN: Final = 0.3  # m around the walls
+_WIDEST: Final = 2.6  # a view box is at most so many times wider than high
+_HIGHEST: Final = 1.15  # and at least so many: the panel is for more than the plan
+_ACROSS: Final = 260.0  # px: about what a panel of 280 leaves, for lengths that are meant in pixels
+_BARS: Final = (0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0, 500.0, 1000.0)
+
+
+class Frame(NamedTuple):
+    """What of the floor is drawn, in m. SVG's y grows downwards: y is written negated."""
+
+    west: float
+    north: float
+    across: float
+    down: float
+
+    @property
+    def box(self) -> str:
+        """The view box."""
+        return f"{_n(self.west)} {_n(-self.north)} {_n(self.across)} {_n(self.down)}"
+
+    @property
+    def pixel(self) -> float:
+        """About a pixel, in m."""
+        return self.across / _ACROSS
+
+
+def frame(floor: Map) -> Frame:
+    """Return the view box around a floor's walls, obstacles and zones, neither flat nor tall."""
+    rings = [one.corner for one in floor.wall]
+    rings += [one.corner for one in floor.obstacle]
+    rings += [one.corner for one in floor.zone]
+    points = [(corner.x, corner.y) for ring in rings for corner in ring] or [(-5.0, -5.0), (5.0, 5.0)]
+    xs, ys = [x for x, _ in points], [y for _, y in points]
+    across, down = max(xs) - min(xs) + 2 * _MARGIN, max(ys) - min(ys) + 2 * _MARGIN
+    wide, high = max(across, down * _HIGHEST), max(down, across / _WIDEST)
+    return Frame((min(xs) + max(xs) - wide) / 2, (min(ys) + max(ys) + high) / 2, wide, high)
+
+
+def floor_svg(floor: Map) -> str:
+    """Return the floor's drawing and its scale."""
+    view = frame(floor)
+    zones = "".join(_polygon([(c.x, c.y) for c in zone.corner]) for zone in floor.zone)
+    things = "".join(_polygon([(c.x, c.y) for c in one.corner]) for one in floor.obstacle)
+    walls = "".join(_polygon(piece) for wall in floor.wall for piece in wall_pieces(wall))
+    # A thin wall would vanish between two pixels.
+    line = f'stroke="var(--iw-wall)" stroke-width="{_n(view.pixel * 0.8)}" stroke-linejoin="round"'
+    return (
+        f'<div class="iw-plan" data-testid="plan-floor"><svg viewBox="{view.box}">'
+        f'<rect x="{_n(view.west)}" y="{_n(-view.north)}" width="{_n(view.across)}" height="{_n(view.down)}" '
+        f'rx="{_n(view.pixel * 4)}" fill="var(--iw-floor)"/><g fill="var(--iw-ink)" fill-opacity=".05">{zones}</g>'
+        f'<g fill="var(--iw-thing)">{things}</g><g fill="var(--iw-wall)" {line}>{walls}</g></svg>{_scale(view)}</div>'
+    )
+
+
+def bodies_svg(seen: Snapshot, choices: Choices, handler: str = "") -> str:
+    """Return the drawing of all bodies with trails, and a ring around the selected one.
+
+    Of more than `CROWD` bodies only the selected one is drawn with all it has; the others are outlines.
+    """
+    if seen.floor is None:
+        return ""
+    view = frame(seen.floor)
+    known = marks(choices.colours)
+    # The selected one last: it lies above the others.
+    order = sorted(seen.entities, key=lambda entity: (entity.name == choices.selected, entity.name in known))
+    crowd = order if len(order) > CROWD else []
+    drawn = [entity for entity in order if not crowd or entity.name == choices.selected]
+    trails = (
+        _trail(seen.history.get(one.name, ()), seen.time, known[one.name], view) for one in drawn if one.name in known
+    )
+    bodies = (_body(seen, entity, known.get(entity.name), view, choices.selected) for entity in drawn)
+    return (
+        f'<div class="iw-plan over" data-testid="plan" {handler}><svg viewBox="{view.box}">'
+        f"{_crowd(seen, crowd, known)}{''.join(trails)}{''.join(bodies)}</svg></div>"
+    )
+
+
+def _crowd(seen: Snapshot, entities: Sequence[Entity], known: Mapping[str, Mark]) -> str:
+    """Return one path a colour: a thousand bodies are then tens of kilobytes, not hundreds."""
+    paths: dict[str, list[str]] = {}
+    for entity in entities:
+        body = seen.bodies.get(entity.name)
+        if body is not None:
+            fill = known[entity.name].css if entity.name in known else "var(--iw-thing)"
+            corners = outline(footprint(body.robot), entity.x, entity.y, entity.heading)
+            paths.setdefault(fill, []).append(f"M{_points(corners)}z")
+    return "".join(f'<path d="{"".join(parts)}" fill="{fill}"/>' for fill, parts in paths.items())
+
+
+def _body(seen: Snapshot, entity: Entity, mark: Mark | None, view: Frame, selected: str | None) -> str:
+    body = seen.bodies.get(entity.name)
+    if body is None:
+        return ""
+    shape = footprint(body.robot)
+    corners = outline(shape, entity.x, entity.y, entity.heading)
+    touching = entity.contact or entity.collision
+    edge = "var(--iw-red)" if touching else "var(--iw-ink)"
+    width = view.pixel * (2.2 if touching else 0.8)
+    fill = mark.css if mark else "var(--iw-thing)"
+    drawn = (
+        f'<polygon points="{_points(corners)}" fill="{fill}" stroke="{edge}" stroke-width="{_n(width)}" '
+        f'stroke-linejoin="round"/>'
+    )
+    if mark is not None and body.robot.top_speed > 0:
+        tip = shape.front - 0.12 * (shape.front - shape.rear)
+        back, side = tip - 0.4 * (shape.front - shape.rear), 0.3 * (shape.left - shape.right)
+        arrow = placed(((tip, 0.0), (back, side), (back, -side)), entity.x, entity.y, entity.heading)
+        drawn += f'<polygon points="{_points(arrow)}" fill="{mark.ink}"/>'
+    if entity.name == selected:
+        drawn = _ring(entity, max(0.9, 9 * view.pixel), view) + drawn
+    name, faded = html.escape(entity.name), ' opacity=".4"' if entity.state == "stale" else ""
+    return f'<g data-agent="{name}"{faded} style="pointer-events:all"><title>{name}</title>{drawn}</g>'
+
+
+def _ring(entity: Entity, radius: float, view: Frame) -> str:
+    # Dark around yellow: seen on light and on dark ground.
+    at = f'cx="{_n(entity.x)}" cy="{_n(-entity.y)}" r="{_n(radius)}" fill="none"'
+    return (
+        f'<circle {at} stroke="#4a4200" stroke-width="{_n(view.pixel * 4)}"/>'
+        f'<circle {at} class="iw-ring" stroke="#f5e400" stroke-width="{_n(view.pixel * 2.6)}"/>'
+    )
+
+
+def _trail(samples: Sequence[Sample], now: float, mark: Mark, view: Frame) -> str:
+    points = []
+    # Beats of the clock, not of now: a corner of the line then stays where it is.
+    beat = math.floor(max(now - TRAIL, samples[0].time) / _TRAIL_STEP) + 1 if samples else 0
+    while samples and beat * _TRAIL_STEP <= samples[-1].time:
+        sample = samples[bisect_left(samples, beat * _TRAIL_STEP, key=lambda one: one.time)]
+        points.append((sample.x, sample.y))
+        beat += 1
+    if points:
+        points.append((samples[-1].x, samples[-1].y))
+    if len(points) < 2:
+        return ""
+    line = f'<polyline points="{_points(points)}" fill="none" stroke-linecap="round" stroke-linejoin="round" '
+    # Black on dark ground, white on light: a thin edge of ink shows either.
+    return (
+        f'{line}stroke="var(--iw-ink)" stroke-opacity=".3" stroke-width="{_n(view.pixel * 2.6)}"/>'
+        f'{line}stroke="{mark.css}" stroke-width="{_n(view.pixel * 1.6)}"/>'
+    )
+
+
+def _scale(view: Frame) -> str:
+    length = max((bar for bar in _BARS if bar <= view.across / 4), default=_BARS[0])
+    return (
+        f'<div class="iw-caption" style="display:flex;align-items:end;gap:6px;padding:3px 0 6px">'
+        f'<div class="iw-bar" style="width:{length / view.across:.2%};margin-bottom:5px"></div>{length:g} m</div>'
+    )
+
+
+def _polygon(points: Sequence[Point]) -> str:
+    return f'<polygon points="{_points(points)}"/>'
+
+
+def _points(points: Iterable[Point]) -> str:
+    return " ".join(f"{_n(x)},{_n(-y)}" for x, y in points)
+
+
+def _n(value: float) -> str:
+    """Return a length in m to the centimetre, below a pixel of any plan."""
+    return f"{value:.2f}".rstrip("0").rstrip(".")
+
+
+class PlanPanel:
+    """The plan; a press on a body selects it.
+
+    Args:
+        gui: Where the elements are made, in the container that is open.
+        on_select: Gets the name of a body that is there.
+    """
+
+    def __init__(self, gui: viser.GuiApi, on_select: Callable[[str], None]) -> None:
+        gui.add_html(STYLE_SHEET)
+        self._bodies = gui.add_html("")
+        self._floor = gui.add_html("")
+        self._drawn: Map | None = None
+        self._known: frozenset[str] = frozenset()
+        self._on_select = on_select
+        self._pick = Pick(gui, self._picked)
+
+    def show(self, seen: Snapshot, choices: Choices, *, visible: bool = True) -> None:
+        """Show who is where; nothing while there is no floor."""
+        visible = visible and seen.floor is not None
+        self._bodies.visible = self._floor.visible = visible
+        if not visible or seen.floor is None:
+            return
+        self._known = frozenset(entity.name for entity in seen.entities)
+        self._bodies.content = bodies_svg(seen, choices, self._pick.attribute)
+        if seen.floor is not self._drawn:
+            self._floor.content, self._drawn = floor_svg(seen.floor), seen.floor
+
+    def _picked(self, name: str) -> None:
+        if name in self._known:
+            self._on_select(name)

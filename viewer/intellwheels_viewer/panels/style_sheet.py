@@ -1,0 +1,115 @@
+"""How panels look: one style sheet, three sizes of type (11 captions, 13 text, 19 figures), two themes.
+
+Each panel puts the sheet in beside its own elements, because viser mounts only what an open tab shows. Colours are
+variables, so that a theme is a matter of the page alone.
+"""
+
+from __future__ import annotations
+
+import html
+from collections.abc import Iterable
+from typing import Final
+
+_LIGHT: Final = (
+    "--iw-ink:#1d232b;--iw-soft:#5a636d;--iw-line:#e2e6eb;--iw-tint:#f3f5f8;--iw-chosen:#fff5bf;"
+    "--iw-red:#c4161c;--iw-amber:#9a5b00;--iw-green:#1f7a45;--iw-near:#a0143c;--iw-middle:#a34d07;--iw-far:#3c6a8c;"
+    "--iw-wall:#3d4752;--iw-floor:#f4f5f6;--iw-thing:#b9c2cc"
+)
+_DARK: Final = (
+    "--iw-ink:#e6e9ed;--iw-soft:#a4acb6;--iw-line:#3a4048;--iw-tint:#2c3138;--iw-chosen:#3b350f;"
+    "--iw-red:#ff7b78;--iw-amber:#f0ad4e;--iw-green:#62c98d;--iw-near:#ff83a6;--iw-middle:#f3a35c;--iw-far:#92bddd;"
+    "--iw-wall:#b4bdc8;--iw-floor:#2a2e34;--iw-thing:#6b7682"
+)
+# Contrast of every text colour with its ground is 4.5 : 1 or more (tests/viewer/panels/test_style_sheet.py).
+_RULES: Final = """
+.iw{box-sizing:border-box;padding:2px 10px 8px;font-size:13px;line-height:18px;color:var(--iw-ink);
+font-variant-numeric:tabular-nums;overflow-wrap:anywhere}
+.iw *{box-sizing:border-box}.iw b{font-weight:600}
+.iw code{font-size:12px;padding:1px 4px;border-radius:3px;background:var(--iw-tint);white-space:nowrap}
+.iw-soft{color:var(--iw-soft)}.iw-small,.iw-caption{font-size:11px;line-height:15px;color:var(--iw-soft)}
+.iw-red{color:var(--iw-red)}.iw-amber{color:var(--iw-amber)}.iw-near{color:var(--iw-near)}
+.iw-middle{color:var(--iw-middle)}.iw-far{color:var(--iw-far)}
+.iw-head{display:flex;align-items:center;gap:7px;min-width:0}
+.iw-cut{overflow:hidden;text-overflow:ellipsis;white-space:nowrap;min-width:0}
+.iw-dot{flex:none;width:10px;height:10px;border-radius:50%;background:var(--iw-soft)}
+.iw-dot.good{background:#2f9e5b}.iw-dot.wait{background:#e08a00}.iw-dot.bad{background:#d6232a}
+.iw-figures{display:flex;justify-content:space-between;gap:8px;padding:4px 0 2px}
+.iw-figures>div{min-width:0}.iw-figures>div:not(:first-child){text-align:right}
+.iw-figure{font-size:19px;line-height:24px;font-weight:500;white-space:nowrap}
+.iw-figure.word{font-size:13px;font-weight:600}
+.iw table{width:100%;border-collapse:collapse;table-layout:fixed}
+.iw th{font-size:11px;line-height:15px;font-weight:400;color:var(--iw-soft);text-align:right;padding:0 0 3px;
+vertical-align:bottom}
+.iw td{padding:3px 0;text-align:right;vertical-align:top;border-top:1px solid var(--iw-line)}
+.iw th:first-child,.iw td:first-child{text-align:left;padding-left:6px}
+.iw th:last-child,.iw td:last-child{padding-right:6px}
+.iw tr[data-agent]{cursor:pointer}.iw tr[data-agent]:hover td{background:var(--iw-tint)}
+.iw tr.chosen td,.iw tr.chosen:hover td{background:var(--iw-chosen)}
+.iw tr.chosen td:first-child{box-shadow:inset 3px 0 #e5cf00}
+.iw tr.stale td>*,.iw-old,.iw-old b,.iw-old span{color:var(--iw-soft)}.iw tr.stale svg,.iw-old svg{opacity:.4}
+.iw-wide{width:200px;overflow:hidden;text-overflow:ellipsis;white-space:nowrap}
+.iw-group{padding-top:8px}
+.iw-log{list-style:none;margin:0;padding:0}
+.iw-log li{display:flex;gap:8px;padding:2px 0;border-top:1px solid var(--iw-line)}
+.iw-log li>:first-child{flex:none;min-width:44px;text-align:right;color:var(--iw-soft)}
+.iw-log li>:last-child{min-width:0}.iw-log li.break{justify-content:center;color:var(--iw-soft);font-size:11px}
+.iw-note{border-left:3px solid var(--iw-soft);background:var(--iw-tint);padding:6px 8px;border-radius:0 4px 4px 0;
+margin:2px 0}
+.iw-note.bad{border-color:#d6232a}.iw-note.wait{border-color:#e08a00}.iw-note.good{border-color:#2f9e5b}
+.iw-over{position:relative;height:0;z-index:2;pointer-events:none}
+.iw-over span{position:absolute;right:12px;width:84px;font-size:11px;line-height:12px;white-space:nowrap;
+overflow:hidden;text-overflow:ellipsis;font-variant-numeric:tabular-nums}
+.iw-plan{position:relative;padding:2px 10px 0}.iw-plan svg{display:block;width:100%;height:auto;overflow:hidden}
+.iw-plan.over{height:0;z-index:2;padding-top:2px}.iw-plan [data-agent]{cursor:pointer}
+.iw-bar{height:5px;border:solid var(--iw-soft);border-width:0 1px 1px}
+.iw-drive{display:flex;gap:12px;align-items:center}
+.iw-stick{position:relative;flex:none;width:116px;height:116px;border-radius:50%;touch-action:none;cursor:grab;
+background:radial-gradient(circle,transparent 0 13%,var(--iw-tint) 13% 100%);border:1px solid var(--iw-line);
+user-select:none}
+.iw-stick:active{cursor:grabbing}
+.iw-stick u{position:absolute;font-size:11px;line-height:14px;text-decoration:none;color:var(--iw-soft);width:14px;
+text-align:center}
+.iw-knob{position:absolute;left:37px;top:37px;width:40px;height:40px;border-radius:50%;background:var(--iw-ink);
+opacity:.82;pointer-events:none}
+body:has(#iw-drive-off) .iw-drive{opacity:.5}body:has(#iw-drive-off) .iw-stick{cursor:not-allowed}
+"""
+
+STYLE_SHEET: Final = (
+    f"<style>.iw,.iw-over,.iw-plan{{{_LIGHT}}}"
+    f"[data-mantine-color-scheme=dark] :is(.iw,.iw-over,.iw-plan){{{_DARK}}}{_RULES}</style>"
+)
+"""The style element; it takes no room."""
+
+
+def block(name: str, *content: str, classes: str = "") -> str:
+    """Return a panel's piece; tests and hands find it by `data-testid`."""
+    return f'<div class="iw {classes}" data-testid="{name}">{"".join(content)}</div>'
+
+
+def prose(text: str) -> str:
+    """Return our own words as HTML, whatever a peer's part of them holds; `so` is a command."""
+    parts = html.escape(text).split("`")
+    return "".join(f"<code>{part}</code>" if index % 2 else part for index, part in enumerate(parts))
+
+
+def note(text: str, tone: str = "") -> str:
+    """Return words that stand out; tone is good, wait, bad or nothing."""
+    return f'<div class="iw-note {tone}">{prose(text)}</div>'
+
+
+def figures(cells: Iterable[tuple[str, str]]) -> str:
+    """Return large figures over their captions.
+
+    Args:
+        cells: The figure, or a word in place of one, and its caption with its unit.
+    """
+    return f'<div class="iw-figures">{"".join(_figure(*cell) for cell in cells)}</div>'
+
+
+def _figure(figure: str, caption: str) -> str:
+    # A word is no number, and a long number does not fit its third of a panel.
+    word = " word" if figure.isalpha() or len(figure) > 8 else ""
+    return (
+        f'<div><div class="iw-figure{word}">{html.escape(figure)}</div>'
+        f'<div class="iw-caption">{html.escape(caption)}</div></div>'
+    )

@@ -1,0 +1,263 @@
+"""Folds what the simulator says into what is `seen`. Pure: messages in, a value out, on one thread.
+
+Nothing is trusted to come, or in order. Another run makes the old one forgotten; an older tick of the same run is old
+news, but where a log is played.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Iterable, Mapping
+from typing import Final
+
+from intellwheels_schemas.messages import Body, Clock, Entity, Event, Events, Map, MapInfo, Measures, Pose, WorldState
+from intellwheels_viewer.snapshot import EVENTS_KEPT, HISTORY, Phase, Sample, Snapshot, Words
+
+SAMPLES_A_SECOND: Final = 10
+"""Of the history; more does not show."""
+NEAR: Final = 2
+"""Ticks by which a reported pose may be off the state beside which it is shown: the two come one after the other."""
+RUNS_KNOWN: Final = 16
+"""Past runs whose late messages are known as such."""
+RETURNS: Final = 1.0
+"""Seconds by which a past run's clock must be newer to be believed: a straggler's is older, a stranger's message that
+named another run is long over."""
+
+
+class StateStore:
+    """What is known of one world.
+
+    Attributes:
+        wants_events_since: The number of the oldest event that was not seen; None when none is missing.
+    """
+
+    def __init__(self) -> None:
+        self._run = ""
+        self._past: deque[str] = deque(maxlen=RUNS_KNOWN)
+        self._clock: Clock | None = None
+        self._floor: Map | None = None
+        self._info: MapInfo | None = None
+        self._floor_of = ("", "")
+        self._revision = -1
+        self._bodies: dict[str, Body] = {}
+        self._parts: dict[int, WorldState] = {}
+        self._state_at = (-1, 0.0)
+        self._entities: tuple[Entity, ...] = ()
+        self._events: dict[int, Event] = {}
+        self._next_event = 0
+        self._measures: dict[str, Measures] = {}
+        self._reported: dict[str, Pose] = {}
+        self._words: deque[Words] = deque(maxlen=EVENTS_KEPT)
+        self._saying: dict[str, str] = {}
+        self._history: dict[str, deque[Sample]] = {}
+        self._told: Mapping[str, tuple[Sample, ...]] | None = None  # the same until the state changes
+        self._stamp = 0.0
+        self._version = 0
+        self.wants_events_since: int | None = None
+
+    @property
+    def map_in_use(self) -> tuple[str, str]:
+        """The run, and the hash of its map; empty while not known."""
+        return self._run, "" if self._info is None else self._info.hash
+
+    @property
+    def lacks_map(self) -> bool:
+        """Whether the map that is in use is not known."""
+        return bool(self._run) and self._floor_of != self.map_in_use
+
+    @property
+    def lacks(self) -> frozenset[str]:
+        """The agents of the state whose bodies are not known."""
+        return frozenset(entity.name for entity in self._entities) - self._bodies.keys()
+
+    # ------------------------------------------------------------ what came
+
+    def on_clock(self, clock: Clock) -> None:
+        """Take a clock. One of a past run that is clearly newer than the newest tells that this run is on after all."""
+        if clock.run in self._past and clock.stamp > self._stamp + RETURNS:
+            self._past.remove(clock.run)
+        if self._is_of_now(clock.run) and (self._clock is None or clock.stamp >= self._clock.stamp):
+            self._clock, self._stamp = clock, clock.stamp
+
+    def on_state(self, state: WorldState) -> None:
+        """Take a part of the state; it counts once all parts of its tick are there."""
+        if not self._is_of_now(state.run) or state.part >= state.parts:
+            return
+        newest = max((part.tick for part in self._parts.values()), default=-1)
+        if self._is_played_back(state.tick, newest):
+            newest = -1
+        if state.tick < newest:
+            return
+        if state.tick > newest or any(part.parts != state.parts for part in self._parts.values()):
+            self._parts = {}
+        self._parts[state.part] = state
+        if len(self._parts) < state.parts:
+            return
+        back = state.tick < self._state_at[0]
+        self._state_at = (state.tick, state.time)
+        self._version += 1
+        self._entities = tuple(entity for part in sorted(self._parts) for entity in self._parts[part].entity)
+        self._remember(state.time, back=back)
+
+    def on_event(self, event: Event) -> None:
+        """Take an event; one with a number too high tells that others were missed."""
+        if not self._is_of_now(event.run):
+            return
+        if event.number > self._next_event and self.wants_events_since is None:
+            self.wants_events_since = self._next_event
+        self._keep(event)
+
+    def on_events(self, events: Events) -> None:
+        """Take the events that were asked for."""
+        if not self._is_of_now(events.run):
+            return
+        for event in events.event:
+            self._keep(event)
+        self._next_event = max(self._next_event, events.next)
+        self.wants_events_since = None
+
+    def on_map_info(self, info: MapInfo) -> None:
+        """Take the word of which map is in use."""
+        if self._is_of_now(info.run):
+            self._info = info
+
+    def on_floor(self, floor: Map, asked: tuple[str, str] = ("", "")) -> None:
+        """Take the map itself.
+
+        Args:
+            floor: It says nothing of its run.
+            asked: `map_in_use` when it was asked for; if that is another by now, so may the map be.
+        """
+        if any(then and then != now for then, now in zip(asked, self.map_in_use, strict=True)):
+            return
+        self._floor_of = self.map_in_use
+        if floor != self._floor:
+            self._floor = floor
+            self._revision += 1
+
+    def on_body(self, body: Body) -> None:
+        """Take a body."""
+        if self._is_of_now(body.run) and body.robot.name is not None:
+            self._bodies[body.robot.name] = body
+            self._version += 1
+
+    def on_measures(self, agent: str, measures: Measures) -> None:
+        """Take what an agent perceives."""
+        if self._is_of_now(measures.run):
+            known = self._measures.get(agent)
+            if known is None or measures.tick >= known.tick or self._is_played_back(measures.tick, known.tick):
+                self._measures[agent] = measures
+
+    def on_reported(self, agent: str, pose: Pose) -> None:
+        """Take where a bridge said that its chair was, as a log tells that is played."""
+        if self.is_log and pose.run == self._run and pose.tick is not None:
+            self._version += self._reported.get(agent) != pose
+            self._reported[agent] = pose
+
+    @property
+    def is_log(self) -> bool:
+        """Whether this world plays a log."""
+        return self._last_tick() is not None
+
+    def forget(self, agents: Iterable[str]) -> None:
+        """Drop the measures of those that are watched no more."""
+        for agent in agents:
+            self._measures.pop(agent, None)
+
+    # ------------------------------------------------------------ what is known
+
+    def seen(self, phase: Phase, world: str, worlds: tuple[str, ...], endpoint: str) -> Snapshot:
+        """Return what is known now."""
+        here = {entity.name for entity in self._entities}
+        return Snapshot(
+            phase=phase,
+            world=world,
+            worlds=worlds,
+            endpoint=endpoint,
+            run=self._run,
+            tick=max(self._state_at[0], 0),
+            time=self._state_at[1],
+            clock=self._clock,
+            floor=self._floor,
+            revision=self._revision,
+            bodies={name: self._bodies[name] for name in sorted(self._bodies) if name in here},
+            entities=tuple(entity for entity in self._entities if entity.name in self._bodies),
+            events=tuple(self._events[number] for number in sorted(self._events)),
+            measures={name: measures for name, measures in self._measures.items() if name in here},
+            reported={name: pose for name, pose in self._reported.items() if name in here and self._is_near(pose)},
+            words=tuple(self._words),
+            history=self._histories(here),
+            last_tick=self._last_tick(),
+            version=self._version,
+        )
+
+    def _is_near(self, pose: Pose) -> bool:
+        return pose.tick is not None and abs(pose.tick - self._state_at[0]) <= NEAR
+
+    def _last_tick(self) -> int | None:
+        return None if self._clock is None else self._clock.last
+
+    def _histories(self, here: set[str]) -> Mapping[str, tuple[Sample, ...]]:
+        if self._told is None:
+            self._told = {name: tuple(samples) for name, samples in self._history.items() if name in here}
+        return self._told
+
+    def _is_of_now(self, run: str) -> bool:
+        """Return whether a message is of the newest run, beginning that run when it is the first of it."""
+        if run == self._run:
+            return True
+        if run in self._past:
+            return False
+        if self._run:
+            self._past.append(self._run)
+        self._run = run
+        self._clock = None
+        self._parts, self._entities, self._state_at = {}, (), (-1, 0.0)
+        self._bodies, self._measures, self._history, self._saying = {}, {}, {}, {}
+        self._told = None
+        self._events, self._next_event, self.wants_events_since = {}, 0, 0
+        self._words.clear()
+        self._reported = {}
+        self._info = None
+        return True
+
+    def _is_played_back(self, tick: int, newest: int) -> bool:
+        """Return whether an older tick is a step back in a log that is played, not a straggler."""
+        return self._last_tick() is not None and tick < newest
+
+    def _keep(self, event: Event) -> None:
+        self._version += event.number not in self._events
+        self._events[event.number] = event
+        self._next_event = max(self._next_event, event.number + 1)
+        for number in sorted(self._events)[:-EVENTS_KEPT]:
+            del self._events[number]
+
+    def _remember(self, time: float, *, back: bool) -> None:
+        self._told = None
+        if back:
+            self._history.clear()
+            self._words.clear()
+        for entity in self._entities:
+            self._listen(entity, time)
+            samples = self._history.setdefault(entity.name, deque())
+            if not samples or time - samples[-1].time >= 1.0 / SAMPLES_A_SECOND - 1e-9:
+                ranges = _ranges(self._measures.get(entity.name))
+                samples.append(Sample(time, entity.x, entity.y, entity.heading, entity.speed, ranges))
+            while samples[0].time < time - HISTORY:
+                samples.popleft()
+        if len(self._history) > 2 * len(self._entities) + 8:
+            here = {entity.name for entity in self._entities}
+            self._history = {name: samples for name, samples in self._history.items() if name in here}
+
+    def _listen(self, entity: Entity, time: float) -> None:
+        """Note words when they are first there: the state repeats them while they sound."""
+        text = entity.say or ""
+        if text and self._saying.get(entity.name) != text:
+            self._words.append(Words(entity.name, time, text))
+        self._saying[entity.name] = text
+
+
+def _ranges(measures: Measures | None) -> tuple[float | None, ...]:
+    if measures is None or measures.sensors is None:
+        return ()
+    return tuple(reading.value for reading in measures.sensors.proximity)
