@@ -63,10 +63,15 @@ def imported(path: Path) -> Iterator[str]:
 
 FILES = list(sources())
 COMMANDS = {
-    "intellwheels_schemas.present", "intellwheels_server.service.router", "intellwheels_experiments.conformance.__main__",
-    "intellwheels_agents.joystick.__main__", "intellwheels_experiments.testing.rig", "intellwheels_viewer.viewer_service",
-    "intellwheels_agents.bridge.__main__", "intellwheels_experiments.batch.run_worker",
-}  # fmt: skip
+    "intellwheels_schemas.present",
+    "intellwheels_server.service.router",
+    "intellwheels_experiments.conformance.__main__",
+    "intellwheels_agents.joystick.__main__",
+    "intellwheels_experiments.testing.rig",
+    "intellwheels_viewer.viewer_service",
+    "intellwheels_agents.bridge.__main__",
+    "intellwheels_experiments.batch.run_worker",
+}
 """Commands that are files of their own; the rig and the viewer's service, which do a command's work."""
 
 
@@ -74,6 +79,25 @@ COMMANDS = {
 def test_room_imports_the_contract_and_no_other_room(package: str, path: Path) -> None:
     others = {name.split(".")[0] for name in imported(path)} & PACKAGES.keys()
     assert others <= MAY_IMPORT[package] | {package}
+
+
+@pytest.mark.parametrize(
+    ("package", "never"),
+    [
+        ("intellwheels_server.world", {"intellwheels_server.log", "intellwheels_server.service"}),
+        ("intellwheels_server.log", {"intellwheels_server.service"}),
+    ],
+)
+def test_inner_package_never_imports_the_outer_ones(package: str, never: set[str]) -> None:
+    inside = [path for _, path in FILES if dotted(path) == package or dotted(path).startswith(f"{package}.")]
+    assert inside
+    guilty = {
+        dotted(path): name
+        for path in inside
+        for name in imported(path)
+        if any(name == other or name.startswith(f"{other}.") for other in never)
+    }
+    assert guilty == {}
 
 
 def test_zenoh_is_known_at_the_doors_only() -> None:

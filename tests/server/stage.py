@@ -41,7 +41,7 @@ JSON = Encoding.JSON
 
 
 class Stage:
-    """A conductor, its clock, and all that came out."""
+    """A live run, its clock, and all that came out."""
 
     def __init__(
         self, *, strict: bool | None = None, log: Path | None = None, end: End | None = None, **options: Any

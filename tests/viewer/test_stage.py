@@ -51,9 +51,13 @@ CROWD = Snapshot(
     [
         Snapshot(), Snapshot(floor=EMPTY, revision=0), made_up.seen(), made_up.hostile(), CROWD,
         # A mind's form of a robot says nothing of its body.
-        Snapshot(entities=(entity("a"),), bodies={"a": body("a", length=None, width=None, center=None, top=None, part=())}),
+        Snapshot(
+            entities=(entity("a"),), bodies={"a": body("a", length=None, width=None, center=None, top=None, part=())}
+        ),
         Snapshot(entities=(entity("a"),)),
-        Snapshot(bodies={"gone": body("gone")}), replace(made_up.seen(), entities=()), replace(made_up.seen(), bodies={}),
+        Snapshot(bodies={"gone": body("gone")}),
+        replace(made_up.seen(), entities=()),
+        replace(made_up.seen(), bodies={}),
         replace(made_up.seen(), measures={}), replace(made_up.seen(), tick=0, time=0.0),
     ],
 )  # fmt: skip

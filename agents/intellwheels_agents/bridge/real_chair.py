@@ -75,7 +75,7 @@ class RealChair:
             driver: The electronics.
             source: Makes poses of their readings.
             motors: Takes the powers.
-            outfit: Makes the chair's own readings what its mind perceives.
+            merge: Makes the chair's own readings what its mind perceives.
             faults: Of the line that readings come by.
             hear: Is told of each reading that is news.
             clock_offset: Seconds added to every stamp: the simulator's clock minus this machine's.

@@ -1,6 +1,6 @@
 """`iw-run SCENE --seeds N`: a batch from the command line to its files.
 
-The files of a batch are `keep`'s, and beside them `batch.csv`, `summary.json`, `junit.xml` and `report.html`.
+`run_store` writes the files of each run; beside them are `batch.csv`, `summary.json`, `junit.xml` and `report.html`.
 """
 
 from __future__ import annotations

@@ -321,7 +321,8 @@ def _row(page: HtmlReport, line: Line) -> str:
     drift = report_drawings.drift(runs, *page.drift.get(line.name, (0.0, 1.0)))
     key = (
         f'<span><i style="border-color:{report_drawings.TRUE}"></i>where it truly was</span>'
-        f'<span><i style="border-color:{report_drawings.REPORTED};border-top-style:dashed"></i>where it was reported</span>'
+        f'<span><i style="border-color:{report_drawings.REPORTED};border-top-style:dashed"></i>'
+        "where it was reported</span>"
         f'<span style="color:{report_drawings.HIT}"><b>&times;</b> contact</span>'
     )
     parts = [

@@ -1,4 +1,4 @@
-"""What arrives from the network, as plain data: all that the conductor knows of it."""
+"""What arrives from the network, as plain data: all that the live run knows of it."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What agents put: checked against seats, sessions, ticks and limits, and laid on the tray for the next step."""
+"""What agents put: checked against seats, sessions, ticks and limits, and latched for the next step."""
 
 from __future__ import annotations
 

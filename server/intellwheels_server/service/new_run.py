@@ -15,7 +15,7 @@ def begin_new_run(service: ServiceState, before: State, now: float) -> None:
     """Record the change of runs, forget what belonged to the one before, and publish everything.
 
     Args:
-        desk: Its state is that of the new run already.
+        service: Its state is that of the new run already.
         before: The last state of the run before.
         now: The caller's seconds.
     """

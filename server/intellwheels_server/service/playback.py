@@ -1,6 +1,6 @@
 """A log on the network: told as a live world is told, sought and paced, never steered.
 
-Nothing here waits, reads a clock or knows zenoh: it is driven as the conductor is. Map, bodies, states, clock, events
+Nothing here waits, reads a clock or knows zenoh: it is driven as a live run is. Map, bodies, states, clock, events
 and measures go out as they did; powers do not, so that no chair of metal moves by what another day was.
 """
 
@@ -125,7 +125,7 @@ class Playback:
     def _played(self) -> Played:
         played = self._service.played
         if played is None:
-            raise TypeError("expected a desk of a log that is played")
+            raise TypeError("expected the service state of a log that is played")
         return played
 
     def _last(self, run: str) -> int:

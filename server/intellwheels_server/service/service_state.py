@@ -1,7 +1,7 @@
 """What every part of the service works on: the world, who has joined, what waits, where messages go.
 
-It decides little; the parts do: `reception` takes puts, `membership` joins and leaves, `verbs` what operators ask,
-`publication` what is told, and `conductor` moves the world.
+It decides little. `inbound` takes puts, `joining` handles joins and leaves, `control` handles what operators ask,
+`outbound` publishes, and `live_run` moves the world.
 """
 
 from __future__ import annotations

@@ -245,7 +245,7 @@ def floor_of(load: Load) -> Map:
 
 
 class Director(Protocol):
-    """What decides: a live run's conductor, or a log's player."""
+    """What decides: a live run, or the playback of a log."""
 
     @property
     def exit(self) -> int | None:

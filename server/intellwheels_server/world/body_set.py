@@ -1,6 +1,6 @@
 """What is compiled of the bodies that are here, once, when the set of bodies changes.
 
-A figure is one body as accepted; a fleet is all of them, sorted by name, as arrays.
+A body model is one body as accepted; a body set is all of them, sorted by name, as arrays.
 """
 
 from __future__ import annotations
@@ -122,7 +122,7 @@ def body_model_of(name: str, robot: Robot, setup: Setup) -> BodyModel:
 def assemble(
     figures: dict[str, BodyModel], setup: Setup, tick: int, old: State | None, arrived: Set[str] = frozenset()
 ) -> tuple[BodySet, Floats]:
-    """Return the fleet of these figures and room for its sensors' samples.
+    """Return the body set of these models and room for its sensors' samples.
 
     Args:
         figures: By name.

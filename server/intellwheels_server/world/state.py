@@ -1,7 +1,7 @@
 """The state of a world: arrays with a column for each body, and the few things that are not numbers.
 
 A state is never changed: a step makes a new one. What is fixed while the set of bodies stays the
-same (shapes, motors, sensors) is compiled once, in `fleet`, and shared by all states of that time.
+same (shapes, motors, sensors) is compiled once, in `body_set`, and shared by all states of that time.
 """
 
 from __future__ import annotations
@@ -91,10 +91,10 @@ class State(msgspec.Struct, frozen=True, kw_only=True):
         tick: Steps since the run began.
         setup: The floor, the seed and the rules.
         walls: The floor's walls, for the kernels.
-        fleet: What is compiled for the bodies that are here; `fleet.names` is sorted.
+        body_set: What is compiled for the bodies that are here; `body_set.names` is sorted.
         numbers: float64[NUMBER_ROWS, n].
         flags: int64[FLAG_ROWS, n].
-        samples: float64, the sensors' stored samples, laid out by the fleet.
+        samples: float64, the sensors' stored samples, laid out by the body set.
         episodes: int64[e, 3], contacts that go on.
         manners: What agents say of themselves, by name.
         user: The last input of each body's user, by name.

@@ -128,7 +128,8 @@ def test_leaving_ends_children_also_after_an_error(tmp_path: Path) -> None:
 def test_kill_of_the_parent_ends_the_children(tmp_path: Path, stuck: bool) -> None:
     child = PATIENT.replace("while not stop.wait(SLICE):", "while True:") if stuck else PATIENT
     parent = (
-        "import sys, time\nfrom pathlib import Path\nfrom intellwheels_experiments.run.child_processes import Children\n"
+        "import sys, time\nfrom pathlib import Path\n"
+        "from intellwheels_experiments.run.child_processes import ChildProcesses\n"
         f"children = Children(Path({str(tmp_path)!r}))\n"
         f"children.start('a', lambda lifeline: [sys.executable, '-c', {child!r}, str(lifeline)])\n"
         "children.news(20)\nprint(children.pid('a'), flush=True)\ntime.sleep(60)\n"

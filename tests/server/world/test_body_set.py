@@ -22,7 +22,7 @@ def test_body_without_parts_is_refused() -> None:
         body_model_of("a", Robot(), Setup(floor=floor_of()))
 
 
-def test_arrays_of_a_fleet_are_in_the_order_of_names() -> None:
+def test_arrays_of_a_body_set_are_in_the_order_of_names() -> None:
     setup = Setup(floor=floor_of())
     parts = (Part(x=0.0, y=0.0, length=1.0, width=1.0, bottom=0.0, top=1.0),) * 2
     robots = {
@@ -41,7 +41,7 @@ def test_arrays_of_a_fleet_are_in_the_order_of_names() -> None:
     assert samples.shape == (0,)
 
 
-def test_nobody_is_a_fleet_too() -> None:
+def test_an_empty_body_set_is_one_too() -> None:
     body_set, _ = assemble({}, Setup(floor=floor_of()), 0, None)
     assert body_set.motors.shape == (8, 0)
     assert body_set.noise.shape == (2, 0)

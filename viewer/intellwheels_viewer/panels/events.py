@@ -36,7 +36,8 @@ def event_item(seen: Snapshot, event: Event) -> str:
     """Return a line of a list: time and sentence."""
     red = ' class="iw-red"' if event.code == "contact" else ""
     return (
-        f'<li data-code="{event.code}" data-number="{event.number}"><span>{number_format.moment(event.tick, seen)}</span>'
+        f'<li data-code="{event.code}" data-number="{event.number}">'
+        f"<span>{number_format.moment(event.tick, seen)}</span>"
         f"<span{red}>{html.escape(sentence(event))}</span></li>"
     )
 

@@ -1,6 +1,6 @@
 """Bodies on a floor for the tests of contact, and crowds of them at random.
 
-By hand, `python -m tests.server.world.kernels.crowds 3000` looks for an order of bodies that changes one of so many scenes,
+`python -m tests.server.world.kernels.crowds 3000` looks for an order of bodies that changes one of 3,000 scenes,
 and prints a digest of all of them: it must be the same with NUMBA_CPU_NAME=generic.
 """
 
