@@ -1,5 +1,7 @@
 """The README is a promise: what it shows runs."""
 
+import importlib
+import importlib.util
 import re
 import subprocess
 import sys
@@ -40,6 +42,30 @@ def test_world_of_the_readme_runs(capsys: pytest.CaptureFixture[str]) -> None:
     said = capsys.readouterr().out
     assert said.startswith("Measures(")
     assert "tick=20, time=1.0" in said
+
+
+def test_second_example_of_the_public_interface_runs(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)  # it also runs a log again where one is there
+    (block,) = [block for block in BLOCKS if "wilson(38, 40)" in block]
+    exec(compile(block, "README.md", "exec"), {})
+    printed = capsys.readouterr().out
+    assert '{"Tick":5,"LeftMotor":0.5} iw/v1/main/in/chair1/actions' in printed
+    assert "'ward'" in printed
+
+
+def test_public_imports_are_there() -> None:
+    table = README.split("## Use it from Python")[1].split("```")[0]
+    rows = re.findall(r"^\| `(intellwheels_[\w.]+)` \| (.+) \|$", table, re.MULTILINE)
+    assert len(rows) == 7
+    for package, uses in rows:
+        for name in re.findall(r"`([\w.]+)`", uses.split(":")[0]):
+            if name == "intellwheels":  # the fixture
+                continue
+            module = importlib.import_module(package)
+            first = name.split(".")[0]
+            assert hasattr(module, first) or importlib.util.find_spec(f"{package}.{first}"), f"{package}: {name}"
 
 
 def test_files_the_readme_points_at_are_there() -> None:

@@ -60,7 +60,7 @@ def test_parts_are_themselves_and_a_mind_has_none() -> None:
 
 @pytest.mark.parametrize(
     ("length", "width", "center", "radius"),
-    # The turning radii of SIMULATION.md, given there in whole millimetres.
+    # The turning radii of MODEL.md, given there in whole millimetres.
     [(1.1, 0.62, 0.227, 0.905), (1.15, 0.655, 0.5, 0.662), (1.1, 0.655, 0.72, 0.857), (1.2, 0.66, 0.42, 0.770)],
 )
 def test_radius_is_that_of_the_farthest_corner(length: float, width: float, center: float, radius: float) -> None:
