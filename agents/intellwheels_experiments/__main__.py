@@ -41,34 +41,35 @@ exit: 0 what must hold held, 1 it did not, 2 wrong usage
 """
 
 
-def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(
+def parser() -> argparse.ArgumentParser:
+    """Return the parser of the command line."""
+    found = argparse.ArgumentParser(
         prog="iw-run",
         description="Run a scene: starts the simulator and every agent of the cast, shows how they go on, ends them "
         "all, and says whether what must hold held.",
         epilog=_EPILOG,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
-    parser.add_argument("scene", metavar="SCENE", help=f"a shipped scene ({', '.join(names('scenes'))}) or an XML file")
-    parser.add_argument(
+    found.add_argument("scene", metavar="SCENE", help=f"a shipped scene ({', '.join(names('scenes'))}) or an XML file")
+    found.add_argument(
         "--view", action="store_true",
         help="serve a page that shows the run and steers it; in real time where no pace is given, and until Ctrl-C",
     )  # fmt: skip
-    parser.add_argument("--view-port", type=_port, metavar="N", default=8080, help="the page's port, 0: any (8080)")
-    parser.add_argument("--pace", choices=get_args(Pace), help="instead of the scene's")
-    parser.add_argument("--speed", type=_factor, metavar="F", default=1.0, help="times real time, at pace realtime (1)")
-    parser.add_argument("--seed", metavar="TEXT", help="instead of the scene's")
-    parser.add_argument("--encoding", choices=("json", "xml"), default="json", help="what the agents speak (json)")
-    parser.add_argument("--json", type=Path, metavar="FILE", help="write the result there, the final hash as 'hash'")
-    parser.add_argument(
+    found.add_argument("--view-port", type=_port, metavar="N", default=8080, help="the page's port, 0: any (8080)")
+    found.add_argument("--pace", choices=get_args(Pace), help="instead of the scene's")
+    found.add_argument("--speed", type=_factor, metavar="F", default=1.0, help="times real time, at pace realtime (1)")
+    found.add_argument("--seed", metavar="TEXT", help="instead of the scene's")
+    found.add_argument("--encoding", choices=("json", "xml"), default="json", help="what the agents speak (json)")
+    found.add_argument("--json", type=Path, metavar="FILE", help="write the result there, the final hash as 'hash'")
+    found.add_argument(
         "--log",
         type=Path,
         metavar="FILE",
         help="write the input log, for iw-server --resimulate; a laboratory's beside it, -lab behind its name",
     )
-    parser.add_argument("--logs", type=Path, metavar="DIR", help="keep what the processes print there")
-    parser.add_argument("--timeout", type=_factor, metavar="S", help="wall time to break the run off after (600)")
-    batch = parser.add_argument_group(
+    found.add_argument("--logs", type=Path, metavar="DIR", help="keep what the processes print there")
+    found.add_argument("--timeout", type=_factor, metavar="S", help="wall time to break the run off after (600)")
+    batch = found.add_argument_group(
         "batch", "every row of the scene's experiment with every seed; needs the extra `experiments`"
     )
     batch.add_argument("--seeds", type=_count, metavar="N", help="run with the seeds 1 to N, and write a report")
@@ -77,7 +78,7 @@ def _parser() -> argparse.ArgumentParser:
     batch.add_argument(
         "--out", type=Path, metavar="DIR", help="its folder; what is done there is not done again (SCENE-runs)"
     )
-    branch = parser.add_argument_group(
+    branch = found.add_argument_group(
         "branch", "what if: a run that begins as another went; writes a report of both to --out"
     )
     branch.add_argument("--branch", type=Path, metavar="LOG", help="the input log of a run of this scene (and --row)")
@@ -86,17 +87,17 @@ def _parser() -> argparse.ArgumentParser:
         "--mind", action="append", default=[], metavar="AGENT=MIND", help="another mind from the start on"
     )
     branch.add_argument("--option", action="append", default=[], metavar="AGENT.NAME=VALUE", help="an option of a mind")
-    link = parser.add_argument_group("link", "default: the simulator listens at a free port of this machine")
+    link = found.add_argument_group("link", "default: the simulator listens at a free port of this machine")
     link.add_argument("--world", type=_world, metavar="NAME", default="main", help="the world's name (main)")
     link.add_argument("--listen", action="append", default=[], metavar="ENDPOINT", help="where the simulator listens")
     link.add_argument("--connect", action="append", default=[], metavar="ENDPOINT", help="a router that all go through")
     link.add_argument("--config", type=Path, metavar="FILE", help="a Zenoh configuration (JSON5) for all the rest")
-    return parser
+    return found
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command and return its exit code."""
-    options = _parser().parse_args(arguments)
+    options = parser().parse_args(arguments)
     is_path = "/" in options.scene or options.scene.endswith(".xml")
     try:
         wanted = scene(options.scene)

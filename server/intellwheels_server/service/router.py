@@ -16,21 +16,26 @@ from intellwheels_schemas.process import SLICE, add_process_options, stop_on_sig
 DEFAULT_LISTEN = "tcp/127.0.0.1:7447"
 
 
-def main(arguments: Sequence[str] | None = None) -> int:
-    """Route until told to stop and return the exit code: 0 done, 1 failed, 2 wrong usage."""
-    parser = argparse.ArgumentParser(
+def parser() -> argparse.ArgumentParser:
+    """Return the parser of the command line."""
+    found = argparse.ArgumentParser(
         prog="iw-router",
         description="Let a simulator and its agents meet: they all connect here, each with --connect ENDPOINT.",
     )
-    parser.add_argument(
+    found.add_argument(
         "--listen",
         action="append",
         metavar="ENDPOINT",
         help=f"where to be found; may be repeated (default: {DEFAULT_LISTEN})",
     )
-    parser.add_argument("--print", action="store_true", help="print the configuration, for zenohd -c FILE, and end")
-    add_process_options(parser)
-    options = parser.parse_args(arguments)
+    found.add_argument("--print", action="store_true", help="print the configuration, for zenohd -c FILE, and end")
+    add_process_options(found)
+    return found
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Route until told to stop and return the exit code: 0 done, 1 failed, 2 wrong usage."""
+    options = parser().parse_args(arguments)
     listen = options.listen or [DEFAULT_LISTEN]
     if options.print:
         print(link.router_settings(listen), end="")

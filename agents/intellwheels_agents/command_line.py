@@ -1,0 +1,186 @@
+"""`iw`: every command of IntellWheels under one name, lists of what is included, and shell completion.
+
+`iw run figure6` is `iw-run figure6`. The commands are found by their entry points, because rooms do not import each
+other; a command whose extra is not installed says which one it needs.
+"""
+
+from __future__ import annotations
+
+import argparse
+import ast
+import difflib
+import importlib
+import sys
+from collections.abc import Callable, Sequence
+from importlib.metadata import entry_points
+from importlib.resources import files
+
+import shtab
+
+from intellwheels_agents import minds
+from intellwheels_maps import floor, names, robot, scene
+from intellwheels_schemas.errors import WireError
+from intellwheels_schemas.messages import Place
+from intellwheels_schemas.version import version_text
+
+COMMANDS = {
+    "run": "run a scene, an experiment with many seeds, or a what-if run",
+    "server": "a simulated world on the network; run, play or check an input log",
+    "agent": "one agent: a body and the mind that drives it",
+    "viewer": "the web page of a world",
+    "joystick": "drive a chair by hand",
+    "bridge": "put a real chair into a simulation",
+    "check-agent": "check a program in any language against the contract",
+    "router": "the router where simulators and agents meet",
+}
+"""The commands and what they do; `iw NAME` is `iw-NAME`."""
+
+_EXTRA = {"server": "server", "router": "server", "viewer": "viewer", "run": "server"}
+_SHELVES = ("floors", "robots", "scenes")
+KINDS = (*_SHELVES, "minds", "places")
+_PREFIX = "iw-"
+
+
+def parser() -> argparse.ArgumentParser:
+    """Return the parser of `iw`, without the commands' own options."""
+    width = max(map(len, COMMANDS)) + 2
+    lines = "\n".join(f"  iw {name:{width}}{text}" for name, text in COMMANDS.items())
+    found = argparse.ArgumentParser(
+        prog="iw",
+        usage="iw COMMAND ...",
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+        description="IntellWheels: a simulation service for intelligent wheelchairs.",
+        epilog=(
+            f"commands (each with its own --help):\n{lines}\n"
+            f"  iw {'list KIND':{width}}what is included: {', '.join(KINDS)}\n"
+            f"  iw {'completion SHELL':{width}} completion for {', '.join(shtab.SUPPORTED_SHELLS)}\n\n"
+            "examples:\n"
+            "  iw run figure6 --view          three chairs, a table and a door, on a page in your browser\n"
+            "  iw list places ward            the places where an agent can start, or drive to\n"
+            '  eval "$(iw completion bash)"   completion in this shell'
+        ),
+    )
+    found.add_argument("--version", action="version", version=version_text())
+    found.add_argument("command", metavar="COMMAND", choices=[*COMMANDS, "list", "completion"])
+    return found
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run a command and return its exit code: 0 done, 1 refused or failed, 2 wrong usage."""
+    words = list(sys.argv[1:] if arguments is None else arguments)
+    if words and not words[0].startswith("-") and words[0] not in (*COMMANDS, "list", "completion"):
+        near = difflib.get_close_matches(words[0], [*COMMANDS, "list", "completion"], n=1)
+        hint = f"; did you mean {near[0]!r}?" if near else ""
+        known = ", ".join([*COMMANDS, "list", "completion"])
+        print(f"iw: expected one of {known}, got {words[0]!r}{hint}", file=sys.stderr)
+        return 2
+    if not words:
+        parser().print_help()
+        return 2
+    name = parser().parse_args(words[:1]).command
+    if name == "list":
+        return _list(words[1:])
+    if name == "completion":
+        return _completion(words[1:])
+    command = _loaded(name)
+    if command is None:
+        extra = _EXTRA.get(name, "all")
+        text = f"expected the extra {extra!r}; install it with pip install 'intellwheels[{extra}]'"
+        print(f"iw {name}: {text}", file=sys.stderr)
+        return 1
+    sys.argv[0] = f"{_PREFIX}{name}"
+    return command(words[1:])
+
+
+def _loaded(name: str) -> Callable[[Sequence[str]], int] | None:
+    """Return a command's `main`, or None where its extra is not installed."""
+    for point in entry_points(group="console_scripts", name=f"{_PREFIX}{name}"):
+        try:
+            found: Callable[[Sequence[str]], int] = point.load()
+        except ModuleNotFoundError as error:
+            if (error.name or "").split(".")[0].startswith("intellwheels"):
+                raise
+            return None
+        return found
+    return None
+
+
+def _list(words: Sequence[str]) -> int:
+    """Print what is included, one name a line, with its title where it has one."""
+    wanted = argparse.ArgumentParser(prog="iw list", description="List what is included, or the places of a floor.")
+    wanted.add_argument("kind", metavar="KIND", choices=KINDS, help=", ".join(KINDS))
+    wanted.add_argument("floor", metavar="FLOOR", nargs="?", help="for places: a floor's name, or a map file")
+    given = wanted.parse_args(words)
+    if (given.kind == "places") != (given.floor is not None):
+        expected = "expected a FLOOR after places" if given.floor is None else f"expected no FLOOR after {given.kind}"
+        wanted.error(f"{expected}, got {given.floor!r}" if given.floor else f"{expected}, got none")
+    try:
+        lines = _lines(given.kind, given.floor)
+    except WireError as error:
+        print(f"iw list: {error}", file=sys.stderr)
+        return 1
+    width = max((len(name) for name, _ in lines), default=0) + 2
+    for name, text in lines:
+        print(f"{name:{width}}{text}".rstrip())
+    return 0
+
+
+def _lines(kind: str, floor_name: str | None) -> list[tuple[str, str]]:
+    if kind == "places":
+        found = floor(floor_name or "")
+        places = found.grid.position if found.grid is not None else ()
+        return [(place.name, _whom(place)) for place in places]
+    if kind == "minds":
+        return [(name, _summary(name)) for name in minds.names()]
+    if kind == "floors":
+        return [(name, floor(name).title or "") for name in names("floors")]
+    if kind == "robots":
+        return [(name, robot(name).kind or "") for name in names("robots")]
+    return [(name, scene(name).title or "") for name in names("scenes")]
+
+
+def _whom(place: Place) -> str:
+    """Return in words where a place is and whom it is for."""
+    where = f"x={place.x:g} y={place.y:g} heading={place.heading_deg:g} deg"
+    return f"{where}, for {', '.join(place.kinds)}" if place.kinds else where
+
+
+def _summary(mind: str) -> str:
+    """Return the first line of a mind's docstring, read without importing the mind."""
+    text = files(minds.__name__).joinpath(f"{mind}.py").read_text()
+    return (ast.get_docstring(ast.parse(text)) or "").partition("\n")[0]
+
+
+def _parser_of(module: str) -> argparse.ArgumentParser:
+    """Return the parser of the command whose `main` is in a module, or in the package of that name."""
+    found = importlib.import_module(module)
+    if not hasattr(found, "parser"):
+        found = importlib.import_module(f"{module}.__main__")
+    made: argparse.ArgumentParser = found.parser()
+    return made
+
+
+def _completion(words: Sequence[str]) -> int:
+    """Print a completion script for all commands."""
+    wanted = argparse.ArgumentParser(prog="iw completion", description="Print a completion script for a shell.")
+    wanted.add_argument("shell", choices=shtab.SUPPORTED_SHELLS)
+    shell = wanted.parse_args(words).shell
+    whole = argparse.ArgumentParser(prog="iw")
+    below = whole.add_subparsers()
+    for point in entry_points(group="console_scripts"):
+        if not point.name.startswith(_PREFIX):
+            continue
+        try:
+            found = _parser_of(point.module)
+        except ModuleNotFoundError:
+            continue  # its extra is not installed
+        name = point.name.removeprefix(_PREFIX)
+        below.add_parser(name, parents=[found], add_help=False, help=COMMANDS.get(name, ""))
+    listing = below.add_parser("list", help="what is included")
+    listing.add_argument("kind", choices=KINDS)
+    print(shtab.complete(whole, shell=shell))
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
