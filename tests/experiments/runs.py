@@ -7,8 +7,9 @@ import numpy as np
 
 from intellwheels_experiments.batch.run_measures import Measured
 from intellwheels_experiments.batch.run_store import StoredRun
-from intellwheels_experiments.batch.trace_reader import Heading, Moment, Shown, Trace
+from intellwheels_experiments.batch.trace_reader import Trace
 from intellwheels_maps import robot
+from intellwheels_schemas.file_records import TraceBody, TraceHeader, TraceTick
 from intellwheels_schemas.messages import Event
 
 RUN = "0123456789abcdef"
@@ -22,7 +23,7 @@ def straight(ticks: int = 100, speed: float = 0.5, *, aside: float = 0.0, hits: 
     for tick in range(ticks + 1):
         way = tick * 0.05 * speed
         count = round(way * per_metre)
-        shown = Shown(
+        shown = TraceBody(
             pose=(way, aside, 0.0),
             speed=speed if tick else 0.0,
             power=(speed, speed),
@@ -34,8 +35,8 @@ def straight(ticks: int = 100, speed: float = 0.5, *, aside: float = 0.0, hits: 
             for hit in hits
             if hit == tick
         )
-        moments.append(Moment(tick=tick, body={"chair": shown}, event=events, hash="f" * 16))
-    return Trace(Heading(run=RUN, seed="1", period=0.05, floor="corridor15m"), moments, {"chair": chair})
+        moments.append(TraceTick(tick=tick, body={"chair": shown}, event=events, hash="f" * 16))
+    return Trace(TraceHeader(run=RUN, seed="1", period=0.05, floor="corridor15m"), moments, {"chair": chair})
 
 
 NUMBERS = Measured(

@@ -5,9 +5,9 @@ from pathlib import Path
 import pytest
 
 from intellwheels_maps import floor
+from intellwheels_schemas import file_records
 from intellwheels_schemas.link import DEFAULT_WORLD
 from intellwheels_server.__main__ import PLAYED_FROM, main
-from intellwheels_server.log import input_log
 from intellwheels_server.log.input_log import Log
 from intellwheels_server.world import Setup
 
@@ -47,7 +47,7 @@ def test_a_log_that_is_none_or_not_there_is_said(tmp_path: Path, capsys: pytest.
 
 
 def test_the_world_of_an_old_log_is_the_one_that_commands_take_by_default() -> None:
-    assert input_log.DEFAULT_WORLD == DEFAULT_WORLD
+    assert file_records.DEFAULT_WORLD == DEFAULT_WORLD
     assert PLAYED_FROM + len("-play") == 32
 
 

@@ -23,6 +23,7 @@ from intellwheels_experiments.batch.run_measures import measured
 from intellwheels_experiments.batch.run_store import LOG, StoredRun, done, keep
 from intellwheels_experiments.batch.run_worker import RunWorker, RunWorkerError, Site, StoppedError
 from intellwheels_experiments.batch.trace_reader import read_trace
+from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.messages import Map
 
 SHARE: Final = 10
@@ -129,7 +130,7 @@ def _run_one(batch: Batch, row: Row, stand: RunWorker, seed: str, told: Callable
     try:
         trace = read_trace(place / "trace.jsonl", place / LOG)
         image = None if shown is None else read_trace(shown / "trace.jsonl", shown / LOG)
-    except (OSError, msgspec.MsgspecError) as error:
+    except (OSError, WireError) as error:
         raise RunWorkerError(f"the simulator's files of the run cannot be read: {error}") from error
     numbers, course = measured(trace, row.scene, batch.floor, batch.subject, real=row.real, image=image)
     kept = StoredRun(row=row.name, seed=seed, measured=numbers, wall=time.monotonic() - begun)

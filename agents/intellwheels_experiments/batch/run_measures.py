@@ -12,7 +12,8 @@ import numpy as np
 from intellwheels_experiments.batch import metrics
 from intellwheels_experiments.batch.clearance import clearance, half_width, shortest_way
 from intellwheels_experiments.batch.metrics import Floats
-from intellwheels_experiments.batch.trace_reader import Shown, Trace, commanded, reported
+from intellwheels_experiments.batch.trace_reader import Trace, commanded, reported
+from intellwheels_schemas.file_records import TraceBody
 from intellwheels_schemas.messages import Event, Map, Robot, Scene
 
 MANUAL: Final = "manual"
@@ -157,7 +158,9 @@ def _finite(value: float) -> float | None:
     return value if math.isfinite(value) else None
 
 
-def _course(trace: Trace, floor: Map, subject: str, shown: list[Shown], robot: Robot, image: Trace | None) -> Course:
+def _course(
+    trace: Trace, floor: Map, subject: str, shown: list[TraceBody], robot: Robot, image: Trace | None
+) -> Course:
     true = trace.poses(subject)
     others = {name: (other, trace.poses(name)) for name, other in trace.robots.items() if name != subject}
     return Course(
@@ -194,7 +197,7 @@ def _contacts(trace: Trace, subject: str) -> tuple[Event, ...]:
     return tuple(one for one in trace.events if one.code == "contact" and subject in (one.agent, one.other))
 
 
-def _wish(shown: list[Shown]) -> tuple[Floats | None, Floats]:
+def _wish(shown: list[TraceBody]) -> tuple[Floats | None, Floats]:
     """Return what the user wanted, None without a user, and what the motors got: float64[n, 2], forward and turn."""
     power = np.array([one.power for one in shown[1:]], dtype=np.float64).reshape(-1, 2)
     done = np.column_stack([power.mean(axis=1), (power[:, 1] - power[:, 0]) / 2.0])

@@ -109,7 +109,7 @@ def perform_branch(batch: Batch, scene: Scene, other: Row, log: Path, at: int, s
         for name, trace, source in ((PARENT, parent, log), (BRANCH, branch, place / LOG)):
             numbers, course = measured(trace, scene, batch.floor, batch.subject, real=row.real, image=image_of[name])
             keep(batch.out, StoredRun(row=name, seed=seed, measured=numbers), course, source, log_of[name])
-    except RunWorkerError as error:
+    except (RunWorkerError, WireError) as error:
         raise ParentError(str(error)) from error
     except StoppedError:
         raise ParentError("broken off") from None
@@ -137,7 +137,7 @@ def _again(log: Path, target: Path) -> Trace:
         raise ParentError(done.stderr.strip() or f"exit {done.returncode}")
     try:
         return read_trace(target, log)
-    except (OSError, ValueError, msgspec.MsgspecError) as error:
+    except (OSError, WireError) as error:
         raise ParentError(f"{log}: {error}") from error
 
 

@@ -1,8 +1,4 @@
-"""The input log: what a run is a function of, one line a tick.
-
-JSON Lines. A header says what the world was made of; each line after it has what acted on a tick and the hash of the
-state that came of it. A line with `"Stepped": false` changed the world without a step: a reset, or what came last.
-"""
+"""Writes and reads the input log: what a run is a function of, one line per tick. `file_records` declares its lines."""
 
 from __future__ import annotations
 
@@ -11,48 +7,24 @@ import platform
 from collections.abc import Iterator
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
-from typing import IO, Annotated, Final
+from typing import IO, Final
 
 import msgspec
-from msgspec import Meta
 
-from intellwheels_schemas.messages import End, Hex, Map
+from intellwheels_schemas import file_records
+from intellwheels_schemas.errors import WireError
+from intellwheels_schemas.file_records import DEFAULT_WORLD, FORMAT, InputHeader, InputTick, WorldRules
 from intellwheels_server.world import Setup
-from intellwheels_server.world.inputs import Inputs
 
-FORMAT: Final = "iw.v1"
-DEFAULT_WORLD: Final = "main"
-"""The world of a log that does not say it."""
 FLUSH_AFTER: Final = 1.0
 """Seconds a line waits at most before it is in the file."""
 
-
-class Rules(msgspec.Struct, frozen=True, kw_only=True, rename="pascal"):
-    """What a world is made of besides map, seed and period. Bounds are those of `iw-server`'s options."""
-
-    say_limit: Annotated[int, Meta(ge=1, le=1000)]
-    say_range: Annotated[float, Meta(gt=0.0)]
-    command_timeout: Annotated[float, Meta(gt=0.0)]
-    truth: bool
-    strict: bool
-    end: End | None = None
-    say_walls: bool = False
-    say_loss: Annotated[float, Meta(ge=0.0, le=1.0)] = 0.0
-    say_delay: Annotated[float, Meta(ge=0.0, le=3600.0)] = 0.0
+Line = InputTick
+"""A line after the header."""
 
 
-class Header(msgspec.Struct, frozen=True, kw_only=True, rename="pascal"):
+class Header(InputHeader, frozen=True, kw_only=True):
     """The first line."""
-
-    log: str
-    run: Hex
-    map: Map
-    seed: str
-    period: Annotated[float, Meta(ge=0.001, le=1.0)]
-    setup: Rules
-    world: str = DEFAULT_WORLD
-    versions: dict[str, str] = {}
-    cpu: str = ""
 
     def world_setup(self) -> Setup:
         """Return what the world is made of."""
@@ -70,15 +42,6 @@ class Header(msgspec.Struct, frozen=True, kw_only=True, rename="pascal"):
             strict=self.setup.strict,
             end=self.setup.end,
         )
-
-
-class Line(msgspec.Struct, frozen=True, kw_only=True, rename="pascal", omit_defaults=True):
-    """What acted on the step from `tick`, and the hash after it; without a step, the hash at `tick`."""
-
-    tick: int
-    inputs: Inputs
-    hash: str
-    stepped: bool = True
 
 
 class LogError(ValueError):
@@ -112,7 +75,7 @@ class Log:
             map=setup.floor,
             seed=setup.seed,
             period=setup.period,
-            setup=Rules(
+            setup=WorldRules(
                 say_limit=setup.say_limit,
                 say_range=setup.say_range,
                 say_walls=setup.say_walls,
@@ -154,16 +117,13 @@ def read_header(file: IO[bytes], name: str) -> Header:
     """Return the first line of a log.
 
     Raises:
-        LogError: It is none.
+        LogError: It is not the header of an input log, or of a version that this release cannot read.
     """
-    first = file.readline()
     try:
-        header = msgspec.json.decode(first, type=Header)
-    except (msgspec.MsgspecError, UnicodeDecodeError) as error:
-        raise LogError(f"{name}:1: expected the header of an input log, got {error}") from None
-    if header.log != FORMAT:
-        raise LogError(f"{name}:1: expected a log of format {FORMAT}, got {header.log!r}")
-    return header
+        header = file_records.read_header(InputHeader, file.readline(), f"{name}:1")
+    except WireError as error:
+        raise LogError(error.text) from None
+    return Header(**msgspec.structs.asdict(header))
 
 
 def read_lines(file: IO[bytes], name: str) -> Iterator[Line | None]:

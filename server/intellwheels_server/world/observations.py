@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import Any, Final
 
 import msgspec
@@ -45,12 +46,14 @@ def measures(state: State, agent: str) -> Measures:
     body_set = state.body_set
     i = body_set.index[agent]
     figure = body_set.figures[agent]
+    flags = state.flags[:, i].tolist()
     return Measures(
         run=state.run,
         tick=state.tick,
         time=state.time,
-        collision=bool(state.flags[COLLISION, i]),
+        collision=bool(flags[COLLISION]),
         contact=bool(state.numbers[TOUCHING, i]),
+        state=_motor_state(flags),
         sensors=_sensors(state, agent, i),
         message=heard_by(state, agent) if state.heard else (),
         user_input=state.user.get(agent) if figure.wants_user else None,
@@ -84,7 +87,7 @@ def entities(state: State) -> tuple[Entity, ...]:
     x, y, heading = numbers[X].tolist(), numbers[Y].tolist(), numbers[HEADING].tolist()
     speed, turn_rate = numbers[SPEED].tolist(), numbers[TURN_RATE].tolist()
     touching = state.numbers[TOUCHING].tolist()
-    flags = state.flags.tolist()
+    flags = state.flags.T.tolist()
     latest = state.tick - SAY_SHOWN / state.setup.period
     found = []
     for i, name in enumerate(state.names):
@@ -97,10 +100,10 @@ def entities(state: State) -> tuple[Entity, ...]:
                 heading=_shown_heading(heading[i]),
                 speed=speed[i],
                 turn_rate=turn_rate[i],
-                collision=bool(flags[COLLISION][i]),
+                collision=bool(flags[i][COLLISION]),
                 contact=bool(touching[i]),
-                contacts=flags[CONTACTS][i],
-                state=_motor_state(state, i),
+                contacts=flags[i][CONTACTS],
+                state=_motor_state(flags[i]),
                 mode=status.mode,
                 goal=status.goal,
                 say=status.say if status.say is not None and status.say_tick >= latest else None,
@@ -126,20 +129,20 @@ def power_in_force(state: State, agent: str) -> PowerInForce:
         tick=state.tick,
         left_motor=float(state.numbers[LEFT_POWER, i]),
         right_motor=float(state.numbers[RIGHT_POWER, i]),
-        state=_motor_state(state, i),
+        state=_motor_state(state.flags[:, i].tolist()),
     )
 
 
-def _motor_state(state: State, i: int) -> MotorState:
-    flags = state.flags
-    if flags[STALE, i]:
+def _motor_state(flags: Sequence[int]) -> MotorState:
+    """Return whether the motors obey the mind, from the flags of one body."""
+    if flags[STALE]:
         return "stale"
-    if flags[HALTED, i]:
+    if flags[HALTED]:
         return "paused"
-    if flags[TAKEN, i]:
+    if flags[TAKEN]:
         return "taken"
-    if flags[RESTED, i]:
+    if flags[RESTED]:
         return "rested"
-    if flags[TIMED_OUT, i]:
+    if flags[TIMED_OUT]:
         return "timeout"
     return "drive"

@@ -76,6 +76,23 @@ def test_what_is_no_log_is_said_so(tmp_path: Path, data: bytes) -> None:
         read_header(file, "log")
 
 
+def test_log_says_its_version_and_one_of_another_is_refused_in_words(tmp_path: Path) -> None:
+    path = tmp_path / "log"
+    lines = written(path)
+    data = path.read_bytes()
+    assert data.startswith(b'{"Log":"iw.v1","Version":1,"Run":')
+    path.write_bytes(data.replace(b'"Version":1', b'"Version":2'))
+    with (
+        path.open("rb") as file,
+        pytest.raises(LogError, match=r"^log:1: expected an input log of version 1, got vers"),
+    ):
+        read_header(file, "log")
+    path.write_bytes(data.replace(b'"Version":1,', b""))
+    with path.open("rb") as file:
+        assert read_header(file, "log").world_setup() == SETUP
+        assert list(read_lines(file, "log")) == lines
+
+
 def test_a_step_is_not_said_and_no_step_is() -> None:
     line = Line(tick=1, inputs=Inputs(), hash="0" * 16)
     assert msgspec.json.encode(line) == b'{"Tick":1,"Inputs":{},"Hash":"0000000000000000"}'

@@ -13,7 +13,7 @@ from tests.server.log.test_branch import written
 def test_trace_of_a_log_has_every_tick_and_its_hash(tmp_path: Path) -> None:
     hashes = written(tmp_path / "log")
     first, *rest = [msgspec.json.decode(line) for line in trace_lines(tmp_path / "log")]
-    assert (first["Trace"], first["Seed"], first["Period"]) == ("iw.v1", "7", 0.05)
+    assert (first["Trace"], first["Version"], first["Seed"], first["Period"]) == ("iw.v1", 1, "7", 0.05)
     assert [(line["Tick"], line["Hash"]) for line in rest] == list(enumerate(hashes, start=1))
     assert rest[-1]["Body"]["one"]["Power"][0] > 0.0
 

@@ -78,7 +78,7 @@ def test_taken_port_is_said_in_words(capsys: pytest.CaptureFixture[str]) -> None
         taken.listen()
         address = f"tcp/127.0.0.1:{taken.getsockname()[1]}"
         assert main(["--listen", address]) == 1
-    assert f"iw-router: cannot listen at {address}: it is taken" in capsys.readouterr().err
+    assert f"iw-router: cannot listen at {address}: the port is in use" in capsys.readouterr().err
 
 
 def test_router_is_present_and_nobody_else() -> None:

@@ -2,10 +2,10 @@ import math
 
 import pytest
 
-from intellwheels_schemas.codec import decode, encode
-from intellwheels_schemas.messages import Actions, Pose, WorldState
+from intellwheels_schemas.codec import Encoding, decode, encode
+from intellwheels_schemas.messages import Actions, Measures, MotorState, Pose, WorldState
 from intellwheels_server.world import advance, entities, measures, power_in_force
-from intellwheels_server.world.inputs import Inputs
+from intellwheels_server.world.inputs import Inputs, TakeBody, Verdict
 from tests.server.worlds import cart, run, world
 
 
@@ -41,6 +41,33 @@ def test_what_has_no_motors_times_never_out() -> None:
     state, events = run(world({"a": cart(top_speed=0.0)}), 30)
     assert entities(state)[0].state == "drive"
     assert not events
+
+
+@pytest.mark.parametrize("encoding", [Encoding.JSON, Encoding.XML])
+@pytest.mark.parametrize(
+    ("inputs", "told"),
+    [
+        (Inputs(verdicts=(Verdict(agent="a", code="rested"),)), "rested"),
+        (Inputs(verdicts=(Verdict(agent="a", code="stale"),)), "stale"),
+        (Inputs(verdicts=(Verdict(agent="a", code="halt"),)), "paused"),
+        (Inputs(changes=(TakeBody(agent="a"),)), "taken"),
+    ],
+)
+def test_agent_is_told_why_its_body_does_not_obey(inputs: Inputs, told: MotorState, encoding: Encoding) -> None:
+    state, _ = advance(world({"a": cart(type="real")}), Inputs(actions={"a": Actions(left_motor=0.5, right_motor=0.5)}))
+    state, _ = advance(state, inputs)
+    message = decode(Measures, encode(measures(state, "a"), encoding), encoding)
+    assert message.state == told
+    assert message.state == entities(state)[0].state == power_in_force(state, "a").state
+
+
+def test_agent_whose_commands_are_too_old_is_told_and_one_that_drives_is_not() -> None:
+    state, _ = advance(world({"a": cart()}), Inputs(actions={"a": Actions(left_motor=0.5, right_motor=0.5)}))
+    assert b"State" not in encode(measures(state, "a"))
+    state, _ = run(state, 10)
+    assert b'"State":"timeout"' in encode(measures(state, "a"))
+    state, _ = advance(state, Inputs(actions={"a": Actions(left_motor=0.5, right_motor=0.5)}))
+    assert b"State" not in encode(measures(state, "a"))
 
 
 def test_who_is_not_here_has_no_measures() -> None:
