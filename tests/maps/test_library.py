@@ -35,7 +35,7 @@ def test_names_are_sorted_and_have_no_ending() -> None:
 
 
 def test_unknown_shelf_is_an_error() -> None:
-    with pytest.raises(ValueError, match="expected a shelf"):
+    with pytest.raises(ValueError, match="shelf: expected one of floors, robots, scenes"):
         names("cupboards")  # type: ignore[arg-type]
 
 
@@ -78,7 +78,7 @@ def test_finding_names_file_and_line(tmp_path: Path) -> None:
     path = write(tmp_path, "mine.xml", MAP.format(wall=WALL, place="start"))
     with pytest.raises(WireError) as caught:
         floor(path)
-    assert caught.value.text == f"{path}:7: place 'start' is there twice, expected names that differ"
+    assert caught.value.text == f"{path}:7: place 'start' exists twice, expected different names"
     assert caught.value.where == f"{path}:7"
     assert caught.value.code == "value"
 

@@ -11,7 +11,7 @@ import pytest
 
 from tests.e2e.stage import DEADLINE, Stage
 
-EXAMPLE = Path(__file__).parents[3] / "agents" / "examples" / "python" / "avoid.py"
+EXAMPLE = Path(__file__).parents[3] / "agents" / "examples" / "08_another_language" / "python" / "avoid.py"
 
 
 @pytest.fixture
