@@ -27,7 +27,7 @@ points:
     {POINTS}
 examples:
   a program that takes its name and the endpoint as arguments
-      iw-check-agent -- python agents/examples/python/avoid.py {{name}} {{endpoint}}
+      iw-check-agent -- python agents/examples/08_another_language/python/avoid.py {{name}} {{endpoint}}
   a mind of your own
       iw-check-agent -- iw-agent ./my_mind.py --name {{name}} --connect {{endpoint}}
   behind a bridge or router of yours that connects to port 7447

@@ -84,7 +84,7 @@ def placed(chair: str, walls: Map, x: float, y: float, heading_deg: float, **opt
 
 @pytest.mark.parametrize(("y", "heading_deg"), APPROACHES)
 @pytest.mark.parametrize("chair", CHAIRS)
-def test_it_passes_a_doorway_of_0_813_m_without_stopping(
+def test_chair_passes_a_doorway_of_0_813_m_without_stopping(
     request: pytest.FixtureRequest, chair: str, y: float, heading_deg: float
 ) -> None:
     if (chair, y) == STOPS:
@@ -99,7 +99,7 @@ def test_it_passes_a_doorway_of_0_813_m_without_stopping(
 
 @pytest.mark.parametrize("error", [0.0, 0.05])
 @pytest.mark.parametrize("chair", CHAIRS)
-def test_it_drives_along_a_wall_0_152_m_beside(chair: str, error: float) -> None:
+def test_chair_drives_along_a_wall_at_0_152_m(chair: str, error: float) -> None:
     beside = outline(robot(chair)).side + BESIDE_WALL
     arena = placed(chair, ground(block(-2.0, beside, 9.0, beside + 0.2)), 0.0, 0.0, 0.0)
     speeds = Steerer(arena, 3, error).drive_to(5.0, 12.0)
@@ -109,7 +109,7 @@ def test_it_drives_along_a_wall_0_152_m_beside(chair: str, error: float) -> None
 
 
 @pytest.mark.parametrize("chair", CHAIRS)
-def test_it_comes_to_0_104_m_from_an_object_and_gets_away_again(chair: str) -> None:
+def test_chair_comes_within_0_104_m_of_an_object_and_gets_away(chair: str) -> None:
     arena = placed(chair, ground(block(3.0, -0.2, 3.6, 0.2)), 1.0, 0.0, 0.0)
     arena.users["chair1"] = UserInput(forward=1.0)
     arena.run(10.0)
@@ -126,7 +126,7 @@ def test_it_comes_to_0_104_m_from_an_object_and_gets_away_again(chair: str) -> N
 
 
 @pytest.mark.parametrize("chair", CHAIRS)
-def test_it_drives_1_17_m_a_second_and_stops_from_it(chair: str) -> None:
+def test_chair_drives_at_1_17_m_a_second_and_stops(chair: str) -> None:
     walls = ground(block(9.0, -4.0, 9.2, 4.0))
     arena = placed(chair, walls, 0.0, 0.0, 0.0, TopSpeed=str(TOP_SPEED), speed=str(TOP_SPEED))
     arena.users["chair1"] = UserInput(forward=1.0)

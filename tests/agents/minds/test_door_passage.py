@@ -60,7 +60,9 @@ def drive(arena: Arena, y: float, **options: str) -> None:
     ("swing", "metres", "passes"),
     [("right", 3.0, True), ("right", 1.0, False), ("left", 3.6, True), ("left", 3.0, False)],
 )
-def test_range_lets_the_chair_through_as_swept_polygons_say(swing: str, metres: float, passes: bool, y: float) -> None:
+def test_door_range_lets_the_chair_through_as_swept_polygons_predict(
+    swing: str, metres: float, passes: bool, y: float
+) -> None:
     assert touches(swing, metres, y) is not passes
     arena = arena_with_door(swing, metres)
     drive(arena, y, left=str(SPEED), right=str(SPEED))
@@ -71,7 +73,7 @@ def test_range_lets_the_chair_through_as_swept_polygons_say(swing: str, metres: 
     assert arena.paths["chair"][opened][0] + FRONT == pytest.approx(5.95 - metres + 0.05, abs=SPEED * LATENCY)
 
 
-def test_door_never_closes_upon_a_chair_that_stops_in_the_doorway() -> None:
+def test_door_never_closes_on_a_chair_in_the_doorway() -> None:
     arena = arena_with_door("right", 3.0)
     # 8 m to the doorway at 0.5 m/s, then half a minute's rest in it.
     drive(arena, 0.0, script="0:0.5,0.5; 15.6:0,0; 50:0.5,0.5; 60:0,0")
@@ -83,7 +85,7 @@ def test_door_never_closes_upon_a_chair_that_stops_in_the_doorway() -> None:
     assert arena.contacts() == []
 
 
-def test_door_that_is_told_to_open_opens() -> None:
+def test_door_opens_when_it_hears_open() -> None:
     arena = arena_with_door("right", 0.3)
     arena.join("chair", "drive", "rear-wheel", None, {"say": "open"}, Position(x=3.5, y=0.0, heading=0.0))
     arena.run(8.0)

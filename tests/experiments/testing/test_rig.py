@@ -16,7 +16,7 @@ from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.keys import Verb
 from intellwheels_schemas.messages import Result
 
-AVOID = Path(__file__).parents[2] / "agents" / "examples" / "python" / "avoid.py"
+AVOID = Path(__file__).parents[2] / "agents" / "examples" / "08_another_language" / "python" / "avoid.py"
 AHEAD: dict[str, Any] = {"left": 0.3, "right": 0.3}
 
 DIES = """
