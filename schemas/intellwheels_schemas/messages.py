@@ -13,6 +13,8 @@ from typing import Annotated, Any, Final, Literal, get_args
 import msgspec
 from msgspec import Meta, field
 
+from intellwheels_schemas import defaults
+
 MAX_INTEGER: Final = 2**53 - 1
 """The largest integer that every language's JSON keeps exactly."""
 
@@ -1125,15 +1127,17 @@ class Scene(Record, frozen=True, kw_only=True):
     name: Word
     title: Title | None = None
     map: Title
-    seed: Seed = "1"
-    period: Period = 0.05
+    seed: Seed = defaults.SEED
+    period: Period = defaults.PERIOD
     pace: Pace = "lockstep"
     miss: Miss = "strict"
     truth: Annotated[bool, Meta(description="agents may have truth sensors")] = False
-    say_range: Annotated[SayRange, Meta(description="how far a say is heard")] = 8.0
-    say_walls: Annotated[bool, Meta(description="walls and closed doors keep a say from being heard")] = False
-    say_loss: Annotated[Share, Meta(description="share of what agents say that a listener misses")] = 0.0
-    say_delay: Annotated[SayDelay, Meta(description="time a say takes beyond the next tick")] = 0.0
+    say_range: Annotated[SayRange, Meta(description="how far a say is heard")] = defaults.SAY_RANGE
+    say_walls: Annotated[bool, Meta(description="walls and closed doors keep a say from being heard")] = (
+        defaults.SAY_WALLS
+    )
+    say_loss: Annotated[Share, Meta(description="share of what agents say that a listener misses")] = defaults.SAY_LOSS
+    say_delay: Annotated[SayDelay, Meta(description="time a say takes beyond the next tick")] = defaults.SAY_DELAY
     cast: tuple[Cast, ...] = ()
     bridge: tuple[Bridge, ...] = ()
     end: End | None = None

@@ -1,7 +1,7 @@
-"""What goes into the world at a tick. These records are also the lines of the input log.
+"""The inputs of the world at a tick. These records are also the lines of the input log.
 
-Changes act at a tick before its measures are taken, in the order given; actions, poses, user
-input and verdicts act on the step from that tick to the next.
+Changes act at a tick, in the order given, before the measures of that tick. Actions, poses, user input and verdicts act
+on the step from that tick to the next.
 """
 
 from __future__ import annotations
@@ -14,9 +14,9 @@ from intellwheels_schemas.messages import Actions, End, EventCode, Map, Pose, Po
 
 
 class Join(msgspec.Struct, frozen=True, kw_only=True, rename="pascal", omit_defaults=True, tag="Join", tag_field="Do"):
-    """An agent wants a body, or with role `mind` the mind's place at a body that is there.
+    """An agent joins with a body or, with role `mind`, as the mind of a body that is here.
 
-    The service has checked name, token and session; the world checks the robot and finds the place.
+    The service has checked name, token and session; the world checks the robot and finds its place.
     """
 
     agent: str
@@ -26,7 +26,7 @@ class Join(msgspec.Struct, frozen=True, kw_only=True, rename="pascal", omit_defa
 class Depart(
     msgspec.Struct, frozen=True, kw_only=True, rename="pascal", omit_defaults=True, tag="Depart", tag_field="Do"
 ):
-    """An agent's role ends: it left, or its token was lost for longer than the grace time."""
+    """A role of an agent ends: it left, or its token was gone for longer than the grace time."""
 
     agent: str
     role: Literal["both", "body", "mind"] = "both"
@@ -36,7 +36,7 @@ class Depart(
 class SpawnBody(
     msgspec.Struct, frozen=True, kw_only=True, rename="pascal", omit_defaults=True, tag="Spawn", tag_field="Do"
 ):
-    """An operator puts a body without a mind somewhere; `robot.name` names it."""
+    """An operator adds a body without a mind; `robot.name` is its name."""
 
     robot: Robot
     position: Position | None = None
@@ -45,7 +45,7 @@ class SpawnBody(
 class DeleteBody(
     msgspec.Struct, frozen=True, kw_only=True, rename="pascal", omit_defaults=True, tag="Delete", tag_field="Do"
 ):
-    """An operator takes a body out."""
+    """An operator removes a body."""
 
     agent: str
 
@@ -53,7 +53,7 @@ class DeleteBody(
 class TeleportBody(
     msgspec.Struct, frozen=True, kw_only=True, rename="pascal", omit_defaults=True, tag="Teleport", tag_field="Do"
 ):
-    """An operator puts a body somewhere else; with `force` even where it overlaps something."""
+    """An operator moves a body to another pose; with `force`, even where it overlaps something."""
 
     agent: str
     position: Position
@@ -63,7 +63,7 @@ class TeleportBody(
 class TakeBody(
     msgspec.Struct, frozen=True, kw_only=True, rename="pascal", omit_defaults=True, tag="Take", tag_field="Do"
 ):
-    """The simulator obeys the user's input from now on, or with `on=False` no longer."""
+    """From now on the simulator obeys the user of a body instead of its mind; with `on=False`, no longer."""
 
     agent: str
     on: bool = True
@@ -72,14 +72,14 @@ class TakeBody(
 class Speech(
     msgspec.Struct, frozen=True, kw_only=True, rename="pascal", omit_defaults=True, tag="Speech", tag_field="Do"
 ):
-    """An operator's words, heard at the next tick by one agent or by all."""
+    """An operator says something, which one agent or all agents hear at the next tick."""
 
     text: str
     to: str | None = None
 
 
 class Note(msgspec.Struct, frozen=True, kw_only=True, rename="pascal", omit_defaults=True, tag="Note", tag_field="Do"):
-    """Something for the event list that changes no body: paused, resumed, speed, lost, returned."""
+    """An event that changes no body: paused, resumed, speed, lost, returned."""
 
     code: EventCode
     agent: str | None = None
@@ -90,7 +90,7 @@ class Note(msgspec.Struct, frozen=True, kw_only=True, rename="pascal", omit_defa
 class Restart(
     msgspec.Struct, frozen=True, kw_only=True, rename="pascal", omit_defaults=True, tag="Restart", tag_field="Do"
 ):
-    """Reset, and with a map load: a new run at tick 0 with the same bodies at their starts."""
+    """A reset or, with a map, a load: a new run at tick 0 with the same bodies where they started."""
 
     run: str
     seed: str
@@ -101,7 +101,7 @@ class Restart(
 class SaveState(
     msgspec.Struct, frozen=True, kw_only=True, rename="pascal", omit_defaults=True, tag="Save", tag_field="Do"
 ):
-    """Keep the state as the changes before this one left it."""
+    """Save the state that the changes before this one led to."""
 
     slot: str
 
@@ -109,14 +109,14 @@ class SaveState(
 class RestoreState(
     msgspec.Struct, frozen=True, kw_only=True, rename="pascal", omit_defaults=True, tag="Restore", tag_field="Do"
 ):
-    """Go back to a state that was kept, at its tick, as a new run."""
+    """Return to a saved state and its tick, as a new run."""
 
     slot: str
     run: str
 
 
 class GoOn(msgspec.Struct, frozen=True, kw_only=True, rename="pascal", omit_defaults=True, tag="GoOn", tag_field="Do"):
-    """Step on after the end: the end condition no longer counts."""
+    """Continue after the end: the end condition no longer counts."""
 
 
 Change = (
@@ -138,7 +138,7 @@ VerdictCode = Literal["late", "rested", "back", "silent", "stale", "fresh", "hal
 
 
 class Said(msgspec.Struct, frozen=True, kw_only=True, rename="pascal", omit_defaults=True):
-    """What an agent said by `in/<agent>/say`."""
+    """What an agent said with `in/<agent>/say`."""
 
     agent: str
     text: str
@@ -146,11 +146,11 @@ class Said(msgspec.Struct, frozen=True, kw_only=True, rename="pascal", omit_defa
 
 
 class Verdict(msgspec.Struct, frozen=True, kw_only=True, rename="pascal", omit_defaults=True):
-    """What the pace keeper, which has a clock, found of an agent.
+    """What the service, which has a clock, found out about an agent.
 
-    `late`: no answer by the deadline. `rested`: put to rest until `back`. `silent`: no user input for
-    0.3 s. `stale`: no pose of a real body for too long, until `fresh`. `halt`: motors of a real body get 0
-    (paused, or a speed other than 1) until `unhalt`.
+    `late`: no answer by the deadline. `rested`: put to rest, until `back`. `silent`: no user input for 0.3 s. `stale`:
+    no pose of a real body for too long, until `fresh`. `halt`: the motors of a real body get 0, as the run is paused
+    or its speed is not 1, until `unhalt`.
     """
 
     agent: str
