@@ -64,6 +64,7 @@ def imported(path: Path) -> Iterator[str]:
 FILES = list(sources())
 COMMANDS = {
     "intellwheels_schemas.present",
+    "intellwheels_server.command_line",
     "intellwheels_server.service.router",
     "intellwheels_experiments.conformance.__main__",
     "intellwheels_agents.joystick.__main__",

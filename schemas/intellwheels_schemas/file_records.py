@@ -14,6 +14,7 @@ from typing import Annotated, Final, Literal, TypeVar
 import msgspec
 from msgspec import Meta
 
+from intellwheels_schemas import defaults
 from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.messages import (
     Actions,
@@ -33,7 +34,7 @@ FORMAT: Final = "iw.v1"
 VERSION: Final = 1
 """Version of the lines themselves; to be raised when a reader of this one could no longer understand them."""
 
-DEFAULT_WORLD: Final = "main"
+DEFAULT_WORLD: Final = defaults.WORLD
 """World of an input log that names none."""
 
 RunId = Annotated[str, Meta(description="Id of the run.")]
@@ -234,11 +235,11 @@ class WorldRules(FileRecord, frozen=True, kw_only=True, omit_defaults=False):
     """Whether a missed deadline in lockstep ends the run."""
     end: End | None = None
     """End condition of the first run; null means none."""
-    say_walls: bool = False
+    say_walls: bool = defaults.SAY_WALLS
     """Whether walls and closed doors block messages."""
-    say_loss: Annotated[float, Meta(ge=0.0, le=1.0)] = 0.0
+    say_loss: Annotated[float, Meta(ge=0.0, le=1.0)] = defaults.SAY_LOSS
     """Share of messages between agents that a listener misses."""
-    say_delay: Annotated[float, Meta(ge=0.0, le=3600.0)] = 0.0
+    say_delay: Annotated[float, Meta(ge=0.0, le=3600.0)] = defaults.SAY_DELAY
     """Simulated seconds by which a message arrives after the next tick."""
 
 

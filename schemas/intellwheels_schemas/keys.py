@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from typing import Final, Literal, NamedTuple, get_args
 
+from intellwheels_schemas import defaults
 from intellwheels_schemas.messages import Role
 from intellwheels_schemas.names import check_name, is_hex, is_name
 
@@ -65,7 +66,7 @@ class Keys:
         WireError: `value`, if the name of the world is invalid.
     """
 
-    def __init__(self, world: str = "main") -> None:
+    def __init__(self, world: str = defaults.WORLD) -> None:
         self.world = check_name(world, "world")
         self.prefix = p = f"{ROOT}/{world}/"
         self.map = f"{p}map"

@@ -18,11 +18,12 @@ from typing import Any, Final, NamedTuple
 
 import zenoh
 
+from intellwheels_schemas import defaults
 from intellwheels_schemas.channels import Channel
 from intellwheels_schemas.codec import MAX_BYTES, Encoding
 from intellwheels_schemas.names import check_name
 
-DEFAULT_WORLD: Final = "main"
+DEFAULT_WORLD: Final = defaults.WORLD
 DEFAULT_ENDPOINT: Final = "tcp/127.0.0.1:7447"
 QUEUE_ROOM: Final = 16
 """Batches that a transport queues per priority. With Zenoh's default of 2, lockstep of 20 agents loses measures."""

@@ -21,6 +21,8 @@ from typing import Annotated, Any, Final, Literal, get_args
 import msgspec
 from msgspec import Meta, field
 
+from intellwheels_schemas import defaults
+
 MAX_INTEGER: Final = 2**53 - 1
 """The largest integer that JSON keeps exactly in every language."""
 
@@ -1494,22 +1496,22 @@ class Scene(Record, frozen=True, kw_only=True):
     """Name of the scene for people."""
     map: Title
     """Map: the name of a shipped map, or the path of a map file."""
-    seed: Seed = "1"
+    seed: Seed = defaults.SEED
     """Seed of all noise in the run."""
-    period: Period = 0.05
+    period: Period = defaults.PERIOD
     pace: Pace = "lockstep"
     """How time passes: realtime, free (as fast as possible) or lockstep (waits for every member of the barrier)."""
     miss: Miss = "strict"
     """What a missed deadline does in lockstep: strict ends the run, elastic continues without the answer."""
     truth: bool = False
     """Whether agents may have truth sensors."""
-    say_range: SayRange = 8.0
+    say_range: SayRange = defaults.SAY_RANGE
     """Distance from the speaker up to which a message is heard."""
-    say_walls: bool = False
+    say_walls: bool = defaults.SAY_WALLS
     """Whether walls and closed doors block messages."""
-    say_loss: Share = 0.0
+    say_loss: Share = defaults.SAY_LOSS
     """Share of messages between agents that a listener misses."""
-    say_delay: SayDelay = 0.0
+    say_delay: SayDelay = defaults.SAY_DELAY
     """Simulated time by which a message arrives after the next tick."""
     cast: tuple[Cast, ...] = ()
     """Agents to start."""

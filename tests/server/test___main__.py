@@ -7,7 +7,7 @@ import pytest
 from intellwheels_maps import floor
 from intellwheels_schemas import file_records
 from intellwheels_schemas.link import DEFAULT_WORLD
-from intellwheels_server.__main__ import PLAYED_FROM, main
+from intellwheels_server.__main__ import PLAY_NAME_LENGTH, main
 from intellwheels_server.log.input_log import Log
 from intellwheels_server.world import Setup
 
@@ -22,10 +22,10 @@ def outcome(*words: str) -> int | str | None:
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        (["--map", "ward"], "--map does not go with it"),
-        (["--pace", "lockstep"], "--pace does not go with it"),
-        (["--open-loop"], "--open-loop does not go with it"),
-        (["--log", "other"], "--log does not go with it"),
+        (["--map", "ward"], "--map is for live runs"),
+        (["--pace", "lockstep"], "--pace is for live runs"),
+        (["--open-loop"], "--open-loop is for live runs"),
+        (["--log", "other"], "--log is for live runs"),
         (["--world", "No Name"], "--world: expected a name"),
     ],
 )
@@ -48,14 +48,14 @@ def test_a_log_that_is_none_or_not_there_is_said(tmp_path: Path, capsys: pytest.
 
 def test_the_world_of_an_old_log_is_the_one_that_commands_take_by_default() -> None:
     assert file_records.DEFAULT_WORLD == DEFAULT_WORLD
-    assert PLAYED_FROM + len("-play") == 32
+    assert PLAY_NAME_LENGTH + len("-play") == 32
 
 
 def test_a_log_of_reported_poses_goes_with_one_that_is_played_and_must_be_there(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert outcome("--reported", "ward.jsonl") == 2
-    assert "--reported: it goes with --play" in capsys.readouterr().err
+    assert "--reported: only with --play" in capsys.readouterr().err
     path = tmp_path / "log"
     Log(path, Setup(floor=floor("room")), "0" * 16).close()
     assert outcome("--play", str(path), "--reported", str(tmp_path / "none")) == 1

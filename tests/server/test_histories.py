@@ -147,7 +147,7 @@ def check(state: State, outputs: Outputs) -> None:
         for encoding in (Encoding.JSON, Encoding.XML):
             assert decode(Measures, encode(told, encoding), encoding) == told
         decode(PowerInForce, encode(power_in_force(state, name)))
-        decode(Body, encode(Body(run=state.run, tick=state.tick, robot=state.body_set.figures[name].robot)))
+        decode(Body, encode(Body(run=state.run, tick=state.tick, robot=state.body_set.models[name].robot)))
     world = WorldState(run=state.run, tick=state.tick, time=state.time, entity=entities(state))
     assert decode(WorldState, encode(world)) == world
 

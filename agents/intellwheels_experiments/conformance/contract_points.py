@@ -26,6 +26,7 @@ from typing import Final, Literal, NamedTuple, Protocol, TypeAlias
 import msgspec
 
 from intellwheels_experiments.conformance.plausible_readings import readings
+from intellwheels_schemas import defaults
 from intellwheels_schemas.codec import Encoding, decode, encode, encoding_of
 from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.messages import (
@@ -55,7 +56,6 @@ REFUSED_FOR: Final = 3.0
 """Seconds a refused program has to show the words, and to end if it wants to."""
 TOKEN_WITHIN: Final = 1.0
 """Seconds a token may come behind its join: Zenoh keeps no order between them."""
-PERIOD: Final = 0.05
 
 HOSTILE: Final = (
     "]]></Message></Measures><Measures Run='0000000000000000' Tick='99' Time='1.0'/>",
@@ -451,8 +451,8 @@ class Check:
             tick=0,
             session=self._session,
             parameters=Parameters(
-                world=self._world, period=PERIOD, pace="lockstep", say_limit=100, say_range=8.0, command_timeout=0.5,
-                grace=3.0,
+                world=self._world, period=defaults.PERIOD, pace="lockstep", say_limit=defaults.SAY_LIMIT,
+                say_range=defaults.SAY_RANGE, command_timeout=defaults.COMMAND_TIMEOUT, grace=defaults.GRACE,
             ),
             position=Position(x=2.0, y=2.0, heading=0.0),
             robot=msgspec.structs.replace(self._robot, name=self._agent, role="both", format=None),
@@ -470,7 +470,7 @@ class Check:
         measures = Measures(
             run=self._run,
             tick=self._tick,
-            time=self._tick * PERIOD,
+            time=self._tick * defaults.PERIOD,
             sensors=readings(self._robot, self._tick),
             message=heard,
             user_input=UserInput(forward=0.3, turn=0.1) if self._robot.user_input else None,

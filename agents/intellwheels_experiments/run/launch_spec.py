@@ -10,6 +10,7 @@ from typing import Final
 
 import msgspec
 
+from intellwheels_schemas import defaults
 from intellwheels_schemas.messages import Bridge, Cast, Map, Pace, Scene
 
 SERVER: Final = "server"
@@ -58,7 +59,7 @@ class LaunchSpec:
     floor: Map
     logs: Path
     folder: Path | None = None
-    world: str = "main"
+    world: str = defaults.WORLD
     listen: tuple[str, ...] = ()
     connect: tuple[str, ...] = ()
     config: Path | None = None

@@ -47,7 +47,7 @@ def _shown(state: State, name: str, i: int) -> TraceBody:
     numbers, sensors = state.numbers[:, i].tolist(), measures(state, name).sensors
     wheels = sensors.encoders[0] if sensors and sensors.encoders else None
     odometry = sensors.odometry[0] if sensors and sensors.odometry else None
-    user, status = state.user.get(name), state.manners.get(name)
+    user, status = state.user.get(name), state.statuses.get(name)
     return TraceBody(
         pose=(numbers[X], numbers[Y], numbers[HEADING]),
         speed=numbers[SPEED],

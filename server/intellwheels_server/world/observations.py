@@ -1,4 +1,4 @@
-"""What of a state is told: measures to an agent, true states to viewers, powers to real chairs."""
+"""What the world reports of a state: measures to agents, true states to viewers, powers to real chairs."""
 
 from __future__ import annotations
 
@@ -32,20 +32,20 @@ from intellwheels_server.world.sensors import readings
 from intellwheels_server.world.state import BodyStatus, State
 
 SAY_SHOWN: Final = 3.0
-"""Simulated seconds for which the last say stands in the world's state."""
+"""Simulated seconds for which the state of the world shows what an agent said last."""
 
-_SILENT_STATUS: Final = BodyStatus()
+_NO_STATUS: Final = BodyStatus()
 
 
 def measures(state: State, agent: str) -> Measures:
-    """Return what an agent perceives now.
+    """Return the measures of an agent at this tick.
 
     Raises:
-        KeyError: No such body is here.
+        KeyError: There is no such body.
     """
     body_set = state.body_set
     i = body_set.index[agent]
-    figure = body_set.figures[agent]
+    model = body_set.models[agent]
     flags = state.flags[:, i].tolist()
     return Measures(
         run=state.run,
@@ -56,12 +56,12 @@ def measures(state: State, agent: str) -> Measures:
         state=_motor_state(flags),
         sensors=_sensors(state, agent, i),
         message=heard_by(state, agent) if state.heard else (),
-        user_input=state.user.get(agent) if figure.wants_user else None,
+        user_input=state.user.get(agent) if model.wants_user else None,
     )
 
 
 def _sensors(state: State, agent: str, i: int) -> Sensors | None:
-    """Return the readings of the simulated sensors and, after them, those that a real body forwarded."""
+    """Return the readings of the simulated sensors, followed by those that a real body forwarded."""
     virtual = readings(state.body_set.plan, state.samples, state.tick, i)
     real = state.forwarded.get(agent)
     if real is None:
@@ -77,12 +77,12 @@ def _sensors(state: State, agent: str, i: int) -> Sensors | None:
 
 
 def _unstamped(reading: Any, tick: int) -> Any:
-    """Return a reading as it is told at a tick: without its own tick where that is this one."""
+    """Return a reading without its tick if it was sampled at this one."""
     return msgspec.structs.replace(reading, tick=None) if reading.tick == tick else reading
 
 
 def entities(state: State) -> tuple[Entity, ...]:
-    """Return every body's true state, in the order of names; positions and headings to 1e-6."""
+    """Return the true state of every body, sorted by name; all numbers are rounded to 1e-6."""
     numbers = state.numbers.round(6)
     x, y, heading = numbers[X].tolist(), numbers[Y].tolist(), numbers[HEADING].tolist()
     speed, turn_rate = numbers[SPEED].tolist(), numbers[TURN_RATE].tolist()
@@ -91,7 +91,7 @@ def entities(state: State) -> tuple[Entity, ...]:
     latest = state.tick - SAY_SHOWN / state.setup.period
     found = []
     for i, name in enumerate(state.names):
-        status = state.manners.get(name, _SILENT_STATUS)
+        status = state.statuses.get(name, _NO_STATUS)
         found.append(
             Entity(
                 name=name,
@@ -113,15 +113,15 @@ def entities(state: State) -> tuple[Entity, ...]:
 
 
 def _shown_heading(rounded: float) -> float:
-    """Return a rounded heading in (-pi, pi], which rounding may have left by less than 1e-6."""
+    """Return a rounded heading, moved back to (-pi, pi] if rounding took it out by less than 1e-6."""
     return rounded if -math.pi < rounded <= math.pi else math.pi
 
 
 def power_in_force(state: State, agent: str) -> PowerInForce:
-    """Return the power a real chair must give now, and why.
+    """Return the power that a real chair must apply now, and why.
 
     Raises:
-        KeyError: No such body is here.
+        KeyError: There is no such body.
     """
     i = state.body_set.index[agent]
     return PowerInForce(

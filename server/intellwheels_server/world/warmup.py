@@ -1,4 +1,4 @@
-"""Compiling the kernels before anybody waits for them, and showing it while it happens."""
+"""Compiling the kernels before the first tick, with progress on standard error."""
 
 from __future__ import annotations
 
@@ -36,18 +36,18 @@ _PLACE = "start1"
 """A place of the floor `room`."""
 
 HELPER_TIMEOUT = 120.0
-"""Seconds the second process may take to compile its half."""
+"""Seconds that the second process may take to compile its half."""
 
 
 def warm() -> None:
-    """Run a small world, so that every kernel is compiled or read from the cache.
+    """Run a small world, so that every kernel is compiled or loaded from the cache.
 
-    When the cache is empty, standard error says so and how long it has taken, every few seconds.
+    If the cache is empty, lines on standard error say so and show every few seconds how long it has taken.
     """
     if not is_cold(Path(os.environ["NUMBA_CACHE_DIR"])):
         _exercise()
         return
-    print("compiling kernels: once, about 45 s", file=sys.stderr, flush=True)  # noqa: T201 - what a person waits for
+    print("compiling kernels: once, about 45 s", file=sys.stderr, flush=True)  # noqa: T201 - a person waits for it
     began = time.monotonic()
     done = threading.Event()
     watcher = threading.Thread(target=_show, args=(began, done), name="warming", daemon=True)
@@ -67,11 +67,11 @@ def _show(began: float, done: threading.Event) -> None:
 
 
 def _compile_in_two() -> None:
-    """Fill the cache with the two largest kernels at once: numba compiles on one core a process.
+    """Compile the two largest kernels in two processes, as numba uses one core in each.
 
-    A helper that fails is no loss: what it did not compile is compiled afterwards.
+    If the second process fails, its kernels are compiled afterwards.
     """
-    program = "from intellwheels_server import warming; warming.join()"
+    program = "from intellwheels_server.world import warmup; warmup.join()"
     helper = subprocess.Popen(
         [sys.executable, "-c", program],
         stdin=subprocess.DEVNULL,
@@ -89,7 +89,7 @@ def _compile_in_two() -> None:
 
 
 def join() -> State:
-    """Return a world that somebody has just joined: compiles placing and sensing, not stepping."""
+    """Return a world that a chair has just joined. This compiles placing and sensing, but not stepping."""
     state = begin(Setup(floor=floor("room"), truth=True), run="0" * 16)
     return apply(state, [Join(agent="one", robot=_perceptive())])[0]
 
@@ -124,7 +124,7 @@ def _perceptive() -> Robot:
 
 
 def _exercise() -> None:
-    """Two chairs and a table for a few ticks: motion, sensing, contact of bodies and walls, episodes, digest."""
+    """Run two chairs and a table for a few ticks: motion, sensing, contact of bodies and walls, episodes, digest."""
     state = begin(Setup(floor=floor("room"), truth=True, say_walls=True, say_loss=0.01), run="0" * 16)
     chair = _perceptive()
     joins = [Join(agent=name, robot=chair) for name in ("one", "two")]
@@ -132,8 +132,8 @@ def _exercise() -> None:
     drive = {name: Actions(left_motor=1.0, right_motor=0.9, say="warm") for name in ("one", "two")}
     for _ in range(3):
         state, _ = advance(state, Inputs(actions=drive))
-    at = state.body_set.figures["two"].start
-    # Into the other one, and beyond the wall: what may only happen by decree happens here.
+    at = state.body_set.models["two"].start
+    # Into the other chair and beyond the wall: only a forced teleport leads there.
     into = TeleportBody(agent="one", position=Position(x=at.x + 0.5, y=at.y, heading=0.5), force=True)
     beyond = TeleportBody(agent="two", position=Position(x=0.0, y=at.y, heading=3.0), force=True)
     for change in (into, beyond):

@@ -27,7 +27,7 @@ def outline(arena: Arena, name: str, tick: int) -> MultiPolygon:
     shape = unary_union(
         [
             box(part.x - part.length / 2, part.y - part.width / 2, part.x + part.length / 2, part.y + part.width / 2)
-            for part in parts_of(arena.state.body_set.figures[name].robot)
+            for part in parts_of(arena.state.body_set.models[name].robot)
         ]
     )
     turned = affinity.rotate(shape, heading, origin=(0.0, 0.0), use_radians=True)

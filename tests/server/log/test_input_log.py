@@ -10,6 +10,7 @@ from intellwheels_schemas.messages import Actions
 from intellwheels_server.log.input_log import Line, Log, LogError, read_header, read_lines
 from intellwheels_server.world import Setup
 from intellwheels_server.world.inputs import Inputs
+from tests.server.worlds import unusual_setup
 
 RUN = "0123456789abcdef"
 SETUP = Setup(floor=floor("room"), seed="7", say_walls=True, say_loss=0.1, say_delay=0.2)
@@ -97,3 +98,11 @@ def test_a_step_is_not_said_and_no_step_is() -> None:
     line = Line(tick=1, inputs=Inputs(), hash="0" * 16)
     assert msgspec.json.encode(line) == b'{"Tick":1,"Inputs":{},"Hash":"0000000000000000"}'
     assert b'"Stepped":false' in msgspec.json.encode(msgspec.structs.replace(line, stepped=False))
+
+
+def test_header_gives_every_field_of_the_setup_back(tmp_path: Path) -> None:
+    path = tmp_path / "log"
+    setup = unusual_setup()
+    Log(path, setup, "0" * 16).close()
+    with path.open("rb") as file:
+        assert read_header(file, str(path)).world_setup() == setup

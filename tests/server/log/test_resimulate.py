@@ -48,7 +48,7 @@ def test_a_cut_last_line_is_dropped_and_said(tmp_path: Path, capsys: pytest.Capt
     found = resimulate(path)
     assert (found.ticks, found.cut, found.differs) == (4, True, None)
     assert main(["--resimulate", str(path)]) == 0
-    assert "the last line was cut and is dropped" in capsys.readouterr().err
+    assert "the last line is incomplete and is ignored" in capsys.readouterr().err
 
 
 def test_the_first_tick_that_differs_is_named(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

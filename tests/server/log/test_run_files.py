@@ -29,7 +29,7 @@ class World:
         tick = self.state.tick
         self.state, outputs = advance(self.state, inputs)
         for event in outputs.events:
-            self.files.happened(event)
+            self.files.add_event(event)
         self.files.record(tick, inputs, digest(self.state), stepped=True)
 
     def reset(self, seed: str) -> None:
@@ -78,7 +78,7 @@ def test_trace_of_a_log_is_that_of_the_run(tmp_path: Path) -> None:
 def test_event_stands_in_the_line_of_its_tick(tmp_path: Path) -> None:
     world = World(tmp_path)
     world.step(Inputs(changes=(Join(agent="one", robot=robot("rear-wheel")),)))
-    world.files.happened(Event(run=FIRST, tick=2, number=9, code="contact", agent="one", other="wall"))
+    world.files.add_event(Event(run=FIRST, tick=2, number=9, code="contact", agent="one", other="wall"))
     world.step(Inputs())
     world.files.close()
     last = msgspec.json.decode((tmp_path / FIRST / TRACE).read_bytes().splitlines()[-1])

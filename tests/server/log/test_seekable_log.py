@@ -51,7 +51,7 @@ def test_going_on_from_the_beginning_shows_every_tick_of_every_run_once(tmp_path
     place = recording.go_to(recording.runs[0], 0)
     shown = [place]
     while place.position < recording.end:
-        place = recording.go_on(place)
+        place = recording.next_place(place)
         shown.append(place)
     assert [(one.state.run, one.state.tick) for one in shown] == [(one.run, one.tick) for one in seen]
     assert shown[0].state.names == ("chair1",)
@@ -141,7 +141,7 @@ def test_who_leaves_after_the_last_step_is_shown_at_the_end(tmp_path: Path) -> N
     gone = Line(tick=5, inputs=Inputs(changes=(Depart(agent="one"),)), hash="f" * 16, stepped=False)
     path.write_bytes(path.read_bytes() + msgspec.json.encode(gone) + b"\n")
     recording = SeekableLog(path)
-    place = recording.go_on(recording.go_to(RUN, 4))
+    place = recording.next_place(recording.go_to(RUN, 4))
     assert (place.position, place.state.names, digest(place.state)) == (recording.end, ("one",), hashes[5])
     assert recording.go_to(RUN, 5).state.names == ("one",)
     recording.close()

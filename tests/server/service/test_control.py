@@ -125,7 +125,7 @@ def test_bodies_are_spawned_teleported_and_deleted() -> None:
 
 def test_a_live_run_cannot_be_sought() -> None:
     result = Stage().result("seek", b'{"Tick":3}')
-    assert (result.code, result.text) == ("unsupported", "this run is live: only a log that is played can be sought")
+    assert (result.code, result.text) == ("unsupported", "this run is live; only a playback can seek")
 
 
 def test_an_operators_words_are_heard_at_the_tick_after_them() -> None:
@@ -201,4 +201,4 @@ def test_nothing_is_kept_for_a_spawned_body_that_was_deleted() -> None:
     box = Robot(name="box1", length=0.5, width=0.5, top=1.0)
     assert stage.result("spawn", Spawn(robot=box, position=Position(x=2.0, y=2.0, heading=0.0))).code == "ok"
     assert stage.result("delete", Delete(agent="box1")).code == "ok"
-    assert stage.sent[-1][:2] == ("box1", "farewell")
+    assert stage.sent[-1][:2] == ("box1", "undeclare")

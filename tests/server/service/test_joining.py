@@ -17,7 +17,7 @@ from intellwheels_schemas.messages import (
     Take,
 )
 from intellwheels_server.service.arrival import Topic
-from intellwheels_server.service.joining import MOST_WAITING
+from intellwheels_server.service.joining import MAX_WAITING
 from intellwheels_server.world.kernels.rows import X
 from tests.server.stage import Stage, real
 
@@ -43,7 +43,7 @@ def test_a_name_that_is_none_is_refused_in_words_once_and_a_wildcard_not_at_all(
     assert (message.code, ok) == ("name" if topic == "join" else "failed", False)
     assert message.text is not None
     assert message.text.startswith(f"{topic}/<agent>: expected a name")
-    assert stage.ask(topic, "", wild=True) == []
+    assert stage.ask(topic, "", has_wildcards=True) == []
 
 
 def test_leave_in_the_last_actions_leaves() -> None:
@@ -277,8 +277,8 @@ def test_joins_without_token_are_refused_while_a_barrier_is_open() -> None:
     stage = Stage()
     stage.join("chair1")
     wanted = msgspec.structs.replace(robot("rear-wheel"), instance="a" * 16, format=None)
-    replies = [stage.ask("join", f"n{number}", wanted) for number in range(MOST_WAITING + 5)]
-    assert [bool(reply) for reply in replies] == [False] * MOST_WAITING + [True] * 5
+    replies = [stage.ask("join", f"n{number}", wanted) for number in range(MAX_WAITING + 5)]
+    assert [bool(reply) for reply in replies] == [False] * MAX_WAITING + [True] * 5
     stage.work(0.5)
     assert stage.tick == 0
     assert {reply.code for ((reply, _),) in replies if isinstance(reply, Refused)} == {"no-token"}

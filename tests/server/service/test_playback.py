@@ -101,7 +101,7 @@ def test_a_body_that_is_gone_at_the_tick_sought_is_gone(stage: PlayStage) -> Non
     stage.result("seek", Seek(tick=20))
     assert stage.of("body", "chair2")
     stage.result("seek", Seek(tick=5))
-    assert stage.of("farewell", "chair2")
+    assert stage.of("undeclare", "chair2")
     assert [entity.name for entity in stage.of("state")[-1].entity] == ["chair1"]
     told = len(stage.measures("chair2"))
     stage.work(0.1)
@@ -167,11 +167,11 @@ def test_steps_end_with_the_log(stage: PlayStage, seen: list[Seen]) -> None:
     ],
 )
 def test_a_played_log_cannot_be_steered(stage: PlayStage, verb: str, data: bytes) -> None:
-    before = len(stage.live_run.state.kept)
+    before = len(stage.live_run.state.saved)
     result = stage.result(verb, data)
     assert (result.code, result.text) == ("unsupported", "a played log cannot be steered")
     assert stage.live_run.state.names == ("chair1",)
-    assert len(stage.live_run.state.kept) == before
+    assert len(stage.live_run.state.saved) == before
 
 
 def test_nobody_joins_leaves_or_drives(stage: PlayStage) -> None:
@@ -186,7 +186,7 @@ def test_nobody_joins_leaves_or_drives(stage: PlayStage) -> None:
     assert [(error.code, error.text) for error in stage.errors("chair1")] == [
         ("not-joined", "actions: a played log cannot be steered")
     ]
-    assert stage.ask("join", "", Robot(), wild=True) == []
+    assert stage.ask("join", "", Robot(), has_wildcards=True) == []
 
 
 def test_who_asks_is_answered_and_quit_ends_it(stage: PlayStage) -> None:

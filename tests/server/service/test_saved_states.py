@@ -89,10 +89,10 @@ def test_saves_survive_a_reset_and_the_oldest_makes_room() -> None:
     later(stage, "reset", Reset(seed="2"))
     assert stage.live_run.state.setup.seed == "2"
     gone = later(stage, "restore", Restore(slot="s2"))
-    assert (gone.code, (gone.text or "").startswith("no slot 's2' here; kept: s3, s4")) == ("not-found", True)
+    assert (gone.code, (gone.text or "").startswith("no slot 's2' here; there are: s3, s4")) == ("not-found", True)
     assert later(stage, "restore", Restore(slot="s3")).hash == hashes["s3"]
     assert stage.live_run.state.setup.seed == "1"
-    assert all(kept.state.kept == () for kept in stage.live_run.state.kept)
+    assert all(saved.state.saved == () for saved in stage.live_run.state.saved)
 
 
 def test_restoring_while_paused_stays_paused() -> None:
@@ -154,7 +154,7 @@ def test_another_robot_of_that_name_takes_the_place_of_the_body_that_was_left() 
     stage.ask("leave", "chair2", Leave(session=stage.sessions.pop("chair2")))
     stage.result("restore", Restore(slot="s1"))
     stage.join("chair2", "mid-wheel", instance="c" * 16)
-    assert stage.live_run.state.body_set.figures["chair2"].robot.top_speed == robot("mid-wheel").top_speed
+    assert stage.live_run.state.body_set.models["chair2"].robot.top_speed == robot("mid-wheel").top_speed
     assert stage.events()[-2:] == ["left", "joined"]
 
 

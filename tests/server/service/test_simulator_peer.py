@@ -37,7 +37,7 @@ from intellwheels_schemas.messages import (
     WorldState,
 )
 from intellwheels_server.service.arrival import Put
-from intellwheels_server.service.simulator_peer import Post
+from intellwheels_server.service.simulator_peer import ArrivalReader
 
 DEADLINE = 20.0
 KEYS = Keys("main")
@@ -300,8 +300,8 @@ def test_the_lifeline_ends_the_process() -> None:
     [
         (["--map", "nowhere"], "expected one of the floors"),
         (["--world", "Not A Name"], "--world: expected a name"),
-        (["--speed", "2", "--pace", "lockstep"], "only real time has a speed"),
-        (["--open-loop"], "it is for --pace free"),
+        (["--speed", "2", "--pace", "lockstep"], "--speed: expected pace realtime, got lockstep"),
+        (["--open-loop"], "--open-loop: expected pace free, got realtime"),
         (["--period", "7"], "--period: expected seconds"),
         (["--expect", "chair1,Bad"], "--expect"),
         (["--speed", "0"], "expected a number above 0"),
@@ -329,9 +329,9 @@ def test_help_shows_how_to_begin(capsys: pytest.CaptureFixture[str]) -> None:
     assert "--resimulate" in shown
 
 
-def test_keys_that_are_nobodys_are_not_remembered() -> None:
-    post = Post(Keys("main"))
+def test_unknown_keys_are_not_remembered() -> None:
+    reader = ArrivalReader(Keys("main"))
     for number in range(10):
-        assert post.open(link.Put(f"iw/v1/main/in/{'x' * 60_000}{number}/actions", b"{}", "")) is None
-    assert post.open(link.Put("iw/v1/main/in/chair1/actions", b"{}", "")) == Put("chair1", "actions", b"{}", "")
-    assert list(post._known) == ["iw/v1/main/in/chair1/actions"]
+        assert reader.read(link.Put(f"iw/v1/main/in/{'x' * 60_000}{number}/actions", b"{}", "")) is None
+    assert reader.read(link.Put("iw/v1/main/in/chair1/actions", b"{}", "")) == Put("chair1", "actions", b"{}", "")
+    assert list(reader._known) == ["iw/v1/main/in/chair1/actions"]

@@ -4,7 +4,7 @@ import msgspec
 
 from intellwheels_maps import robot
 from intellwheels_schemas.messages import Body, Event, Position, Teleport
-from intellwheels_server.service.truth_filter import nominal, placeless
+from intellwheels_server.service.truth_filter import nominal, without_positions
 from tests.server.stage import Stage
 
 EVENT = Event(
@@ -14,12 +14,12 @@ CROOKED = msgspec.structs.replace(robot("rear-wheel"), wheel_ratio=1.002, wheel_
 
 
 def test_an_event_keeps_who_and_loses_where() -> None:
-    assert placeless(EVENT) == Event(run="0" * 16, tick=3, number=1, code="contact", agent="a", other="wall")
+    assert without_positions(EVENT) == Event(run="0" * 16, tick=3, number=1, code="contact", agent="a", other="wall")
 
 
 def test_the_clock_s_speed_is_no_secret() -> None:
     event = Event(run="0" * 16, tick=3, number=1, code="speed", speed=2.0)
-    assert placeless(event) is event
+    assert without_positions(event) is event
 
 
 def test_a_robot_is_told_as_its_data_sheet_has_it() -> None:

@@ -10,10 +10,10 @@ from tests.server.worlds import cart, floor_of
 
 
 def test_figure_is_the_robot_as_accepted() -> None:
-    figure = body_model_of("a", cart(format="iw.v1", command_timeout=0.12), Setup(floor=floor_of()))
-    assert (figure.robot.name, figure.robot.format) == ("a", None)
+    model = body_model_of("a", cart(format="iw.v1", command_timeout=0.12), Setup(floor=floor_of()))
+    assert (model.robot.name, model.robot.format) == ("a", None)
     # 0.12 s is over in three steps of 0.05 s.
-    assert figure.timeout == 3
+    assert model.timeout == 3
     assert body_model_of("a", cart(), Setup(floor=floor_of())).timeout == 10
 
 

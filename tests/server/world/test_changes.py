@@ -56,10 +56,10 @@ def test_mind_joins_a_body_that_is_here_and_leaves_it_standing() -> None:
     assert outcome.code == "ok"
     assert outcome.robot is not None
     assert outcome.robot.top_speed == 1.0
-    assert state.body_set.figures["a"].wants_user
+    assert state.body_set.models["a"].wants_user
     state, _, _ = do(state, Depart(agent="a", role="mind"))
     assert state.names == ("a",)
-    assert not state.body_set.figures["a"].wants_user
+    assert not state.body_set.models["a"].wants_user
 
 
 def test_columns_follow_their_names_when_bodies_come_and_go() -> None:

@@ -26,7 +26,7 @@ with event.install_recorder("numba:compile") as compiled:
     state, _ = apply(state, joins)
     here = [name for name in state.names]
     if len(here) > 1:
-        at = state.body_set.figures[here[0]].start
+        at = state.body_set.models[here[0]].start
         there = Position(x=at.x + 0.3, y=at.y, heading=1.0)
         state, _ = apply(state, [TeleportBody(agent=here[1], position=there, force=True)])
     for _ in range(100):

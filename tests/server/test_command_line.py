@@ -6,7 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from intellwheels_server.__main__ import main, options_of, parser
+from intellwheels_server.__main__ import main
+from intellwheels_server.command_line import options_of, parser
 
 
 def test_say_is_kept_lost_or_late_by_options_and_by_default_not() -> None:
