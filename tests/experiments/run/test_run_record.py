@@ -68,9 +68,9 @@ def test_event_counts_once_and_a_gap_is_wanted_until_it_is_filled() -> None:
     for number in (0, 2, 2, 0):
         record.on_event(event(number))
     assert record.counts == {"joined": 2}
-    assert record.wanted == 1
+    assert record.next_missing == 1
     record.on_events(Events(run=RUN, oldest=0, next=4, event=(event(1), event(3, "contact"))))
-    assert record.wanted == 4
+    assert record.next_missing == 4
     assert record.counts == {"joined": 3, "contact": 1}
 
 

@@ -1,4 +1,4 @@
-"""Moments are whole, in order, and of one run."""
+"""Moments are complete, in order, and of one run."""
 
 from __future__ import annotations
 
@@ -36,11 +36,11 @@ def test_path_has_a_point_for_each_tick_and_the_later_of_equals() -> None:
     assert history.paths["chair1"] == [Point(0.0, 1.0, 1.0, 0.5), Point(0.5, 2.5, 1.0, 0.5), Point(1.0, 3.0, 1.0, 0.5)]
 
 
-def test_state_that_is_older_is_no_moment() -> None:
+def test_older_state_gives_no_moment() -> None:
     history = History()
     history.on_state(state(5, 1.0))
     history.on_state(state(4, 9.0))
-    assert [moment.tick for moment in history.fresh] == [5]
+    assert [moment.tick for moment in history.unread] == [5]
 
 
 def test_moment_needs_all_parts_of_one_tick() -> None:
