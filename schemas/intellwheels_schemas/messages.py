@@ -363,9 +363,6 @@ class Truth(Record, frozen=True, kw_only=True):
     source: Source = "simulated"
 
 
-SensorDeclaration = Proximity | Lidar | Encoders | Odometry | Compass | GPS | IMU | Beacon | Ground | Bumper | Truth
-
-
 # ---------------------------------------------------------------- joining
 
 

@@ -1,7 +1,7 @@
 """Where compiled kernels are kept. Chosen in code, before numba is imported.
 
-The folder's name carries a digest of every kernel's source: numba renews a cached function
-when its own file changes, not when a function it calls in another file does.
+The folder's name carries a digest of every file that can hold a kernel: numba compiles a cached function again when its
+own file changes, not when a function that it calls in another file does.
 """
 
 from __future__ import annotations
@@ -16,6 +16,8 @@ from importlib.resources.abc import Traversable
 from pathlib import Path
 
 _VARIABLE = "NUMBA_CACHE_DIR"
+# Folders of this package that hold kernels. A kind of sensor may call a kernel of another kind.
+_FOLDERS = ("kernels", "sensors")
 BAKED = "INTELLWHEELS_KERNELS"
 """Names a folder of kernels compiled when an image was built. Numba wants to write where it reads: they are copied."""
 
@@ -46,15 +48,16 @@ def is_cold(folder: Path) -> bool:
 def source_digest() -> str:
     """Return 12 hex digits that change with any kernel's source."""
     digest = hashlib.blake2b(digest_size=6)
-    for file in sorted(_kernel_files(), key=lambda file: file.name):
-        digest.update(file.name.encode())
-        digest.update(file.read_bytes())
+    for folder in _FOLDERS:
+        for file in _sources(folder):
+            digest.update(f"{folder}/{file.name}".encode())
+            digest.update(file.read_bytes())
     return digest.hexdigest()
 
 
-def _kernel_files() -> list[Traversable]:
-    package = resources.files("intellwheels_server").joinpath("world", "kernels")
-    return [file for file in package.iterdir() if file.name.endswith(".py")]
+def _sources(folder: str) -> list[Traversable]:
+    package = resources.files("intellwheels_server").joinpath(folder)
+    return sorted((file for file in package.iterdir() if file.name.endswith(".py")), key=lambda file: file.name)
 
 
 def _first_writable() -> Path:

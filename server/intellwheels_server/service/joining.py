@@ -31,7 +31,7 @@ from intellwheels_server.world.inputs import (
     Note,
     TakeBody,
 )
-from intellwheels_server.world.kernels.rows import HALTED, HEADING, STALE, X, Y
+from intellwheels_server.world.kernels import rows
 
 TOKEN_WAIT: Final = 0.3
 """Seconds a join waits for its token, which travels apart from it."""
@@ -243,11 +243,11 @@ def is_vacant(service: ServiceState, agent: str) -> bool:
 def bridge_of(service: ServiceState, agent: str, now: float) -> Bridge:
     """Return what is known of a real body's reports, as the world has it. The body must be here."""
     flags = service.state.flags[:, service.state.body_set.index[agent]]
-    return Bridge(at=now, stale=bool(flags[STALE]), halted=bool(flags[HALTED]))
+    return Bridge(at=now, stale=bool(flags[rows.STALE]), halted=bool(flags[rows.HALTED]))
 
 
 def _position_of(service: ServiceState, agent: str) -> Position:
-    x, y, heading = service.state.numbers[[X, Y, HEADING], service.state.body_set.index[agent]].tolist()
+    x, y, heading = service.state.numbers[[rows.X, rows.Y, rows.HEADING], service.state.body_set.index[agent]].tolist()
     return Position(x=x, y=y, heading=heading)
 
 

@@ -8,7 +8,7 @@ from intellwheels_server.service import outbound
 from intellwheels_server.service.service_state import ServiceState
 from intellwheels_server.world import State
 from intellwheels_server.world.inputs import Inputs
-from intellwheels_server.world.kernels.rows import RESTED
+from intellwheels_server.world.kernels import rows
 
 
 def begin_new_run(service: ServiceState, before: State, now: float) -> None:
@@ -24,7 +24,7 @@ def begin_new_run(service: ServiceState, before: State, now: float) -> None:
     service.changes.clear()
     service.close_steps("failed", "the run was begun anew")
     service.latch.clear()
-    names, rested = service.state.names, np.nonzero(service.state.flags[RESTED])[0].tolist()
+    names, rested = service.state.names, np.nonzero(service.state.flags[rows.RESTED])[0].tolist()
     service.barrier.begin_new_run(names[i] for i in rested)
     service.held, service.open = True, False
     service.metronome.late = 0

@@ -19,7 +19,7 @@ from intellwheels_server.service.roster import Seat, new_hex, same_body
 from intellwheels_server.service.service_state import ServiceState
 from intellwheels_server.world.body_set import BodyModel
 from intellwheels_server.world.inputs import RestoreState, SaveState, TakeBody
-from intellwheels_server.world.kernels.rows import SILENT, TAKEN
+from intellwheels_server.world.kernels import rows
 
 
 def save(service: ServiceState, ask: Ask, _message: Any, now: float) -> None:
@@ -79,9 +79,9 @@ def _fits(seat: Seat, figure: BodyModel) -> bool:
 def _agree_on_users(service: ServiceState, before: tuple[str, ...], now: float) -> None:
     """Let leases and silences be those of the state: no body is taken without a lease, none drives on unheard."""
     flags = service.state.flags
-    taken = {name for i, name in enumerate(service.state.names) if flags[TAKEN, i]}
+    taken = {name for i, name in enumerate(service.state.names) if flags[rows.TAKEN, i]}
     for i, name in enumerate(service.state.names):
-        if not flags[SILENT, i]:
+        if not flags[rows.SILENT, i]:
             service.leases.hear(name, now)
     for name in {*before, *service.state.names} - taken:
         service.leases.free(name)

@@ -36,7 +36,7 @@ from intellwheels_server.world.changes import Outcome, Outputs, change
 from intellwheels_server.world.digest import digest, map_hash
 from intellwheels_server.world.ending import check_end
 from intellwheels_server.world.inputs import Change, Inputs
-from intellwheels_server.world.kernels.rows import FLAG_ROWS, NUMBER_ROWS
+from intellwheels_server.world.kernels import rows
 from intellwheels_server.world.map_geometry import walls_of
 from intellwheels_server.world.observations import entities, measures, power_in_force
 from intellwheels_server.world.state import Setup, State, no_episodes
@@ -79,8 +79,8 @@ def begin(setup: Setup, run: str) -> State:
         setup=setup,
         walls=walls,
         body_set=body_set,
-        numbers=np.zeros((NUMBER_ROWS, 0)),
-        flags=np.zeros((FLAG_ROWS, 0), dtype=np.int64),
+        numbers=np.zeros((rows.NUMBER_ROWS, 0)),
+        flags=np.zeros((rows.FLAG_ROWS, 0), dtype=np.int64),
         samples=samples,
         episodes=no_episodes(),
     )

@@ -16,8 +16,9 @@ from intellwheels_schemas.errors import RequestRefusedError
 from intellwheels_schemas.messages import Position, Robot
 from intellwheels_schemas.rules import parts_of
 from intellwheels_server.world.kernels.arrays import Bodies, Box, Floats, Ints, Shape, bodies_from, key_of
-from intellwheels_server.world.kernels.motion import MOTOR_ROWS, lag, wheel_scales
+from intellwheels_server.world.kernels.motor_model import MOTOR_ROWS, motor_figures
 from intellwheels_server.world.kernels.noise import noise_key
+from intellwheels_server.world.kernels.wheel_slip import FLAW_ROWS, slip_figures
 from intellwheels_server.world.sensors import SensorPlan, check_sensors, plan_sensors
 
 if TYPE_CHECKING:
@@ -35,7 +36,7 @@ class BodyModel(msgspec.Struct, frozen=True, kw_only=True):
         robot: As accepted, with its name.
         shape: Its parts, for the kernels.
         key: 53 bits of its name, by which kernels break ties.
-        held: True for a real chair, which only its bridge moves.
+        externally_posed: True for a real chair, which only its bridge moves.
         timeout: Steps after which a command no longer counts.
         start: Where it joined.
         mind_input: The user input that a mind in another process declared.
@@ -45,7 +46,7 @@ class BodyModel(msgspec.Struct, frozen=True, kw_only=True):
     robot: Robot
     shape: Shape
     key: int
-    held: bool
+    externally_posed: bool
     timeout: int
     start: Position
     mind_input: tuple[str, ...] = ()
@@ -65,8 +66,8 @@ class BodySet(msgspec.Struct, frozen=True, kw_only=True):
         by_key: The name of each key.
         figures: By name.
         bodies: Shapes, for contact and sensing.
-        motors: float64[8, n], motor figures, rows of `kernels.motion`.
-        flaws: float64[2, n]: standard deviation of the motors' output, share by which blocked wheels turn on.
+        motors: float64[8, n], motor figures, rows of `kernels.motor_model`.
+        flaws: float64[FLAW_ROWS, n]: how motors err and wheels slip, rows of `kernels.motor_power` and `wheel_slip`.
         noise: Keys of the motors' noise, uint64[2, n].
         limits: int64[2, n]: steps until a command times out; 1 for real bodies.
         doors: int64[n], 1 for doors, which keep a say from being heard where walls do.
@@ -95,7 +96,7 @@ def body_model_of(name: str, robot: Robot, setup: Setup) -> BodyModel:
     if robot.role == "mind":
         raise RequestRefusedError("field", "Robot.Role: expected both or body, got 'mind'")
     robot = msgspec.structs.replace(robot, name=name, format=None)
-    held = robot.type == "real"
+    externally_posed = robot.type == "real"
     check_sensors(robot, setup.floor, truth=setup.truth)
     parts = parts_of(robot)
     if not parts:
@@ -109,11 +110,11 @@ def body_model_of(name: str, robot: Robot, setup: Setup) -> BodyModel:
         shape=Shape(
             name=name,
             boxes=[Box(part.x, part.y, part.length, part.width, part.bottom, part.top) for part in parts],
-            held=held,
+            externally_posed=externally_posed,
             anchored=robot.anchored,
         ),
         key=key_of(name),
-        held=held,
+        externally_posed=externally_posed,
         timeout=math.ceil(timeout / setup.period - 1e-9),
         start=Position(x=0.0, y=0.0, heading=0.0),
     )
@@ -148,31 +149,19 @@ def assemble(
         by_key={figures[name].key: name for name in names},
         figures={name: figures[name] for name in names},
         bodies=bodies_from([figure.shape for figure in ordered]),
-        motors=_block([_motor(figure.robot, setup.period) for figure in ordered], MOTOR_ROWS),
-        flaws=_block([(figure.robot.motor_noise, figure.robot.slip) for figure in ordered], 2),
+        motors=_block([motor_figures(figure.robot, setup.period) for figure in ordered], MOTOR_ROWS),
+        flaws=_block([(figure.robot.motor_noise, *slip_figures(figure.robot)) for figure in ordered], FLAW_ROWS),
         noise=np.array([[int(a) for a, _ in keys], [int(b) for _, b in keys]], dtype=np.uint64)
         .reshape(2, len(names))
         .view(np.int64),
         limits=np.array(
-            [[figure.timeout for figure in ordered], [int(figure.held) for figure in ordered]], dtype=np.int64
+            [[figure.timeout for figure in ordered], [int(figure.externally_posed) for figure in ordered]],
+            dtype=np.int64,
         ).reshape(2, len(names)),
         doors=np.array([figure.robot.kind == "door" for figure in ordered], dtype=np.int64),
         plan=plan,
     )
     return body_set, samples
-
-
-def _motor(robot: Robot, period: float) -> tuple[float, ...]:
-    kept, settling = lag(robot.acceleration_curve, period)
-    return (
-        robot.track * robot.track_ratio,
-        robot.top_speed,
-        kept,
-        settling,
-        math.inf if robot.acceleration_limit is None else robot.acceleration_limit,
-        math.inf if robot.turn_limit is None else robot.turn_limit,
-        *wheel_scales(robot.wheel_ratio, robot.wheel_scale),
-    )
 
 
 def _block(columns: list[tuple[float, ...]], rows: int) -> Floats:

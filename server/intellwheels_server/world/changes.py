@@ -17,19 +17,8 @@ from intellwheels_schemas.messages import Event, EventCode, Position, RefusedCod
 from intellwheels_server.world import inputs as do
 from intellwheels_server.world.body_set import BodyModel, BodySet, assemble, body_model_of
 from intellwheels_server.world.ending import check_end
+from intellwheels_server.world.kernels import rows
 from intellwheels_server.world.kernels.arrays import Floats, Ints
-from intellwheels_server.world.kernels.rows import (
-    FLAG_ROWS,
-    HALTED,
-    HEADING,
-    LICENCE,
-    NUMBER_ROWS,
-    POSE_AGE,
-    SILENT,
-    TAKEN,
-    X,
-    Y,
-)
 from intellwheels_server.world.map_geometry import walls_of
 from intellwheels_server.world.placement import TOUCH, Crowd, in_range, place
 from intellwheels_server.world.sensors import sense
@@ -115,7 +104,7 @@ class Draft:
             self._crowd = Crowd(self.walls, self.setup.floor)
             for name, figure in self.figures.items():
                 numbers = self.numbers[name]
-                self._crowd.add(name, figure, numbers[X], numbers[Y], numbers[HEADING])
+                self._crowd.add(name, figure, numbers[rows.X], numbers[rows.Y], numbers[rows.HEADING])
         return self._crowd
 
     def event(
@@ -137,11 +126,11 @@ class Draft:
 
     def put(self, name: str, figure: BodyModel, position: Position) -> None:
         """Add a body at rest, or replace what is known of it."""
-        numbers = np.zeros(NUMBER_ROWS)
-        numbers[X], numbers[Y], numbers[HEADING] = position.x, position.y, position.heading
-        flags = np.zeros(FLAG_ROWS, dtype=np.int64)
-        flags[SILENT] = 1
-        flags[POSE_AGE] = 1 if figure.held else 0  # where it joined counts as its pose of this tick
+        numbers = np.zeros(rows.NUMBER_ROWS)
+        numbers[rows.X], numbers[rows.Y], numbers[rows.HEADING] = position.x, position.y, position.heading
+        flags = np.zeros(rows.FLAG_ROWS, dtype=np.int64)
+        flags[rows.SILENT] = 1
+        flags[rows.POSE_AGE] = 1 if figure.externally_posed else 0  # where it joined counts as its pose of this tick
         self.figures[name] = figure
         self.numbers[name] = numbers
         self.flags[name] = flags
@@ -196,8 +185,8 @@ class Draft:
 
 def _columns(body_set: BodySet, numbers: dict[str, Floats], flags: dict[str, Ints]) -> tuple[Floats, Ints]:
     count = len(body_set.names)
-    number_block = np.empty((NUMBER_ROWS, count))
-    flag_block = np.empty((FLAG_ROWS, count), dtype=np.int64)
+    number_block = np.empty((rows.NUMBER_ROWS, count))
+    flag_block = np.empty((rows.FLAG_ROWS, count), dtype=np.int64)
     for i, name in enumerate(body_set.names):
         number_block[:, i] = numbers[name]
         flag_block[:, i] = flags[name]
@@ -241,7 +230,7 @@ def _join_mind(one: do.Join, draft: Draft) -> Outcome:
     draft.bodies_changed = True
     draft.event("joined", one.agent, "mind")
     return Outcome(
-        position=Position(x=float(numbers[X]), y=float(numbers[Y]), heading=float(numbers[HEADING])),
+        position=Position(x=float(numbers[rows.X]), y=float(numbers[rows.Y]), heading=float(numbers[rows.HEADING])),
         robot=figure.robot,
     )
 
@@ -252,8 +241,8 @@ def _settle(name: str, robot: Robot, draft: Draft) -> Outcome:
     position = place(figure, draft.setup.floor, draft.crowd)
     figure = msgspec.structs.replace(figure, start=position)
     draft.put(name, figure, position)
-    if figure.held:  # a real chair is where it is: what it overlaps may stay as deep
-        draft.numbers[name][LICENCE] = draft.crowd.depth_at(name)
+    if figure.externally_posed:  # a real chair is where it is: what it overlaps may stay as deep
+        draft.numbers[name][rows.ALLOWED_PENETRATION] = draft.crowd.depth_at(name)
     return Outcome(position=position, robot=figure.robot)
 
 
@@ -300,19 +289,19 @@ def _teleport(one: do.TeleportBody, draft: Draft) -> Outcome:
     figure = draft.figures.get(one.agent)
     if figure is None:
         return _not_found(one.agent)
-    if figure.held:
+    if figure.externally_posed:
         return Outcome(code="failed", text=f"agent '{one.agent}' is a real chair: only its bridge says where it is")
     crowd, at = draft.crowd, in_range(one.position)
     before = draft.numbers[one.agent]
     crowd.add(one.agent, figure, at.x, at.y, at.heading)
     obstacle = None if one.force else crowd.in_the_way(one.agent)
     if obstacle is not None:
-        crowd.add(one.agent, figure, before[X], before[Y], before[HEADING])
+        crowd.add(one.agent, figure, before[rows.X], before[rows.Y], before[rows.HEADING])
         return Outcome(code="failed", refused="overlaps", text=f"agent '{one.agent}' would overlap {obstacle} there")
-    numbers = np.zeros(NUMBER_ROWS)
+    numbers = np.zeros(rows.NUMBER_ROWS)
     numbers[:] = before
-    numbers[X], numbers[Y], numbers[HEADING] = at.x, at.y, at.heading
-    numbers[LICENCE] = crowd.depth_at(one.agent)
+    numbers[rows.X], numbers[rows.Y], numbers[rows.HEADING] = at.x, at.y, at.heading
+    numbers[rows.ALLOWED_PENETRATION] = crowd.depth_at(one.agent)
     draft.numbers[one.agent] = numbers
     draft.event("teleported", one.agent)
     return Outcome(position=at)
@@ -323,8 +312,8 @@ def _take(one: do.TakeBody, draft: Draft) -> Outcome:
     if one.agent not in draft.figures:
         return _not_found(one.agent)
     flags = draft.flags[one.agent]
-    if flags[TAKEN] != int(one.on):
-        flags[TAKEN] = int(one.on)
+    if flags[rows.TAKEN] != int(one.on):
+        flags[rows.TAKEN] = int(one.on)
         draft.event("taken" if one.on else "released", one.agent)
     return Outcome()
 
@@ -412,7 +401,7 @@ def _restart(one: do.Restart, draft: Draft) -> Outcome:
         figure = msgspec.structs.replace(figures[name], start=position, mind_input=minds[name])
         crowd.add(name, figure, position.x, position.y, position.heading)
         placed.append((name, figure, position))
-    halted = {name: flags[HALTED] for name, flags in draft.flags.items()}
+    halted = {name: flags[rows.HALTED] for name, flags in draft.flags.items()}
     draft.run, draft.tick, draft.setup, draft.walls = one.run, 0, setup, walls
     draft.figures, draft.numbers, draft.flags = {}, {}, {}
     draft.manners, draft.user, draft.forwarded = {}, {}, {}
@@ -423,10 +412,10 @@ def _restart(one: do.Restart, draft: Draft) -> Outcome:
     draft.restarted, draft._crowd = True, crowd
     for name, figure, position in placed:
         draft.put(name, figure, position)
-        draft.flags[name][HALTED] = halted[name]
+        draft.flags[name][rows.HALTED] = halted[name]
     for name, _, _ in placed:
         depth = crowd.depth_at(name)
-        draft.numbers[name][LICENCE] = depth if depth > TOUCH else 0.0
+        draft.numbers[name][rows.ALLOWED_PENETRATION] = depth if depth > TOUCH else 0.0
     draft.event("loaded" if one.map is not None else "reset", text=setup.floor.name if one.map is not None else None)
     return Outcome()
 

@@ -10,23 +10,7 @@ import msgspec
 from intellwheels_schemas.messages import Entity, Measures, MotorState, PowerInForce, Sensors
 from intellwheels_schemas.rules import SENSOR_KINDS
 from intellwheels_server.world.hearing import heard_by
-from intellwheels_server.world.kernels.rows import (
-    COLLISION,
-    CONTACTS,
-    HALTED,
-    HEADING,
-    LEFT_POWER,
-    RESTED,
-    RIGHT_POWER,
-    SPEED,
-    STALE,
-    TAKEN,
-    TIMED_OUT,
-    TOUCHING,
-    TURN_RATE,
-    X,
-    Y,
-)
+from intellwheels_server.world.kernels import rows
 from intellwheels_server.world.sensors import readings
 from intellwheels_server.world.state import BodyStatus, State
 
@@ -49,8 +33,8 @@ def measures(state: State, agent: str) -> Measures:
         run=state.run,
         tick=state.tick,
         time=state.time,
-        collision=bool(state.flags[COLLISION, i]),
-        contact=bool(state.numbers[TOUCHING, i]),
+        collision=bool(state.flags[rows.COLLISION, i]),
+        contact=bool(state.numbers[rows.TOUCHING, i]),
         sensors=_sensors(state, agent, i),
         message=heard_by(state, agent) if state.heard else (),
         user_input=state.user.get(agent) if figure.wants_user else None,
@@ -81,9 +65,9 @@ def _unstamped(reading: Any, tick: int) -> Any:
 def entities(state: State) -> tuple[Entity, ...]:
     """Return every body's true state, in the order of names; positions and headings to 1e-6."""
     numbers = state.numbers.round(6)
-    x, y, heading = numbers[X].tolist(), numbers[Y].tolist(), numbers[HEADING].tolist()
-    speed, turn_rate = numbers[SPEED].tolist(), numbers[TURN_RATE].tolist()
-    touching = state.numbers[TOUCHING].tolist()
+    x, y, heading = numbers[rows.X].tolist(), numbers[rows.Y].tolist(), numbers[rows.HEADING].tolist()
+    speed, turn_rate = numbers[rows.SPEED].tolist(), numbers[rows.TURN_RATE].tolist()
+    touching = state.numbers[rows.TOUCHING].tolist()
     flags = state.flags.tolist()
     latest = state.tick - SAY_SHOWN / state.setup.period
     found = []
@@ -97,9 +81,9 @@ def entities(state: State) -> tuple[Entity, ...]:
                 heading=_shown_heading(heading[i]),
                 speed=speed[i],
                 turn_rate=turn_rate[i],
-                collision=bool(flags[COLLISION][i]),
+                collision=bool(flags[rows.COLLISION][i]),
                 contact=bool(touching[i]),
-                contacts=flags[CONTACTS][i],
+                contacts=flags[rows.CONTACTS][i],
                 state=_motor_state(state, i),
                 mode=status.mode,
                 goal=status.goal,
@@ -124,22 +108,22 @@ def power_in_force(state: State, agent: str) -> PowerInForce:
     return PowerInForce(
         run=state.run,
         tick=state.tick,
-        left_motor=float(state.numbers[LEFT_POWER, i]),
-        right_motor=float(state.numbers[RIGHT_POWER, i]),
+        left_motor=float(state.numbers[rows.LEFT_POWER, i]),
+        right_motor=float(state.numbers[rows.RIGHT_POWER, i]),
         state=_motor_state(state, i),
     )
 
 
 def _motor_state(state: State, i: int) -> MotorState:
     flags = state.flags
-    if flags[STALE, i]:
+    if flags[rows.STALE, i]:
         return "stale"
-    if flags[HALTED, i]:
+    if flags[rows.HALTED, i]:
         return "paused"
-    if flags[TAKEN, i]:
+    if flags[rows.TAKEN, i]:
         return "taken"
-    if flags[RESTED, i]:
+    if flags[rows.RESTED, i]:
         return "rested"
-    if flags[TIMED_OUT, i]:
+    if flags[rows.TIMED_OUT, i]:
         return "timeout"
     return "drive"

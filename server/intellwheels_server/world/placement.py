@@ -12,7 +12,7 @@ from intellwheels_schemas.errors import RequestRefusedError
 from intellwheels_schemas.messages import Map, Place, Position
 from intellwheels_server.world.kernels.arrays import Floats, Ints, Walls, part_rows, radius_of
 from intellwheels_server.world.kernels.elementary import wrap
-from intellwheels_server.world.kernels.obstruct import deepest_body, deepest_wall
+from intellwheels_server.world.kernels.overlap import deepest_body, deepest_wall
 from intellwheels_server.world.map_geometry import wall_words
 
 if TYPE_CHECKING:
@@ -104,7 +104,7 @@ def place(figure: BodyModel, floor: Map, crowd: Crowd) -> Position:
         wanted = robot.position
     if wanted is not None:
         wanted = in_range(wanted)
-        obstacle = None if figure.held else crowd.would_hit(figure, wanted)
+        obstacle = None if figure.externally_posed else crowd.would_hit(figure, wanted)
         if obstacle is not None:
             raise RequestRefusedError("overlaps", f"agent '{figure.name}' would overlap {obstacle} {_where(figure)}")
         return wanted

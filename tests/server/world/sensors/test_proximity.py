@@ -94,7 +94,7 @@ def test_bodies_see_one_another_across_the_same_gap() -> None:
 )
 def test_error_that_a_model_has_not_is_refused(fields: dict[str, Any], text: str) -> None:
     with pytest.raises(RequestRefusedError, match=rf"Robot.Proximity\[2\].{text}") as refused:
-        ProximityKind().check("Robot.Proximity[2]", _eye(**fields), Robot())
+        ProximityKind().check("Robot.Proximity[2]", _eye(**fields), floor_of())
     assert refused.value.code == "value"
 
 
