@@ -503,9 +503,6 @@ class Truth(Record, frozen=True, kw_only=True):
     source: SensorSource = "simulated"
 
 
-SensorDeclaration = Proximity | Lidar | Encoders | Odometry | Compass | GPS | IMU | Beacon | Ground | Bumper | Truth
-
-
 # ---------------------------------------------------------------- joining
 
 

@@ -6,22 +6,19 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from itertools import product
-from typing import Any, Final
+from typing import Any, Final, NamedTuple, Protocol
 
 from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.explain import shown, too_long
 from intellwheels_schemas.messages import (
     AgentMeasures,
-    BeaconReading,
     Body,
-    CompassReading,
     CrewActions,
     CrewMeasures,
     ErrorCode,
     Experiment,
-    GPSReading,
     Joined,
     LidarReading,
     Load,
@@ -29,12 +26,11 @@ from intellwheels_schemas.messages import (
     Measures,
     Part,
     Pose,
-    ProximityReading,
     Record,
     Robot,
     Scene,
-    SensorDeclaration,
     Sensors,
+    Source,
     Spawn,
 )
 from intellwheels_schemas.shapes import shape_of
@@ -46,10 +42,48 @@ MAX_CREW: Final = 250
 DEFAULT_TOP: Final = 1.3
 """Top of a one-box body that gives none, in metres: the height of a seated person."""
 
-SENSOR_KINDS: Final = (
-    "proximity", "lidar", "encoders", "odometry", "compass", "gps", "imu", "beacon", "ground", "bumper", "truth",
-)  # fmt: skip
-"""The fields of `Robot` and of `Sensors` that hold sensors, in declaration order."""
+
+class SensorDeclaration(Protocol):
+    """What the declarations of all kinds of sensors have in common."""
+
+    @property
+    def id(self) -> str:
+        """Its id, unique in its robot."""
+
+    @property
+    def every(self) -> int:
+        """Ticks from sample to sample."""
+
+    @property
+    def latency(self) -> int:
+        """Ticks from sample to reading."""
+
+    @property
+    def source(self) -> Source:
+        """Whether the simulator or the real body's bridge reads it."""
+
+
+class SensorRecords(NamedTuple):
+    """The two records of a kind of sensor."""
+
+    declaration: type[Record]
+    reading: type[Record]
+
+
+def _sensor_records() -> dict[str, SensorRecords]:
+    readings = {member.name: member.record for member in shape_of(Sensors).members}
+    return {
+        member.name: SensorRecords(member.record, reading)
+        for member in shape_of(Robot).members
+        if member.record is not None and (reading := readings.get(member.name)) is not None
+    }
+
+
+SENSOR_RECORDS: Final = _sensor_records()
+"""The kinds of sensors: the fields that `Robot` and `Sensors` share, in declaration order, with their records."""
+
+SENSOR_KINDS: Final = tuple(SENSOR_RECORDS)
+"""The names of those fields."""
 
 # The only fields of a mind whose body belongs to another process.
 _MIND_FIELDS: Final = frozenset({"role", "instance", "barrier", "crew", "user_input", "name"})
@@ -172,10 +206,23 @@ def _check_lidar(reading: LidarReading, place: str) -> None:
             raise _wrong(f"{place}.Ranges[{index}]", wanted, shown(value))
 
 
-def _check_values(readings: Sequence[ProximityReading | CompassReading | BeaconReading], where: str) -> None:
-    for index, reading in enumerate(readings):
-        if (reading.value is not None) != (reading.status == "ok"):
-            _raise_value(f"{where}[{index}].Value", reading.status, reading.value)
+def _values_of(reading: type[Record]) -> tuple[tuple[str, str], ...]:
+    """Return the fields, by their names here and on the wire, that a reading has with `Status` ok only."""
+    members = shape_of(reading).members
+    if all(member.name != "status" for member in members):
+        return ()
+    return tuple(
+        (member.name, member.wire)
+        for member in members
+        if member.name != "tick" and not member.required and member.default is None
+    )
+
+
+_VALUES: Final = {
+    field: (_wire(Sensors, field), values)
+    for field, records in SENSOR_RECORDS.items()
+    if (values := _values_of(records.reading))
+}
 
 
 def check_sensors(sensors: Sensors, where: str) -> None:
@@ -184,19 +231,14 @@ def check_sensors(sensors: Sensors, where: str) -> None:
     Raises:
         WireError: `field` or `value`.
     """
-    _check_values(sensors.proximity, f"{where}.Proximity")
-    _check_values(sensors.compass, f"{where}.Compass")
-    _check_values(sensors.beacon, f"{where}.Beacon")
+    for field, (kind, values) in _VALUES.items():
+        for index, reading in enumerate(getattr(sensors, field)):
+            for name, wire in values:
+                value = getattr(reading, name)
+                if (value is not None) != (reading.status == "ok"):
+                    _raise_value(f"{where}.{kind}[{index}].{wire}", reading.status, value)
     for index, scan in enumerate(sensors.lidar):
         _check_lidar(scan, f"{where}.Lidar[{index}]")
-    for index, fix in enumerate(sensors.gps):
-        _check_gps(fix, f"{where}.GPS[{index}]")
-
-
-def _check_gps(fix: GPSReading, place: str) -> None:
-    for wire, value in (("X", fix.x), ("Y", fix.y)):
-        if (value is not None) != (fix.status == "ok"):
-            _raise_value(f"{place}.{wire}", fix.status, value)
 
 
 def _raise_value(place: str, status: str, value: object) -> None:

@@ -16,6 +16,8 @@ from importlib.resources.abc import Traversable
 from pathlib import Path
 
 _VARIABLE = "NUMBA_CACHE_DIR"
+# Folders of this package that hold kernels. A kind of sensor may call a kernel of another kind.
+_FOLDERS = ("kernels", "sensors")
 BAKED = "INTELLWHEELS_KERNELS"
 """The variable that names a folder of kernels compiled into an image. They are copied, as numba writes to its cache."""
 
@@ -46,15 +48,16 @@ def is_cold(folder: Path) -> bool:
 def source_digest() -> str:
     """Return 12 hex digits that change with the source of any kernel."""
     digest = hashlib.blake2b(digest_size=6)
-    for file in sorted(_kernel_files(), key=lambda file: file.name):
-        digest.update(file.name.encode())
-        digest.update(file.read_bytes())
+    for folder in _FOLDERS:
+        for file in _sources(folder):
+            digest.update(f"{folder}/{file.name}".encode())
+            digest.update(file.read_bytes())
     return digest.hexdigest()
 
 
-def _kernel_files() -> list[Traversable]:
-    package = resources.files("intellwheels_server").joinpath("world", "kernels")
-    return [file for file in package.iterdir() if file.name.endswith(".py")]
+def _sources(folder: str) -> list[Traversable]:
+    package = resources.files("intellwheels_server").joinpath(folder)
+    return sorted((file for file in package.iterdir() if file.name.endswith(".py")), key=lambda file: file.name)
 
 
 def _first_writable() -> Path:

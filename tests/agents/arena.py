@@ -16,7 +16,7 @@ from intellwheels_maps import floor, robot
 from intellwheels_schemas.messages import Actions, Event, Map, Parameters, Position, Scene, UserInput
 from intellwheels_server.world import Setup, State, advance, apply, begin, measures
 from intellwheels_server.world.inputs import Inputs, Join
-from intellwheels_server.world.kernels.rows import HEADING, SPEED, X, Y
+from intellwheels_server.world.kernels import rows
 
 RUN = "0123456789abcdef"
 
@@ -95,12 +95,12 @@ class Arena:
         return player
 
     def _pose(self, name: str) -> tuple[float, float, float]:
-        x, y, heading = self.state.numbers[[X, Y, HEADING], self.state.body_set.index[name]].tolist()
+        x, y, heading = self.state.numbers[[rows.X, rows.Y, rows.HEADING], self.state.body_set.index[name]].tolist()
         return x, y, heading
 
     def speed(self, name: str) -> float:
         """Return how fast a body moves, m/s."""
-        return float(self.state.numbers[SPEED, self.state.body_set.index[name]])
+        return float(self.state.numbers[rows.SPEED, self.state.body_set.index[name]])
 
     def step(self) -> None:
         """Let everybody decide once, and the world take a step."""

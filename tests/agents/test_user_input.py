@@ -8,7 +8,7 @@ from intellwheels_agents.options import Options
 from intellwheels_agents.user_input import Goals, mixed, takes_goals, wanted
 from intellwheels_maps import robot
 from intellwheels_schemas.messages import Goal, UserInput
-from intellwheels_server.world.kernels.command import user_power
+from intellwheels_server.world.kernels.motor_power import user_power
 
 
 @pytest.mark.parametrize("forward", [-1.0, -0.3, 0.0, 0.5, 1.0])

@@ -10,7 +10,7 @@ from __future__ import annotations
 from intellwheels_schemas.messages import Pose
 from intellwheels_server.log.seekable_log import Place, SeekableLog
 from intellwheels_server.world import State
-from intellwheels_server.world.kernels.rows import HEADING, X, Y
+from intellwheels_server.world.kernels import rows
 
 
 class ReportedPoses:
@@ -57,6 +57,6 @@ def _poses(state: State, run: str) -> dict[str, Pose]:
     found = {}
     for i, name in enumerate(state.names):
         if state.body_set.models[name].externally_posed:
-            x, y, heading = state.numbers[[X, Y, HEADING], i].tolist()
+            x, y, heading = state.numbers[[rows.X, rows.Y, rows.HEADING], i].tolist()
             found[name] = Pose(run=run, tick=state.tick, x=x, y=y, heading=heading)
     return found

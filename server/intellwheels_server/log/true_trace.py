@@ -15,18 +15,7 @@ from intellwheels_schemas.messages import Event
 from intellwheels_server.log.input_log import LogError, read_header, read_lines
 from intellwheels_server.log.resimulate import difference, replay
 from intellwheels_server.world import begin, digest
-from intellwheels_server.world.kernels.rows import (
-    COLLISION,
-    CONTACTS,
-    HEADING,
-    LEFT_POWER,
-    RIGHT_POWER,
-    SPEED,
-    TOUCHING,
-    TURN_RATE,
-    X,
-    Y,
-)
+from intellwheels_server.world.kernels import rows
 from intellwheels_server.world.observations import measures
 from intellwheels_server.world.state import State
 
@@ -49,13 +38,13 @@ def _shown(state: State, name: str, i: int) -> TraceBody:
     odometry = sensors.odometry[0] if sensors and sensors.odometry else None
     user, status = state.user.get(name), state.statuses.get(name)
     return TraceBody(
-        pose=(numbers[X], numbers[Y], numbers[HEADING]),
-        speed=numbers[SPEED],
-        turn_rate=numbers[TURN_RATE],
-        power=(numbers[LEFT_POWER], numbers[RIGHT_POWER]),
-        collision=bool(state.flags[COLLISION, i]),
-        touching=bool(numbers[TOUCHING]),
-        contacts=int(state.flags[CONTACTS, i]),
+        pose=(numbers[rows.X], numbers[rows.Y], numbers[rows.HEADING]),
+        speed=numbers[rows.SPEED],
+        turn_rate=numbers[rows.TURN_RATE],
+        power=(numbers[rows.LEFT_POWER], numbers[rows.RIGHT_POWER]),
+        collision=bool(state.flags[rows.COLLISION, i]),
+        touching=bool(numbers[rows.TOUCHING]),
+        contacts=int(state.flags[rows.CONTACTS, i]),
         mode=status.mode if status else None,
         wheels=(wheels.left, wheels.right) if wheels else None,
         odometry=(odometry.x, odometry.y, odometry.heading) if odometry else None,

@@ -28,7 +28,7 @@ from intellwheels_server.service.service_state import ServiceState
 from intellwheels_server.service.truth_filter import nominal
 from intellwheels_server.world import State
 from intellwheels_server.world.inputs import Depart, Join, Note, TakeBody
-from intellwheels_server.world.kernels.rows import HALTED, HEADING, STALE, X, Y
+from intellwheels_server.world.kernels import rows
 
 TOKEN_WAIT: Final = 0.3
 """Seconds a join waits for its token, which travels separately."""
@@ -254,12 +254,12 @@ def is_unowned(service: ServiceState, agent: str) -> bool:
 def bridge_status(state: State, agent: str, now: float) -> BridgeStatus:
     """Return the status of a real body that reported now, with what the world was told. The body must be here."""
     flags = state.flags[:, state.body_set.index[agent]]
-    return BridgeStatus(reported_at=now, stale=bool(flags[STALE]), halted=bool(flags[HALTED]))
+    return BridgeStatus(reported_at=now, stale=bool(flags[rows.STALE]), halted=bool(flags[rows.HALTED]))
 
 
 def position_of(state: State, agent: str) -> Position:
     """Return where a body is. It must be here."""
-    x, y, heading = state.numbers[[X, Y, HEADING], state.body_set.index[agent]].tolist()
+    x, y, heading = state.numbers[[rows.X, rows.Y, rows.HEADING], state.body_set.index[agent]].tolist()
     return Position(x=x, y=y, heading=heading)
 
 

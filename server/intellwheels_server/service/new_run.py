@@ -7,7 +7,7 @@ import numpy as np
 from intellwheels_server.service import outbound
 from intellwheels_server.service.service_state import ServiceState
 from intellwheels_server.world import State
-from intellwheels_server.world.kernels.rows import RESTED
+from intellwheels_server.world.kernels import rows
 
 
 def begin_new_run(service: ServiceState, before: State, now: float) -> None:
@@ -22,7 +22,7 @@ def begin_new_run(service: ServiceState, before: State, now: float) -> None:
     service.answer_steps("failed", "a new run began")
     service.latch.clear()
     state = service.run.state
-    service.pacing.begin_new_run([state.names[i] for i in np.nonzero(state.flags[RESTED])[0].tolist()])
+    service.pacing.begin_new_run([state.names[i] for i in np.nonzero(state.flags[rows.RESTED])[0].tolist()])
     outbound.publish_map(service.run, service.publisher)
     for name in state.names:
         outbound.publish_body(service, name)

@@ -17,7 +17,7 @@ from intellwheels_server.service.roster import Member, new_hex, same_body
 from intellwheels_server.service.service_state import ServiceState
 from intellwheels_server.world.body_set import BodyModel
 from intellwheels_server.world.inputs import RestoreState, SaveState, TakeBody
-from intellwheels_server.world.kernels.rows import SILENT, TAKEN
+from intellwheels_server.world.kernels import rows
 
 
 def save(service: ServiceState, query: Query) -> None:
@@ -85,9 +85,9 @@ def _release_expired_bodies(service: ServiceState, before: tuple[str, ...], now:
         now: The current time, s.
     """
     state, leases = service.run.state, service.agents.leases
-    taken = {name for i, name in enumerate(state.names) if state.flags[TAKEN, i]}
+    taken = {name for i, name in enumerate(state.names) if state.flags[rows.TAKEN, i]}
     for i, name in enumerate(state.names):
-        if not state.flags[SILENT, i]:
+        if not state.flags[rows.SILENT, i]:
             leases.expect_input(name, now)
     for name in {*before, *state.names} - taken:
         leases.release(name)

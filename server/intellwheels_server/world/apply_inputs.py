@@ -11,41 +11,22 @@ import msgspec
 from intellwheels_schemas.messages import Actions, EventCode, Pose, Sensors, UserInput
 from intellwheels_schemas.rules import SENSOR_KINDS, sensors_of
 from intellwheels_server.world.inputs import Inputs, Verdict
+from intellwheels_server.world.kernels import rows
 from intellwheels_server.world.kernels.arrays import Floats, Ints
 from intellwheels_server.world.kernels.elementary import cos, sin
-from intellwheels_server.world.kernels.rows import (
-    COMMAND_AGE,
-    HALTED,
-    HEADING,
-    LEFT_COMMAND,
-    MOST_SPEED,
-    MOST_TURN_RATE,
-    POSE_AGE,
-    RESTED,
-    RIGHT_COMMAND,
-    SILENT,
-    SPEED,
-    STALE,
-    TURN_RATE,
-    USER_AGE,
-    USER_FORWARD,
-    USER_TURN,
-    X,
-    Y,
-)
 from intellwheels_server.world.state import BodyStatus, State, Utterance
 
 Happening = tuple[EventCode, str]
 """The code of an event, and its agent."""
 
 _FLAG_OF_VERDICT = {
-    "rested": (RESTED, 1),
-    "back": (RESTED, 0),
-    "halt": (HALTED, 1),
-    "unhalt": (HALTED, 0),
-    "stale": (STALE, 1),
-    "fresh": (STALE, 0),
-    "silent": (SILENT, 1),
+    "rested": (rows.RESTED, 1),
+    "back": (rows.RESTED, 0),
+    "halt": (rows.HALTED, 1),
+    "unhalt": (rows.HALTED, 0),
+    "stale": (rows.STALE, 1),
+    "fresh": (rows.STALE, 0),
+    "silent": (rows.SILENT, 1),
 }
 _EVENT_OF_VERDICT: dict[str, EventCode] = {
     "late": "late",
@@ -66,7 +47,7 @@ def enter_actions(
     index = state.body_set.index
     statuses = state.statuses
     said: list[Utterance] = []
-    left, right, age = numbers[LEFT_COMMAND], numbers[RIGHT_COMMAND], flags[COMMAND_AGE]
+    left, right, age = numbers[rows.LEFT_COMMAND], numbers[rows.RIGHT_COMMAND], flags[rows.COMMAND_AGE]
     for name, action in actions.items():
         i = index.get(name)
         if i is None:
@@ -108,8 +89,8 @@ def enter_user(state: State, user_input: Mapping[str, UserInput], numbers: Float
         i = state.body_set.index.get(name)
         if i is None:
             continue
-        numbers[USER_FORWARD, i], numbers[USER_TURN, i] = wish.forward, wish.turn
-        flags[USER_AGE, i] = flags[SILENT, i] = 0
+        numbers[rows.USER_FORWARD, i], numbers[rows.USER_TURN, i] = wish.forward, wish.turn
+        flags[rows.USER_AGE, i] = flags[rows.SILENT, i] = 0
         user[name] = wish if wish.lease is None else msgspec.structs.replace(wish, lease=None)
     return user
 
@@ -132,16 +113,16 @@ def enter_poses(state: State, poses: Mapping[str, Pose], numbers: Floats, flags:
             continue
         heading = math.remainder(pose.heading, math.tau)
         heading = math.pi if heading == -math.pi else heading
-        dx, dy = pose.x - float(numbers[X, i]), pose.y - float(numbers[Y, i])
-        turn = math.remainder(heading - float(numbers[HEADING, i]), math.tau)
-        gone = max(int(flags[POSE_AGE, i]), 1) * period
+        dx, dy = pose.x - float(numbers[rows.X, i]), pose.y - float(numbers[rows.Y, i])
+        turn = math.remainder(heading - float(numbers[rows.HEADING, i]), math.tau)
+        gone = max(int(flags[rows.POSE_AGE, i]), 1) * period
         distance = math.sqrt(dx * dx + dy * dy)
         forward = dx * cos(heading) + dy * sin(heading)
-        speed = min(distance / gone, MOST_SPEED)
-        numbers[SPEED, i] = speed if forward >= 0.0 else -speed
-        numbers[TURN_RATE, i] = min(max(turn / gone, -MOST_TURN_RATE), MOST_TURN_RATE)
-        numbers[X, i], numbers[Y, i], numbers[HEADING, i] = pose.x, pose.y, heading
-        flags[POSE_AGE, i] = 0
+        speed = min(distance / gone, rows.MOST_SPEED)
+        numbers[rows.SPEED, i] = speed if forward >= 0.0 else -speed
+        numbers[rows.TURN_RATE, i] = min(max(turn / gone, -rows.MOST_TURN_RATE), rows.MOST_TURN_RATE)
+        numbers[rows.X, i], numbers[rows.Y, i], numbers[rows.HEADING, i] = pose.x, pose.y, heading
+        flags[rows.POSE_AGE, i] = 0
         moved.append(i)
     return moved
 
@@ -209,5 +190,5 @@ def utterances_of(
     placed = []
     for one in sorted(said, key=lambda one: one.sender):
         i = state.body_set.index[one.sender]
-        placed.append(msgspec.structs.replace(one, at=(float(numbers[X, i]), float(numbers[Y, i])), due=due))
+        placed.append(msgspec.structs.replace(one, at=(float(numbers[rows.X, i]), float(numbers[rows.Y, i])), due=due))
     return tuple(placed)

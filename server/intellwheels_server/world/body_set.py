@@ -16,8 +16,9 @@ from intellwheels_schemas.errors import RequestRefusedError
 from intellwheels_schemas.messages import Position, Robot
 from intellwheels_schemas.rules import parts_of
 from intellwheels_server.world.kernels.arrays import Bodies, Box, Floats, Ints, Shape, bodies_from, key_of
-from intellwheels_server.world.kernels.motion import MOTOR_ROWS, lag, wheel_scales
+from intellwheels_server.world.kernels.motor_model import MOTOR_ROWS, motor_figures
 from intellwheels_server.world.kernels.noise import noise_key
+from intellwheels_server.world.kernels.wheel_slip import FLAW_ROWS, slip_figures
 from intellwheels_server.world.sensors import SensorPlan, check_sensors, plan_sensors
 
 if TYPE_CHECKING:
@@ -65,8 +66,8 @@ class BodySet(msgspec.Struct, frozen=True, kw_only=True):
         by_key: The name of each key.
         models: The body of each name.
         bodies: Shapes, for contact and sensing.
-        motors: float64[8, n], motor parameters, rows of `kernels.motion`.
-        flaws: float64[2, n]: standard deviation of motor noise; share by which blocked wheels keep turning.
+        motors: float64[8, n], motor parameters, rows of `kernels.motor_model`.
+        flaws: float64[FLAW_ROWS, n]: how motors err and wheels slip, rows of `kernels.motor_power` and `wheel_slip`.
         noise: uint64[2, n] viewed as int64, keys of the motor noise.
         limits: int64[2, n]: steps until a command times out; 1 for externally posed bodies, else 0.
         doors: int64[n], 1 for doors, which stop speech where walls do.
@@ -109,7 +110,7 @@ def body_model_of(name: str, robot: Robot, setup: Setup) -> BodyModel:
         shape=Shape(
             name=name,
             boxes=[Box(part.x, part.y, part.length, part.width, part.bottom, part.top) for part in parts],
-            held=externally_posed,
+            externally_posed=externally_posed,
             anchored=robot.anchored,
         ),
         key=key_of(name),
@@ -148,8 +149,8 @@ def assemble(
         by_key={models[name].key: name for name in names},
         models={name: models[name] for name in names},
         bodies=bodies_from([model.shape for model in ordered]),
-        motors=_block([_motor(model.robot, setup.period) for model in ordered], MOTOR_ROWS),
-        flaws=_block([(model.robot.motor_noise, model.robot.slip) for model in ordered], 2),
+        motors=_block([motor_figures(model.robot, setup.period) for model in ordered], MOTOR_ROWS),
+        flaws=_block([(model.robot.motor_noise, *slip_figures(model.robot)) for model in ordered], FLAW_ROWS),
         noise=np.array([[int(a) for a, _ in keys], [int(b) for _, b in keys]], dtype=np.uint64)
         .reshape(2, len(names))
         .view(np.int64),
@@ -160,19 +161,6 @@ def assemble(
         plan=plan,
     )
     return body_set, samples
-
-
-def _motor(robot: Robot, period: float) -> tuple[float, ...]:
-    inertia, settling = lag(robot.acceleration_curve, period)
-    return (
-        robot.track * robot.track_ratio,
-        robot.top_speed,
-        inertia,
-        settling,
-        math.inf if robot.acceleration_limit is None else robot.acceleration_limit,
-        math.inf if robot.turn_limit is None else robot.turn_limit,
-        *wheel_scales(robot.wheel_ratio, robot.wheel_scale),
-    )
 
 
 def _block(columns: list[tuple[float, ...]], rows: int) -> Floats:

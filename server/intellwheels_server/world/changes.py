@@ -18,7 +18,7 @@ from intellwheels_server.world.body_set import BodyModel, body_model_of
 from intellwheels_server.world.draft import Draft
 from intellwheels_server.world.empty_world import empty_world
 from intellwheels_server.world.ending import check_end
-from intellwheels_server.world.kernels.rows import HALTED, HEADING, LICENCE, TAKEN, X, Y
+from intellwheels_server.world.kernels import rows
 from intellwheels_server.world.map_geometry import walls_of
 from intellwheels_server.world.placement import TOUCH, OccupiedSpace, place, with_wrapped_heading
 from intellwheels_server.world.state import SavedState, State, Utterance
@@ -104,7 +104,7 @@ def _join_mind(one: do.Join, draft: Draft) -> Outcome:
     numbers = draft.numbers[one.agent]
     draft.event("joined", one.agent, "mind")
     return Outcome(
-        position=Position(x=float(numbers[X]), y=float(numbers[Y]), heading=float(numbers[HEADING])),
+        position=Position(x=float(numbers[rows.X]), y=float(numbers[rows.Y]), heading=float(numbers[rows.HEADING])),
         robot=model.robot,
     )
 
@@ -116,7 +116,7 @@ def _place_robot(name: str, robot: Robot, draft: Draft) -> Outcome:
     model = msgspec.structs.replace(model, start=position)
     draft.put(name, model, position)
     if model.externally_posed:  # a real chair is where it is, so its overlaps with other things may stay as deep
-        draft.numbers[name][LICENCE] = draft.space.depth_at(name)
+        draft.numbers[name][rows.ALLOWED_PENETRATION] = draft.space.depth_at(name)
     return Outcome(position=position, robot=model.robot)
 
 
@@ -169,11 +169,11 @@ def _teleport(one: do.TeleportBody, draft: Draft) -> Outcome:
     space.add(one.agent, model, target.x, target.y, target.heading)
     obstacle = None if one.force else space.overlap_of(one.agent)
     if obstacle is not None:
-        space.add(one.agent, model, before[X], before[Y], before[HEADING])
+        space.add(one.agent, model, before[rows.X], before[rows.Y], before[rows.HEADING])
         return Outcome(code="failed", refused="overlaps", text=f"agent '{one.agent}' would overlap {obstacle} there")
     numbers = before.copy()
-    numbers[X], numbers[Y], numbers[HEADING] = target.x, target.y, target.heading
-    numbers[LICENCE] = space.depth_at(one.agent)
+    numbers[rows.X], numbers[rows.Y], numbers[rows.HEADING] = target.x, target.y, target.heading
+    numbers[rows.ALLOWED_PENETRATION] = space.depth_at(one.agent)
     draft.numbers[one.agent] = numbers
     draft.event("teleported", one.agent)
     return Outcome(position=target)
@@ -187,8 +187,8 @@ def _take(one: do.TakeBody, draft: Draft) -> Outcome:
     if one.agent not in draft.models:
         return _not_found(one.agent)
     flags = draft.flags[one.agent]
-    if flags[TAKEN] != int(one.on):
-        flags[TAKEN] = int(one.on)
+    if flags[rows.TAKEN] != int(one.on):
+        flags[rows.TAKEN] = int(one.on)
         draft.event("taken" if one.on else "released", one.agent)
     return Outcome()
 
@@ -269,7 +269,7 @@ def _restart(one: do.Restart, draft: Draft) -> Outcome:
                 return Outcome(code="failed", refused=refusal.code, text=refusal.text)
         models.append(msgspec.structs.replace(model, start=position, mind_input=before.mind_input))
         space.add(name, model, position.x, position.y, position.heading)
-    halted = {name: flags[HALTED] for name, flags in draft.flags.items()}
+    halted = {name: flags[rows.HALTED] for name, flags in draft.flags.items()}
     draft.replace_state(
         msgspec.structs.replace(
             empty_world(setup, one.run, walls),
@@ -279,9 +279,9 @@ def _restart(one: do.Restart, draft: Draft) -> Outcome:
     )
     for model in models:
         draft.put(model.name, model, model.start)
-        draft.flags[model.name][HALTED] = halted[model.name]
+        draft.flags[model.name][rows.HALTED] = halted[model.name]
     for model in models:
         depth = draft.space.depth_at(model.name)
-        draft.numbers[model.name][LICENCE] = depth if depth > TOUCH else 0.0
+        draft.numbers[model.name][rows.ALLOWED_PENETRATION] = depth if depth > TOUCH else 0.0
     draft.event("loaded" if one.map is not None else "reset", text=setup.floor.name if one.map is not None else None)
     return Outcome()

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from intellwheels_schemas.messages import Event
+from intellwheels_server.world.kernels import rows
 from intellwheels_server.world.kernels.arrays import (
     HIT_BODY,
     HIT_CLOSING,
@@ -21,8 +22,7 @@ from intellwheels_server.world.kernels.arrays import (
     Ints,
 )
 from intellwheels_server.world.kernels.episodes import merge_episodes
-from intellwheels_server.world.kernels.rows import CONTACTS, MOST_SPEED, WALL_KEY, WORLD_EDGE
-from intellwheels_server.world.kernels.tick import pair_keys
+from intellwheels_server.world.kernels.tick_kernel import pair_keys
 from intellwheels_server.world.state import State
 
 EPISODE_GAP = 0.25
@@ -53,9 +53,9 @@ def update_episodes(
     events: list[Event] = []
     for k in began.tolist():
         body, other = int(hits[k, HIT_BODY]), int(hits[k, HIT_OTHER])
-        flags[CONTACTS, body] += 1
+        flags[rows.CONTACTS, body] += 1
         if other >= 0:
-            flags[CONTACTS, other] += 1
+            flags[rows.CONTACTS, other] += 1
         events.append(_contact(state, hits[k].tolist(), hit_numbers[k].tolist(), first_number + len(events)))
     for first, second in ended.tolist():
         events.append(_parted(state, first, second, first_number + len(events)))
@@ -91,13 +91,13 @@ def _contact(state: State, hit: list[int], numbers: list[float], number: int) ->
         y=_inside(y),
         normal_x=_unit(normal_x),
         normal_y=_unit(normal_y),
-        speed=round(min(max(speed, -MOST_SPEED), MOST_SPEED), 6),
+        speed=round(min(max(speed, -rows.MOST_SPEED), rows.MOST_SPEED), 6),
     )
 
 
 def _parted(state: State, first: int, second: int, number: int) -> Event:
     known = state.body_set.by_key
-    agent, other = known.get(first), "wall" if second == WALL_KEY else known.get(second)
+    agent, other = known.get(first), "wall" if second == rows.WALL_KEY else known.get(second)
     if other is not None and other != "wall" and agent is not None and other < agent:
         agent, other = other, agent
     return Event(run=state.run, tick=state.tick + 1, number=number, code="parted", agent=agent, other=other)
@@ -105,7 +105,7 @@ def _parted(state: State, first: int, second: int, number: int) -> Event:
 
 def _inside(value: float) -> float:
     """Return a coordinate in the range of a message: a body at the edge of the world may touch beyond it."""
-    return round(min(max(value, -WORLD_EDGE), WORLD_EDGE), 6)
+    return round(min(max(value, -rows.WORLD_EDGE), rows.WORLD_EDGE), 6)
 
 
 def _unit(value: float) -> float:

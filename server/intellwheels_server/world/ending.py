@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from intellwheels_schemas.messages import End, Map
-from intellwheels_server.world.kernels.rows import X, Y
+from intellwheels_server.world.kernels import rows
 from intellwheels_server.world.placement import place_named
 from intellwheels_server.world.state import State
 
@@ -36,6 +36,6 @@ def _reached(state: State, agent: str, place: str, within: float) -> bool:
     if i is None:
         return False
     target = place_named(state.setup.floor, place)
-    dx = float(state.numbers[X, i]) - target.x
-    dy = float(state.numbers[Y, i]) - target.y
+    dx = float(state.numbers[rows.X, i]) - target.x
+    dy = float(state.numbers[rows.Y, i]) - target.y
     return dx * dx + dy * dy <= within * within

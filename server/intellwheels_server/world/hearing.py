@@ -8,11 +8,11 @@ from typing import Final
 from numba import njit
 
 from intellwheels_schemas.messages import Heard
+from intellwheels_server.world.kernels import rows
 from intellwheels_server.world.kernels.arrays import Floats, Ints
+from intellwheels_server.world.kernels.line_of_sight import in_sight
 from intellwheels_server.world.kernels.noise import noise_key, uniform
-from intellwheels_server.world.kernels.rows import X, Y
-from intellwheels_server.world.kernels.sight import in_sight
-from intellwheels_server.world.kernels.surroundings import place_boxes
+from intellwheels_server.world.kernels.spatial_query import place_boxes
 from intellwheels_server.world.state import State, Utterance
 
 SAY_STREAM: Final = "@say"
@@ -40,8 +40,8 @@ def _carries(
     """Return whether no wall and no door is between a point and a body, at the height of a voice."""
     boxes, _ = place_boxes(numbers, parts, part_start)
     return in_sight(
-        x, y, VOICE_HEIGHT, numbers[X, listener], numbers[Y, listener], boxes, part_start, doors, pieces, links, edges,
-        cells, frame,
+        x, y, VOICE_HEIGHT, numbers[rows.X, listener], numbers[rows.Y, listener], boxes, part_start, doors,
+        pieces, links, edges, cells, frame,
     )  # fmt: skip
 
 
@@ -61,8 +61,8 @@ def heard_by(state: State, agent: str) -> tuple[Heard, ...]:
             continue
         distance = 0.0
         if utterance.at is not None:
-            dx = float(state.numbers[X, i]) - utterance.at[0]
-            dy = float(state.numbers[Y, i]) - utterance.at[1]
+            dx = float(state.numbers[rows.X, i]) - utterance.at[0]
+            dy = float(state.numbers[rows.Y, i]) - utterance.at[1]
             distance = math.sqrt(dx * dx + dy * dy)
             if distance > state.setup.say_range or _missed(state, utterance, i) or _blocked(state, utterance, i):
                 continue

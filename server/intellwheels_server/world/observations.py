@@ -11,23 +11,7 @@ import msgspec
 from intellwheels_schemas.messages import Entity, Measures, MotorState, PowerInForce, Sensors
 from intellwheels_schemas.rules import SENSOR_KINDS
 from intellwheels_server.world.hearing import heard_by
-from intellwheels_server.world.kernels.rows import (
-    COLLISION,
-    CONTACTS,
-    HALTED,
-    HEADING,
-    LEFT_POWER,
-    RESTED,
-    RIGHT_POWER,
-    SPEED,
-    STALE,
-    TAKEN,
-    TIMED_OUT,
-    TOUCHING,
-    TURN_RATE,
-    X,
-    Y,
-)
+from intellwheels_server.world.kernels import rows
 from intellwheels_server.world.sensors import readings
 from intellwheels_server.world.state import BodyStatus, State
 
@@ -51,8 +35,8 @@ def measures(state: State, agent: str) -> Measures:
         run=state.run,
         tick=state.tick,
         time=state.time,
-        collision=bool(flags[COLLISION]),
-        contact=bool(state.numbers[TOUCHING, i]),
+        collision=bool(flags[rows.COLLISION]),
+        contact=bool(state.numbers[rows.TOUCHING, i]),
         state=_motor_state(flags),
         sensors=_sensors(state, agent, i),
         message=heard_by(state, agent) if state.heard else (),
@@ -84,9 +68,9 @@ def _unstamped(reading: Any, tick: int) -> Any:
 def entities(state: State) -> tuple[Entity, ...]:
     """Return the true state of every body, sorted by name; all numbers are rounded to 1e-6."""
     numbers = state.numbers.round(6)
-    x, y, heading = numbers[X].tolist(), numbers[Y].tolist(), numbers[HEADING].tolist()
-    speed, turn_rate = numbers[SPEED].tolist(), numbers[TURN_RATE].tolist()
-    touching = state.numbers[TOUCHING].tolist()
+    x, y, heading = numbers[rows.X].tolist(), numbers[rows.Y].tolist(), numbers[rows.HEADING].tolist()
+    speed, turn_rate = numbers[rows.SPEED].tolist(), numbers[rows.TURN_RATE].tolist()
+    touching = state.numbers[rows.TOUCHING].tolist()
     flags = state.flags.T.tolist()
     latest = state.tick - SAY_SHOWN / state.setup.period
     found = []
@@ -100,9 +84,9 @@ def entities(state: State) -> tuple[Entity, ...]:
                 heading=_shown_heading(heading[i]),
                 speed=speed[i],
                 turn_rate=turn_rate[i],
-                collision=bool(flags[i][COLLISION]),
+                collision=bool(flags[i][rows.COLLISION]),
                 contact=bool(touching[i]),
-                contacts=flags[i][CONTACTS],
+                contacts=flags[i][rows.CONTACTS],
                 state=_motor_state(flags[i]),
                 mode=status.mode,
                 goal=status.goal,
@@ -127,22 +111,22 @@ def power_in_force(state: State, agent: str) -> PowerInForce:
     return PowerInForce(
         run=state.run,
         tick=state.tick,
-        left_motor=float(state.numbers[LEFT_POWER, i]),
-        right_motor=float(state.numbers[RIGHT_POWER, i]),
+        left_motor=float(state.numbers[rows.LEFT_POWER, i]),
+        right_motor=float(state.numbers[rows.RIGHT_POWER, i]),
         state=_motor_state(state.flags[:, i].tolist()),
     )
 
 
 def _motor_state(flags: Sequence[int]) -> MotorState:
     """Return whether the motors obey the mind, from the flags of one body."""
-    if flags[STALE]:
+    if flags[rows.STALE]:
         return "stale"
-    if flags[HALTED]:
+    if flags[rows.HALTED]:
         return "paused"
-    if flags[TAKEN]:
+    if flags[rows.TAKEN]:
         return "taken"
-    if flags[RESTED]:
+    if flags[rows.RESTED]:
         return "rested"
-    if flags[TIMED_OUT]:
+    if flags[rows.TIMED_OUT]:
         return "timeout"
     return "drive"

@@ -12,7 +12,7 @@ from intellwheels_schemas.errors import RequestRefusedError
 from intellwheels_schemas.messages import Map, Place, Position
 from intellwheels_server.world.kernels.arrays import Floats, Ints, Walls, part_rows, radius_of
 from intellwheels_server.world.kernels.elementary import wrap
-from intellwheels_server.world.kernels.obstruct import deepest_body, deepest_wall
+from intellwheels_server.world.kernels.overlap import deepest_body, deepest_wall
 from intellwheels_server.world.map_geometry import describe_wall
 
 if TYPE_CHECKING:

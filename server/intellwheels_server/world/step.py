@@ -22,10 +22,10 @@ from intellwheels_server.world.contacts import update_episodes
 from intellwheels_server.world.digest import digest
 from intellwheels_server.world.ending import end_reason
 from intellwheels_server.world.inputs import Inputs
+from intellwheels_server.world.kernels import rows
 from intellwheels_server.world.kernels.arrays import Ints
-from intellwheels_server.world.kernels.command import NOW_SILENT, NOW_STALE, NOW_TIMED_OUT
-from intellwheels_server.world.kernels.rows import LEFT_COMMAND, RIGHT_COMMAND, SILENT, STALE, TIMED_OUT
-from intellwheels_server.world.kernels.tick import tick_all
+from intellwheels_server.world.kernels.motor_power import NOW_SILENT, NOW_STALE, NOW_TIMED_OUT
+from intellwheels_server.world.kernels.tick_kernel import tick_all
 from intellwheels_server.world.sensors import sense
 from intellwheels_server.world.sensors.kind import View
 from intellwheels_server.world.state import State
@@ -90,7 +90,7 @@ def step(state: State, inputs: Inputs) -> tuple[State, tuple[Event, ...], bool]:
         if found & NOW_SILENT:
             user = {
                 name: without_wishes(wish)
-                if flags[SILENT, body_set.index[name]] and not state.flags[SILENT, body_set.index[name]]
+                if flags[rows.SILENT, body_set.index[name]] and not state.flags[rows.SILENT, body_set.index[name]]
                 else wish
                 for name, wish in user.items()
             }
@@ -145,8 +145,8 @@ def _fresh(state: State, reported: Ints, flags: Ints) -> list[Happening]:
     """Clear the stale flags of real bodies that reported; return the events. Only for strict runs."""
     found: list[Happening] = []
     for i in reported.tolist():
-        if flags[STALE, i]:
-            flags[STALE, i] = 0
+        if flags[rows.STALE, i]:
+            flags[rows.STALE, i] = 0
             found.append(("fresh", state.names[i]))
     return found
 
@@ -154,11 +154,14 @@ def _fresh(state: State, reported: Ints, flags: Ints) -> list[Happening]:
 def _found(state: State, found: int, flags: Ints) -> list[Happening]:
     """Return the events of commands that timed out and of poses that became stale in this step."""
     happenings: list[Happening] = []
-    codes: list[tuple[int, int, EventCode]] = [(NOW_TIMED_OUT, TIMED_OUT, "timeout"), (NOW_STALE, STALE, "stale")]
+    codes: list[tuple[int, int, EventCode]] = [
+        (NOW_TIMED_OUT, rows.TIMED_OUT, "timeout"),
+        (NOW_STALE, rows.STALE, "stale"),
+    ]
     for bit, row, code in codes:
         if found & bit:
             new = (flags[row] != 0) & (state.flags[row] == 0)
             if code == "timeout":
-                new &= (state.numbers[LEFT_COMMAND] != 0.0) | (state.numbers[RIGHT_COMMAND] != 0.0)
+                new &= (state.numbers[rows.LEFT_COMMAND] != 0.0) | (state.numbers[rows.RIGHT_COMMAND] != 0.0)
             happenings.extend((code, state.names[i]) for i in np.nonzero(new)[0].tolist())
     return happenings

@@ -8,32 +8,16 @@ import sys
 import threading
 import time
 from pathlib import Path
+from typing import Any
 
 from msgspec import structs
 
 from intellwheels_maps import floor, robot
-from intellwheels_schemas.messages import (
-    GPS,
-    IMU,
-    Actions,
-    Beacon,
-    Bumper,
-    Compass,
-    Encoders,
-    Ground,
-    Lidar,
-    Odometry,
-    Position,
-    Proximity,
-    Robot,
-    Truth,
-)
+from intellwheels_schemas.messages import Actions, Position, Robot
 from intellwheels_server.kernel_cache import is_cold
 from intellwheels_server.world import Setup, State, advance, apply, begin, digest, entities, measures
 from intellwheels_server.world.inputs import Inputs, Join, TeleportBody
-
-_PLACE = "start1"
-"""A place of the floor `room`."""
+from intellwheels_server.world.sensors.catalogue import example_sensors
 
 HELPER_TIMEOUT = 120.0
 """Seconds that the second process may take to compile its half."""
@@ -95,32 +79,9 @@ def join() -> State:
 
 
 def _perceptive() -> Robot:
-    """Return a chair with a sensor of every kind and model, each with all its errors."""
-    chair = robot("rear-wheel")
-    eye = Proximity(id="ideal", x=0.5, y=0.0, z=0.4, direction_deg=0.0, cone_deg=30.0, max_range=4.0)
-    return structs.replace(
-        chair,
-        proximity=(
-            eye,
-            structs.replace(eye, id="infrared", model="infrared", dropout=0.5),
-            structs.replace(eye, id="sonar", model="sonar", dropout=0.5, crosstalk=1.0),
-        ),
-        lidar=(
-            Lidar(
-                id="lidar", x=0.5, y=0.0, z=0.4, direction_deg=0.0, fov_deg=180.0, rays=9, max_range=9.0, noise=0.01,
-                incidence_deg=80.0, dropout=0.1,
-            ),
-        ),
-        encoders=(Encoders(id="encoders", drift=1e-6),),
-        odometry=(Odometry(id="odometry"),),
-        compass=(Compass(id="compass", noise_deg=1.0, walk_deg=1.0, step_deg=1.0),),
-        gps=(GPS(id="gps", noise=0.1, walk=0.1, step=0.1),),
-        imu=(IMU(id="imu", noise=0.1, walk=0.1, step=0.1),),
-        beacon=(Beacon(id="beacon", place=_PLACE, noise_deg=1.0, walk_deg=1.0),),
-        ground=(Ground(id="ground"),),
-        bumper=(Bumper(id="bumper"),),
-        truth=(Truth(id="truth"),),
-    )  # fmt: skip
+    """Return a chair with the sensors that together need every kernel of every kind."""
+    sensors: dict[str, Any] = dict(example_sensors(floor("room")))
+    return structs.replace(robot("rear-wheel"), **sensors)
 
 
 def _exercise() -> None:

@@ -13,7 +13,7 @@ from intellwheels_server.log.resimulate import resimulate
 from intellwheels_server.log.run_files import LOG, TRACE, RunFiles
 from intellwheels_server.world import Setup, State, advance, apply, begin, digest
 from intellwheels_server.world.inputs import Inputs, Join, Restart
-from intellwheels_server.world.kernels.rows import X
+from intellwheels_server.world.kernels import rows
 
 FIRST, SECOND = "1" * 16, "2" * 16
 
@@ -64,7 +64,7 @@ def test_trace_has_every_tick_and_is_not_rounded(tmp_path: Path) -> None:
     lines = [msgspec.json.decode(line) for line in (tmp_path / SECOND / TRACE).read_bytes().splitlines()]
     assert (lines[0]["Run"], lines[0]["Seed"], lines[0]["Floor"]) == (SECOND, "another", "room")
     assert [line["Tick"] for line in lines[1:]] == list(range(7))
-    assert lines[-1]["Body"]["one"]["Pose"][0] == float(world.state.numbers[X, 0])
+    assert lines[-1]["Body"]["one"]["Pose"][0] == float(world.state.numbers[rows.X, 0])
     assert lines[-1]["Body"]["one"]["Wheels"][0] > 0
 
 

@@ -18,7 +18,7 @@ from intellwheels_schemas.messages import (
 )
 from intellwheels_server.service.arrival import Topic
 from intellwheels_server.service.joining import MAX_WAITING
-from intellwheels_server.world.kernels.rows import X
+from intellwheels_server.world.kernels import rows
 from tests.server.stage import Stage, real
 
 
@@ -210,7 +210,7 @@ def test_a_successor_in_a_body_at_rest_moves_it_again() -> None:
     for _ in range(20):
         stage.act("chair1", 0.5, 0.5)
     assert stage.events()[-1] == "back"
-    assert stage.live_run.state.numbers[X, 0] > start.x + 0.1
+    assert stage.live_run.state.numbers[rows.X, 0] > start.x + 0.1
 
 
 def test_a_new_mind_in_a_body_at_rest_moves_it_again() -> None:
@@ -230,7 +230,7 @@ def test_a_new_mind_in_a_body_at_rest_moves_it_again() -> None:
     for _ in range(20):
         stage.act("chair1", 0.5, 0.5)
     assert stage.events()[-2:] == ["resumed", "back"]
-    assert stage.live_run.state.numbers[X, 0] > start.x + 0.1
+    assert stage.live_run.state.numbers[rows.X, 0] > start.x + 0.1
 
 
 def test_a_stale_bridge_that_joins_again_is_fresh_with_its_first_pose() -> None:

@@ -22,7 +22,7 @@ from intellwheels_schemas.messages import (
 )
 from intellwheels_server.log.resimulate import resimulate
 from intellwheels_server.world.changes import SLOTS
-from intellwheels_server.world.kernels.rows import SILENT, TAKEN
+from intellwheels_server.world.kernels import rows
 from tests.server.stage import RUN, Stage, real
 
 SENSING = msgspec.structs.replace(
@@ -203,14 +203,14 @@ def test_a_lease_that_is_over_does_not_come_back() -> None:
     lease = stage.result("take", Take(agent="chair1", seconds=60.0)).lease
     stage.result("save")
     stage.result("restore", Restore(slot="s1"))
-    assert stage.live_run.state.flags[TAKEN, 0] == 1
+    assert stage.live_run.state.flags[rows.TAKEN, 0] == 1
     stage.result("take", Take(agent="chair1", lease=lease, seconds=0.0))
     stage.result("restore", Restore(slot="s1"))
-    assert stage.live_run.state.flags[TAKEN, 0] == 0
+    assert stage.live_run.state.flags[rows.TAKEN, 0] == 0
     stage.result("save")
     assert stage.result("take", Take(agent="chair1")).code == "ok"
     stage.result("restore", Restore(slot="s2"))
-    assert stage.live_run.state.flags[TAKEN, 0] == 0
+    assert stage.live_run.state.flags[rows.TAKEN, 0] == 0
     assert stage.result("take", Take(agent="chair1")).code == "ok"
 
 
@@ -222,11 +222,11 @@ def test_a_user_who_is_gone_does_not_drive_on_in_a_restored_run() -> None:
     stage.work(0.1)
     stage.result("save")
     stage.work(1.0)
-    assert stage.live_run.state.flags[SILENT, 0] == 1
+    assert stage.live_run.state.flags[rows.SILENT, 0] == 1
     stage.result("restore", Restore(slot="s1"))
-    assert stage.live_run.state.flags[SILENT, 0] == 0
+    assert stage.live_run.state.flags[rows.SILENT, 0] == 0
     stage.work(1.0)
-    assert stage.live_run.state.flags[SILENT, 0] == 1
+    assert stage.live_run.state.flags[rows.SILENT, 0] == 1
 
 
 def test_a_real_chair_that_is_stale_in_the_saved_state_is_fresh_again_when_it_reports() -> None:

@@ -3,8 +3,8 @@ import pytest
 from intellwheels_schemas.errors import RequestRefusedError
 from intellwheels_schemas.messages import Part, Robot
 from intellwheels_server.world.body_set import assemble, body_model_of
-from intellwheels_server.world.kernels.arrays import ANCHORED, HELD, KEY
-from intellwheels_server.world.kernels.motion import ACCELERATION, KEPT, TOP_SPEED, TRACK
+from intellwheels_server.world.kernels.arrays import ANCHORED, EXTERNALLY_POSED, KEY
+from intellwheels_server.world.kernels.motor_model import MOTOR_ACCELERATION, MOTOR_KEPT, MOTOR_TOP_SPEED, MOTOR_TRACK
 from intellwheels_server.world.state import Setup
 from tests.server.worlds import cart, floor_of
 
@@ -34,9 +34,14 @@ def test_arrays_of_a_body_set_are_in_the_order_of_names() -> None:
     )
     assert body_set.names == ("a", "b")
     assert body_set.bodies.part_start.tolist() == [0, 2, 3]
-    assert body_set.bodies.marks[[HELD, ANCHORED]].tolist() == [[1, 0], [1, 0]]
+    assert body_set.bodies.marks[[EXTERNALLY_POSED, ANCHORED]].tolist() == [[1, 0], [1, 0]]
     assert [body_set.by_key[int(key)] for key in body_set.bodies.marks[KEY]] == ["a", "b"]
-    assert body_set.motors[[TRACK, TOP_SPEED, KEPT, ACCELERATION], 1].tolist() == [0.4, 1.0, 0.5, 2.0]
+    assert body_set.motors[[MOTOR_TRACK, MOTOR_TOP_SPEED, MOTOR_KEPT, MOTOR_ACCELERATION], 1].tolist() == [
+        0.4,
+        1.0,
+        0.5,
+        2.0,
+    ]
     assert body_set.limits.tolist() == [[10, 10], [1, 0]]
     assert samples.shape == (0,)
 

@@ -5,7 +5,7 @@ from intellwheels_maps import robot
 from intellwheels_schemas.codec import decode, encode
 from intellwheels_schemas.messages import Event, Part, Position
 from intellwheels_server.world import entities, measures
-from intellwheels_server.world.kernels.rows import CONTACTS
+from intellwheels_server.world.kernels import rows
 from tests.server.worlds import box_wall, cart, run, world
 
 
@@ -56,10 +56,10 @@ def test_touching_again_within_the_pause_counts_once_and_after_it_twice() -> Non
     state, _ = run(state, 6, {"a": (0.6, 0.6)})
     state, _ = run(state, 2, {"a": (-0.1, -0.1)})
     state, _ = run(state, 6, {"a": (0.6, 0.6)})
-    assert state.flags[CONTACTS, 0] == 1
+    assert state.flags[rows.CONTACTS, 0] == 1
     state, _ = run(state, 10, {"a": (-0.1, -0.1)})
     state, _ = run(state, 6, {"a": (0.6, 0.6)})
-    assert state.flags[CONTACTS, 0] == 2
+    assert state.flags[rows.CONTACTS, 0] == 2
 
 
 def test_episode_of_a_body_that_left_is_forgotten() -> None:

@@ -19,7 +19,7 @@ from intellwheels_schemas.messages import (
 )
 from intellwheels_server.world import advance, apply, digest, entities, measures
 from intellwheels_server.world.inputs import GoOn, Inputs, Join, Restart, TakeBody
-from intellwheels_server.world.kernels.rows import HEADING, X, Y
+from intellwheels_server.world.kernels import rows
 from tests.server.worlds import RUN, box_wall, cart, do, floor_of, run, world
 
 
@@ -35,7 +35,7 @@ def test_measures_of_tick_t_describe_the_state_after_t_steps() -> None:
     state, _ = run(state, 3, {"a": (1.0, 1.0)})
     assert measures(state, "a").tick == 3
     assert measures(state, "a").time == pytest.approx(0.15)
-    assert state.numbers[X, 0] == pytest.approx(0.15, abs=1e-12)
+    assert state.numbers[rows.X, 0] == pytest.approx(0.15, abs=1e-12)
 
 
 def test_advance_leaves_the_state_it_was_given_alone() -> None:
@@ -82,7 +82,7 @@ def test_hash_does_not_depend_on_the_run_s_name() -> None:
 
 def test_state_that_is_no_number_is_a_bug_and_says_so() -> None:
     state = world({"a": cart()})
-    state.numbers[X, 0] = np.nan
+    state.numbers[rows.X, 0] = np.nan
     with pytest.raises(FloatingPointError, match="expected finite numbers"):
         digest(state)
 
@@ -161,12 +161,12 @@ def test_taken_body_obeys_its_user_and_given_back_its_mind() -> None:
     state, _, events = do(state, TakeBody(agent="a"))
     assert [event.code for event in events] == ["taken"]
     state, _ = run(state, 5, {"a": (1.0, 1.0)})
-    assert state.numbers[X, 0] == 0.0
+    assert state.numbers[rows.X, 0] == 0.0
     assert entities(state)[0].state == "taken"
     state, _, events = do(state, TakeBody(agent="a", on=False))
     assert [event.code for event in events] == ["released"]
     state, _ = run(state, 1, {"a": (1.0, 1.0)})
-    assert state.numbers[X, 0] == pytest.approx(0.05)
+    assert state.numbers[rows.X, 0] == pytest.approx(0.05)
 
 
 def test_nothing_to_apply_changes_nothing() -> None:
@@ -215,6 +215,6 @@ def test_pose_after_a_quarter_turn_in_place() -> None:
     state = world({"a": cart()})
     # Wheels at -v and v turn by 2 v T / track a tick: 0.5 rad/s at v = 0.125 m/s.
     state, _ = run(state, 20, {"a": (-0.125, 0.125)})
-    assert state.numbers[HEADING, 0] == pytest.approx(0.5, abs=1e-12)
-    assert (state.numbers[X, 0], state.numbers[Y, 0]) == (0.0, 0.0)
+    assert state.numbers[rows.HEADING, 0] == pytest.approx(0.5, abs=1e-12)
+    assert (state.numbers[rows.X, 0], state.numbers[rows.Y, 0]) == (0.0, 0.0)
     assert Position(x=0.0, y=0.0, heading=0.0) is not None

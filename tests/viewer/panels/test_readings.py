@@ -7,13 +7,14 @@ import pytest
 from intellwheels_schemas.messages import (
     BeaconReading,
     GPSReading,
+    IMUReading,
     LidarReading,
     Measures,
     ProximityReading,
     Sensors,
     TruthReading,
 )
-from intellwheels_viewer.panels.readings import _KINDS, Group, Row, groups
+from intellwheels_viewer.panels.readings import _PANELS, Group, Row, groups
 from tests.viewer.panels import made_up
 
 
@@ -21,8 +22,19 @@ def read(sensors: Sensors) -> list[Group]:
     return groups(Measures(run=made_up.RUN, tick=10, time=0.5, sensors=sensors))
 
 
-def test_every_kind_of_the_contract_is_shown() -> None:
-    assert {field for field, _, _ in _KINDS} == set(Sensors.__struct_fields__)
+def test_words_are_of_kinds_of_the_contract() -> None:
+    assert set(_PANELS) <= set(Sensors.__struct_fields__)
+
+
+def test_a_kind_without_words_of_its_own_shows_its_values(monkeypatch: pytest.MonkeyPatch) -> None:
+    for field in ("imu", "gps"):
+        monkeypatch.delitem(_PANELS, field)
+    imu = IMUReading(id="i", forward=0.5, left=-0.25, turn_rate=1.0)
+    fixes = (GPSReading(id="g", x=1.5, y=2.0), GPSReading(id="lost", status="fault"))
+    assert read(Sensors(imu=(imu,), gps=fixes)) == [
+        Group("gps: x, m; y, m", (Row("g", "1.50, 2.00"), Row("lost", "failed"))),
+        Group("imu: forward, m/s2; left, m/s2; turn rate, rad/s", (Row("i", "0.50, \u22120.25, 1.00"),)),
+    ]
 
 
 def test_all_readings_of_a_chair_are_rows() -> None:

@@ -18,9 +18,13 @@ from intellwheels_schemas.messages import (
     Measures,
     OdometryReading,
     ProximityReading,
+    Record,
     Sensors,
+    Status,
     TruthReading,
 )
+from intellwheels_schemas.rules import SENSOR_KINDS, SENSOR_RECORDS
+from intellwheels_schemas.shapes import Member, shape_of
 from intellwheels_viewer.panels.number_format import decimal, degrees
 from intellwheels_viewer.panels.ranges import WORDS, tone
 
@@ -48,9 +52,10 @@ def groups(measures: Measures) -> list[Group]:
 
 
 def _groups(sensors: Sensors, tick: int) -> Iterator[Group]:
-    for field, caption, read in _KINDS:
+    for field in SENSOR_KINDS:
         readings: Sequence[Any] = getattr(sensors, field)
         if readings:
+            caption, read = _PANELS.get(field) or (_caption(field), _plain)
             yield Group(caption, tuple(_row(one, read, tick) for one in readings))
 
 
@@ -108,16 +113,50 @@ def _truth(one: TruthReading) -> tuple[str, str]:
     return f"{decimal(one.x)}, {decimal(one.y)}, {degrees(one.heading)}", ""
 
 
-_KINDS: Final[tuple[tuple[str, str, Callable[[Any], tuple[str, str]]], ...]] = (
-    ("proximity", "proximity, m", _proximity),
-    ("lidar", "lidar, nearest, m", _lidar),
-    ("encoders", "encoders, ticks left and right", _encoders),
-    ("odometry", "odometry: x, y, m; heading, \u00b0", _odometry),
-    ("compass", "compass, \u00b0", _angle),
-    ("gps", "GPS: x, y, m", _gps),
-    ("imu", "IMU: ahead, left, m/s\u00b2; turn, \u00b0/s", _imu),
-    ("beacon", "beacon, bearing, \u00b0", _angle),
-    ("ground", "ground", _ground),
-    ("bumper", "bumper", _bumper),
-    ("truth", "truth: x, y, m; heading, \u00b0", _truth),
-)
+def _caption(field: str) -> str:
+    """Return the caption of a kind without one of its own: its name, then its values with their units."""
+    values = []
+    for member in _values(SENSOR_RECORDS[field].reading):
+        unit = member.scalar.unit if member.scalar is not None else ""
+        values.append(f"{_words(member.name)}, {unit}" if unit not in {"", "1"} else _words(member.name))
+    return f"{_words(field)}: {'; '.join(values)}"
+
+
+def _plain(one: Any) -> tuple[str, str]:
+    """Return the values of a reading of a kind without a text of its own, in the order of the contract."""
+    status: Status = getattr(one, "status", "ok")
+    values = [getattr(one, member.name) for member in _values(type(one))]
+    texts = [_value(value) for value in values if value is not None]
+    return ", ".join(texts if status == "ok" else [WORDS[status], *texts]) or "nothing", ""
+
+
+def _values(reading: type[Record]) -> tuple[Member, ...]:
+    return tuple(member for member in shape_of(reading).members if member.name not in {"id", "tick", "status"})
+
+
+def _words(name: str) -> str:
+    return name.replace("_", " ")
+
+
+def _value(value: Any) -> str:
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    if isinstance(value, tuple):
+        return f"{len(value)} values"
+    return decimal(value, 2 if isinstance(value, float) else 0) if isinstance(value, int | float) else str(value)
+
+
+_PANELS: Final[dict[str, tuple[str, Callable[[Any], tuple[str, str]]]]] = {
+    "proximity": ("proximity, m", _proximity),
+    "lidar": ("lidar, nearest, m", _lidar),
+    "encoders": ("encoders, ticks left and right", _encoders),
+    "odometry": ("odometry: x, y, m; heading, \u00b0", _odometry),
+    "compass": ("compass, \u00b0", _angle),
+    "gps": ("GPS: x, y, m", _gps),
+    "imu": ("IMU: ahead, left, m/s\u00b2; turn, \u00b0/s", _imu),
+    "beacon": ("beacon, bearing, \u00b0", _angle),
+    "ground": ("ground", _ground),
+    "bumper": ("bumper", _bumper),
+    "truth": ("truth: x, y, m; heading, \u00b0", _truth),
+}
+"""Captions and texts that say more than `_caption` and `_plain`, by kind."""
