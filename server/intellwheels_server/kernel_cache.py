@@ -17,7 +17,7 @@ from pathlib import Path
 
 _VARIABLE = "NUMBA_CACHE_DIR"
 # Folders of this package that hold kernels. A kind of sensor may call a kernel of another kind.
-_FOLDERS = ("kernels", "sensors")
+_FOLDERS = ("world/kernels", "world/sensors")
 BAKED = "INTELLWHEELS_KERNELS"
 """The variable that names a folder of kernels compiled into an image. They are copied, as numba writes to its cache."""
 
