@@ -88,7 +88,7 @@ def test_chair_passes_a_doorway_of_0_813_m_without_stopping(
     request: pytest.FixtureRequest, chair: str, y: float, heading_deg: float
 ) -> None:
     if (chair, y) == STOPS:
-        request.applymarker(pytest.mark.xfail(reason="stops at what its cones left undecided", strict=True))
+        request.applymarker(pytest.mark.xfail(reason="stops because its cones leave the gap unclear", strict=True))
     half = DOORWAY / 2.0
     arena = placed(chair, ground(block(3.0, half, 3.15, 4.0), block(3.0, -4.0, 3.15, -half)), -1.5, y, heading_deg)
     speeds = Steerer(arena, round(100.0 * y) % 7, 0.02).drive_to(5.0, 12.0)
