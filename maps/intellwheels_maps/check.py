@@ -109,7 +109,7 @@ def opening(document: Map, doorway: Doorway) -> tuple[float, float]:
 
 def wall_pieces(wall: Wall) -> list[list[Point]]:
     """Return the polygons of a wall: the polygon itself, or for a line one rectangle with flat ends per segment."""
-    corners = _points(wall.corner)
+    corners = points_of(wall.corner)
     if wall.thickness is None:
         return [corners]
     half = wall.thickness / 2
@@ -119,6 +119,11 @@ def wall_pieces(wall: Wall) -> list[list[Point]]:
         nx, ny = -(by - ay) / length * half, (bx - ax) / length * half
         pieces.append([(ax - nx, ay - ny), (bx - nx, by - ny), (bx + nx, by + ny), (ax + nx, ay + ny)])
     return pieces
+
+
+def points_of(corners: Iterable[Corner]) -> list[Point]:
+    """Return corners as points, m."""
+    return [(corner.x, corner.y) for corner in corners]
 
 
 # ---------------------------------------------------------------- parts of the checks
@@ -134,7 +139,7 @@ def _check_shapes(document: Map) -> Iterator[Finding]:
 
 
 def _check_corners(element: str, what: str, corners: Sequence[Corner], *, closed: bool) -> Iterator[Finding]:
-    points = _points(corners)
+    points = points_of(corners)
     for index, (one, other) in enumerate(_edges(points) if closed else pairwise(points)):
         if one == other:
             text = f"{what} has the same corner twice in a row, X {_plain(one[0])} Y {_plain(one[1])}"
@@ -175,7 +180,7 @@ def _check_doorways(document: Map) -> Iterator[Finding]:
 
 def _check_places(document: Map) -> Iterator[Finding]:
     walls = [(f"Wall[{index}]", piece) for index, wall in enumerate(document.wall) for piece in wall_pieces(wall)]
-    walls += [(f"obstacle {obstacle.name!r}", _points(obstacle.corner)) for obstacle in document.obstacle]
+    walls += [(f"obstacle {obstacle.name!r}", points_of(obstacle.corner)) for obstacle in document.obstacle]
     for index, place in enumerate(document.grid.position if document.grid else ()):
         for what, piece in walls:
             if _inside((place.x, place.y), piece):
@@ -188,10 +193,6 @@ def _plain(value: float) -> str:
 
 
 # ---------------------------------------------------------------- plane geometry
-
-
-def _points(corners: Iterable[Corner]) -> list[Point]:
-    return [(corner.x, corner.y) for corner in corners]
 
 
 def _edges(points: Sequence[Point]) -> Iterator[tuple[Point, Point]]:

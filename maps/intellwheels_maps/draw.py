@@ -8,13 +8,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
-from typing import TypeAlias
 from xml.sax.saxutils import escape
 
-from intellwheels_maps.check import wall_pieces
-from intellwheels_schemas.messages import Corner, Doorway, Map, Place, Wall, Zone
-
-Point: TypeAlias = tuple[float, float]
+from intellwheels_maps.check import Point, points_of, wall_pieces
+from intellwheels_schemas.messages import Doorway, Map, Place, Wall, Zone
 
 _MARGIN = 0.6  # m around the walls
 _PIXELS_A_METRE = 40
@@ -42,8 +39,8 @@ def draw(document: Map) -> str:
     stroke in its heading. A place is a ring with a stroke in its heading, red if a wheelchair may start there and blue
     otherwise. Obstacles that do not reach down to the floor are dashed.
     """
-    obstacles = [(obstacle, _points(obstacle.corner)) for obstacle in document.obstacle]
-    zones = [(zone, _points(zone.corner)) for zone in document.zone]
+    obstacles = [(obstacle, points_of(obstacle.corner)) for obstacle in document.obstacle]
+    zones = [(zone, points_of(zone.corner)) for zone in document.zone]
     places = document.grid.position if document.grid else ()
     pieces = [piece for wall in document.wall for piece in wall_pieces(wall)]
     shapes = [*pieces, *(ring for _, ring in obstacles), *(ring for _, ring in zones)]
@@ -84,10 +81,6 @@ def _y(value: float) -> str:
     return _cm(-value)
 
 
-def _points(corners: Iterable[Corner]) -> list[Point]:
-    return [(corner.x, corner.y) for corner in corners]
-
-
 def _bounds(shapes: Iterable[Sequence[Point]]) -> tuple[float, float, float, float]:
     points = [point for shape in shapes for point in shape] or [(0.0, 0.0)]
     xs, ys = [x for x, _ in points], [y for _, y in points]
@@ -104,7 +97,7 @@ def _polygon(kind: str, ring: Sequence[Point], title: str | None = None) -> str:
 
 
 def _wall(wall: Wall) -> str:
-    points = _points(wall.corner)
+    points = points_of(wall.corner)
     if wall.thickness is None:
         return _polygon("wall", points)
     # A line that returns to its first corner is drawn as a polygon, so that this corner is mitred too.

@@ -1,4 +1,4 @@
-"""An agent on a real link, against a simulator of a few lines."""
+"""An agent on a real Zenoh link, against a minimal simulator."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ DEADLINE = 5.0
 
 
 class Simulator:
-    """Joins whoever asks, puts measures when told to, and keeps what comes back."""
+    """Accepts every join, publishes measures on request, and stores the answers."""
 
     def __init__(self, where: link.Link) -> None:
         session = link.open_session(where, threading.Event())

@@ -1,4 +1,4 @@
-"""The command line: what it shows, what it refuses."""
+"""The command line `iw-agent`: its help, its refusals, and free names and places."""
 
 from __future__ import annotations
 

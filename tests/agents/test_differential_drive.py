@@ -1,4 +1,4 @@
-"""Speeds become powers, encoders become a pose."""
+"""Motor powers from speeds, and a pose from encoders and compass."""
 
 from __future__ import annotations
 

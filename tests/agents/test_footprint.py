@@ -1,4 +1,4 @@
-"""For how long a body may move on before it touches what it saw."""
+"""For how long a body may move before it comes too near to a point."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""An agent runs on a chair's own computer: the base install is enough for it."""
+"""An agent runs on a chair's own computer, so the base install must be enough for it."""
 
 from __future__ import annotations
 

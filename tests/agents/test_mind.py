@@ -1,4 +1,4 @@
-"""What a mind is told of its way."""
+"""The route that the options of a mind describe."""
 
 from __future__ import annotations
 

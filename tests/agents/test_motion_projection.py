@@ -1,4 +1,4 @@
-"""Where a footprint goes and what it may come near."""
+"""Projected motions, and whether they keep their clearances."""
 
 from __future__ import annotations
 
@@ -66,7 +66,7 @@ def test_driving_along_a_near_wall_is_free_but_not_into_it() -> None:
 def test_swing_room_is_kept_ahead_and_the_body_itself_still_counts() -> None:
     assert free((1.4, 0.0), Wheels(0.5, 0.5))
     assert not free((1.4, 0.0), Wheels(0.5, 0.5), swing=0.1)
-    # Within the longer footprint already, at its side: only the body's own room tells that it would be hit.
+    # Already inside the lengthened footprint, at its side: only the clearance of the body itself shows the collision.
     assert not free((0.85, 0.29), Wheels(0.5, 0.5), swing=0.1)
 
 

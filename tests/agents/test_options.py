@@ -1,4 +1,4 @@
-"""Options are read as what they mean, or refused in words."""
+"""Options are converted and checked, or refused with a reason."""
 
 from __future__ import annotations
 

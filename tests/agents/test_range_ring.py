@@ -16,7 +16,7 @@ BODY = with_ring(robot("person"))
 
 
 def seen(**metres: float | Status) -> Sensors:
-    """Return the readings of a ring that sees nothing but this, cones named c0, c1, ..."""
+    """Return the readings of a ring that sees only these ranges, by cone: c0, c1, ..."""
     readings = []
     for i in range(CONES):
         value = metres.get(f"c{i}")

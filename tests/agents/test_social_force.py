@@ -1,4 +1,4 @@
-"""The forces on somebody who walks to the east."""
+"""The forces on a pedestrian who walks east."""
 
 from __future__ import annotations
 

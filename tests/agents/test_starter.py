@@ -1,4 +1,4 @@
-"""The starter is whole, valid and never in the way of what is there. That it passes: `tests/e2e/test_wheel.py`."""
+"""The starter is complete and valid, and overwrites nothing. `tests/e2e/test_wheel.py` runs its test."""
 
 from __future__ import annotations
 

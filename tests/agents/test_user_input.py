@@ -1,4 +1,4 @@
-"""What a user wants, as the simulator itself would obey it."""
+"""User input becomes the same motor powers as in the simulator."""
 
 from __future__ import annotations
 

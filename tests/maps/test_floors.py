@@ -1,4 +1,4 @@
-"""The shipped floors measure what the scenarios need. Shapely is the judge, not the project's own geometry."""
+"""The shipped floors have the dimensions that the scenes need. Shapely checks them, not the project's own geometry."""
 
 from __future__ import annotations
 
@@ -74,7 +74,7 @@ def place(document: Map, name: str) -> Place:
 
 
 def clear_width(document: Map, name: str) -> float:
-    """The least distance between the two walls that a doorway's cross line ends at."""
+    """Return the distance between the two walls at the ends of a doorway's cross line."""
     doorway = next(doorway for doorway in document.doorway if doorway.name == name)
     heading = math.radians(doorway.heading_deg)
     across = (-math.sin(heading), math.cos(heading))
@@ -226,7 +226,7 @@ def test_every_doorway_states_its_clear_width(name: str) -> None:
 
 
 def test_ward_has_at_least_ten_rooms_that_a_chair_can_reach() -> None:
-    """From the corridor, a circle of a chair's half width gets to every start place."""
+    """A circle with half the width of a chair can reach every start place from the corridor."""
     document = floor("ward")
     assert len([zone for zone in document.zone if zone.name not in {"corridor", "lobby"}]) >= 10
     # Grown walls leave the ground that a disc of 0.34 m, half of the widest chair and a bit, can stand on.
@@ -254,7 +254,7 @@ def test_room_has_three_starts_three_goals_a_table_and_a_hinge() -> None:
 
 
 def test_goal_behind_the_door_is_out_of_sight_of_its_sensors() -> None:
-    """Else the door never sees nothing, and never closes."""
+    """Otherwise the door would always see a chair at the goal, and never close."""
     document = floor("room")
     hinge = place(document, "hinge")
     heading = math.radians(hinge.heading_deg)

@@ -1,4 +1,4 @@
-"""The shipped robots have the figures of the design: turning radii, heights, what their sensors look at."""
+"""The shipped robots have the dimensions of the design: turning radii, heights, sensor positions."""
 
 from __future__ import annotations
 
@@ -83,7 +83,7 @@ def test_acceleration_curves_of_the_chairs_differ() -> None:
 
 @pytest.mark.parametrize("name", names("robots"))
 def test_shipped_robot_has_no_noise_of_its_own(name: str) -> None:
-    """Noise is a scene's choice, so that tests of the motion may use the same robots."""
+    """Noise is set by scenes, so that tests of the motion can use the same robots."""
     document = robot(name)
     assert document.motor_noise == 0.0
     assert all(compass.noise_deg == 0.0 for compass in document.compass)
@@ -102,7 +102,7 @@ def test_door_has_the_papers_leaf_and_two_sensors_on_each_side() -> None:
 
 
 def test_door_has_a_sensor_from_jamb_to_jamb() -> None:
-    """Two people's width fits between the cones that look outward, in the plane of the leaf."""
+    """The gap between the outward cones, in the plane of the leaf, is as wide as two people."""
     [across] = [sensor for sensor in robot("door").proximity if not sensor.y]
     assert across.direction_deg == 0.0
     # From 0.01 m beyond the free edge to the other jamb, 1.06 m away.

@@ -1,4 +1,4 @@
-"""The shipped scenes hang together: floor, robots, places, and a way that leads through the door."""
+"""The shipped scenes are consistent: floor, robots, places, and the path through the door."""
 
 from __future__ import annotations
 
@@ -59,5 +59,5 @@ def test_path_through_the_door_leads_through_its_middle() -> None:
     partition = box(doorway.x - 0.01, -100, doorway.x + 0.01, 100)
     crossed = way.intersection(partition)
     assert crossed.length > 0
-    # The leaf stands open at one jamb, so the middle of what is left lies a little off the opening's.
+    # The open leaf covers part of the opening at one jamb, so the middle of the rest is slightly off-centre.
     assert abs(crossed.centroid.y - doorway.y) <= 0.1

@@ -1,4 +1,4 @@
-"""The example without the harness, as a process in a real world."""
+"""The Python agent without the harness, as a process, against a real simulator."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Each example's page: three commands, and how to check it."""
+"""The README of each language: three commands, and how to check the agent."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A corridor without ends, in which a crowd walks one way: what a fundamental diagram is measured in.
+"""An endless corridor in which a crowd walks one way, to measure a fundamental diagram.
 
 It is made of a straight corridor and images: whoever is at x has an image a period before and one after, which are set
 anew at each tick and move as he does, so all see and touch what they would on a ring, without bends. Who walks past the
@@ -23,12 +23,12 @@ IMAGES = ("before", "after")
 
 
 def weidmann(density: float) -> float:
-    """Return the speed, m/s, of a crowd of so many persons per square metre (Weidmann 1993)."""
+    """Return the speed (m/s) of a crowd with a density in persons per square metre (Weidmann 1993)."""
     return 1.34 * (1.0 - math.exp(-1.913 * (1.0 / density - 1.0 / 5.4)))
 
 
 class Corridor:
-    """A crowd in a corridor without ends.
+    """A crowd in an endless corridor.
 
     Attributes:
         arena: The world; the real ones are its players.

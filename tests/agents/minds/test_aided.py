@@ -1,4 +1,4 @@
-"""As much of what a user wants as there is room for: no contact, and always a way back.
+"""Aided driving does as much of the user's wish as the obstacles allow: no contact, and always a way back.
 
 In the real world, in one process. All four chairs look all around at 0.4 m; nothing on these floors is lower or hangs
 higher than that alone.
@@ -22,7 +22,7 @@ from tests.agents.arena import Arena
 from tests.agents.kinematics import RUN, context
 
 CHAIRS = ("rear-wheel", "mid-wheel", "front-wheel", "intellwheels")
-# Not the ward's beds: there a locker stands 0.15 m before the chair, between the cones, where nothing ever saw it.
+# Not the beds of the ward: a locker stands 0.15 m in front of the chair there, between the cones, and is never seen.
 STARTS = (
     ("room", "start1"), ("room", "start3"), ("ward", "lobby1"), ("ward", "lobby2"),
     ("corner", "leader"), ("door", "start"), ("corridor15m", "start"),
@@ -30,7 +30,7 @@ STARTS = (
 
 
 def wish(arena: Arena, forward: float, turn: float, seconds: float) -> tuple[float, float]:
-    """Let the user want something for so long; return metres from where it began and radians it turned."""
+    """Apply a user input for so many seconds; return the distance from the start (m) and the angle turned (rad)."""
     arena.users["chair1"] = UserInput(forward=forward, turn=turn)
     first = len(arena.paths["chair1"]) - 1
     arena.run(seconds)
@@ -40,7 +40,7 @@ def wish(arena: Arena, forward: float, turn: float, seconds: float) -> tuple[flo
 
 
 def drive_at_random(arena: Arena, chance: random.Random, seconds: float) -> None:
-    """Let the user want anything, mostly full ahead, without a thought for what stands there."""
+    """Return random user inputs, mostly full ahead, that ignore all obstacles."""
     until = arena.state.tick * 0.05 + seconds
     while arena.state.tick * 0.05 < until:
         forward = chance.choice([1.0, 1.0, 0.6, 0.0, -0.7, chance.uniform(-1.0, 1.0)])
@@ -49,7 +49,7 @@ def drive_at_random(arena: Arena, chance: random.Random, seconds: float) -> None
 
 
 def would_touch(arena: Arena, left: float, right: float, ticks: int) -> bool:
-    """Return whether these powers, unaided, would lead into something."""
+    """Return whether these powers, without aid, would lead into an obstacle."""
     state = arena.state
     for _ in range(ticks):
         state, outputs = advance(state, Inputs(actions={"chair1": Actions(left_motor=left, right_motor=right)}))

@@ -1,4 +1,4 @@
-"""A chair that wanders touches nothing."""
+"""A wandering chair touches nothing."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A door opens for who comes, waits, and closes behind."""
+"""A door opens for somebody, waits, and closes again."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ JAMBS = box(-0.05, -3.0, 0.05, -0.06) + box(-0.05, 1.04, 0.05, 3.0) + box(-9.0, 
 
 
 class Doorway:
-    """A door hinged at the origin, closed along y, and what stands before it."""
+    """A door hinged at the origin, closed along y, with obstacles in front of it."""
 
     def __init__(self, body: Body, **options: str) -> None:
         self.body = body

@@ -1,4 +1,4 @@
-"""Which range lets a chair through an automatic door, in the real world, beside polygons swept in the test."""
+"""Which sensor range lets a chair through an automatic door: the simulated world against swept polygons."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ SPEED = 0.5
 OPENING = 5.0
 LATENCY = 0.15
 FRONT = 1.10 - 1.10 * 0.227
-"""Metres from the centre of movement of the rear-wheel chair to its front edge."""
+"""Distance from the centre of movement of the rear-wheel chair to its front edge, m."""
 
 
 def leaf(angle: float) -> Polygon:
-    """Return the leaf, 1.0 x 0.1 m hinged 1 cm from one end, turned so far from closed."""
+    """Return the leaf, 1.0 x 0.1 m and hinged 1 cm from one end, turned by an angle from closed."""
     closed = box(-0.05, -0.01, 0.05, 0.99)
     return affinity.translate(affinity.rotate(closed, angle, origin=(0.0, 0.0), use_radians=True), *HINGE)
 
@@ -69,7 +69,7 @@ def test_door_range_lets_the_chair_through_as_swept_polygons_predict(
     arena.run(30.0, lambda arena: arena.paths["chair"][-1][0] > 9.0)
     assert bool(arena.contacts()) is not passes
     opened = next(tick for tick, words in arena.said["door"] if words == "door opening")
-    # It was seen at its range, less the 5 cm that make somebody, within what it drives in a latency.
+    # It was detected at the sensor range less 0.05 m (`NEARER`), to within the way it drives during the latency.
     assert arena.paths["chair"][opened][0] + FRONT == pytest.approx(5.95 - metres + 0.05, abs=SPEED * LATENCY)
 
 

@@ -1,4 +1,4 @@
-"""A script of powers, to the tick."""
+"""Fixed and scripted motor powers, exact to the tick."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A person who drives: late by the reaction time, with a hand that shakes as it is said to."""
+"""The model of a driver: its reaction time and its tremor."""
 
 from __future__ import annotations
 

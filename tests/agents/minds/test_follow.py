@@ -1,4 +1,4 @@
-"""Following by ear, in the real world: the scene `follow`, with its noise."""
+"""Following by messages, in the simulated world: the scene `follow` with its noise."""
 
 from __future__ import annotations
 

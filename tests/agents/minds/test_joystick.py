@@ -1,4 +1,4 @@
-"""The mind that drives as its user wants and does nothing else."""
+"""The mind that drives exactly as its user wants."""
 
 from __future__ import annotations
 

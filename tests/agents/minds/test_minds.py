@@ -1,4 +1,4 @@
-"""Minds are found by name, and a user's by the path of a file."""
+"""Shipped minds are found by name, a user's own by the path of a file."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from intellwheels_schemas.messages import Actions, Measures, Robot
 from tests.agents.kinematics import RUN, context
 
 
-def test_the_shipped_minds() -> None:
+def test_all_expected_minds_are_there() -> None:
     shipped = {"aided", "avoid", "car", "door", "drive", "driver", "follow", "joystick", "person", "seek", "table"}
     assert {*shipped, "waypoints"} == set(minds.names())
     for name in minds.names():

@@ -1,4 +1,4 @@
-"""People who walk: free, past each other, out of the way of a chair, and in a crowd."""
+"""Pedestrians: alone, passing each other, avoiding a chair, and in a crowd."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A chair gets to its place round what its sensors see, and tells where it thinks it is going."""
+"""A chair reaches its place around the obstacles that its sensors see, and reports its goal."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A chair gets where its path leads, with its own noisy idea of where it is."""
+"""A chair follows its path to the end, with its own noisy odometry."""
 
 from __future__ import annotations
 
