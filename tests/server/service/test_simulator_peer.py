@@ -307,9 +307,7 @@ def test_closed_lifeline_ends_the_process() -> None:
         (["--speed", "0"], "expected a number above 0"),
     ],
 )
-def test_wrong_usage_exits_with_2(
-    options: list[str], text: str, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_wrong_usage_exits_with_2(options: list[str], text: str, capsys: pytest.CaptureFixture[str]) -> None:
     from intellwheels_server.__main__ import main
 
     try:
