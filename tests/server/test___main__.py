@@ -29,7 +29,7 @@ def outcome(*words: str) -> int | str | None:
         (["--world", "No Name"], "--world: expected a name"),
     ],
 )
-def test_what_a_log_says_itself_cannot_be_said_of_its_playing(
+def test_playback_refuses_options_of_a_live_run(
     words: list[str], said: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     path = tmp_path / "log"
@@ -38,7 +38,7 @@ def test_what_a_log_says_itself_cannot_be_said_of_its_playing(
     assert said in capsys.readouterr().err
 
 
-def test_a_log_that_is_none_or_not_there_is_said(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_missing_or_invalid_log_is_reported(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert outcome("--play", str(tmp_path / "none")) == 1
     assert "No such file" in capsys.readouterr().err
     (tmp_path / "text").write_text("hello\n")
@@ -46,12 +46,12 @@ def test_a_log_that_is_none_or_not_there_is_said(tmp_path: Path, capsys: pytest.
     assert "text:1: expected the header of an input log" in capsys.readouterr().err
 
 
-def test_the_world_of_an_old_log_is_the_one_that_commands_take_by_default() -> None:
+def test_old_log_has_the_default_world() -> None:
     assert file_records.DEFAULT_WORLD == DEFAULT_WORLD
     assert PLAY_NAME_LENGTH + len("-play") == 32
 
 
-def test_a_log_of_reported_poses_goes_with_one_that_is_played_and_must_be_there(
+def test_log_of_reported_poses_needs_a_playback_and_must_exist(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert outcome("--reported", "ward.jsonl") == 2

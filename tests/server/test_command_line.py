@@ -10,7 +10,7 @@ from intellwheels_server.__main__ import main
 from intellwheels_server.command_line import options_of, parser
 
 
-def test_say_is_kept_lost_or_late_by_options_and_by_default_not() -> None:
+def test_rules_of_speech_are_options_without_a_default_of_their_own() -> None:
     given = parser().parse_args([])
     assert (given.say_walls, given.say_loss, given.say_delay, given.say_range) == (None, None, None, None)
     given = parser().parse_args(["--say-walls", "--say-loss", "0.3", "--say-delay", "0.2"])
@@ -33,7 +33,7 @@ SAYING = """\
 """
 
 
-def test_scene_says_how_a_say_is_heard_and_the_command_line_overrules_it(tmp_path: Path) -> None:
+def test_command_line_overrides_the_rules_of_speech_of_a_scene(tmp_path: Path) -> None:
     path = tmp_path / "say.xml"
     path.write_text(SAYING)
     for words, wanted in (

@@ -153,7 +153,7 @@ def check(state: State, outputs: Outputs) -> None:
 
 
 @pytest.mark.parametrize("seed", range(12))
-def test_whatever_happens_can_be_sent_and_is_given_again_by_its_log(seed: int) -> None:
+def test_random_history_can_be_encoded_and_its_log_repeats_it(seed: int) -> None:
     draw = random.Random(seed)
     setup = draw_setup(draw)
     state = begin(setup, "0" * 16)

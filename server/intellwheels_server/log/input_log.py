@@ -17,7 +17,7 @@ from intellwheels_schemas.file_records import DEFAULT_WORLD, FORMAT, InputHeader
 from intellwheels_server.world import Setup
 
 FLUSH_AFTER: Final = 1.0
-"""Seconds a line waits at most before it is in the file."""
+"""Seconds that a line is buffered at most."""
 
 Line = InputTick
 """A line after the header."""
@@ -53,13 +53,13 @@ _parse = msgspec.json.Decoder(Line).decode
 
 
 class Log:
-    """A log being written. Lines are kept back for about a second; `close` writes the rest.
+    """A log being written. Lines are buffered for about a second; `close` writes the rest.
 
     Args:
-        path: The file; what was there is lost.
+        path: The file; an existing one is replaced.
         setup: What the world is made of.
-        run: The run's name.
-        world: The world's name.
+        run: The name of the run.
+        world: The name of the world.
 
     Raises:
         OSError: The file cannot be written.
@@ -94,21 +94,21 @@ class Log:
         self.flush()
 
     def write(self, line: Line, now: float) -> None:
-        """Keep a line, and write what was kept when it is old enough."""
+        """Add a line, and write the buffer to the file if a second has passed."""
         self._lines.append(_write(line))
         if now >= self._flush_at:
             self.flush()
             self._flush_at = now + FLUSH_AFTER
 
     def flush(self) -> None:
-        """Write what was kept."""
+        """Write the buffer to the file."""
         if self._lines:
             self._file.write(b"\n".join(self._lines) + b"\n")
             self._lines.clear()
         self._file.flush()
 
     def close(self) -> None:
-        """Write what was kept and close the file."""
+        """Write the buffer to the file and close it."""
         self.flush()
         self._file.close()
 
@@ -127,10 +127,10 @@ def read_header(file: IO[bytes], name: str) -> Header:
 
 
 def read_lines(file: IO[bytes], name: str) -> Iterator[Line | None]:
-    """Yield the lines after the header; a last line that was cut is None.
+    """Yield the lines after the header, and None for an incomplete last line.
 
     Raises:
-        LogError: A line that is not the last cannot be read.
+        LogError: A complete line cannot be read.
     """
     for number, text in enumerate(file, start=2):
         line = parse_line(text, f"{name}:{number}")
@@ -140,10 +140,10 @@ def read_lines(file: IO[bytes], name: str) -> Iterator[Line | None]:
 
 
 def parse_line(text: bytes, where: str) -> Line | None:
-    """Return one line after the header, or None when it is a last one that was cut.
+    """Return a line after the header, or None for an incomplete last line.
 
     Raises:
-        LogError: It cannot be read.
+        LogError: A complete line cannot be read.
     """
     try:
         return _parse(text)

@@ -53,11 +53,11 @@ def _shown(state: State, name: str, i: int) -> TraceBody:
 
 
 def trace_lines(path: Path) -> Iterator[bytes]:
-    """Yield the trace of a log, run again: of each of its runs the first line, its first tick and every tick after it.
+    """Yield the trace of a log: for each of its runs the first line, the first tick and every tick after it.
 
     Raises:
-        LogError: The file is no log, or what it gives differs from what it says.
-        OSError: It cannot be read.
+        LogError: The file is no log, or a hash differs from the recorded one.
+        OSError: The file cannot be read.
     """
     encode = msgspec.json.encode
     with path.open("rb") as file:

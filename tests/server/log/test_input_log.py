@@ -28,7 +28,7 @@ def written(path: Path, count: int = 3) -> list[Line]:
     return lines
 
 
-def test_what_is_written_is_read_again(tmp_path: Path) -> None:
+def test_written_log_is_read_back(tmp_path: Path) -> None:
     path = tmp_path / "log"
     lines = written(path)
     with path.open("rb") as file:
@@ -39,7 +39,7 @@ def test_what_is_written_is_read_again(tmp_path: Path) -> None:
         assert list(read_lines(file, "log")) == lines
 
 
-def test_a_line_is_in_the_file_after_a_second(tmp_path: Path) -> None:
+def test_line_is_in_the_file_after_a_second(tmp_path: Path) -> None:
     path = tmp_path / "log"
     log = Log(path, Setup(floor=floor("room")), RUN)
     line = Line(tick=0, inputs=Inputs(), hash="0" * 16)
@@ -49,7 +49,7 @@ def test_a_line_is_in_the_file_after_a_second(tmp_path: Path) -> None:
     log.close()
 
 
-def test_a_last_line_that_was_cut_is_told(tmp_path: Path) -> None:
+def test_incomplete_last_line_is_reported(tmp_path: Path) -> None:
     path = tmp_path / "log"
     lines = written(path)
     path.write_bytes(path.read_bytes()[:-20])
@@ -58,7 +58,7 @@ def test_a_last_line_that_was_cut_is_told(tmp_path: Path) -> None:
         assert list(read_lines(file, "log")) == [*lines[:2], None]
 
 
-def test_a_broken_line_in_the_middle_is_an_error_with_its_number(tmp_path: Path) -> None:
+def test_broken_line_in_the_middle_is_an_error_with_its_number(tmp_path: Path) -> None:
     path = tmp_path / "log"
     written(path)
     whole = path.read_bytes().splitlines(keepends=True)
@@ -70,7 +70,7 @@ def test_a_broken_line_in_the_middle_is_an_error_with_its_number(tmp_path: Path)
 
 
 @pytest.mark.parametrize("data", [b"", b"{}\n", b"\xff\n", b"hello\n"])
-def test_what_is_no_log_is_said_so(tmp_path: Path, data: bytes) -> None:
+def test_file_that_is_no_log_is_an_error(tmp_path: Path, data: bytes) -> None:
     path = tmp_path / "log"
     path.write_bytes(data)
     with path.open("rb") as file, pytest.raises(LogError, match=r"^log:1: expected the header of an input log"):
@@ -94,7 +94,7 @@ def test_log_says_its_version_and_one_of_another_is_refused_in_words(tmp_path: P
         assert list(read_lines(file, "log")) == lines
 
 
-def test_a_step_is_not_said_and_no_step_is() -> None:
+def test_only_a_line_without_a_step_says_so() -> None:
     line = Line(tick=1, inputs=Inputs(), hash="0" * 16)
     assert msgspec.json.encode(line) == b'{"Tick":1,"Inputs":{},"Hash":"0000000000000000"}'
     assert b'"Stepped":false' in msgspec.json.encode(msgspec.structs.replace(line, stepped=False))

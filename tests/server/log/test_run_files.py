@@ -75,7 +75,7 @@ def test_trace_of_a_log_is_that_of_the_run(tmp_path: Path) -> None:
     assert again.read_bytes() == (tmp_path / SECOND / TRACE).read_bytes()
 
 
-def test_event_stands_in_the_line_of_its_tick(tmp_path: Path) -> None:
+def test_event_is_in_the_line_of_its_tick(tmp_path: Path) -> None:
     world = World(tmp_path)
     world.step(Inputs(changes=(Join(agent="one", robot=robot("rear-wheel")),)))
     world.files.add_event(Event(run=FIRST, tick=2, number=9, code="contact", agent="one", other="wall"))
@@ -85,7 +85,7 @@ def test_event_stands_in_the_line_of_its_tick(tmp_path: Path) -> None:
     assert [(event["Code"], event["Tick"]) for event in last["Event"]] == [("contact", 2)]
 
 
-def test_run_without_a_step_leaves_nothing(tmp_path: Path) -> None:
+def test_run_without_a_step_leaves_no_files(tmp_path: Path) -> None:
     world = World(tmp_path)
     world.reset("2")
     world.files.close()

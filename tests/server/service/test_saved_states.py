@@ -55,7 +55,7 @@ def later(stage: Stage, verb: str, message: Any = b"") -> Result:
     return result_of(replies)
 
 
-def test_a_restored_run_goes_as_the_saved_one_went_and_its_log_gives_it_again(tmp_path: Path) -> None:
+def test_restored_run_repeats_the_saved_one_and_its_log_runs_again(tmp_path: Path) -> None:
     stage = Stage(log=tmp_path / "log")
     stage.join_two()
     stage.result("pause")
@@ -79,7 +79,7 @@ def test_a_restored_run_goes_as_the_saved_one_went_and_its_log_gives_it_again(tm
     assert (found.differs, found.hash) == (None, went[-1][1])
 
 
-def test_saves_survive_a_reset_and_the_oldest_makes_room() -> None:
+def test_saved_states_survive_a_reset_and_the_oldest_is_dropped() -> None:
     stage = Stage()
     stage.join("chair1")
     hashes = {}
@@ -112,7 +112,7 @@ def test_restoring_while_paused_stays_paused() -> None:
     assert stage.of("clock")[-1].state == "paused"
 
 
-def test_who_came_after_the_save_is_told_to_join_again() -> None:
+def test_agent_that_joined_after_the_save_must_join_again() -> None:
     stage = Stage()
     stage.join("chair1")
     later(stage, "save")
@@ -130,7 +130,7 @@ def test_who_came_after_the_save_is_told_to_join_again() -> None:
     assert "chair2" in stage.live_run.state.names
 
 
-def test_the_body_of_who_left_after_the_save_stands_and_is_its_own_again() -> None:
+def test_body_of_an_agent_that_left_after_the_save_waits_for_it() -> None:
     stage = Stage()
     stage.join_two()
     saved = later(stage, "save")
@@ -146,7 +146,7 @@ def test_the_body_of_who_left_after_the_save_stands_and_is_its_own_again() -> No
     assert stage.tick == (saved.tick or 0) + 3
 
 
-def test_another_robot_of_that_name_takes_the_place_of_the_body_that_was_left() -> None:
+def test_another_robot_of_that_name_replaces_the_waiting_body() -> None:
     stage = Stage()
     stage.join_two()
     later(stage, "save")
@@ -158,7 +158,7 @@ def test_another_robot_of_that_name_takes_the_place_of_the_body_that_was_left() 
     assert stage.events()[-2:] == ["left", "joined"]
 
 
-def test_who_changed_its_robot_after_the_save_is_let_go() -> None:
+def test_agent_that_changed_its_robot_after_the_save_is_removed() -> None:
     stage = Stage()
     stage.join_two()
     later(stage, "save")
@@ -172,7 +172,7 @@ def test_who_changed_its_robot_after_the_save_is_let_go() -> None:
     assert stage.of("clock")[-1].waiting == ()
 
 
-def test_a_mind_of_another_process_stays_and_one_that_the_saved_run_had_not_joins_again() -> None:
+def test_mind_in_another_process_stays_only_if_the_saved_run_had_it() -> None:
     stage = Stage()
     stage.join("chair1", role="body")
     stage.result("pause")
@@ -185,7 +185,7 @@ def test_a_mind_of_another_process_stays_and_one_that_the_saved_run_had_not_join
     assert [error.code for error in stage.errors("chair1")] == ["not-joined"]
 
 
-def test_a_body_deleted_by_an_operator_can_be_restored() -> None:
+def test_body_deleted_by_an_operator_can_be_restored() -> None:
     stage = Stage()
     stage.join("chair1")
     stage.result("pause")
@@ -196,7 +196,7 @@ def test_a_body_deleted_by_an_operator_can_be_restored() -> None:
     assert stage.live_run.digest() == saved.hash
 
 
-def test_a_lease_that_is_over_does_not_come_back() -> None:
+def test_lease_that_has_ended_does_not_come_back() -> None:
     stage = Stage(pace="realtime")
     stage.join("chair1")
     stage.result("pause")
@@ -214,7 +214,7 @@ def test_a_lease_that_is_over_does_not_come_back() -> None:
     assert stage.result("take", Take(agent="chair1")).code == "ok"
 
 
-def test_a_user_who_is_gone_does_not_drive_on_in_a_restored_run() -> None:
+def test_body_of_a_user_who_is_gone_stops_in_a_restored_run() -> None:
     stage = Stage(pace="realtime")
     stage.join("chair1", user_input=("drive",))
     lease = stage.result("take", Take(agent="chair1", seconds=60.0)).lease
@@ -229,7 +229,7 @@ def test_a_user_who_is_gone_does_not_drive_on_in_a_restored_run() -> None:
     assert stage.live_run.state.flags[rows.SILENT, 0] == 1
 
 
-def test_a_real_chair_that_is_stale_in_the_saved_state_is_fresh_again_when_it_reports() -> None:
+def test_real_chair_that_is_stale_in_the_saved_state_is_fresh_when_it_reports() -> None:
     stage = Stage(pace="realtime")
     stage.join("chair1", real())
     stage.work(1.0)
@@ -243,7 +243,7 @@ def test_a_real_chair_that_is_stale_in_the_saved_state_is_fresh_again_when_it_re
     assert stage.events()[-1] == "fresh"
 
 
-def test_the_map_is_told_anew_when_the_saved_run_had_another() -> None:
+def test_map_is_published_again_if_the_saved_run_had_another() -> None:
     stage = Stage()
     stage.result("pause")
     stage.result("save")
@@ -252,7 +252,7 @@ def test_the_map_is_told_anew_when_the_saved_run_had_another() -> None:
     assert [(info.name, info.revision) for info in stage.of("map")[-3:]] == [("room", 0), ("corner", 1), ("room", 2)]
 
 
-def test_a_teleport_and_a_save_in_one_tick_are_given_again_by_the_log(tmp_path: Path) -> None:
+def test_log_repeats_a_teleport_and_a_save_in_one_tick(tmp_path: Path) -> None:
     stage = Stage(log=tmp_path / "log")
     stage.join("chair1", SENSING)
     stage.result("pause")

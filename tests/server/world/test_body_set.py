@@ -9,7 +9,7 @@ from intellwheels_server.world.state import Setup
 from tests.server.worlds import cart, floor_of
 
 
-def test_figure_is_the_robot_as_accepted() -> None:
+def test_model_has_the_robot_as_accepted() -> None:
     model = body_model_of("a", cart(format="iw.v1", command_timeout=0.12), Setup(floor=floor_of()))
     assert (model.robot.name, model.robot.format) == ("a", None)
     # 0.12 s is over in three steps of 0.05 s.
@@ -46,7 +46,7 @@ def test_arrays_of_a_body_set_are_in_the_order_of_names() -> None:
     assert samples.shape == (0,)
 
 
-def test_an_empty_body_set_is_one_too() -> None:
+def test_body_set_may_be_empty() -> None:
     body_set, _ = assemble({}, Setup(floor=floor_of()), 0, None)
     assert body_set.motors.shape == (8, 0)
     assert body_set.noise.shape == (2, 0)

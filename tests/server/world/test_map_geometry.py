@@ -21,7 +21,7 @@ def test_walls_come_first_then_obstacles_each_with_its_z_range() -> None:
     assert walls.pieces[:, PIECE_TOP].tolist() == [2.5, 1.0, 0.6]
 
 
-def test_walls_are_spoken_of_by_number_and_obstacles_by_name() -> None:
+def test_walls_are_described_by_number_and_obstacles_by_name() -> None:
     assert [describe_wall(FLOOR, index) for index in range(3)] == ["wall 1", "wall 2", "obstacle 'bed'"]
 
 

@@ -27,7 +27,7 @@ def test_robot_may_ask_for_its_own_time_out() -> None:
     assert entities(state)[0].x == pytest.approx(0.1)
 
 
-def test_time_out_is_told_once_and_again_after_the_next_command() -> None:
+def test_time_out_is_reported_once_per_command() -> None:
     state = world({"a": cart()})
     codes = []
     for _ in range(2):
@@ -37,7 +37,7 @@ def test_time_out_is_told_once_and_again_after_the_next_command() -> None:
     assert codes == [["timeout"], ["timeout"]]
 
 
-def test_what_has_no_motors_times_never_out() -> None:
+def test_body_without_motors_never_times_out() -> None:
     state, events = run(world({"a": cart(top_speed=0.0)}), 30)
     assert entities(state)[0].state == "drive"
     assert not events
@@ -70,12 +70,12 @@ def test_agent_whose_commands_are_too_old_is_told_and_one_that_drives_is_not() -
     assert b"State" not in encode(measures(state, "a"))
 
 
-def test_who_is_not_here_has_no_measures() -> None:
+def test_unknown_body_has_no_measures() -> None:
     with pytest.raises(KeyError):
         measures(world(), "a")
 
 
-def test_pose_that_jumps_is_told_with_a_speed_the_wire_can_carry() -> None:
+def test_speed_after_a_jump_is_limited_to_the_range_of_a_message() -> None:
     state = world({"a": cart(type="real")})
     state, _ = advance(state, Inputs(poses={"a": Pose(x=10_000.0, y=-10_000.0, heading=3.0)}))
     (entity,) = entities(state)
@@ -84,6 +84,6 @@ def test_pose_that_jumps_is_told_with_a_speed_the_wire_can_carry() -> None:
     assert abs(entity.speed) == 100.0
 
 
-def test_heading_is_told_in_its_range_though_it_is_rounded() -> None:
+def test_rounded_heading_stays_in_its_range() -> None:
     for heading in (math.pi, -math.pi + 1e-9):
         assert entities(world({"a": cart(heading=heading)}))[0].heading == math.pi

@@ -47,13 +47,13 @@ def test_first_free_place_is_one_for_the_kind_where_nobody_stands() -> None:
     assert "no free place for a wheelchair on floor 'test'" in refusal.value.text
 
 
-def test_unknown_place_is_refused_with_those_there_are() -> None:
+def test_unknown_place_is_refused_with_the_places_there_are() -> None:
     with pytest.raises(RequestRefusedError) as refusal:
         put(cart(place="third"), floor_of((), PLACES))
     assert refusal.value.text == "no place 'third' on floor 'test': there are bed, first, second"
 
 
-def test_place_taken_is_refused_naming_who_stands_there() -> None:
+def test_occupied_place_is_refused_with_the_name_of_the_occupant() -> None:
     floor = floor_of([box_wall(0.2, -1.0, 1.0, 1.0)], PLACES)
     for robot, words in [
         (cart(place="first"), "agent 'a' would overlap agent 'b0' at place 'first'"),

@@ -38,7 +38,7 @@ print(len(here), len(compiled.buffer))
 """
 
 
-def test_after_warming_nothing_is_compiled_any_more() -> None:
+def test_nothing_is_compiled_after_the_warm_up() -> None:
     done = subprocess.run([sys.executable, "-c", PROGRAM], capture_output=True, text=True, timeout=300, check=False)
     assert done.returncode == 0, done.stderr
     here, compiled = done.stdout.split()
