@@ -225,7 +225,7 @@ def test_a_world_has_one_simulator() -> None:
         third = Server(endpoint=server.endpoint)
         _, errors = third.process.communicate(timeout=DEADLINE)
         assert third.process.returncode == 1
-        assert "is taken" in errors
+        assert "the port is in use" in errors
 
 
 def test_two_of_one_name_are_refused_until_the_first_is_gone() -> None:
