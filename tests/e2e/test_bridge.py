@@ -1,6 +1,6 @@
-"""Real chairs among virtual ones: two worlds, or a controller on a pseudo-terminal. Real processes.
+"""Real chairs among virtual ones, with two worlds or with a controller on a pseudo-terminal. Real processes.
 
-World `lab` plays the building and its chairs; its truth stays in its log. The stage's own world is where they meet.
+The world `lab` stands for the building with the real chairs. They meet the virtual ones in the world of the stage.
 """
 
 from __future__ import annotations
@@ -118,7 +118,7 @@ def test_a_real_chair_stops_for_a_virtual_table_the_same_each_time(stage: Stage,
     assert hashes(tmp_path / "again.jsonl", 200) == first
 
 
-def test_in_playback_the_reported_pose_is_told_beside_the_truth(stage: Stage, lab: Stage, tmp_path: Path) -> None:
+def test_playback_shows_the_reported_pose_beside_the_true_one(stage: Stage, lab: Stage, tmp_path: Path) -> None:
     logs = {one: tmp_path / f"{one.world}.jsonl" for one in (lab, stage)}
     lockstep = ("--pace", "lockstep", "--deadline", "60", "--map", "corner", "--expect", "chair1")
     lab.server("--hide-truth", "--log", str(logs[lab]), *lockstep)
@@ -150,7 +150,7 @@ def test_in_playback_the_reported_pose_is_told_beside_the_truth(stage: Stage, la
                 "the reported pose",
             )
             truth = peer.entities()["chair1"]
-            # The chair drives a bow that it does not know of.
+            # The chair drives a curve that its odometry does not show.
             assert 0.02 < abs(truth["Y"] - said["Y"]) < 2.0
             assert abs(said["Y"]) < 0.1
             assert abs(truth["X"] - said["X"]) < 0.5
@@ -158,7 +158,7 @@ def test_in_playback_the_reported_pose_is_told_beside_the_truth(stage: Stage, la
 
 
 @pytest.mark.parametrize("first", ["lab", "here"])
-def test_a_reset_of_both_worlds_begins_the_same_run_again(stage: Stage, lab: Stage, tmp_path: Path, first: str) -> None:
+def test_a_reset_of_both_worlds_repeats_the_run(stage: Stage, lab: Stage, tmp_path: Path, first: str) -> None:
     log = tmp_path / "run.jsonl"
     with (
         two_worlds(stage, lab, log, "--delay", "0.08", "--jitter", "0.1", "--loss", "0.1") as peer,
@@ -169,14 +169,14 @@ def test_a_reset_of_both_worlds_begins_the_same_run_again(stage: Stage, lab: Sta
         for one in (there, peer) if first == "lab" else (peer, there):
             assert one.ctl("reset", Seed="5")["Code"] == "ok"
 
-        def anew() -> bool | None:
+        def is_repeated() -> bool | None:
             clock = peer.clock()
             return True if clock["Run"] != run and clock["Tick"] >= 120 else None
 
-        stage.wait(anew, "tick 120 of the new run")
+        stage.wait(is_repeated, "tick 120 of the new run")
     lines = log.read_text().splitlines()
-    (anew_at,) = [i for i, line in enumerate(lines) if '"Do":"Restart"' in line]
-    first_run, second_run = places(lines[:anew_at]), places(lines[anew_at + 1 :])
+    (restart,) = [i for i, line in enumerate(lines) if '"Do":"Restart"' in line]
+    first_run, second_run = places(lines[:restart]), places(lines[restart + 1 :])
     ticks = range(100)
     assert [second_run[tick] for tick in ticks] == [first_run[tick] for tick in ticks]
     assert first_run[99] > first_run[0] + 0.5
@@ -195,7 +195,7 @@ def places(lines: list[str]) -> dict[int, float]:
 # ---------------------------------------------------------------- two worlds in real time
 
 
-def test_a_virtual_chair_stops_for_a_real_one_and_no_truth_leaves_the_laboratory(stage: Stage, lab: Stage) -> None:
+def test_a_virtual_chair_stops_for_a_real_one_and_the_laboratory_reveals_no_truth(stage: Stage, lab: Stage) -> None:
     lab.server("--map", "corner", "--pace", "realtime", "--hide-truth")
     stage.server("--map", "corner", "--pace", "realtime")
     with lab.peer() as spy, stage.peer() as peer:
@@ -211,7 +211,7 @@ def test_a_virtual_chair_stops_for_a_real_one_and_no_truth_leaves_the_laboratory
         assert 2.5 < virtual["X"] < 5.0 - 0.504 - 0.696 - 0.3
         mind(stage, "real1", "drive", "--option", "left=0.5", "--option", "right=0.5")
         moved = peer.entity("real1", lambda one: one["X"] > 5.5)
-        # What stood in its way goes, and it goes on.
+        # Its way is free again, and it drives on.
         peer.entity("virtual1", lambda one: one["X"] > virtual["X"] + 0.1)
         heard = list(everything)
     assert moved["Speed"] > 0.2
@@ -233,7 +233,7 @@ def test_a_virtual_chair_stops_for_a_real_one_and_no_truth_leaves_the_laboratory
             assert not {"X", "Y", "Heading", "Entity"} & document.keys(), (key, document)
 
 
-def test_either_world_may_die_and_come_back_under_a_bridge_that_stays(stage: Stage, lab: Stage) -> None:
+def test_a_bridge_survives_the_death_and_return_of_either_world(stage: Stage, lab: Stage) -> None:
     lab_server = lab.server("--map", "corner", "--pace", "realtime", "--hide-truth")
     server = stage.server("--map", "corner", "--pace", "realtime")
     child = bridge(stage, "real1", "world", "--lab-connect", lab.endpoint, "--place", "leader")
@@ -250,14 +250,14 @@ def test_either_world_may_die_and_come_back_under_a_bridge_that_stays(stage: Sta
     stage.server("--map", "corner", "--pace", "realtime")
     stage.line(child, "joined")
     with stage.peer() as peer:
-        # A real chair is where it is: the new simulation learns it.
+        # The chair has not moved: the new simulator gets its pose from the bridge.
         peer.entity("real1", lambda one: one["X"] > 5.1 and one.get("Speed", 0.0) > 0.1)
     stage.signal(child, signal.SIGTERM)
     assert stage.exit(child) == 0
     assert "bridged agent=real1" in stage.log(child)
 
 
-def test_a_bridge_that_is_killed_lets_its_chair_come_to_rest(stage: Stage, lab: Stage) -> None:
+def test_a_killed_bridge_lets_its_chair_come_to_rest(stage: Stage, lab: Stage) -> None:
     lab.server("--map", "corner", "--pace", "realtime")
     stage.server("--map", "corner", "--pace", "realtime")
     child = bridge(stage, "real1", "world", "--lab-connect", lab.endpoint, "--place", "leader")
@@ -287,56 +287,56 @@ class Controller:
         stage.line(self.child, "ready")
         self._pipe = pipe
 
-    def ask(self, line: str) -> None:
+    def command(self, line: str) -> None:
         with self._pipe.open("w") as pipe:
             pipe.write(line + "\n")
 
-    def says(self, verb: str) -> dict[str, int]:
+    def line(self, verb: str) -> dict[str, int]:
         return {name: int(value) for name, value in self._stage.line(self.child, verb).items()}
 
 
 @pytest.mark.parametrize("fault", ["cut 2", "noise 2", "unplug 2"])
-def test_a_line_that_fails_stops_the_motors_within_two_tenths_and_comes_back(stage: Stage, fault: str) -> None:
+def test_a_faulty_line_stops_the_motors_within_0_2_s_and_comes_back(stage: Stage, fault: str) -> None:
     stage.server("--map", "corridor15m", "--pace", "realtime")
     controller = Controller(stage)
     child = bridge(stage, "real1", "serial", "--port", str(controller.port), "--place", "start")
     mind(stage, "real1", "drive", "--option", "left=0.2", "--option", "right=0.2")
     with stage.peer() as peer:
-        controller.says("moving")
+        controller.line("moving")
         before = peer.entity("real1", lambda one: one["X"] > 0.1)["X"]
-        controller.ask(fault)
-        stopped = controller.says("stopped")
+        controller.command(fault)
+        stopped = controller.line("stopped")
         # By its own watchdog, on its own clock. Half of the bytes are garbage: no line gets through whole.
         assert 0 < stopped["silence"] <= WATCHDOG_MS
         peer.event("stale", "real1")
-        controller.says("moving")
+        controller.line("moving")
         peer.event("fresh", "real1")
         peer.entity("real1", lambda one: one["X"] > before + 0.1)
     stage.signal(child, signal.SIGTERM)
     assert stage.exit(child) == 0
-    # Told to stand, not left to.
-    assert controller.says("stopped")["silence"] == -1
+    # By a command, not by the watchdog.
+    assert controller.line("stopped")["silence"] == -1
 
 
-def test_a_bridge_that_is_killed_leaves_the_motors_to_the_controller_s_watchdog(stage: Stage) -> None:
+def test_after_a_killed_bridge_the_controller_s_watchdog_stops_the_motors(stage: Stage) -> None:
     stage.server("--map", "corridor15m", "--pace", "realtime")
     controller = Controller(stage)
     child = bridge(stage, "real1", "serial", "--port", str(controller.port), "--place", "start")
     mind(stage, "real1", "drive", "--option", "left=0.2", "--option", "right=0.2")
-    controller.says("moving")
+    controller.line("moving")
     stage.signal(child, signal.SIGKILL)
-    assert 0 < controller.says("stopped")["silence"] <= WATCHDOG_MS
+    assert 0 < controller.line("stopped")["silence"] <= WATCHDOG_MS
 
 
-def test_a_simulation_that_dies_stops_the_motors_by_the_bridge(stage: Stage) -> None:
+def test_after_a_killed_simulator_the_bridge_stops_the_motors(stage: Stage) -> None:
     server = stage.server("--map", "corridor15m", "--pace", "realtime")
     controller = Controller(stage)
     bridge(stage, "real1", "serial", "--port", str(controller.port), "--place", "start")
     mind(stage, "real1", "drive", "--option", "left=0.2", "--option", "right=0.2")
-    controller.says("moving")
+    controller.line("moving")
     stage.signal(server, signal.SIGKILL)
-    # The bridge lives and says zero: silence is of the line, and there was none.
-    assert controller.says("stopped")["silence"] == -1
+    # The bridge is alive and sends zeros, so the line was never silent.
+    assert controller.line("stopped")["silence"] == -1
 
 
 def test_the_chair_s_own_joystick_is_the_user(stage: Stage) -> None:
@@ -345,12 +345,12 @@ def test_the_chair_s_own_joystick_is_the_user(stage: Stage) -> None:
     words = ("--port", str(controller.port), "--place", "start", "--joystick")
     bridge(stage, "real1", "serial", *words)
     mind(stage, "real1", "joystick")
-    controller.ask("stick 300 0")
-    controller.says("moving")
-    controller.ask("stick 0 0")
-    assert controller.says("stopped")["silence"] == -1
+    controller.command("stick 300 0")
+    controller.line("moving")
+    controller.command("stick 0 0")
+    assert controller.line("stopped")["silence"] == -1
 
 
-def test_the_robot_of_these_tests_is_as_they_think() -> None:
+def test_the_robot_has_the_size_that_these_tests_assume() -> None:
     part = robot_file("intellwheels").part[0]
     assert (part.x + part.length / 2.0, part.x - part.length / 2.0) == pytest.approx((0.696, -0.504))
