@@ -351,6 +351,36 @@ def test_the_chair_s_own_joystick_is_the_user(stage: Stage) -> None:
     assert controller.line("stopped")["silence"] == -1
 
 
+@pytest.mark.parametrize("name", ["other1", "real1"])
+def test_a_second_bridge_on_the_same_line_is_refused_and_the_first_is_not_disturbed(stage: Stage, name: str) -> None:
+    stage.server("--map", "corridor15m", "--pace", "realtime")
+    controller = Controller(stage)
+    bridge(stage, "real1", "serial", "--port", str(controller.port), "--place", "start")
+    mind(stage, "real1", "drive", "--option", "left=0.2", "--option", "right=0.2")
+    with stage.peer() as peer:
+        controller.line("moving")
+        peer.entity("real1", lambda one: one["X"] > 0.1)
+        second = bridge(stage, name, "serial", "--port", str(controller.port), "--place", "goal", joined=False)
+        assert stage.exit(second) == 1
+        assert f"{controller.port} is in use by another program" in stage.log(second)
+        before = peer.entity("real1", lambda one: one["X"] > 0.1)["X"]
+        peer.entity("real1", lambda one: one["X"] > before + 0.2)
+        assert [event["Code"] for event in peer.events() if event["Code"] in ("stale", "lost", "left")] == []
+    # The controller stopped its motors at no time: it has printed one line only.
+    assert stage.log(controller.child).count("moving") == 1
+    assert "stopped" not in stage.log(controller.child)
+
+
+def test_a_bridge_that_the_simulator_refuses_writes_nothing_to_its_line(stage: Stage) -> None:
+    stage.server("--map", "corridor15m", "--pace", "realtime")
+    stage.agent("real1", "drive")
+    controller = Controller(stage)
+    child = bridge(stage, "real1", "serial", "--port", str(controller.port), "--place", "start", joined=False)
+    assert stage.exit(child) == 4
+    assert "already-here" in stage.log(child)
+    assert "powered" not in stage.log(controller.child)
+
+
 def test_the_robot_has_the_size_that_these_tests_assume() -> None:
     part = robot_file("intellwheels").part[0]
     assert (part.x + part.length / 2.0, part.x - part.length / 2.0) == pytest.approx((0.696, -0.504))

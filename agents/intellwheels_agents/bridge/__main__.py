@@ -154,7 +154,10 @@ class _BridgeProcess:
         return WorldDriver(chair, self._motors, join, self._stop)
 
     def _serial_driver(self, chair: Robot) -> Driver:
-        return SerialDriver(self._given.port, self._given.baud, chair.proximity, self._stop)
+        return SerialDriver(
+            self._given.port, self._given.baud, chair.proximity, self._stop,
+            waiting=lambda reason: print(f"waiting why={reason!r}", file=sys.stderr, flush=True),
+        )  # fmt: skip
 
     def _summary(self) -> str:
         counts, source = self._chair.statistics, self._source

@@ -9,8 +9,9 @@ valid power, by its own clock, and trusts neither the line nor the bridge. `PROT
 Faults are commanded on standard input or a named pipe, one a line: `cut S` (no data passes for S seconds), `noise S`
 (garbage in both directions), `unplug S` (the terminal disappears), `boot` (the controller restarts), `stick F T`
 (joystick, thousandths), `fix X Y SD` (position, mm).
-Standard output has `ready port=...`, `moving ms=...`, and `stopped ms=... silence=...` when the motors stop: silence is
--1 after a command, or the milliseconds since the last valid power when the watchdog stopped them.
+Standard output has `ready port=...`, `powered ms=...` at the first valid power since the start, `moving ms=...`, and
+`stopped ms=... silence=...` when the motors stop: silence is -1 after a command, or the milliseconds since the last
+valid power when the watchdog stopped them.
 """
 
 from __future__ import annotations
@@ -89,6 +90,8 @@ class Controller:
             except WireError:
                 continue
             if isinstance(message, PowerLine):
+                if self._last_power < 0.0:
+                    self.messages.append(f"powered ms={round(1000.0 * self.clock)}")
                 self._last_power = self.clock
                 self._set_power((message.left, message.right), -1)
         silence = self.clock - self._last_power

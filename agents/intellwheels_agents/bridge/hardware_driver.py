@@ -84,11 +84,14 @@ class Driver(Protocol):
         ...
 
     def write(self, left: float, right: float) -> None:
-        """Set the motor powers, in [-1, 1]. The hardware itself stops when no power follows."""
+        """Set the motor powers, in [-1, 1]. The hardware itself stops when no power follows.
+
+        Nothing reaches the hardware before the first `begin_run`: until then the simulator may refuse the bridge.
+        """
         ...
 
     def begin_run(self, run: str) -> None:
-        """Learn which run the simulation is in, before the first tick of that run."""
+        """Learn that the simulator has accepted the bridge, and its run; again at the start of each new run."""
         ...
 
     def sync_tick(self, run: str, tick: int, pace: Pace) -> bool:

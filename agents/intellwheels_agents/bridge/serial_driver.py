@@ -1,14 +1,20 @@
 """The driver `serial`: a chair's controller on a serial line. The only file that knows pyserial.
 
 One thread reads, and opens the line again whenever it is lost. A write never waits longer than a tenth of a second.
+
+One bridge at a time drives a chair. The device is locked as it is opened (`flock`, which holds for root too), and a
+device that another program has locked is given up at once. Nothing is written before the simulator has accepted the
+bridge, so one that is refused by its name never moves a motor.
 """
 
 from __future__ import annotations
 
+import errno
+import os
 import threading
 import time
 from collections import deque
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Final
 
 from intellwheels_agents.bridge.hardware_driver import Fix, Reading
@@ -20,7 +26,7 @@ from intellwheels_agents.bridge.line_protocol import (
     decode_line,
     encode_line,
 )
-from intellwheels_agents.bridge.timeouts import REOPEN_PERIOD
+from intellwheels_agents.bridge.timeouts import QUIET_LINE, REOPEN_PERIOD
 from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.messages import Pace, Proximity, ProximityReading
 
@@ -31,6 +37,8 @@ MAX_READINGS: Final = 3000
 """Readings kept until they are read: a minute at 50 Hz."""
 _READ_TIMEOUT: Final = 0.05
 _WRITE_TIMEOUT: Final = 0.1
+_LOCKED: Final = (errno.EWOULDBLOCK, errno.EBUSY)
+"""Errors of opening a device that another program has locked, by `flock` or by TIOCEXCL."""
 _STATUS: Final = {"n": "none", "c": "near", "f": "fault"}
 
 
@@ -45,14 +53,22 @@ class SerialDriver:
 
     restarts_at_start = False
 
-    def __init__(self, port: str, baud: int, sonars: Sequence[Proximity], stop: threading.Event) -> None:
+    def __init__(
+        self,
+        port: str,
+        baud: int,
+        sonars: Sequence[Proximity],
+        stop: threading.Event,
+        waiting: Callable[[str], None] = lambda _reason: None,
+    ) -> None:
         """Prepare to open a line.
 
         Args:
             port: A device such as /dev/ttyUSB0, or a URL of pyserial's such as socket://HOST:PORT.
             baud: Bits a second.
             sonars: The chair's own sonars, in the order of the telemetry's ranges.
-            stop: Ends the thread.
+            stop: Ends the thread, and is set when the driver gives up.
+            waiting: Called with the reason whenever the driver starts to wait for the device or its telemetry.
         """
         self.failure: str | None = None
         self.connected = threading.Event()
@@ -60,11 +76,15 @@ class SerialDriver:
         self._baud = baud
         self._sonars = tuple(sonars)
         self._stop = stop
+        self._waiting = waiting
+        self._reason = ""
+        self._accepted = False
         self._readings: deque[Reading] = deque(maxlen=MAX_READINGS)
         self._splitter = LineSplitter()
         self._fix: Fix | None = None
         self._lock = threading.Lock()
         self._line: serial.Serial | None = None
+        self._telemetry_at = 0.0
         self._garbage = self._opened = self._unwritten = 0
         self._thread = threading.Thread(target=self._run, name="serial", daemon=True)
 
@@ -84,11 +104,12 @@ class SerialDriver:
     def write(self, left: float, right: float) -> None:
         """Send a power to the controller. Without a line nothing is sent, and the controller stops by itself."""
         with self._lock:
-            if self._line is not None:
+            if self._line is not None and self._accepted:
                 self._send(self._line, left, right)
 
-    def begin_run(self, run: str) -> None:
-        """Do nothing: real hardware has no runs."""
+    def begin_run(self, run: str) -> None:  # noqa: ARG002 - as `Driver` has it
+        """Allow writing: the simulator has accepted the bridge. Real hardware has no runs."""
+        self._accepted = True
 
     def sync_tick(self, run: str, tick: int, pace: Pace) -> bool:  # noqa: ARG002 - as `Driver` has it
         """Return False: real hardware waits for nobody."""
@@ -106,7 +127,7 @@ class SerialDriver:
         }
 
     def close(self) -> None:
-        """Wait for the thread, whose last message is a zero; `stop` is set already."""
+        """Wait for the thread, whose last message is a zero if there were others; `stop` is set already."""
         if self._thread.is_alive():
             self._thread.join(timeout=2.0)
 
@@ -122,11 +143,20 @@ class SerialDriver:
         while not self._stop.is_set():
             try:
                 line = serial.serial_for_url(
-                    self._port, self._baud, timeout=_READ_TIMEOUT, write_timeout=_WRITE_TIMEOUT
+                    self._port, self._baud, timeout=_READ_TIMEOUT, write_timeout=_WRITE_TIMEOUT, exclusive=True
                 )
-            except OSError:
-                self._stop.wait(REOPEN_PERIOD)  # not there yet
+            except OSError as error:  # pyserial's own errors are OSErrors
+                if error.errno in _LOCKED:
+                    self.failure = f"{self._port} is in use by another program, perhaps by another iw-bridge"
+                    self._stop.set()
+                    return
+                self._wait_for(f"cannot open {self._port}: {_in_words(error)}")
+                self._stop.wait(REOPEN_PERIOD)
                 continue
+            except ValueError as error:
+                self.failure = f"--port: expected a device or a URL of pyserial's, got {self._port!r}: {error}"
+                self._stop.set()
+                return
             self._opened += 1
             with line:
                 self._use(line)
@@ -135,25 +165,35 @@ class SerialDriver:
     def _use(self, line: serial.Serial) -> None:
         """Read from an open line until it is lost or the process stops."""
         self._splitter.feed(b"\n")
+        self._telemetry_at = time.monotonic()
         with self._lock:
             self._line = line
         try:
             while not self._stop.is_set():
-                self._on_data(line.read(max(1, line.in_waiting)), time.monotonic())
+                data, now = line.read(max(1, line.in_waiting)), time.monotonic()
+                self._on_data(data, now)
+                if now - self._telemetry_at > QUIET_LINE:
+                    self._wait_for(f"{self._port} is open, but no valid telemetry comes; check controller and --baud")
         except OSError:
             pass  # lost
         finally:
             # Nobody may write while the line closes: pyserial would fail on its own half-closed state.
             with self._lock:
                 self._line = None
-                if self._stop.is_set():
+                if self._stop.is_set() and self._accepted:
                     self._send(line, 0.0, 0.0)
 
     def _send(self, line: serial.Serial, left: float, right: float) -> None:
         try:
             line.write(encode_line(PowerLine(round(1000.0 * left), round(1000.0 * right))))
-        except OSError:  # pyserial's own errors are OSErrors
+        except OSError:
             self._unwritten += 1
+
+    def _wait_for(self, reason: str) -> None:
+        """Report what the driver waits for, once until telemetry comes or the reason changes."""
+        if reason != self._reason:
+            self._reason = reason
+            self._waiting(reason)
 
     def _on_data(self, data: bytes, now: float) -> None:
         for line in self._splitter.feed(data):
@@ -166,6 +206,7 @@ class SerialDriver:
                 self._fix = message.to_fix()
             elif isinstance(message, Telemetry):
                 self._readings.append(self._reading(message, now))
+                self._telemetry_at, self._reason = now, ""
                 self.connected.set()
 
     def _reading(self, telemetry: Telemetry, now: float) -> Reading:
@@ -184,6 +225,11 @@ class SerialDriver:
             forward=None if joystick is None else joystick[0] / 1000.0,
             turn=None if joystick is None else joystick[1] / 1000.0,
         )
+
+
+def _in_words(error: OSError) -> str:
+    """Return the reason alone: pyserial's text repeats the device and wraps another error."""
+    return os.strerror(error.errno) if error.errno is not None else str(error)[:200]
 
 
 def _range(sonar: Proximity, value: int | str) -> ProximityReading:

@@ -24,3 +24,5 @@ POWER_POLL: Final = 0.01
 """Time between two looks for a changed power, so the longest that a new power waits."""
 REOPEN_PERIOD: Final = 0.2
 """Time between two attempts to open a serial device."""
+QUIET_LINE: Final = 1.0
+"""Time on an open line without valid telemetry before the bridge says that it waits for the controller."""

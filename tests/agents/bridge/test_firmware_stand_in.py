@@ -19,7 +19,7 @@ def test_it_obeys_powers_and_counts_wheel_turns() -> None:
     controller = Controller(3, 2, 1000.0)
     out = b"".join(controller.step(STEP, GO if i % 10 == 0 else b"") for i in range(400))
     told = telemetry(out)
-    assert controller.messages == [f"moving ms={round(1000 * STEP)}"]
+    assert controller.messages == [f"powered ms={round(1000 * STEP)}", f"moving ms={round(1000 * STEP)}"]
     assert [one.seq for one in told] == list(range(1, len(told) + 1))
     assert 95 <= len(told) <= 101
     # Half power for 2 s, less the lag.

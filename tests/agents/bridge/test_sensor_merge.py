@@ -35,7 +35,7 @@ def test_the_mind_gets_the_chosen_sensors(sensors: SensorsName, virtual: int, re
     assert [(one.id, one.value, one.tick) for one in forwarded.proximity] == [(name, 1.5, None) for name in real[:1]]
 
 
-def test_the_true_wheel_geometry_a_chair_are_not_told() -> None:
+def test_the_true_wheel_figures_are_not_revealed() -> None:
     assert SensorMerge(CHAIR, CHAIR, "both").robot.wheel_ratio == 1.0
 
 

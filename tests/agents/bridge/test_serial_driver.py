@@ -28,12 +28,15 @@ SONARS = robot("intellwheels").proximity[:3]
 class Line:
     """A port at a terminal, and the other end of it."""
 
-    def __init__(self, folder: Path) -> None:
+    def __init__(self, folder: Path, *, accepted: bool = True) -> None:
         self.terminal = Terminal(folder / "tty")
         self.stop = threading.Event()
-        self.driver = SerialDriver(str(folder / "tty"), 115_200, SONARS, self.stop)
+        self.waits: list[str] = []
+        self.driver = SerialDriver(str(folder / "tty"), 115_200, SONARS, self.stop, self.waits.append)
         self.readings: list[Reading] = []
         self._seq = 0
+        if accepted:
+            self.driver.begin_run("a" * 16)
         self.driver.start()
 
     def until(self, found: Callable[[], object], what: str) -> None:
@@ -154,3 +157,62 @@ def test_without_a_line_writing_does_nothing(tmp_path: Path) -> None:
     assert driver.read() == []
     stop.set()
     driver.close()
+
+
+def test_nothing_is_written_before_the_simulator_has_accepted_the_bridge(tmp_path: Path) -> None:
+    line = Line(tmp_path, accepted=False)
+    try:
+        line.told(1)
+        line.driver.write(0.5, 0.5)
+        line.stop.set()
+        line.driver.close()
+        assert line.terminal.read() == b""
+    finally:
+        line.end()
+
+
+def test_a_device_in_use_is_refused_and_its_user_is_not_disturbed(line: Line, tmp_path: Path) -> None:
+    line.told(1)
+    stop = threading.Event()
+    second = SerialDriver(str(tmp_path / "tty"), 115_200, SONARS, stop)
+    second.begin_run("b" * 16)
+    second.start()
+    assert stop.wait(DEADLINE)
+    second.write(1.0, 1.0)
+    second.close()
+    assert second.failure == f"{tmp_path / 'tty'} is in use by another program, perhaps by another iw-bridge"
+    assert line.terminal.read() == b""
+    line.told(2, "readings after the refusal")
+    line.driver.write(0.5, -1.0)
+    line.until(lambda: line.terminal.read() == encode_line(PowerLine(500, -1000)), "the first driver's power")
+
+
+def test_a_missing_device_is_reported_once_and_at_once(tmp_path: Path) -> None:
+    stop, waits, port = threading.Event(), list[str](), str(tmp_path / "nowhere")
+
+    def on_wait(reason: str) -> None:
+        waits.append(reason)
+        stop.set()
+
+    driver = SerialDriver(port, 115_200, SONARS, stop, on_wait)
+    driver.start()
+    assert stop.wait(DEADLINE)
+    driver.close()
+    assert waits == [f"cannot open {port}: No such file or directory"]
+
+
+def test_an_open_line_without_telemetry_is_reported_once(line: Line) -> None:
+    line.until(lambda: line.waits, "the report")
+    line.terminal.write(b"garbage\n" * 3)
+    line.told(1)
+    assert len(line.waits) == 1
+    assert line.waits[0].endswith("is open, but no valid telemetry comes; check controller and --baud")
+
+
+def test_a_url_that_pyserial_does_not_know_is_refused() -> None:
+    stop = threading.Event()
+    driver = SerialDriver("ftp://chair", 115_200, SONARS, stop)
+    driver.start()
+    assert stop.wait(DEADLINE)
+    assert driver.failure is not None
+    assert driver.failure.startswith("--port: expected a device or a URL of pyserial's, got 'ftp://chair'")
