@@ -10,6 +10,7 @@ import os
 import signal
 from collections.abc import Iterator
 from contextlib import contextmanager
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -276,13 +277,19 @@ def test_a_killed_bridge_lets_its_chair_come_to_rest(stage: Stage, lab: Stage) -
 class Controller:
     """The firmware stand-in as a process, and its faults."""
 
-    def __init__(self, stage: Stage) -> None:
+    def __init__(self, stage: Stage, *words: str) -> None:
         self._stage = stage
         self.port = stage.folder / "tty"
         pipe = stage.folder / "ask"
         os.mkfifo(pipe)
         self.child = stage.start(
-            "firmware", "intellwheels_agents.bridge.firmware_stand_in", "--link", str(self.port), "--ask", str(pipe)
+            "firmware",
+            "intellwheels_agents.bridge.firmware_stand_in",
+            "--link",
+            str(self.port),
+            "--ask",
+            str(pipe),
+            *words,
         )
         stage.line(self.child, "ready")
         self._pipe = pipe
@@ -349,6 +356,23 @@ def test_the_chair_s_own_joystick_is_the_user(stage: Stage) -> None:
     controller.line("moving")
     controller.command("stick 0 0")
     assert controller.line("stopped")["silence"] == -1
+
+
+def test_a_chair_whose_counters_wrap_drives_on_without_a_jump(stage: Stage) -> None:
+    stage.server("--map", "corridor15m", "--pace", "realtime")
+    controller = Controller(stage, "--wrap-in", "2")
+    child = bridge(stage, "real1", "serial", "--port", str(controller.port), "--place", "start")
+    mind(stage, "real1", "drive", "--option", "left=0.5", "--option", "right=0.5")
+    with stage.peer() as peer:
+        poses = peer.hear("in/real1/pose")
+        # At half power the counters have wrapped after 2 s, which is 1 m.
+        peer.entity("real1", lambda one: one["X"] > 1.5)
+        places = [json.loads(data)["X"] for _, data in list(poses)]
+        assert [event for event in peer.events() if event["Code"] == "stale"] == []
+    assert max(abs(after - before) for before, after in pairwise(places)) < 0.5
+    stage.signal(child, signal.SIGTERM)
+    assert stage.exit(child) == 0
+    assert stage.line(child, "bridged")["missing"] == "0"
 
 
 @pytest.mark.parametrize("name", ["other1", "real1"])

@@ -37,6 +37,7 @@ from intellwheels_agents.bridge.line_protocol import (
     encode_line,
 )
 from intellwheels_agents.bridge.timeouts import CONTROLLER_WATCHDOG
+from intellwheels_agents.bridge.wrapping_counter import MAX_SIGNED, MODULUS, to_signed, to_unsigned
 from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.process import add_process_options, stop_on_signals
 
@@ -59,13 +60,14 @@ class Controller:
         messages: Lines for people, not yet printed.
     """
 
-    def __init__(self, boot: int, sonars: int, counts: float) -> None:
+    def __init__(self, boot: int, sonars: int, counts: float, wrap_in: float | None = None) -> None:
         """Start.
 
         Args:
             boot: A number that differs at each start.
             sonars: Number of sonars; they see nothing.
             counts: Encoder counts a second at full power.
+            wrap_in: Seconds after which all counters have wrapped, at half power or more; None to start at 0.
         """
         self.clock = 0.0
         self.power = (0, 0)
@@ -78,7 +80,11 @@ class Controller:
         self._last_power = float("-inf")
         self._speed = [0.0, 0.0]
         self._travel = [0.0, 0.0]
-        self._seq = 0
+        self._seq = self._ms_offset = self._count_offset = 0
+        if wrap_in is not None:
+            self._seq = MODULUS - round(wrap_in / TELEMETRY_PERIOD)
+            self._ms_offset = MODULUS - round(1000.0 * wrap_in)
+            self._count_offset = MAX_SIGNED - round(wrap_in * counts / 4.0)
         self._next_telemetry = 0.0
 
     def step(self, seconds: float, data: bytes) -> bytes:
@@ -107,7 +113,7 @@ class Controller:
 
     def position_fix(self, x: int, y: int, sd: int) -> bytes:
         """Return the line of a position from outside, in millimetres."""
-        return encode_line(PositionFix(self._boot, round(1000.0 * self.clock), x, y, sd))
+        return encode_line(PositionFix(self._boot, self._ms(), x, y, sd))
 
     def _set_power(self, power: tuple[int, int], silence: int) -> None:
         if power == (0, 0) and self.power != (0, 0):
@@ -122,10 +128,13 @@ class Controller:
             self._speed[wheel] += share * (self.power[wheel] / 1000.0 - self._speed[wheel])
             self._travel[wheel] += self._speed[wheel] * self._counts * seconds
 
+    def _ms(self) -> int:
+        return to_unsigned(round(1000.0 * self.clock) + self._ms_offset)
+
     def _telemetry(self) -> Message:
-        left, right = (round(travel) for travel in self._travel)
-        ms = round(1000.0 * self.clock)
-        return Telemetry(self._boot, self._seq, ms, left, right, 24_800, self.joystick, ("n",) * self._sonars)
+        left, right = (to_signed(round(travel) + self._count_offset) for travel in self._travel)
+        seq = to_unsigned(self._seq)
+        return Telemetry(self._boot, seq, self._ms(), left, right, 24_800, self.joystick, ("n",) * self._sonars)
 
 
 class Terminal:
@@ -181,11 +190,11 @@ class Terminal:
 class FaultyController:
     """A controller on its terminal, with the faults that were commanded."""
 
-    def __init__(self, terminal: Terminal, sonars: int, counts: float) -> None:
+    def __init__(self, terminal: Terminal, sonars: int, counts: float, wrap_in: float | None = None) -> None:
         self._terminal = terminal
         self._boot = 1
         self._equipment = (sonars, counts)
-        self.controller = Controller(self._boot, *self._equipment)
+        self.controller = Controller(self._boot, *self._equipment, wrap_in)
         self._random = random.Random(1)  # noqa: S311 - garbage, not secrets
         self._cut = self._noise = self._unplugged = 0.0
 
@@ -250,11 +259,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
         "--counts", type=float, default=1730.0, metavar="N",
         help="encoder counts a second at full power (default: 1730, which is 1 m/s on 0.368 m wheels with 2000 a turn)",
     )  # fmt: skip
+    parser.add_argument(
+        "--wrap-in", type=float, metavar="S", help="start with counters that all wrap within S seconds at half power"
+    )
     add_process_options(parser)
     given = parser.parse_args(arguments)
     stop = stop_on_signals(given.lifeline)
     terminal = Terminal(given.link)
-    controller = FaultyController(terminal, given.sonars, given.counts)
+    controller = FaultyController(terminal, given.sonars, given.counts, given.wrap_in)
     _print(f"ready port={given.link or terminal.name}")
     # Opened for writing too, so that the pipe does not end with its first writer.
     source = os.open(given.ask, os.O_RDWR) if given.ask is not None else 0

@@ -11,11 +11,11 @@ from dataclasses import dataclass
 from typing import Final
 
 from intellwheels_agents.bridge.hardware_driver import Fix
+from intellwheels_agents.bridge.wrapping_counter import MAX_SIGNED, MAX_UNSIGNED, MIN_SIGNED
 from intellwheels_schemas.errors import WireError
 
 MAX_LINE: Final = 512
 """Bytes of the longest line: enough for 64 sonars."""
-MAX_COUNT: Final = 2**53 - 1
 NO_JOYSTICK: Final = "-"
 
 
@@ -25,9 +25,9 @@ class Telemetry:
 
     Attributes:
         boot: A number that differs after each start of the controller.
-        seq: Grows by one a line.
-        ms: Milliseconds since the start.
-        left, right: Encoder counts since the start, forward positive.
+        seq: Grows by one a line; an unsigned 32-bit counter that wraps to 0.
+        ms: Milliseconds since the start; an unsigned 32-bit counter that wraps to 0 after 49.7 days.
+        left, right: Encoder counts since the start, forward positive; signed 32-bit counters that wrap.
         battery: Millivolts.
         joystick: Forward and turn of the chair's joystick in thousandths, or None without one.
         ranges: One entry a sonar: millimetres, or `n` no object, `c` too close, `f` failed.
@@ -106,12 +106,12 @@ def decode_line(line: bytes) -> Message:
         if fields[6:8] != [NO_JOYSTICK, NO_JOYSTICK]:
             joystick = _integer("forward", fields[6], -1000, 1000), _integer("turn", fields[7], -1000, 1000)
         boot, seq, ms, battery = (
-            _integer(name, fields[i], 0, MAX_COUNT) for name, i in (("boot", 0), ("seq", 1), ("ms", 2), ("battery", 5))
+            _unsigned(name, fields[i]) for name, i in (("boot", 0), ("seq", 1), ("ms", 2), ("battery", 5))
         )
-        left, right = (_integer(name, fields[i], -MAX_COUNT, MAX_COUNT) for name, i in (("left", 3), ("right", 4)))
+        left, right = (_integer(name, fields[i], MIN_SIGNED, MAX_SIGNED) for name, i in (("left", 3), ("right", 4)))
         return Telemetry(boot, seq, ms, left, right, battery, joystick, tuple(_range(text) for text in fields[8:]))
     if kind == "F" and len(fields) == 5:
-        boot, ms, sd = (_integer(name, fields[i], 0, MAX_COUNT) for name, i in (("boot", 0), ("ms", 1), ("sd", 4)))
+        boot, ms, sd = (_unsigned(name, fields[i]) for name, i in (("boot", 0), ("ms", 1), ("sd", 4)))
         x, y = (_integer(name, fields[i], -10_000_000, 10_000_000) for name, i in (("x", 2), ("y", 3)))
         return PositionFix(boot, ms, x, y, sd)
     if kind == "P" and len(fields) == 2:
@@ -121,9 +121,13 @@ def decode_line(line: bytes) -> Message:
 
 def _integer(name: str, text: str, low: int, high: int) -> int:
     digits = text.removeprefix("-")
-    if digits.isascii() and digits.isdigit() and len(digits) <= 16 and low <= int(text) <= high:
+    if digits.isascii() and digits.isdigit() and len(digits) <= 10 and low <= int(text) <= high:
         return int(text)
     raise WireError("malformed", f"line.{name}: expected a whole number in [{low}, {high}], got {text[:20]!r}")
+
+
+def _unsigned(name: str, text: str) -> int:
+    return _integer(name, text, 0, MAX_UNSIGNED)
 
 
 def _range(text: str) -> int | str:

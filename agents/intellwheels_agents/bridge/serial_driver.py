@@ -27,6 +27,7 @@ from intellwheels_agents.bridge.line_protocol import (
     encode_line,
 )
 from intellwheels_agents.bridge.timeouts import QUIET_LINE, REOPEN_PERIOD
+from intellwheels_agents.bridge.wrapping_counter import WrappingCounter
 from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.messages import Pace, Proximity, ProximityReading
 
@@ -82,6 +83,9 @@ class SerialDriver:
         self._readings: deque[Reading] = deque(maxlen=MAX_READINGS)
         self._splitter = LineSplitter()
         self._fix: Fix | None = None
+        self._boot = -1
+        self._seq, self._ms = WrappingCounter(), WrappingCounter()
+        self._left, self._right = WrappingCounter(), WrappingCounter()
         self._lock = threading.Lock()
         self._line: serial.Serial | None = None
         self._telemetry_at = 0.0
@@ -212,13 +216,17 @@ class SerialDriver:
     def _reading(self, telemetry: Telemetry, now: float) -> Reading:
         fix, self._fix = self._fix, None
         joystick = telemetry.joystick
+        if telemetry.boot != self._boot:
+            self._boot = telemetry.boot
+            for counter in (self._seq, self._ms, self._left, self._right):
+                counter.reset()
         return Reading(
             epoch=str(telemetry.boot),
-            seq=telemetry.seq,
-            stamp=telemetry.ms / 1000.0,
+            seq=self._seq.extend(telemetry.seq),
+            stamp=self._ms.extend(telemetry.ms) / 1000.0,
             received=now,
-            left=telemetry.left,
-            right=telemetry.right,
+            left=self._left.extend(telemetry.left),
+            right=self._right.extend(telemetry.right),
             proximity=tuple(_range(sonar, value) for sonar, value in zip(self._sonars, telemetry.ranges, strict=False)),
             fix=fix,
             battery=telemetry.battery / 1000.0,

@@ -77,3 +77,16 @@ def test_a_restart_gives_another_boot_number(capsys: pytest.CaptureFixture[str])
         assert "expected cut, noise" in capsys.readouterr().err
     finally:
         terminal.unplug()
+
+
+def test_its_counters_wrap_as_the_protocol_states() -> None:
+    controller = Controller(1, 0, 1000.0, wrap_in=1.0)
+    out = telemetry(b"".join(controller.step(STEP, GO) for _ in range(400)))
+    for name, before, after in (
+        ("seq", 2**32 - 60, 60),
+        ("ms", 2**32 - 1100, 1100),
+        ("left", 2**31 - 300, -(2**31) + 800),
+    ):
+        values = [getattr(one, name) for one in out]
+        assert values[0] > before
+        assert values[-1] < after

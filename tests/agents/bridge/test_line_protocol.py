@@ -25,6 +25,7 @@ MESSAGES: list[Message] = [
     Telemetry(7, 0, 0, 0, 0, 0, (-1000, 1000), ()),
     PositionFix(1, 235, 4000, -1500, 50),
     PowerLine(500, -500),
+    Telemetry(2**32 - 1, 2**32 - 1, 2**32 - 1, 2**31 - 1, -(2**31), 24800, None, ()),
 ]
 
 
@@ -48,7 +49,9 @@ def test_the_example_lines_of_the_protocol_are_valid() -> None:
 
 @pytest.mark.parametrize(
     "body", [b"P 1001 0", b"P 1 2 3", b"P 1", b"P x 0", b"P  1", b"P 1.0 0", b"Q 1", b"T 1 2 3", b"", b"P \xb2 0",
-             b"T 1 1 1 1 1 1 - 5", b"T 1 1 1 1 1 1 - - q", b"F 1 1 99999999 0 0", b"T -1 1 1 1 1 1 - -"],
+             b"T 1 1 1 1 1 1 - 5", b"T 1 1 1 1 1 1 - - q", b"F 1 1 99999999 0 0", b"T -1 1 1 1 1 1 - -",
+             b"T 1 4294967296 1 1 1 1 - -", b"T 1 1 4294967296 1 1 1 - -", b"T 4294967296 1 1 1 1 1 - -",
+             b"T 1 1 1 2147483648 1 1 - -", b"T 1 1 1 1 -2147483649 1 - -", b"F 1 4294967296 0 0 0"],
 )  # fmt: skip
 def test_a_line_with_a_right_checksum_and_wrong_fields_is_refused(body: bytes) -> None:
     with pytest.raises(WireError):

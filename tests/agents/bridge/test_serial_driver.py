@@ -18,6 +18,7 @@ from intellwheels_agents.bridge.line_protocol import (
     encode_line,
 )
 from intellwheels_agents.bridge.serial_driver import SerialDriver
+from intellwheels_agents.bridge.wrapping_counter import to_signed, to_unsigned
 from intellwheels_maps import robot
 from intellwheels_schemas.messages import ProximityReading
 
@@ -84,6 +85,42 @@ def test_telemetry_becomes_readings_in_metres_and_volts(line: Line) -> None:
         ProximityReading(id=SONARS[1].id, status="none"),
         ProximityReading(id=SONARS[2].id, status="fault"),
     )
+
+
+def readings_of(line: Line, epoch: str, count: int) -> list[Reading]:
+    """Wait for so many readings of an epoch."""
+    found: list[Reading] = []
+
+    def is_done() -> bool:
+        found.extend(one for one in line.driver.read() if one.epoch == epoch)
+        return len(found) >= count
+
+    line.until(is_done, f"{count} readings of epoch {epoch}")
+    return found
+
+
+@pytest.mark.parametrize("direction", [1, -1])
+def test_counters_that_wrap_give_readings_that_do_not(line: Line, direction: int) -> None:
+    line.told(1)
+    for step in range(6):
+        count = direction * (100 * step - 250)  # every counter wraps on the way
+        left, right = to_signed(2**31 + count), to_signed(2**31 - count)
+        telemetry = Telemetry(9, to_unsigned(step - 3), to_unsigned(20 * step - 45), left, right, 24_800, None, ())
+        line.terminal.write(encode_line(telemetry))
+    readings = readings_of(line, "9", 6)
+    first = readings[0]
+    assert [one.seq - first.seq for one in readings] == list(range(6))
+    assert [one.stamp - first.stamp for one in readings] == pytest.approx([0.02 * step for step in range(6)])
+    assert [one.left - first.left for one in readings] == [direction * 100 * step for step in range(6)]
+    assert [one.right - first.right for one in readings] == [-direction * 100 * step for step in range(6)]
+
+
+def test_a_restarted_controller_starts_its_counters_again(line: Line) -> None:
+    line.told(1)
+    line.terminal.write(encode_line(Telemetry(5, 2**32 - 1, 2**32 - 1, 2**31 - 1, 0, 24_800, None, ())))
+    line.terminal.write(encode_line(Telemetry(6, 0, 0, 0, 0, 24_800, None, ())))
+    (reading,) = readings_of(line, "6", 1)
+    assert (reading.seq, reading.left, reading.stamp) == (0, 0, 0.0)
 
 
 def test_a_position_comes_with_the_next_telemetry(line: Line) -> None:
