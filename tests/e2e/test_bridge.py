@@ -8,6 +8,7 @@ from __future__ import annotations
 import json
 import os
 import signal
+import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from itertools import pairwise
@@ -403,6 +404,139 @@ def test_a_bridge_that_the_simulator_refuses_writes_nothing_to_its_line(stage: S
     assert stage.exit(child) == 4
     assert "already-here" in stage.log(child)
     assert "powered" not in stage.log(controller.child)
+
+
+# ---------------------------------------------------------------- after an interruption
+
+
+def bridge_with_input(stage: Stage, port: Path, *words: str) -> tuple[str, Path]:
+    """Start a bridge of `real1` on a line; return it, and the pipe that is its standard input."""
+    pipe = stage.folder / "enter"
+    os.mkfifo(pipe)
+    command = [
+        sys.executable, "-m", "intellwheels_agents.bridge", "serial", "--port", str(port), "--name", "real1",
+        "--place", "start", "--connect", stage.endpoint, "--world", stage.world, *words,
+    ]  # fmt: skip
+    child = stage.launch(
+        "bridge", lambda lifeline: ["sh", "-c", 'exec "$@" <> "$0"', str(pipe), *command, "--lifeline", str(lifeline)]
+    )
+    stage.line(child, "joined")
+    return child, pipe
+
+
+def press_enter_until_resumed(stage: Stage, child: str, pipe: Path) -> None:
+    """Press Enter again and again: the answer to a join may hold the chair once more after the first time."""
+    with pipe.open("w") as enter:
+
+        def pressed() -> bool | None:
+            enter.write("\n")
+            enter.flush()
+            return True if "resumed agent=real1" in stage.log(child) else None
+
+        stage.wait(pressed, "resumed", unless=child)
+
+
+@pytest.mark.parametrize("resume", ["confirm", "auto"])
+def test_after_the_return_of_the_simulator_a_person_says_go(stage: Stage, resume: str) -> None:
+    server = stage.server("--map", "corridor15m", "--pace", "realtime")
+    controller = Controller(stage)
+    # Confirmation is the default of real hardware.
+    child, pipe = bridge_with_input(stage, controller.port, *(() if resume == "confirm" else ("--resume", "auto")))
+    mind(stage, "real1", "drive", "--option", "left=0.1", "--option", "right=0.1")
+    controller.line("moving")
+    stage.signal(server, signal.SIGKILL)
+    stage.line(child, "simulator-gone", agent="real1")
+    assert controller.line("stopped")["silence"] == -1
+    stage.server("--map", "corridor15m", "--pace", "realtime")
+    if resume == "confirm":
+        with stage.peer() as peer:
+            stage.line(child, "ready", agent="real1")
+            # The mind drives again, and the simulator asks for power, but the chair stands.
+            powers = peer.hear("out/real1/power")
+            stage.wait(
+                lambda: next((True for _, data in list(powers) if json.loads(data)["LeftMotor"] > 0.05), None), "power"
+            )
+            peer.ticks_on(20)
+            assert "moving" not in stage.log(controller.child).rpartition("stopped")[2]
+        press_enter_until_resumed(stage, child, pipe)
+    controller.line("moving")
+    assert ("held agent=real1" in stage.log(child)) == (resume == "confirm")
+    stage.signal(child, signal.SIGTERM)
+    assert stage.exit(child) == 0
+
+
+def test_after_the_return_of_the_router_a_person_says_go(stage: Stage) -> None:
+    def start_router() -> str:
+        child = stage.start("router", "intellwheels_server.service.router", "--listen", stage.endpoint)
+        stage.line(child, "ready")
+        return child
+
+    router = start_router()
+    server = stage.start(
+        "server", "intellwheels_server", "--connect", stage.endpoint, "--world", stage.world,
+        "--map", "corridor15m", "--pace", "realtime",
+    )  # fmt: skip
+    stage.line(server, "ready")
+    controller = Controller(stage)
+    child, pipe = bridge_with_input(stage, controller.port)
+    mind(stage, "real1", "drive", "--option", "left=0.1", "--option", "right=0.1")
+    controller.line("moving")
+    stage.signal(router, signal.SIGKILL)
+    assert controller.line("stopped")["silence"] == -1
+    start_router()
+    stage.line(child, "ready", agent="real1")
+    press_enter_until_resumed(stage, child, pipe)
+    controller.line("moving")
+
+
+def test_the_bridge_says_at_once_what_it_waits_for(stage: Stage) -> None:
+    port = stage.folder / "tty"
+    child = bridge(stage, "real1", "serial", "--port", str(port), "--place", "start", joined=False)
+
+    def says(text: str) -> None:
+        stage.wait(lambda: text in stage.log(child) or None, text, unless=child)
+
+    says(f"waiting why='cannot open {port}: No such file or directory'")
+    Controller(stage)
+    stage.line(child, "hardware", agent="real1")
+    says(f"waiting why='nobody answers at {stage.endpoint}'")
+    stage.server("--map", "corridor15m", "--pace", "realtime")
+    stage.line(child, "joined", agent="real1")
+    assert stage.log(child).count("waiting why=") == 2
+
+
+def test_the_bridge_prints_what_happens_to_its_chair(stage: Stage) -> None:
+    server = stage.server("--map", "corridor15m", "--pace", "realtime")
+    controller = Controller(stage)
+    child = bridge(stage, "real1", "serial", "--port", str(controller.port), "--place", "start")
+    with stage.peer() as peer:
+        driver = mind(stage, "real1", "drive", "--option", "left=0.1", "--option", "right=0.1")
+        stage.line(child, "mind-joined", agent="real1")
+        controller.line("moving")
+        lease = peer.ctl("take", Agent="real1", Seconds=30.0)["Lease"]
+        stage.line(child, "taken", agent="real1")
+        assert peer.ctl("take", Agent="real1", Lease=lease, Seconds=0.0)["Code"] == "ok"
+        stage.line(child, "released", agent="real1")
+        stage.signal(driver, signal.SIGTERM)
+        stage.line(child, "mind-left", agent="real1")
+        assert peer.ctl("delete", Agent="real1")["Code"] == "ok"
+        stage.line(child, "removed", agent="real1", reason="deleted")
+    stage.signal(server, signal.SIGKILL)
+    stage.line(child, "simulator-gone", agent="real1")
+
+
+def test_the_motors_stop_at_once_when_the_simulation_is_paused(stage: Stage) -> None:
+    stage.server("--map", "corridor15m", "--pace", "realtime")
+    controller = Controller(stage)
+    bridge(stage, "real1", "serial", "--port", str(controller.port), "--place", "start")
+    mind(stage, "real1", "drive", "--option", "left=0.1", "--option", "right=0.1")
+    with stage.peer() as peer:
+        controller.line("moving")
+        assert peer.ctl("pause")["Code"] == "ok"
+        assert controller.line("stopped")["silence"] == -1
+        # A pause is no interruption: who resumes it has said go.
+        assert peer.ctl("resume")["Code"] == "ok"
+        controller.line("moving")
 
 
 def test_the_robot_has_the_size_that_these_tests_assume() -> None:

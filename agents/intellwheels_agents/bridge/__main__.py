@@ -11,26 +11,40 @@ from typing import Literal
 from intellwheels_agents.agent_peer import run_agent
 from intellwheels_agents.bridge import command_line
 from intellwheels_agents.bridge.chair_joystick import ChairJoystick
+from intellwheels_agents.bridge.event_notices import EventNotices
 from intellwheels_agents.bridge.hardware_driver import Driver
 from intellwheels_agents.bridge.line_faults import Faults
 from intellwheels_agents.bridge.motor_deadman import MotorDeadman
 from intellwheels_agents.bridge.motor_writer import MotorWriter
 from intellwheels_agents.bridge.pose_source import Calibration, PoseSource
 from intellwheels_agents.bridge.real_chair import RealChair
+from intellwheels_agents.bridge.resume_gate import ResumeGate
 from intellwheels_agents.bridge.sensor_merge import SensorMerge
 from intellwheels_agents.bridge.serial_driver import SerialDriver
+from intellwheels_agents.bridge.terminal_lines import read_lines
 from intellwheels_agents.bridge.world_driver import WorldDriver, with_receiver
 from intellwheels_agents.joystick.joystick_peer import operate
 from intellwheels_agents.mind import Make
 from intellwheels_agents.options import OptionError
 from intellwheels_agents.robot_document import equipped, joining
 from intellwheels_maps import robot as robot_file
-from intellwheels_schemas.codec import Encoding
+from intellwheels_schemas.codec import Encoding, decode, encoding_of
 from intellwheels_schemas.errors import WireError
-from intellwheels_schemas.link import Link, add_link_options, link_of
-from intellwheels_schemas.messages import Robot
+from intellwheels_schemas.keys import Keys
+from intellwheels_schemas.link import (
+    Arrival,
+    Inbox,
+    Link,
+    Presence,
+    Put,
+    add_link_options,
+    link_of,
+    open_session,
+    watch_tokens,
+)
+from intellwheels_schemas.messages import Body, Event, Robot
 from intellwheels_schemas.names import check_agent, check_name, new_hex
-from intellwheels_schemas.process import add_process_options, stop_on_signals
+from intellwheels_schemas.process import SLICE, add_process_options, stop_on_signals
 
 
 def parser() -> argparse.ArgumentParser:
@@ -52,10 +66,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         return _BridgeProcess(given, stop).run()
     except (OptionError, WireError) as error:
-        print(f"iw-bridge: {error}", file=sys.stderr)
+        _log(str(error))
         return 2
     except ConnectionError as error:
-        print(f"iw-bridge: {error}", file=sys.stderr)
+        _log(str(error))
         return 1
 
 
@@ -71,21 +85,26 @@ class _BridgeProcess:
         robot = equipped(robot_file(given.robot), _fields("--option", given.option))
         chair = equipped(robot_file(given.chair or given.robot), _fields("--chair-option", given.chair_option))
         faults = Faults(given.delay, given.jitter, given.loss, f"{given.seed}/{self._agent}")
-        self._motors = MotorDeadman(faults)
+        default: Literal["real", "simulated"] = "real" if given.driver == "serial" else "simulated"
+        hardware = given.hardware or default
+        resume = given.resume or ("confirm" if hardware == "real" else "auto")
+        self._gate = ResumeGate(self._agent, confirm=resume == "confirm", tell=_print, prompt=_log)
+        self._motors = MotorDeadman(faults, gate=self._gate)
         self._driver = self._world_driver(chair) if given.driver == "world" else self._serial_driver(chair)
         calibration = Calibration(given.wheel_ratio, given.wheel_scale, given.track_ratio)
         self._source = PoseSource(
             chair, given.pose, calibration, drift=given.drift, restarts_at_start=self._driver.restarts_at_start
         )
-        default: Literal["real", "simulated"] = "real" if given.driver == "serial" else "simulated"
-        merge = SensorMerge(robot, chair, given.sensors, given.hardware or default)
+        merge = SensorMerge(robot, chair, given.sensors, hardware)
         self._joystick = ChairJoystick(stop)
         self._chair = RealChair(
             self._driver, self._source, self._motors, merge, faults=faults, on_reading=self._joystick.on_reading,
             clock_offset=given.clock_offset,
         )  # fmt: skip
+        instance = new_hex()
+        self._notices = EventNotices(self._agent, instance)
         self._body = joining(
-            merge.robot, agent=self._agent, role="body", instance=new_hex(), place=given.place, barrier=None
+            merge.robot, agent=self._agent, role="body", instance=instance, place=given.place, barrier=None
         )
 
     def run(self) -> int:
@@ -94,6 +113,9 @@ class _BridgeProcess:
         self._driver.start()
         writer = MotorWriter(self._motors, self._driver, lambda: self._chair.lockstep)
         threads = [threading.Thread(target=writer.run, args=(stop,), name="motors")]
+        threads.append(threading.Thread(target=self._watch_events, name="events", daemon=True))
+        if self._gate.confirm:
+            threads.append(threading.Thread(target=self._read_confirmations, name="confirm", daemon=True))
         if given.joystick:
             threads.append(threading.Thread(target=self._operate, name="joystick", daemon=True))
         try:
@@ -103,7 +125,7 @@ class _BridgeProcess:
                 thread.start()
             code = run_agent(
                 self._body, self._chair.begin, {}, where=self._where, encoding=self._encoding,
-                retry_for=given.retry_for, stop=stop,
+                retry_for=given.retry_for, stop=stop, tell=self._tell,
             )  # fmt: skip
             return 1 if self._driver.failure else code
         finally:
@@ -113,8 +135,8 @@ class _BridgeProcess:
                     thread.join(timeout=2.0)
             self._driver.close()
             if self._driver.failure:
-                print(f"iw-bridge: {self._driver.failure}", file=sys.stderr)
-            print(self._summary(), flush=True)
+                _log(self._driver.failure)
+            _print(self._summary())
 
     def _await_hardware(self) -> bool:
         """Wait for the first reading of the chair; return whether it came."""
@@ -124,10 +146,55 @@ class _BridgeProcess:
             if self._stop.is_set():
                 return False
             if waited >= self._given.retry_for:
-                print(f"iw-bridge: the chair sent nothing for {waited:g} s", file=sys.stderr)
+                _log(f"the chair sent nothing for {waited:g} s")
                 return False
-        print(f"hardware agent={self._agent} driver={self._given.driver}", flush=True)
+        _print(f"hardware agent={self._agent} driver={self._given.driver}")
         return True
+
+    def _tell(self, line: str) -> None:
+        if line.startswith("joined "):
+            self._gate.joined()
+        _print(line)
+
+    def _read_confirmations(self) -> None:
+        read_lines(sys.stdin.fileno(), self._gate.confirmed, self._stop)
+        if not self._stop.is_set():
+            _log("standard input is closed: after an interruption start iw-bridge again, or give --resume auto")
+
+    def _watch_events(self) -> None:
+        """Print what happens to the chair, and close the gate when the simulator goes."""
+        session = open_session(self._where, self._stop)
+        if session is None:
+            return
+        keys, inbox = Keys(self._where.world), Inbox()
+        with (
+            session,
+            session.declare_subscriber(keys.event, inbox.on_sample),
+            session.declare_subscriber(keys.body(self._agent), inbox.on_sample),
+            watch_tokens(session, keys.alive, inbox),
+        ):
+            while not self._stop.is_set():
+                inbox.wait(SLICE)
+                for arrival in inbox.take():
+                    line = self._notice(arrival, keys)
+                    if line is not None and not self._stop.is_set():
+                        _print(line)
+
+    def _notice(self, arrival: Arrival, keys: Keys) -> str | None:
+        if isinstance(arrival, Presence):
+            if not arrival.alive:
+                self._gate.interrupted("simulator-gone")
+            return self._notices.presence(arrival.alive)
+        if not isinstance(arrival, Put):
+            return None
+        try:
+            encoding = encoding_of(arrival.encoding, arrival.data)
+            if arrival.key == keys.event:
+                return self._notices.event(decode(Event, arrival.data, encoding, strict=False))
+            return self._notices.body(decode(Body, arrival.data, encoding, strict=False))
+        except WireError as error:
+            _log(f"dropped key={arrival.key} why={error.text!r}")
+            return None
 
     def _operate(self) -> None:
         operate(self._where, self._agent, self._joystick, take=False, stop=self._stop, retry_for=None)
@@ -148,7 +215,7 @@ class _BridgeProcess:
         def join(make: Make) -> int:
             return run_agent(
                 robot, make, {}, where=where, encoding=self._encoding, retry_for=given.retry_for, stop=self._stop,
-                tell=lambda line: print(f"lab-{line}", flush=True),
+                tell=lambda line: _print(f"lab-{line}"),
             )  # fmt: skip
 
         return WorldDriver(chair, self._motors, join, self._stop)
@@ -169,6 +236,14 @@ class _BridgeProcess:
             **self._driver.faults(),
         }  # fmt: skip
         return "bridged " + " ".join(f"{name}={value}" for name, value in values.items())
+
+
+def _print(line: str) -> None:
+    print(line, flush=True)
+
+
+def _log(line: str) -> None:
+    print(f"iw-bridge: {line}", file=sys.stderr, flush=True)
 
 
 def _fields(option: str, given: Sequence[str]) -> dict[str, str]:

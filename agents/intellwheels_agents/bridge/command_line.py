@@ -25,6 +25,8 @@ examples:
 Two worlds in lockstep advance tick by tick. Give both servers a --deadline at least as long as the other may take.
 Standard output has the lines `hardware agent=...` when the chair is heard, `joined agent=...`, `run ...` and `left ...`
 of the simulation, the same with the prefix `lab-` of the laboratory, and at the end `bridged agent=...` with counts.
+Events of the chair are printed too: `simulator-gone`, `simulator-back`, `removed ... reason=...`, `replaced`, `taken`,
+`released`, `mind-joined`, `mind-left`, `mind-lost`; with --resume confirm also `held`, `ready` (for Enter), `resumed`.
 Exit code 0: done; 1: refused or failed; 2: wrong usage.
 """
 DEFAULT_ROBOT: Final = "intellwheels"
@@ -56,6 +58,11 @@ def parser() -> argparse.ArgumentParser:
         metavar="FIELD=VALUE",
         help="change a field of the robot; may be repeated",
     )
+    body.add_argument(
+        "--resume", choices=("auto", "confirm"),
+        help="after the simulator was gone or silent for 1 s: drive on by itself, or stay put until Enter is pressed "
+        "here, on standard input (default: confirm for real hardware, auto for simulated)",
+    )  # fmt: skip
     body.add_argument("--place", metavar="PLACE", help="where the chair is when the bridge starts")
     body.add_argument(
         "--sensors", choices=SENSORS, default="virtual", help="which sensors the mind gets: the virtual"

@@ -1,4 +1,4 @@
-"""The motor power now: the newest that has arrived, and zero after 0.3 s of silence. Pure but for a lock.
+"""The motor power now: the newest that has arrived; zero after 0.3 s of silence, or while the gate is closed.
 
 The network's thread sets the powers that the simulation asks for; the hardware's thread reads the one in force.
 """
@@ -9,6 +9,7 @@ import threading
 from typing import Final
 
 from intellwheels_agents.bridge.line_faults import ROUNDING, Faults, FaultyLine
+from intellwheels_agents.bridge.resume_gate import ResumeGate
 from intellwheels_agents.bridge.timeouts import POWER_TIMEOUT
 from intellwheels_schemas.messages import PowerInForce
 
@@ -18,8 +19,9 @@ _ZERO: Final = (0.0, 0.0)
 class MotorDeadman:
     """The powers on their way to the motors."""
 
-    def __init__(self, faults: Faults | None = None, name: str = "down") -> None:
+    def __init__(self, faults: Faults | None = None, name: str = "down", gate: ResumeGate | None = None) -> None:
         self._line: FaultyLine[PowerInForce] = FaultyLine(faults or Faults(), name)
+        self._gate = gate
         self._lock = threading.Lock()
         self._newest: PowerInForce | None = None
         self._received = 0.0
@@ -31,6 +33,8 @@ class MotorDeadman:
 
     def set_power(self, power: PowerInForce, now: float) -> None:
         """Set the power that the simulation asks for at a time, in seconds."""
+        if self._gate is not None:
+            self._gate.power_received()
         with self._lock:
             self._line.send(power, now)
 
@@ -42,6 +46,8 @@ class MotorDeadman:
 
     def output(self, now: float) -> tuple[float, float]:
         """Return the powers of the left and right motor at a time in seconds, both in [-1, 1]."""
+        if self._gate is not None and not self._gate.is_open:
+            return _ZERO
         with self._lock:
             for due, power in self._line.receive(now):
                 newest = self._newest

@@ -88,7 +88,7 @@ class SerialDriver:
         self._left, self._right = WrappingCounter(), WrappingCounter()
         self._lock = threading.Lock()
         self._line: serial.Serial | None = None
-        self._telemetry_at = 0.0
+        self._quiet = 0.0
         self._garbage = self._opened = self._unwritten = 0
         self._thread = threading.Thread(target=self._run, name="serial", daemon=True)
 
@@ -169,14 +169,17 @@ class SerialDriver:
     def _use(self, line: serial.Serial) -> None:
         """Read from an open line until it is lost or the process stops."""
         self._splitter.feed(b"\n")
-        self._telemetry_at = time.monotonic()
+        last, self._quiet = time.monotonic(), 0.0
         with self._lock:
             self._line = line
         try:
             while not self._stop.is_set():
                 data, now = line.read(max(1, line.in_waiting)), time.monotonic()
+                # A turn that took longer was this process's delay, not the controller's silence.
+                self._quiet += min(now - last, 2.0 * _READ_TIMEOUT)
+                last = now
                 self._on_data(data, now)
-                if now - self._telemetry_at > QUIET_LINE:
+                if self._quiet > QUIET_LINE:
                     self._wait_for(f"{self._port} is open, but no valid telemetry comes; check controller and --baud")
         except OSError:
             pass  # lost
@@ -210,7 +213,7 @@ class SerialDriver:
                 self._fix = message.to_fix()
             elif isinstance(message, Telemetry):
                 self._readings.append(self._reading(message, now))
-                self._telemetry_at, self._reason = now, ""
+                self._quiet, self._reason = 0.0, ""
                 self.connected.set()
 
     def _reading(self, telemetry: Telemetry, now: float) -> Reading:

@@ -26,3 +26,6 @@ REOPEN_PERIOD: Final = 0.2
 """Time between two attempts to open a serial device."""
 QUIET_LINE: Final = 1.0
 """Time on an open line without valid telemetry before the bridge says that it waits for the controller."""
+INTERRUPTION: Final = 1.0
+"""Time without a power after which the contact with the simulator counts as interrupted. A shorter silence stops the
+motors too, but the chair drives on by itself: a wireless link loses that much now and then."""

@@ -2,6 +2,7 @@ from __future__ import annotations
 
 from intellwheels_agents.bridge.line_faults import Faults
 from intellwheels_agents.bridge.motor_deadman import MotorDeadman
+from intellwheels_agents.bridge.resume_gate import ResumeGate
 from intellwheels_schemas.messages import PowerInForce
 
 
@@ -43,3 +44,16 @@ def test_a_new_run_starts_with_zero_power() -> None:
     motors.set_power(power(2, 0.6), 0.1)
     motors.reset()
     assert motors.output(0.2) == (0.0, 0.0)
+
+
+def test_a_closed_gate_keeps_the_motors_off_whatever_arrives() -> None:
+    gate = ResumeGate("chair1", confirm=True, clock=lambda: 0.0)
+    motors = MotorDeadman(gate=gate)
+    gate.joined()
+    motors.set_power(power(1, 0.5), 10.0)
+    assert motors.output(10.0) == (0.5, -0.5)
+    gate.interrupted("simulator-gone")
+    motors.set_power(power(2, 0.5), 10.1)
+    assert motors.output(10.1) == (0.0, 0.0)
+    gate.confirmed()
+    assert motors.output(10.1) == (0.5, -0.5)
