@@ -7,7 +7,9 @@ from __future__ import annotations
 
 import json
 import math
+import os
 import signal
+import sys
 from collections import deque
 from typing import Any
 
@@ -119,6 +121,39 @@ def test_a_killed_joystick_stops_the_chair_within_0_3_s_and_a_tick(stage: Stage,
         assert all(user["Forward"] == 0.5 for user in _documents(watch.inputs))
 
 
+def test_keys_of_a_terminal_drive_while_they_repeat(stage: Stage) -> None:
+    stage.server("--map", "corridor15m", "--pace", "realtime")
+    stage.agent("chair1", "joystick", *AT_ONCE)
+    ours, theirs = os.openpty()
+    try:
+        command = [
+            sys.executable, "-m", "intellwheels_agents.joystick", "chair1", "--source", "terminal",
+            "--connect", stage.endpoint, "--world", stage.world,
+        ]  # fmt: skip
+        terminal = os.ttyname(theirs)
+        child = stage.launch(
+            "joystick", lambda fd: ["sh", "-c", 'exec "$@" < "$0"', terminal, *command, "--lifeline", str(fd)]
+        )
+        stage.line(child, "ready", agent="chair1")
+        with stage.peer() as peer:
+            watch = Watch(peer)
+
+            def driven() -> bool | None:
+                os.write(ours, b"w")
+                return True if [tick for tick, speed in watch.speeds() if speed > 0.9] else None
+
+            stage.wait(driven, "a chair at full speed", unless=child)
+            began = watch.moves()
+            rest = watch.stands(began)
+            # The last key counts for 0.3 s; then its release is sent.
+            assert (rest - watch.last_heard()) * PERIOD <= STOPPED + 1e-9
+        os.write(ours, b"\x04")
+        assert stage.exit(child) == 0
+    finally:
+        os.close(ours)
+        os.close(theirs)
+
+
 def test_a_lease_outranks_the_mind_and_is_given_back(stage: Stage) -> None:
     stage.server("--map", "corridor15m", "--pace", "realtime")
     stage.agent("chair1", "drive", "--option", "left=-0.1", "--option", "right=-0.1", *AT_ONCE)
@@ -155,6 +190,7 @@ def test_a_taken_or_missing_chair_is_refused(stage: Stage) -> None:
     with stage.peer() as peer:
         child = joystick(stage, HELD, "--take")
         assert stage.exit(child) == 1
+        assert "waiting why='no agent chair1 yet'" in stage.log(child)
         assert "no agent 'chair1' here" in stage.log(child)
         stage.agent("chair1", "joystick")
         assert peer.ctl("take", Agent="chair1", Seconds=60.0)["Code"] == "ok"

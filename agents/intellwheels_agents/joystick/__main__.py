@@ -7,12 +7,20 @@ import math
 import sys
 import threading
 from collections.abc import Sequence
+from contextlib import ExitStack
 from pathlib import Path
 
 from intellwheels_agents.joystick.input_state import Source
 from intellwheels_agents.joystick.joystick_peer import operate
-from intellwheels_agents.joystick.pygame_source import DeviceError, GamepadSource, KeyboardSource, has_gamepad
+from intellwheels_agents.joystick.pygame_source import (
+    DeviceError,
+    GamepadSource,
+    KeyboardSource,
+    has_display,
+    has_gamepad,
+)
 from intellwheels_agents.joystick.script_source import ScriptError, ScriptSource, read
+from intellwheels_agents.joystick.terminal_source import TerminalSource
 from intellwheels_agents.joystick.words_source import SpokenWords, WordsSource
 from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.link import add_link_options, link_of
@@ -27,6 +35,8 @@ examples:
       iw-joystick chair1 --take
   drive by voice, with a recogniser that prints forward, back, left, right, stop and other words
       recogniser | iw-joystick chair1 --source words
+  drive over ssh, with the keys of the terminal; letting go stops the chair within 0.3 s
+      iw-joystick chair1 --source terminal
   play a script: on each line seconds, forward, turn, and optionally buttons and a word
       iw-joystick chair1 --source script --script drive.txt
 
@@ -47,9 +57,10 @@ def parser() -> argparse.ArgumentParser:
     result.add_argument("agent", metavar="AGENT", help="the agent to drive")
     result.add_argument(
         "--source",
-        choices=("auto", "keyboard", "gamepad", "script", "words"),
+        choices=("auto", "keyboard", "terminal", "gamepad", "script", "words"),
         default="auto",
-        help="input device (default: auto, which is a gamepad if one is connected, else the keyboard)",
+        help="input device (default: auto, which is a gamepad if one is connected, else the keyboard, in a "
+        "window or, without a display, in this terminal)",
     )
     result.add_argument("--script", type=Path, metavar="FILE", help="the file for --source script")
     result.add_argument(
@@ -90,8 +101,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     stop = stop_on_signals(options.lifeline)
     try:
         agent, where = check_agent(options.agent, "AGENT"), link_of(options)
-        source = _source(options, stop)
-        return operate(where, agent, source, take=options.take, stop=stop, retry_for=options.retry_for)
+        with ExitStack() as stack:
+            source = _source(options, stop, stack)
+            return operate(where, agent, source, take=options.take, stop=stop, retry_for=options.retry_for)
     except (ScriptError, WireError) as error:
         print(f"iw-joystick: {error}", file=sys.stderr)
         return 2
@@ -100,15 +112,30 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return 1
 
 
-def _source(options: argparse.Namespace, stop: threading.Event) -> Source:
+def _source(options: argparse.Namespace, stop: threading.Event, stack: ExitStack) -> Source:
     name, shares = options.source, (options.forward, options.turn)
+    if name == "auto":
+        name = _automatic()
     if name == "script":
         return ScriptSource(read(options.script), simulated=options.clock == "simulated", stop=stop)
     if name == "words":
         return WordsSource(SpokenWords(*shares, options.hold), sys.stdin.fileno())
-    if name == "gamepad" or (name == "auto" and has_gamepad()):
+    if name == "gamepad":
         return GamepadSource(*shares)
+    if name == "terminal":
+        return stack.enter_context(TerminalSource(*shares, sys.stdin.fileno()))
     return KeyboardSource(f"iw-joystick {options.agent}", *shares)
+
+
+def _automatic() -> str:
+    """Return the best source there is: a gamepad, a window, or the terminal; without any of them what says why."""
+    has_terminal = sys.stdin.isatty()
+    try:
+        if has_gamepad():
+            return "gamepad"
+    except DeviceError:
+        return "terminal" if has_terminal else "keyboard"
+    return "terminal" if has_terminal and not has_display() else "keyboard"
 
 
 def _share(text: str) -> float:

@@ -1,10 +1,11 @@
 """Input states from held keys, by name, and from axes and buttons, by number. Knows no device.
 
-up, w / down, s       forward / back
-left, a / right, d    turn
-shift                 half speed
-0 to 9                buttons
-space                 neutral, whatever else is held
+up, w, i / down, s, k       forward / back
+left, a, j / right, d, l    turn
+q, u / e, o                 forward and left / forward and right
+shift                       half speed
+0 to 9                      buttons
+space                       neutral, whatever else is held
 """
 
 from __future__ import annotations
@@ -16,8 +17,8 @@ from intellwheels_agents.joystick.input_state import NEUTRAL, InputState
 
 DEAD_ZONE: Final = 0.12
 """Share of an axis that counts as centred: worn sticks rest up to 0.1 off the centre."""
-FORWARD_KEYS: Final = ("up", "w"), ("down", "s")
-TURN_KEYS: Final = ("left", "a"), ("right", "d")
+FORWARD_KEYS: Final = ("up", "w", "i", "q", "u", "e", "o"), ("down", "s", "k")
+TURN_KEYS: Final = ("left", "a", "j", "q", "u"), ("right", "d", "l", "e", "o")
 
 
 def from_keys(held: Collection[str], forward: float, turn: float) -> InputState:

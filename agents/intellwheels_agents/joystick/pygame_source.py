@@ -13,9 +13,9 @@ from typing import Any
 from intellwheels_agents.joystick.input_state import NEUTRAL, InputState
 from intellwheels_agents.joystick.key_bindings import from_keys, from_stick
 
-WINDOW_SIZE = (460, 150)
+WINDOW_SIZE = (560, 150)
 """In pixels."""
-_HELP = ("arrows or W A S D drive, shift for half speed, space stops", "0-9 are buttons, escape ends")
+_HELP = ("arrows, W A S D or I J K L drive, shift for half speed, space stops", "0-9 are buttons, escape ends")
 _INVISIBLE = ("offscreen", "dummy")
 
 
@@ -156,6 +156,11 @@ class GamepadSource:
     def _connect(self) -> None:
         if self._pygame.joystick.get_count():
             self._stick = self._pygame.joystick.Joystick(0)
+
+
+def has_display() -> bool:
+    """Return whether a window can open: there is a display, or the user has chosen a driver of SDL's."""
+    return any(os.environ.get(name) for name in ("DISPLAY", "WAYLAND_DISPLAY", "SDL_VIDEODRIVER"))
 
 
 def has_gamepad() -> bool:

@@ -5,12 +5,14 @@ from __future__ import annotations
 import re
 import threading
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
 from intellwheels_agents.joystick import __main__ as command
 from intellwheels_agents.joystick import main
 from intellwheels_agents.joystick.input_state import InputState, Source
+from intellwheels_agents.joystick.pygame_source import DeviceError
 from intellwheels_agents.joystick.script_source import ScriptSource
 from intellwheels_schemas.link import Link
 
@@ -69,3 +71,28 @@ def test_a_script_that_is_not_text_is_wrong_usage(tmp_path: Path, capsys: pytest
     file.write_bytes(b"\xff")
     assert main(["chair1", "--source", "script", "--script", str(file)]) == 2
     assert "expected UTF-8 text" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("gamepad", "pygame", "terminal", "display", "expected"),
+    [
+        (True, True, True, True, "gamepad"),
+        (False, True, True, True, "keyboard"),
+        (False, True, True, False, "terminal"),
+        (False, True, False, False, "keyboard"),
+        (False, False, True, True, "terminal"),
+        (False, False, False, True, "keyboard"),
+    ],
+)
+def test_the_automatic_source_is_the_best_there_is(
+    monkeypatch: pytest.MonkeyPatch, gamepad: bool, pygame: bool, terminal: bool, display: bool, expected: str
+) -> None:
+    def has_gamepad() -> bool:
+        if not pygame:
+            raise DeviceError("pygame is not installed")
+        return gamepad
+
+    monkeypatch.setattr(command, "has_gamepad", has_gamepad)
+    monkeypatch.setattr(command, "has_display", lambda: display)
+    monkeypatch.setattr("sys.stdin", SimpleNamespace(isatty=lambda: terminal))
+    assert command._automatic() == expected
