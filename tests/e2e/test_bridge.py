@@ -525,6 +525,24 @@ def test_the_bridge_prints_what_happens_to_its_chair(stage: Stage) -> None:
     stage.line(child, "simulator-gone", agent="real1")
 
 
+def test_a_bridge_that_listens_for_the_simulator_prints_events_too(stage: Stage) -> None:
+    controller = Controller(stage)
+    child = stage.start(
+        "bridge", "intellwheels_agents.bridge", "serial", "--port", str(controller.port), "--place", "start",
+        "--name", "real1", "--listen", stage.endpoint, "--world", stage.world,
+    )  # fmt: skip
+    stage.line(child, "hardware")
+    server = stage.start(
+        "server", "intellwheels_server", "--connect", stage.endpoint, "--world", stage.world,
+        "--map", "corridor15m", "--pace", "realtime",
+    )  # fmt: skip
+    stage.line(child, "joined")
+    stage.signal(server, signal.SIGKILL)
+    stage.line(child, "simulator-gone", agent="real1")
+    stage.signal(child, signal.SIGTERM)
+    assert stage.exit(child) == 0
+
+
 def test_the_motors_stop_at_once_when_the_simulation_is_paused(stage: Stage) -> None:
     stage.server("--map", "corridor15m", "--pace", "realtime")
     controller = Controller(stage)

@@ -151,6 +151,11 @@ class _BridgeProcess:
         _print(f"hardware agent={self._agent} driver={self._given.driver}")
         return True
 
+    def _second_link(self) -> Link:
+        """Return the link of a further session; only one session can listen at an endpoint, others connect to it."""
+        where = self._where
+        return Link(where.world, connect=where.connect or where.listen, config=where.config)
+
     def _tell(self, line: str) -> None:
         if line.startswith("joined "):
             self._gate.joined()
@@ -163,7 +168,11 @@ class _BridgeProcess:
 
     def _watch_events(self) -> None:
         """Print what happens to the chair, and close the gate when the simulator goes."""
-        session = open_session(self._where, self._stop)
+        try:
+            session = open_session(self._second_link(), self._stop)
+        except ConnectionError as error:
+            _log(f"events of the chair are not printed: {error}")
+            return
         if session is None:
             return
         keys, inbox = Keys(self._where.world), Inbox()
@@ -197,7 +206,7 @@ class _BridgeProcess:
             return None
 
     def _operate(self) -> None:
-        operate(self._where, self._agent, self._joystick, take=False, stop=self._stop, retry_for=None)
+        operate(self._second_link(), self._agent, self._joystick, take=False, stop=self._stop, retry_for=None)
 
     def _world_driver(self, chair: Robot) -> Driver:
         given = self._given
