@@ -5,22 +5,24 @@ from __future__ import annotations
 import re
 import threading
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
 from intellwheels_agents.joystick import __main__ as command
 from intellwheels_agents.joystick import main
+from intellwheels_agents.joystick.input_state import InputState, Source
+from intellwheels_agents.joystick.pygame_source import DeviceError
 from intellwheels_agents.joystick.script_source import ScriptSource
-from intellwheels_agents.joystick.wish import Source, Wish
 from intellwheels_schemas.link import Link
 
 
-def test_a_script_is_operated_with_what_was_asked_for(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+def test_the_options_reach_the_loop(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     asked: list[tuple[str, str, bool]] = []
 
     def operate(where: Link, agent: str, source: Source, *, take: bool, stop: threading.Event, retry_for: float) -> int:
         assert isinstance(source, ScriptSource)
-        assert source.wish(0.0, None) == Wish(0.5, 0.0)
+        assert source.state(0.0, None) == InputState(0.5, 0.0)
         asked.append((where.world, agent, take))
         return 0
 
@@ -43,7 +45,7 @@ def test_wrong_usage_is_exit_2(tmp_path: Path, capsys: pytest.CaptureFixture[str
         assert ended.value.code == 2
 
 
-def test_a_script_that_is_not_there_is_exit_1(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_missing_script_is_exit_1(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["chair1", "--source", "script", "--script", str(tmp_path / "none.txt")]) == 1
     assert "none.txt" in capsys.readouterr().err
 
@@ -56,7 +58,7 @@ def test_a_script_that_is_not_there_is_exit_1(tmp_path: Path, capsys: pytest.Cap
         ("--hold", "long", "expected seconds above 0, got 'long'"),
     ],
 )
-def test_a_number_that_is_none_is_said_in_words(
+def test_a_wrong_number_is_refused_with_its_range(
     option: str, value: str, wanted: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     with pytest.raises(SystemExit):
@@ -64,8 +66,33 @@ def test_a_number_that_is_none_is_said_in_words(
     assert re.search(f"argument {option}: {wanted}", capsys.readouterr().err)
 
 
-def test_a_script_that_is_no_text_is_wrong_usage(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_script_that_is_not_text_is_wrong_usage(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     file = tmp_path / "drive.txt"
     file.write_bytes(b"\xff")
     assert main(["chair1", "--source", "script", "--script", str(file)]) == 2
-    assert "expected a text in UTF-8" in capsys.readouterr().err
+    assert "expected UTF-8 text" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("gamepad", "pygame", "terminal", "display", "expected"),
+    [
+        (True, True, True, True, "gamepad"),
+        (False, True, True, True, "keyboard"),
+        (False, True, True, False, "terminal"),
+        (False, True, False, False, "keyboard"),
+        (False, False, True, True, "terminal"),
+        (False, False, False, True, "keyboard"),
+    ],
+)
+def test_the_automatic_source_is_the_best_there_is(
+    monkeypatch: pytest.MonkeyPatch, gamepad: bool, pygame: bool, terminal: bool, display: bool, expected: str
+) -> None:
+    def has_gamepad() -> bool:
+        if not pygame:
+            raise DeviceError("pygame is not installed")
+        return gamepad
+
+    monkeypatch.setattr(command, "has_gamepad", has_gamepad)
+    monkeypatch.setattr(command, "has_display", lambda: display)
+    monkeypatch.setattr("sys.stdin", SimpleNamespace(isatty=lambda: terminal))
+    assert command._automatic() == expected
