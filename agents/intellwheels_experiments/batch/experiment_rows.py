@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from itertools import chain, product
-from typing import Any, Final
+from typing import Any, Final, get_args
 
 import msgspec
 
@@ -24,7 +25,8 @@ OPTIONS: Final[Mapping[str, str]] = {
 """What a setting without an agent may set, and the simulator's option for it."""
 FLAGS: Final[Mapping[str, Mapping[str, str]]] = {"SayWalls": {"true": "--say-walls", "false": "--no-say-walls"}}
 """Of these, those that are true or false, and the simulator's option for each value."""
-_PERIOD: Final[Any] = msgspec.inspect.type_info(Period)
+_PERIOD: Final[Any] = get_args(Period)[1]
+"""The constraints of a period, as the contract declares them."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -115,11 +117,14 @@ def _arguments(setting: Setting) -> tuple[str, ...]:
 def _period(setting: Setting) -> float:
     """Return a period in s. The scene of the row needs it, as the laboratory has the same period."""
     try:
-        return msgspec.convert(setting.value, Period, strict=False)
-    except msgspec.ValidationError as error:
-        low, high = _PERIOD.ge, _PERIOD.le
+        value = float(setting.value)
+    except ValueError:
+        value = math.nan
+    low, high = _PERIOD.ge, _PERIOD.le
+    if not low <= value <= high:
         text = f"Setting.Value: expected a period in [{low:g}, {high:g}] s, got {setting.value!r}"
-        raise WireError("value", text, "Setting.Value") from error
+        raise WireError("value", text, "Setting.Value")
+    return value
 
 
 def _with_option(cast: Cast, setting: Setting) -> Cast:

@@ -214,7 +214,7 @@ def _comparisons(page: HtmlReport) -> str:
         "McNemar's exact two-sided test over the seeds with which only one of the two rows succeeded. Two rows are "
         f"equivalent if the difference is within {100 * margin:.0f} points, tested at 5 % on each side. A result that "
         "these runs cannot settle is called undecided.</p>"
-        + _table(heads, rows, words=2)
+        + _table(heads, rows, text_columns=2)
         + _differences(page.summary.comparisons, titles)
     )
 
@@ -357,10 +357,11 @@ def _origin(page: HtmlReport) -> str:
     return f"<h2>Origin of the data</h2><dl>{items}</dl>"
 
 
-def _table(heads: Sequence[str], rows: Sequence[Sequence[str]], words: int = 1) -> str:
+def _table(heads: Sequence[str], rows: Sequence[Sequence[str]], text_columns: int = 1) -> str:
     head = "".join(f"<th>{name}</th>" for name in heads)
     lines = [
-        "".join(f"<td{' class=t' if at < words else ''}>{cell}</td>" for at, cell in enumerate(row)) for row in rows
+        "".join(f"<td{' class=t' if at < text_columns else ''}>{cell}</td>" for at, cell in enumerate(row))
+        for row in rows
     ]
     body = "".join(f"<tr>{line}</tr>" for line in lines)
     return f"<div class=wide><table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table></div>"

@@ -131,10 +131,10 @@ def agreement(wanted: Floats, done: Floats) -> float:
         wanted: The user's command, float64[n, 2]: forward and turn.
         done: What the motors got, float64[n, 2]: forward and turn.
     """
-    asked = np.hypot(wanted[:, 0], wanted[:, 1]) > 1e-6
-    if not asked.any():
+    commanded = np.hypot(wanted[:, 0], wanted[:, 1]) > 1e-6
+    if not commanded.any():
         return math.nan
-    want, did = wanted[asked], done[asked]
+    want, did = wanted[commanded], done[commanded]
     angle = np.arctan2(want[:, 1], want[:, 0]) - np.arctan2(did[:, 1], did[:, 0])
     off = np.abs(np.angle(np.exp(1j * angle))) / math.pi
     return float(np.where(np.hypot(did[:, 0], did[:, 1]) > 1e-6, 1.0 - off, 0.0).mean())

@@ -175,19 +175,19 @@ def _await_ready(
         _StartError: A process ended, the time is over, or `stop` was set.
     """
     begun = time.monotonic()
-    told = progress is None
+    announced = progress is None
 
     def look() -> Mapping[str, str] | None:
-        nonlocal told
+        nonlocal announced
         if (values := children.find_line(child, "ready")) is not None:
             return values
         for exited in children.exits.values():
             raise _StartError(_died(children, exited))
         if stop.is_set():
             raise _StartError(_Finished("interrupted", f"before the {child} was ready"))
-        if progress is not None and not told and time.monotonic() - begun > COLD_START:
+        if progress is not None and not announced and time.monotonic() - begun > COLD_START:
             progress.say("compiling the simulator's kernels: once, about 45 s")
-            told = True
+            announced = True
         return None
 
     try:

@@ -90,7 +90,7 @@ def test_script_reads_lines_and_a_person_a_table(tmp_path: Path) -> None:
     assert "┃" in shown(summary, terminal=True)
 
 
-def test_titles_with_brackets_stand_in_the_table_as_they_are(tmp_path: Path) -> None:
+def test_titles_with_brackets_are_printed_unchanged(tmp_path: Path) -> None:
     wanted, document = finished_batch(tmp_path)
     rows = tuple(dataclasses.replace(row, title=f"{row.name} [/m]") for row in wanted.rows)
     summary = write_files(dataclasses.replace(wanted, rows=rows), document)

@@ -33,7 +33,7 @@ def test_body_that_is_not_there_does_not_count() -> None:
     assert found == pytest.approx([0.87])
 
 
-def test_shortest_way_is_straight_where_nothing_stands_in_it() -> None:
+def test_shortest_path_is_straight_without_obstacles() -> None:
     assert shortest_path(floor("corridor15m"), (0.0, 0.0), (4.0, 0.0), 0.33) == pytest.approx(4.0)
 
 
@@ -44,7 +44,7 @@ def test_shortest_way_bends_round_the_blocks_at_the_bodys_half_width() -> None:
     assert found == pytest.approx(taut, abs=0.005)
 
 
-def test_there_is_no_way_for_who_is_wider_than_the_gap() -> None:
+def test_body_wider_than_the_gap_has_no_path() -> None:
     assert shortest_path(floor("corridor15m"), (0.0, 0.0), (15.0, 0.0), 0.75) == math.inf
 
 

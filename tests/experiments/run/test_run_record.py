@@ -1,4 +1,4 @@
-"""What was seen of a run does not depend on the order it arrived in."""
+"""The record of a run does not depend on the order in which messages arrive."""
 
 from __future__ import annotations
 
@@ -42,14 +42,14 @@ def test_state_that_is_older_changes_nothing() -> None:
     assert record.tracks["chair1"].length == 0.0
 
 
-def test_turn_is_the_greatest_and_the_short_way_round() -> None:
+def test_turn_is_the_largest_angle_in_either_direction() -> None:
     record = RunRecord()
     for tick, degrees in enumerate((170, -170, 175, 171)):
         record.on_state(state(tick, 0.0, math.radians(degrees)))
     assert record.tracks["chair1"].turned == pytest.approx(math.radians(20))
 
 
-def test_new_run_clears_what_was_known_and_the_old_one_stays_past() -> None:
+def test_new_run_clears_the_record_and_the_old_run_does_not_return() -> None:
     record = RunRecord()
     record.on_state(state(900, 5.0))
     record.on_event(event(0))
@@ -74,7 +74,7 @@ def test_event_counts_once_and_a_gap_is_wanted_until_it_is_filled() -> None:
     assert record.counts == {"joined": 3, "contact": 1}
 
 
-def test_event_that_ended_the_run_is_kept() -> None:
+def test_event_that_ended_the_run_is_recorded() -> None:
     record = RunRecord()
     record.on_event(event(0, "ended"))
     assert record.ended == event(0, "ended")

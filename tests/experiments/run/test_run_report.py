@@ -1,4 +1,4 @@
-"""A result for people and for programs says the same."""
+"""A result has the same content for people and for programs."""
 
 from __future__ import annotations
 

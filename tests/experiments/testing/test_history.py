@@ -88,15 +88,15 @@ def test_moment_has_the_events_until_then_in_order() -> None:
     assert not newest(history).happened("left", "chair2")
 
 
-def test_body_that_is_not_there_is_named_with_those_that_are() -> None:
+def test_absent_body_is_named_with_those_present() -> None:
     history = History()
     history.on_state(state(3))
     assert newest(history)["chair1"].y == 1.0
-    with pytest.raises(AbsentError, match=r"tick 3: expected a body that is there \(chair1\), got 'chair9'"):
+    with pytest.raises(AbsentError, match=r"tick 3: expected one of the bodies present \(chair1\), got 'chair9'"):
         newest(history)["chair9"]
 
 
-def test_description_says_where_all_are_and_what_happened() -> None:
+def test_description_has_every_body_and_the_last_events() -> None:
     history = History()
     history.on_event(event(0, "contact", agent="chair1", other="wall"))
     history.on_state(state(2, 1.25))

@@ -16,7 +16,7 @@ from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.keys import Verb
 from intellwheels_schemas.messages import Result
 
-AVOID = Path(__file__).parents[2] / "agents" / "examples" / "08_another_language" / "python" / "avoid.py"
+AVOID = Path(__file__).parents[3] / "agents" / "examples" / "08_another_language" / "python" / "avoid.py"
 AHEAD: dict[str, Any] = {"left": 0.3, "right": 0.3}
 
 DIES = """
@@ -154,7 +154,7 @@ def test_frozen_agent_times_out_and_goes_on_when_it_is_thawed(tmp_path: Path) ->
         sim.run_until(lambda now: now["chair1"].speed > 0.2, seconds=5.0)
 
 
-def test_agents_join_the_simulator_that_comes_back(tmp_path: Path) -> None:
+def test_agents_join_the_restarted_simulator(tmp_path: Path) -> None:
     with Rig(tmp_path, floor="corner") as sim:
         sim.agent("chair1", "drive", place="leader", **AHEAD)
         before = sim.run_for(1.0).events[0].run
@@ -166,7 +166,7 @@ def test_agents_join_the_simulator_that_comes_back(tmp_path: Path) -> None:
         assert sim.end_simulator() == 0
 
 
-def test_router_that_is_cut_parts_agents_from_the_simulator_and_mended_brings_them_back(tmp_path: Path) -> None:
+def test_cut_router_separates_agents_from_the_simulator_until_it_is_mended(tmp_path: Path) -> None:
     with Rig(tmp_path, floor="corner", pace="realtime", router=True) as sim:
         sim.agent("chair1", "drive", place="leader", **AHEAD)
         sim.run_until(lambda now: now["chair1"].speed > 0.2)
