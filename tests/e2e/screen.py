@@ -169,12 +169,12 @@ class Screen:
 
     def rest(self) -> None:
         """Wait until the camera stands still."""
-        seen = [self.camera()]
+        snapshot = [self.camera()]
 
         def still() -> bool | None:
             self.page.evaluate("window.__viserMutable.requestRender()")
-            seen.append(self.camera())
-            return math.dist(seen[-1], seen[-2]) < 1e-3 or None
+            snapshot.append(self.camera())
+            return math.dist(snapshot[-1], snapshot[-2]) < 1e-3 or None
 
         # The first report of the page's size is what it is framed by; the answer takes a few beats.
         self.page.wait_for_timeout(500)
@@ -214,7 +214,7 @@ class Screen:
     def hold(self, agent: str) -> None:
         """Open the tab Drive and wait until keys drive an agent: the page's handler comes a moment after the words."""
         self.tab("Drive")
-        self.says(f"You drive {agent}")
+        self.says(f"You are driving {agent}")
         self.page.wait_for_function("window.__iwDrive && !document.getElementById('iw-drive-off')")
 
     def drag(self, origin: tuple[float, float, float], target: tuple[float, float, float]) -> None:

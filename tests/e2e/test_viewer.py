@@ -243,7 +243,7 @@ def test_a_chair_whose_mind_takes_goals_goes_where_the_floor_is_clicked_and_no_o
     screen.select("goer")
     screen.tab("Drive")
     screen.press("Set a goal")
-    screen.says("Where shall goer go?")
+    screen.says("The next click sets the goal of goer")
     screen.page.mouse.click(*screen.pixel(4.5, 4.6))
     peer.entity("goer", lambda body: body.get("Mode") == "arrived" and away(body, 4.5, 4.6) < 0.4)
     theatre.signal(child, signal.SIGTERM)
@@ -295,7 +295,7 @@ def test_things_are_placed_by_a_click_on_the_floor_and_taken_away(screen: Screen
     screen.rest()
     screen.tab("Place")
     screen.press("Box")
-    screen.says("Click the floor where the box shall stand")
+    screen.says("Click the floor to place the box")
     screen.page.mouse.move(*screen.pixel(4.5, 4.5))
     screen.page.mouse.click(*screen.pixel(5.0, 4.0))
     crate = peer.entity("crate1", lambda body: away(body, 5.0, 4.0) < 0.1)
@@ -352,7 +352,7 @@ def test_an_open_page_outlives_simulator_and_router(tmp_path: Path, chromium: An
             screen.open(url)
             theatre.signal(simulator, signal.SIGKILL)
             screen.phase("gone")
-            screen.says("It comes back when its simulator does")
+            screen.says("World killed has gone")
             theatre.server("--map", "room", "--connect", meeting)
             screen.phase("live", CONNECTED)
             theatre.signal(first, signal.SIGKILL)
@@ -380,25 +380,25 @@ def test_without_the_right_to_steer_every_control_says_so(tmp_path: Path, chromi
 
             def told(what: str, act: Callable[[], object]) -> None:
                 act()
-                screen.says(f"{what}: You may look, not steer")
+                screen.says(f"{what}: View only")
 
             for what, button in (
-                ("Not paused", "Pause"), ("Not stepped", "10"), ("Speed not changed", "5"), ("Not begun anew", "Reset"),
+                ("Not paused", "Pause"), ("Not stepped", "10"), ("Speed not changed", "5"), ("Not reset", "Reset"),
             ):  # fmt: skip
                 told(what, lambda button=button: screen.press(button))  # type: ignore[misc]
             screen.select("chair1")
             told("Not placed", lambda: screen.drag((1.2, 2.6, 0.45), (3.5, 3.4, 0.45)))
             screen.hold("chair1")
-            told("Not driven", lambda: screen.page.keyboard.down("i"))
+            told("Cannot drive", lambda: screen.page.keyboard.down("i"))
             screen.page.keyboard.up("i")
             field = screen.page.locator("form input:visible").first
             field.fill("hello")
-            told("Not said", lambda: field.press("Enter"))
+            told("Not sent", lambda: field.press("Enter"))
             screen.tab("Place")
             told("Not turned", lambda: screen.press("+15"))
             told("Not removed", lambda: screen.press("Remove chair1"))
             screen.press("Box")
-            screen.says("Click the floor where the box shall stand")
+            screen.says("Click the floor to place the box")
             screen.clear()
             screen.wait(lambda: "Not placed" not in screen.text() or None, "the notice of the drag gone")
             told("Not placed", lambda: screen.page.mouse.click(*screen.pixel(5.0, 4.0)))

@@ -33,7 +33,7 @@ pytestmark = pytest.mark.filterwarnings("ignore::DeprecationWarning")
 def test_following_needs_somebody_and_says_so(here: Opened) -> None:
     here.page.look("follow")
     assert here.page.camera.mode == "free"
-    here.browser.wait(lambda: any("Nothing selected" in str(message) for message in here.browser.heard))
+    here.browser.wait(lambda: any("Nothing is selected" in str(message) for message in here.browser.heard))
 
 
 def test_a_selected_chair_is_followed_and_nobody_ends_it(here: Opened) -> None:
@@ -62,9 +62,9 @@ def test_a_way_to_look_that_there_is_not_is_free(here: Opened) -> None:
 
 
 def test_what_decides_what_is_drawn_is_told(here: Opened) -> None:
-    before = here.page.outlook
+    before = here.page.view_state
     here.page.select("a")
-    assert here.page.outlook != before
+    assert here.page.view_state != before
 
 
 def test_a_selection_outlives_the_one_who_was_selected(here: Opened) -> None:
@@ -109,14 +109,16 @@ def test_space_pauses_what_runs_and_resumes_what_stands(here: Opened) -> None:
     assert here.network.wished() == Resume()
 
 
-@pytest.mark.parametrize(("label", "wish"), [("Pause", Pause()), ("Resume", Resume()), ("Remove", Delete(agent="a"))])
-def test_a_button_is_a_wish(here: Opened, label: str, wish: Record) -> None:
+@pytest.mark.parametrize(
+    ("label", "message"), [("Pause", Pause()), ("Resume", Resume()), ("Remove", Delete(agent="a"))]
+)
+def test_a_button_sends_a_request(here: Opened, label: str, message: Record) -> None:
     here.page.select("a")
     matches = [each for each in here.browser.gui.values() if str(each.get("label", "")).startswith(label)]
     assert matches or here.browser.element(label)
     uuid = next(key for key, each in here.browser.gui.items() if str(each.get("label", "")).startswith(label))
     here.browser.send({"type": "GuiUpdateMessage", "uuid": uuid, "updates": {"value": True}})
-    assert here.network.wished() == wish
+    assert here.network.wished() == message
 
 
 def test_a_refusal_is_shown_with_its_reason_and_as_text(here: Opened) -> None:

@@ -1,9 +1,9 @@
-"""Every colour of the page, and why it can be told apart. Pure: numbers in, numbers out.
+"""All colours of the page, and how well they can be told apart. Pure.
 
-Yellow says "selected" and nothing else, bright red says "contact" and nothing else. Agents have the six other colours
-that Okabe and Ito chose to be told apart by everybody ("Color Universal Design", 2008), with black in place of their
-vermilion; beyond six they repeat with a second mark. A colour is three bytes of sRGB, as browsers and viser's
-instances take it; `linear` is for what wants light.
+Yellow means "selected" and bright red means "contact", and nothing else uses them. Agents have the six other colours of
+Okabe and Ito ("Color Universal Design", 2008), which people with any colour vision can tell apart, with black instead
+of their vermilion. Beyond six agents the colours repeat with stripes. A colour is three bytes of sRGB, as browsers and
+viser take it; `linear` converts it to linear light.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ AGENTS: Final[tuple[RGB, ...]] = (
 """Blue, orange, bluish green, reddish purple, sky blue, black."""
 
 STRIPES: Final = 3
-"""The most stripes that are told apart at a glance."""
+"""The largest number of stripes that can be told apart at a glance."""
 
 CONTACT: Final[RGB] = (220, 20, 20)
 SELECTED: Final[RGB] = (240, 228, 66)
@@ -57,10 +57,10 @@ METAL: Final[RGB] = (168, 175, 184)
 
 ON_WHITE: Final[RGB] = (255, 255, 255)
 ON_DARK: Final[RGB] = (26, 27, 30)
-"""The backgrounds of viser's panels, light and dark."""
+"""Backgrounds of viser's panels in the light and the dark theme."""
 
 READABLE: Final = 4.5
-"""The least contrast of text: WCAG 2.2, success criterion 1.4.3."""
+"""Minimum contrast of text: WCAG 2.2, success criterion 1.4.3."""
 
 _FIXTURES: Final[Mapping[str, RGB]] = {"door": TEAL, "table": WOOD}
 _THINGS: Final[RGB] = (176, 146, 108)
@@ -143,7 +143,7 @@ class Colours:
 
 
 def light_bytes(colours: npt.ArrayLike) -> npt.NDArray[np.uint8]:
-    """Return sRGB bytes (..., 3) as bytes of light: a browser takes the colours of instances and lines so."""
+    """Return sRGB bytes (..., 3) as bytes of linear light, which viser expects for instances and lines."""
     return _LIGHT[np.asarray(colours).astype(np.uint8)]
 
 
@@ -153,13 +153,13 @@ def hexadecimal(colour: RGB) -> str:
 
 
 def linear(colour: Iterable[float]) -> Floats:
-    """Return sRGB bytes as light, three shares of 1 (IEC 61966-2-1)."""
+    """Return sRGB bytes as linear light, three shares of 1 (IEC 61966-2-1)."""
     share = np.asarray(tuple(colour), dtype=np.float64) / 255.0
     return np.where(share <= 0.04045, share / 12.92, ((share + 0.055) / 1.055) ** 2.4)
 
 
 def encoded(light: Floats) -> RGB:
-    """Return light as sRGB bytes; the inverse of `linear`."""
+    """Return linear light as sRGB bytes; the inverse of `linear`."""
     share = np.clip(light, 0.0, 1.0)
     value = np.where(share <= 0.0031308, share * 12.92, 1.055 * share ** (1 / 2.4) - 0.055)
     red, green, blue = (round(float(channel) * 255.0) for channel in value)
@@ -173,7 +173,7 @@ def contrast(one: RGB, other: RGB) -> float:
 
 
 def text_safe(colour: RGB, *, dark: bool = False) -> RGB:
-    """Return a colour moved towards black, on a dark background towards white, until text in it can be read."""
+    """Return a colour moved towards black, or white on a dark background, until text in it has enough contrast."""
     ground, end = (ON_DARK, 1.0) if dark else (ON_WHITE, 0.0)
     light = linear(colour)
     for step in range(101):
@@ -184,12 +184,12 @@ def text_safe(colour: RGB, *, dark: bool = False) -> RGB:
 
 
 def seen_by(colour: RGB, sight: Sight) -> Floats:
-    """Return the light, three shares of 1, that a person of common sight sees as that person sees the colour."""
+    """Return the linear light, three shares of 1, in which the given colour vision perceives a colour."""
     return np.clip(_SIGHTS[sight] @ linear(colour), 0.0, 1.0)
 
 
 def difference(one: RGB, other: RGB, sight: Sight = "common") -> float:
-    """Return how far apart two colours look: CIE76, the distance in CIELAB; about 2.3 is just noticeable."""
+    """Return the CIE76 difference of two colours, their distance in CIELAB; about 2.3 is just noticeable."""
     return float(np.linalg.norm(_lab(seen_by(one, sight)) - _lab(seen_by(other, sight))))
 
 

@@ -25,8 +25,8 @@ def test_a_contact_is_red_and_nothing_else() -> None:
 
 def test_another_run_begins_below_a_line() -> None:
     page = events_html(made_up.seen())
-    assert page.count("the run before") == 1
-    assert page.index("the run before") < page.index("The run began anew")
+    assert page.count("previous run") == 1
+    assert page.index("previous run") < page.index("A new run started")
 
 
 def test_a_long_list_is_cut_and_says_so() -> None:

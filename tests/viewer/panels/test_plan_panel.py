@@ -83,9 +83,9 @@ def test_a_body_that_touches_is_edged_in_red_and_a_stale_one_is_faded() -> None:
 
 def test_a_trail_is_twenty_seconds_long_and_its_corners_stay() -> None:
     history = tuple(Sample(k / 20, k / 20, 0.0, 0.0, 1.0) for k in range(601))
-    seen = replace(made_up.seen(), history={"chair1": history}, time=30.0)
-    later = replace(seen, history={"chair1": history[:-3]}, time=history[-4].time)
-    lines = [re.search(r'polyline points="([^"]*)"', bodies_svg(one, made_up.choices())) for one in (seen, later)]
+    snapshot = replace(made_up.seen(), history={"chair1": history}, time=30.0)
+    later = replace(snapshot, history={"chair1": history[:-3]}, time=history[-4].time)
+    lines = [re.search(r'polyline points="([^"]*)"', bodies_svg(one, made_up.choices())) for one in (snapshot, later)]
     points = [line[1].split() for line in lines if line]
     assert float(points[0][0].split(",")[0]) == pytest.approx(10.5)
     assert points[0][:-2] == [point for point in points[1][:-1] if float(point.split(",")[0]) >= 10.5]

@@ -1,7 +1,7 @@
-"""Who is who, how fast, and what they say: a small name above each that goes, their words over it.
+"""Labels above the bodies: name, speed, and what the agent says.
 
-Labels cost the most of all drawings: above `MANY` bodies only those named by the caller have one, and five times a
-second is enough. A label is plain text to the page, so that nothing an agent says can run.
+Labels are the most expensive drawing. Above `MANY` bodies only those that the caller wants have one, and they are
+updated five times a second. The page shows a label as plain text, so nothing that an agent says can run.
 """
 
 from __future__ import annotations
@@ -18,23 +18,23 @@ from intellwheels_viewer.drawings.body_look import extent
 from intellwheels_viewer.snapshot import Words
 
 MANY: Final = 30
-"""Above so many bodies only some have names."""
+"""Above this many bodies only wanted ones have labels."""
 LONGEST: Final = 40
-"""Characters of a bubble; what was cut ends in three points."""
+"""Maximum length of a speech bubble in characters; a longer text ends with an ellipsis."""
 SPOKEN: Final = 3.0
-"""Seconds of simulated time that a bubble stays."""
+"""Duration of a speech bubble, in simulated seconds."""
 STILL: Final = 0.005
-"""Metres per second under which a speed is not written."""
+"""Metres per second below which a speed is not shown."""
 
 ABOVE: Final = 0.12
 """Metres between a body's top and its label."""
 ASIDE: Final = 0.6
-"""Widths of a body by which its label stands to the north, so that it does not hide the body from above."""
+"""Offset of a label to the north in body widths, so that it does not cover the body in the plan."""
 
 
 @dataclass(frozen=True)
 class Tag:
-    """A label: what it says and where its lower edge is, in metres."""
+    """A label: its text and the position of its lower edge, in metres."""
 
     text: str
     x: float
@@ -49,35 +49,35 @@ def cut(text: str) -> str:
 
 
 def name_of(entity: Entity) -> str:
-    """Return a name with the speed beside it; what stands has none."""
+    """Return the name, and the speed if the body moves."""
     return entity.name if abs(entity.speed) < STILL else f"{entity.name}  {entity.speed:.2f} m/s"
 
 
 def named(bodies: Mapping[str, Body], entities: Sequence[Entity], wanted: Collection[str]) -> list[Entity]:
-    """Return those with a name: the wanted, and while there are few all that go by themselves."""
+    """Return the bodies with labels: the wanted ones and, if there are few bodies, all mobile ones."""
     few = len(entities) <= MANY
     return [
         entity
         for entity in entities
-        if entity.name in bodies and (entity.name in wanted or (few and _goes(bodies[entity.name])))
+        if entity.name in bodies and (entity.name in wanted or (few and _is_mobile(bodies[entity.name])))
     ]
 
 
-def _goes(body: Body) -> bool:
+def _is_mobile(body: Body) -> bool:
     return has_motors(body.robot) and not body.robot.anchored
 
 
 def tags(
     bodies: Mapping[str, Body], entities: Sequence[Entity], words: Iterable[Words], now: float, wanted: Collection[str]
 ) -> dict[str, Tag]:
-    """Return the labels by agent: the name, and above it what was just said.
+    """Return the labels by agent: the name, and above it what the agent has just said.
 
     Args:
         bodies: Documents by agent.
         entities: States.
-        words: What was said, newest last; of each agent the newest is shown, with its name however many there are.
+        words: Utterances, newest last. The newest of each agent is shown, however many bodies there are.
         now: The simulated time, in seconds.
-        wanted: Who has a name however many there are.
+        wanted: Agents that have a label however many bodies there are.
     """
     spoken = {each.speaker: cut(each.text) for each in words if 0.0 <= now - each.time < SPOKEN}
     spoken = {speaker: text for speaker, text in spoken.items() if text}
@@ -92,7 +92,7 @@ def _tag(body: Body, entity: Entity, said: str | None) -> Tag:
 
 
 class Labels:
-    """The labels in a scene: a node for each agent, kept when it is not shown."""
+    """The labels in a scene: a node for each agent, which is kept while hidden."""
 
     def __init__(self, scene: viser.SceneApi, name: str = "/labels") -> None:
         self._scene, self._name = scene, name
@@ -107,7 +107,7 @@ class Labels:
         now: float,
         wanted: Collection[str] = frozenset(),
     ) -> None:
-        """Show names and what was said; the arguments are those of `tags`."""
+        """Show the labels; the arguments are those of `tags`."""
         shown = tags(bodies, entities, words, now, wanted)
         for name in self._shown.keys() - shown.keys():
             self._nodes[name].visible = False
@@ -122,7 +122,7 @@ class Labels:
             before = self._shown.get(name)
             if before is None:
                 node.visible = True
-            # An assignment costs viser more than a look, even of what is the same.
+            # Comparing is cheaper than assigning an equal value in viser.
             if before is None or before.text != tag.text:
                 node.text = tag.text
             if before is None or (before.x, before.y, before.z) != place:

@@ -1,4 +1,4 @@
-"""What one browser chose, beside what is seen of the run: the second half of what a panel is drawn from."""
+"""The choices of one browser: together with the snapshot, everything that a panel shows."""
 
 from __future__ import annotations
 
@@ -11,14 +11,14 @@ RGB: TypeAlias = tuple[int, int, int]
 
 @dataclass(frozen=True)
 class Choices:
-    """A browser's own state.
+    """The state of one browser.
 
     Attributes:
-        selected: The agent that is selected; it may have gone.
+        selected: The selected agent; it may have left.
         colours: The sRGB colour, 0 to 255, of each agent, in the order in which they got it; other bodies are grey.
-        allowed: Whether this viewer has the right to steer.
-        placing: The label of what the next click on the floor places, see `place.PALETTE`.
-        refusal: Why the last wish was refused, in the simulator's words; empty: it was not.
+        allowed: Whether this viewer may control the simulation.
+        placing: The label of the thing that the next click on the floor places, see `place.PALETTE`.
+        refusal: Why the last request was refused, in the simulator's words; empty if it was not.
         quiet: Seconds of wall time since the last clock.
     """
 

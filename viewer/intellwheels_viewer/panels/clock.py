@@ -1,4 +1,4 @@
-"""The run's clock and its buttons. A paused run has no real-time factor."""
+"""The clock of the run and its buttons. A paused run has no real-time factor."""
 
 from __future__ import annotations
 
@@ -32,13 +32,13 @@ _STATES: Final = {
 }
 
 
-def clock_html(seen: Snapshot) -> str:
+def clock_html(snapshot: Snapshot) -> str:
     """Return state, time, tick, real-time factor and late ticks."""
-    clock = seen.clock
+    clock = snapshot.clock
     if clock is None:
         return block("clock", '<span class="iw-soft">No clock yet.</span>')
-    live = seen.phase == "live"
-    tone, word = _STATES[clock.state] if live else ("", "Last heard")
+    live = snapshot.phase == "live"
+    tone, word = _STATES[clock.state] if live else ("", "Last known")
     return block(
         "clock",
         f'<div class="iw-head" data-state="{clock.state}"><i class="iw-dot {tone}"></i>'
@@ -82,12 +82,12 @@ class ClockPanel:
     """The clock, and pause, resume, step, reset and speed.
 
     Args:
-        gui: Where the elements are made, in the container that is open.
-        on_pause: Asks for a pause.
-        on_resume: Asks to go on.
-        on_step: Asks for so many steps.
-        on_reset: Asks to begin anew.
-        on_speed: Asks for a speed, simulated time over wall time.
+        gui: Makes the elements, in the open container.
+        on_pause: Requests a pause.
+        on_resume: Requests to resume.
+        on_step: Requests this many steps.
+        on_reset: Requests a new run.
+        on_speed: Requests a speed, simulated time over wall time.
     """
 
     def __init__(
@@ -106,24 +106,24 @@ class ClockPanel:
         self._resume = gui.add_button("Resume", icon=viser.Icon.PLAYER_PLAY, visible=False)
         self._step = gui.add_button_group("Step, ticks", STEPS, disabled=True)
         self._speed = gui.add_button_group("Speed, \u00d7", SPEEDS, disabled=True)
-        self._reset = gui.add_button_group("Begin anew", ("Reset",), disabled=True)
+        self._reset = gui.add_button_group("New run", ("Reset",), disabled=True)
         clicked(self._pause, on_pause)
         clicked(self._resume, on_resume)
         chosen(self._reset, lambda _: on_reset())
         chosen(self._step, lambda word: on_step(int(word)))
         chosen(self._speed, lambda word: on_speed(float(word)))
 
-    def show(self, seen: Snapshot, choices: Choices) -> None:
-        """Show the clock; what cannot act is disabled."""
-        self._clock.content = clock_html(seen)
-        clock = seen.clock
-        able = choices.allowed and seen.phase == "live" and clock is not None
+    def show(self, snapshot: Snapshot, choices: Choices) -> None:
+        """Show the clock, and disable buttons that have no effect now."""
+        self._clock.content = clock_html(snapshot)
+        clock = snapshot.clock
+        enabled = choices.allowed and snapshot.phase == "live" and clock is not None
         halted = clock is not None and clock.state in {"paused", "ended"}
-        # A log has its own, beside its time line.
-        log = seen.last_tick is not None
+        # A playback has buttons of its own, beside its timeline.
+        log = snapshot.last_tick is not None
         self._pause.visible, self._resume.visible = not halted and not log, halted and not log
         self._speed.visible = self._reset.visible = not log
-        self._pause.disabled = self._resume.disabled = not able
-        disable(self._step, not able)
-        disable(self._reset, not able)
-        disable(self._speed, not (able and clock is not None and clock.pace == "realtime"))
+        self._pause.disabled = self._resume.disabled = not enabled
+        disable(self._step, not enabled)
+        disable(self._reset, not enabled)
+        disable(self._speed, not (enabled and clock is not None and clock.pace == "realtime"))

@@ -1,4 +1,4 @@
-"""The run's events, newest first, in words with their times. A contact is red; another run begins below a line."""
+"""The events of the run in words with their times, newest first. Contacts are red; a line separates runs."""
 
 from __future__ import annotations
 
@@ -17,51 +17,51 @@ from intellwheels_viewer.snapshot import Snapshot
 SHOWN: Final = 100
 
 
-def events_html(seen: Snapshot) -> str:
-    """Return the list of the newest events."""
-    if not seen.events:
+def events_html(snapshot: Snapshot) -> str:
+    """Return the newest events as a list."""
+    if not snapshot.events:
         return block("events", '<span class="iw-soft">Nothing has happened yet.</span>')
-    newest = seen.events[::-1][:SHOWN]
-    older = len(seen.events) - len(newest)
+    newest = snapshot.events[::-1][:SHOWN]
+    older = len(snapshot.events) - len(newest)
     more = f'<div class="iw-small">and {older} older</div>' if older else ""
     return block(
         "events",
         '<div class="iw-caption">time, s</div>',
-        f'<ul class="iw-log">{"".join(_items(seen, newest))}</ul>',
+        f'<ul class="iw-log">{"".join(_items(snapshot, newest))}</ul>',
         more,
     )
 
 
-def event_item(seen: Snapshot, event: Event) -> str:
-    """Return a line of a list: time and sentence."""
+def event_item(snapshot: Snapshot, event: Event) -> str:
+    """Return an event as a list item: its time and its sentence."""
     red = ' class="iw-red"' if event.code == "contact" else ""
     return (
         f'<li data-code="{event.code}" data-number="{event.number}">'
-        f"<span>{number_format.moment(event.tick, seen)}</span>"
+        f"<span>{number_format.moment(event.tick, snapshot)}</span>"
         f"<span{red}>{html.escape(sentence(event))}</span></li>"
     )
 
 
-def _items(seen: Snapshot, newest: Iterable[Event]) -> Iterable[str]:
+def _items(snapshot: Snapshot, newest: Iterable[Event]) -> Iterable[str]:
     run = None
     for event in newest:
         if run is not None and event.run != run:
-            yield '<li class="break">the run before</li>'
+            yield '<li class="break">previous run</li>'
         run = event.run
-        yield event_item(seen, event)
+        yield event_item(snapshot, event)
 
 
 class EventsPanel:
     """The list of events.
 
     Args:
-        gui: Where the element is made, in the container that is open.
+        gui: Makes the elements, in the open container.
     """
 
     def __init__(self, gui: viser.GuiApi) -> None:
         gui.add_html(STYLE_SHEET)
         self._list = gui.add_html("")
 
-    def show(self, seen: Snapshot) -> None:
-        """Show the events; costs nothing while none is new."""
-        self._list.content = events_html(seen)
+    def show(self, snapshot: Snapshot) -> None:
+        """Show the events of a snapshot."""
+        self._list.content = events_html(snapshot)

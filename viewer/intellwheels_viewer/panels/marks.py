@@ -37,11 +37,11 @@ class Mark(NamedTuple):
 
 def marks(colours: Mapping[str, RGB]) -> dict[str, Mark]:
     """Return the mark of each agent that has a colour."""
-    seen: dict[RGB, int] = {}
+    used: dict[RGB, int] = {}
     found = {}
     for name, colour in colours.items():
-        found[name] = Mark(colour, seen.get(colour, 0))
-        seen[colour] = seen.get(colour, 0) + 1
+        found[name] = Mark(colour, used.get(colour, 0))
+        used[colour] = used.get(colour, 0) + 1
     return found
 
 
