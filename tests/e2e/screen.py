@@ -6,12 +6,14 @@ demand only.
 
 from __future__ import annotations
 
+import io
 import math
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any, Final, NamedTuple, TypeVar
 
+from PIL import Image
 from playwright.sync_api import Page
 
 from intellwheels_experiments.run.run_processes import AwaitedError
@@ -35,6 +37,14 @@ _BODIES = """() => {
     found.push([name, plain(props.batched_positions, Float32Array), plain(props.batched_wxyzs, Float32Array)]);
   }
   return found;
+}"""
+
+_INSTANCES = """pattern => {
+  const plain = value => [...new Float32Array(value.buffer.slice(value.byteOffset, value.byteOffset + value.byteLength))];
+  const numbers = value => value instanceof Uint8Array ? plain(value) : [...value];
+  return Object.entries(window.__viserSceneTree.getState())
+    .filter(([name, node]) => new RegExp(pattern).test(name) && node.message && node.message.props.batched_positions)
+    .map(([, node]) => [numbers(node.message.props.batched_positions), numbers(node.message.props.batched_wxyzs)]);
 }"""
 
 _PIXEL = """([x, y, z]) => {
@@ -162,6 +172,24 @@ class Screen:
         """Return where on the page a point of the world is."""
         across, down = self.page.evaluate(_PIXEL, [x, y, z])
         return float(across), float(down)
+
+    def colour(self, x: float, y: float) -> tuple[int, int, int]:
+        """Return the sRGB colour of the picture at a point of the floor."""
+        across, down = self.pixel(x, y)
+        clip: Any = {"x": round(across), "y": round(down), "width": 1, "height": 1}
+        self.frame(3)
+        pixel = Image.open(io.BytesIO(self.page.screenshot(clip=clip))).convert("RGB").getpixel((0, 0))
+        assert isinstance(pixel, tuple)
+        return int(pixel[0]), int(pixel[1]), int(pixel[2])
+
+    def instances(self, pattern: str) -> list[tuple[float, ...]]:
+        """Return x, y and heading of all instances of the nodes whose names match, sorted."""
+        found = []
+        for places, turns in self.page.evaluate(_INSTANCES, pattern):
+            for index in range(len(places) // 3):
+                w, z = turns[4 * index], turns[4 * index + 3]
+                found.append((places[3 * index], places[3 * index + 1], 2 * math.atan2(z, w)))
+        return sorted(found)
 
     def camera(self) -> list[float]:
         """Return where this page's camera stands, in the page's own axes."""

@@ -170,6 +170,41 @@ def test_poses_in_the_scene_are_the_simulators(screen: Screen, peer: Peer) -> No
     peer.ctl("take", Agent="chair1", Lease=lease, Seconds=0.0)
 
 
+def test_the_wedges_of_a_doors_frame_stay_while_its_leaf_turns(
+    world: tuple[Theatre, str], screen: Screen, peer: Peer
+) -> None:
+    theatre, _ = world
+    child = theatre.agent("door", "drive", "--place", "hinge", robot="door")
+    peer.entity("door", lambda body: True)
+    frame = [(8.95, 4.3, math.pi), (9.05, 4.3, 0.0)]  # out-right and in-left, in the world frame
+    point = (11.5, 4.3)  # in front of in-left; the open leaf is on the other side
+
+    def wedges() -> list[tuple[float, ...]] | None:
+        found = [each for each in screen.instances("^/wedges/fan-30") if each[1] == pytest.approx(4.3, abs=0.01)]
+        return found if len(found) == len(frame) else None
+
+    def placed(found: list[tuple[float, ...]]) -> bool:
+        return all(
+            math.hypot(one[0] - other[0], one[1] - other[1]) < 1e-5 and turned(one[2], other[2]) < 1e-5
+            for one, other in zip(found, frame, strict=True)
+        )
+
+    assert placed(screen.wait(wedges, "the wedges of the door"))
+    screen.page.keyboard.press("p")
+    screen.rest()
+    shut = screen.colour(*point)
+    teleport(peer, "door", 9.0, 3.51, 0.0)
+    shown(screen, peer)
+    peer.ticks_on(5)
+    assert placed(screen.wait(wedges, "the wedges of the door"))
+    assert screen.colour(*point) == shut
+    screen.tab("Layers")
+    screen.page.get_by_label("Sensors", exact=True).uncheck()
+    screen.wait(lambda: math.dist(screen.colour(*point), shut) > 20 or None, "the picture without wedges")
+    theatre.signal(child, signal.SIGTERM)
+    assert theatre.exit(child) == 0
+
+
 def test_two_browsers_look_each_in_its_own_way(
     world: tuple[Theatre, str], screen: Screen, peer: Peer, chromium: Any
 ) -> None:

@@ -85,11 +85,12 @@ def publish_map(service: ServiceState) -> None:
 
 
 def body_of(service: ServiceState, agent: str) -> Body:
-    """Return a body as accepted. It must be here."""
+    """Return a body as accepted, with the pose where it joined as its `Position`. It must be here."""
     seat = service.roster.body(agent)
     roles: tuple[Role, ...] = tuple(each.role for each in service.roster.seats(agent))
     figure = service.state.body_set.figures[agent]
-    robot = figure.robot
+    # Sensors mounted on `start` stay there, so whoever draws them must know it, also of a body that joined at a Place.
+    robot = msgspec.structs.replace(figure.robot, position=figure.start)
     if figure.mind_input:  # a mind that joined apart takes what it takes, whatever the body's document says
         words = dict.fromkeys((*robot.user_input, *figure.mind_input))
         robot = msgspec.structs.replace(robot, user_input=tuple(words))

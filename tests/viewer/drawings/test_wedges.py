@@ -73,6 +73,13 @@ def test_a_sensor_on_the_frame_of_a_door_stays_when_the_leaf_swings() -> None:
     assert shut.direction == pytest.approx(0.0)
 
 
+def test_a_sensor_on_the_frame_of_a_door_is_not_drawn_while_its_place_is_unknown() -> None:
+    door = body("door")
+    assert door.robot.position is None
+    snapshot = {"door": measures(reading(1.0, name="in-left"))}
+    assert len(wedges.cones({"door": door}, [entity("door", 9.0, 3.51)], snapshot, {"door"}).x) == 0
+
+
 def test_agents_that_were_not_asked_for_and_sensors_without_readings_have_none() -> None:
     snapshot = {"a": measures(reading(1.0)), "b": measures(reading(1.0))}
     cast = {"a": CHAIR, "b": CHAIR}

@@ -11,7 +11,7 @@ import viser
 from intellwheels_schemas.messages import Body, Entity, Lidar, LidarReading, Measures
 from intellwheels_viewer import palette
 from intellwheels_viewer.drawings.solids import Array
-from intellwheels_viewer.drawings.wedges import mounted
+from intellwheels_viewer.drawings.wedges import mount_frame, mounted
 from intellwheels_viewer.range_bands import MIDDLE, NEAR
 
 
@@ -20,10 +20,12 @@ def points(sensor: Lidar, reading: LidarReading, body: Body, entity: Entity) -> 
 
     The angle of a ray is `StartDeg` + index x `StepDeg`, anticlockwise from the x axis of the body, not of the sensor.
     """
-    x, y, direction = mounted(sensor, body, entity)
-    frame = direction - math.radians(sensor.direction_deg)
+    frame = mount_frame(sensor, body, entity)
+    if frame is None:
+        return np.zeros((0, 3), np.float32), np.zeros(0, np.float32)
+    x, y, _ = mounted(sensor, frame)
     ranges = np.array([math.nan if each is None else each for each in reading.ranges], np.float64)
-    angles = frame + np.radians(reading.start_deg + reading.step_deg * np.arange(len(ranges)))
+    angles = frame.heading + np.radians(reading.start_deg + reading.step_deg * np.arange(len(ranges)))
     hits = np.column_stack([x + ranges * np.cos(angles), y + ranges * np.sin(angles), np.full(len(ranges), sensor.z)])
     there = np.isfinite(ranges)
     return hits[there].astype(np.float32), ranges[there].astype(np.float32)

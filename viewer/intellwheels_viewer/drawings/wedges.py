@@ -93,10 +93,16 @@ class Cones:
         return Cones(*(getattr(self, field)[chosen] for field in self.__slots__))
 
 
-def mounted(sensor: Proximity | Lidar, body: Body, entity: Entity | Position) -> tuple[float, float, float]:
-    """Return where a sensor is and its direction, in the world: from its body's pose, or from where that joined."""
-    start = body.robot.position
-    frame = start if sensor.mount == "start" and start is not None else entity
+def mount_frame(sensor: Proximity | Lidar, body: Body, entity: Entity | None) -> Entity | Position | None:
+    """Return the pose of what a sensor is mounted on; None if it is unknown, so the sensor cannot be drawn.
+
+    A sensor with `Mount="start"` stays at the pose where its body joined, which is the `Position` of the body's document.
+    """
+    return body.robot.position if sensor.mount == "start" else entity
+
+
+def mounted(sensor: Proximity | Lidar, frame: Entity | Position) -> tuple[float, float, float]:
+    """Return the position of a sensor and its direction in the world frame, from the pose of what it is mounted on."""
     cos, sin = math.cos(frame.heading), math.sin(frame.heading)
     return (
         frame.x + sensor.x * cos - sensor.y * sin,
@@ -119,7 +125,8 @@ class Mounts:
         """
         known = self._known.get(name)
         if known is None or known[0] is not body:
-            sensors = body.robot.proximity
+            start = body.robot.position
+            sensors = [one for one in body.robot.proximity if one.mount != "start" or start is not None]
             known = (body, [sensor.id for sensor in sensors], _mounts(sensors, body))
             self._known[name] = known
         return known[1], known[2]
@@ -144,7 +151,7 @@ def _mounts(sensors: Sequence[Proximity], body: Body) -> Rows:
             0.0,
         )
         if sensor.mount == "start" and start is not None:
-            row[:3], row[6] = mounted(sensor, body, start), 1.0
+            row[:3], row[6] = mounted(sensor, start), 1.0
     return rows
 
 
