@@ -93,6 +93,11 @@ def has_motors(robot: Robot) -> bool:
     return robot.top_speed > 0.0
 
 
+def is_mobile(robot: Robot) -> bool:
+    """Return whether the body can drive about: it has motors and is not anchored."""
+    return has_motors(robot) and not robot.anchored
+
+
 def joins_barrier(robot: Robot) -> bool:
     """Return whether lockstep awaits it: as it says, else whether it has motors; a mind that says nothing does."""
     if robot.barrier is not None:

@@ -146,10 +146,9 @@ class Page:
             self._goal.visible = takes_goals(snapshot, self.selected)
 
     def _choices(self) -> Choices:
-        colours = {entity.name: self._colours.rgb(entity.name) for entity in self._snapshot.entities}
         return Choices(
             selected=self.selected,
-            colours=colours,
+            looks={entity.name: self._colours.look(entity.name) for entity in self._snapshot.entities},
             placing=self._placing_click.label,
             refusal=self._refusal if time.monotonic() < self._refused_at + REFUSED else "",
             quiet=self._network.quiet,

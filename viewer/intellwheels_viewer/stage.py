@@ -90,8 +90,6 @@ class Stage:
                 self._revision = snapshot.revision
                 self._floor.show(snapshot.floor)
                 self._walls.show(snapshot.floor)
-            if snapshot.tick == 0:
-                self.colours.begin()
             self.bodies.show(snapshot.bodies, snapshot.entities, self.colours, snapshot.stale)
             self._reported.show(reported(snapshot, self.colours))
             agents = watched(snapshot, wanted)

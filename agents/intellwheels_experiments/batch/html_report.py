@@ -17,6 +17,7 @@ from intellwheels_experiments.batch.report_drawings import Drawn
 from intellwheels_experiments.batch.run_store import StoredRun
 from intellwheels_experiments.batch.summary import Comparison, Line, Summary
 from intellwheels_experiments.batch.sweep import sweep
+from intellwheels_schemas.agent_colours import colour_of, css
 from intellwheels_schemas.messages import Map, Scene
 
 _STYLE: Final = """
@@ -318,9 +319,10 @@ def _row(page: HtmlReport, line: Line) -> str:
     places = page.floor.grid.position if page.floor.grid else ()
     place = next((one for one in places if reach and one.name == reach.place), None)
     goal = (place.x, place.y, reach.within) if place and reach else None
+    colour = css(colour_of(subject))
     drift = report_drawings.drift(runs, *page.drift.get(line.name, (0.0, 1.0)))
     key = (
-        f'<span><i style="border-color:{report_drawings.TRUE}"></i>where it truly was</span>'
+        f'<span><i style="border-color:{colour}"></i>where it truly was</span>'
         f'<span><i style="border-color:{report_drawings.REPORTED};border-top-style:dashed"></i>'
         "where it was reported</span>"
         f'<span style="color:{report_drawings.HIT}"><b>&times;</b> contact</span>'
@@ -328,7 +330,7 @@ def _row(page: HtmlReport, line: Line) -> str:
     parts = [
         f"<h2>{escape(line.title)}</h2><p>{_percent(line.succeeded, line.runs)} of {line.runs} runs succeeded, "
         f"{line.collided} with a collision.</p>",
-        f"<figure><p class=key>{key}</p>{report_drawings.paths(page.floor, runs, goal)}</figure>",
+        f"<figure><p class=key>{key}</p>{report_drawings.paths(page.floor, runs, goal, colour)}</figure>",
         f"<h3>Clearance and speed along the way</h3><p>Median and middle 80 % of the runs.</p>"
         f"<figure>{report_drawings.along(runs)}</figure>",
     ]

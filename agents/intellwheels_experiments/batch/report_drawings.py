@@ -58,8 +58,15 @@ class Drawn:
         return np.concatenate([[0.0], np.cumsum(np.hypot(np.diff(self.true[:, 1]), np.diff(self.true[:, 2])))])
 
 
-def paths(floor: Map, runs: Sequence[Drawn], goal: tuple[float, float, float] | None) -> str:
-    """Return the ways of a row's runs over the floor; `goal` is a place and how near is there."""
+def paths(floor: Map, runs: Sequence[Drawn], goal: tuple[float, float, float] | None, colour: str = TRUE) -> str:
+    """Return the paths of a row's runs over the floor.
+
+    Args:
+        floor: The floor.
+        runs: The runs.
+        goal: A place, x and y, and the distance that counts as there, in metres; None for no goal.
+        colour: The colour of the body, see `agent_colours`.
+    """
     corners = np.array([(c.x, c.y) for wall in floor.wall for c in wall.corner])
     (left, low), (right, high) = corners.min(axis=0) - 0.15, corners.max(axis=0) + 0.15
     height = min(6.0, (WIDTH - 0.7) * (high - low) / (right - left)) + 0.55
@@ -69,7 +76,7 @@ def paths(floor: Map, runs: Sequence[Drawn], goal: tuple[float, float, float] | 
         if goal is not None:
             axes.add_patch(mpl.patches.Circle(goal[:2], goal[2], fill=False, ec="#009E73", lw=1.2))
         for run in runs:
-            axes.plot(*run.true[::EACH, 1:3].T, color=TRUE, lw=0.8, alpha=_faint(runs))
+            axes.plot(*run.true[::EACH, 1:3].T, color=colour, lw=0.8, alpha=_faint(runs))
             if run.reported is not None:
                 axes.plot(*run.reported[::EACH, 1:3].T, color=REPORTED, lw=0.7, ls=(0, (4, 2)), alpha=_faint(runs))
         hits = [at for run in runs for at in run.contacts]

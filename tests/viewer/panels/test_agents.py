@@ -8,6 +8,7 @@ from dataclasses import replace
 import msgspec
 import viser
 
+from intellwheels_schemas.agent_colours import colour_of, css
 from intellwheels_schemas.messages import Entity
 from intellwheels_viewer.panels.agents import NOBODY, ROWS, AgentsPanel, agents_first, agents_html, words
 from intellwheels_viewer.panels.choices import Choices
@@ -23,7 +24,9 @@ def row(page: str, name: str) -> str:
 
 def test_a_row_has_all_that_is_known_of_an_agent() -> None:
     page = agents_html(made_up.seen(), made_up.choices())
-    assert all(word in row(page, "chair2") for word in ("real", "follow-wall", "stale", ">0.72<", "#e69f00"))
+    assert all(
+        word in row(page, "chair2") for word in ("real", "follow-wall", "stale", ">0.72<", css(colour_of("chair2")))
+    )
     assert all(word in row(page, "chair3") for word in ("simulated", "touching", ">12<", "iw-red"))
     assert "taken over" in row(page, "chair5")
 

@@ -10,6 +10,7 @@ import pytest
 import viser
 
 from intellwheels_maps import library
+from intellwheels_schemas.agent_colours import colour_of, css, looks
 from intellwheels_schemas.messages import Corner, Entity, Map, Wall
 from intellwheels_viewer.panels.plan_panel import CROWD, PlanPanel, bodies_svg, floor_svg, frame
 from intellwheels_viewer.snapshot import Sample
@@ -65,7 +66,7 @@ def test_a_body_stands_where_the_state_says_in_its_colour() -> None:
     x = sum(x for x, _ in rear) / 2 * 0.58 + sum(x for x, _ in front) / 2 * 0.42
     y = sum(y for _, y in rear) / 2 * 0.58 + sum(y for _, y in front) / 2 * 0.42
     assert (x, y) == pytest.approx((entity.x, entity.y), abs=0.02)
-    assert 'fill="#cc79a7"' in group[0]
+    assert f'fill="{css(colour_of("chair4"))}"' in group[0]
 
 
 def test_only_the_selected_one_has_a_ring() -> None:
@@ -100,8 +101,7 @@ def test_a_crowd_is_few_paths_and_the_selected_one() -> None:
         bodies=dict.fromkeys(names, base.bodies["chair1"]),
         history={},
     )
-    colours = {name: made_up.COLOURS[k % 6] for k, name in enumerate(names)}
-    page = bodies_svg(crowd, replace(made_up.choices(), colours=colours, selected="c7"))
+    page = bodies_svg(crowd, replace(made_up.choices(), looks=looks(names), selected="c7"))
     assert len(base.entities) < CROWD < 1000
     assert (page.count("<path"), page.count("<g ")) == (6, 1)
     assert len(page) < 60_000

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from intellwheels_schemas.messages import Body, Robot
-from intellwheels_schemas.rules import has_motors, parts_of
+from intellwheels_schemas.rules import is_mobile, parts_of
 from intellwheels_viewer.drawings.body_look import Extent, extent
 from intellwheels_viewer.drawings.looks import Shape, shape_of
 
@@ -49,4 +49,4 @@ class BodyDocuments:
 
     def _document(self, robot: Robot, crowd: bool) -> BodyDocument:
         look = self._looks.setdefault(shape_of(robot, crowd=crowd), len(self._looks))
-        return BodyDocument(look, robot, extent(parts_of(robot)), has_motors(robot) and not robot.anchored)
+        return BodyDocument(look, robot, extent(parts_of(robot)), is_mobile(robot))

@@ -14,6 +14,7 @@ import msgspec
 import viser
 
 from intellwheels_maps.check import wall_pieces
+from intellwheels_schemas.agent_colours import css
 from intellwheels_schemas.messages import Map
 from intellwheels_viewer import palette
 from intellwheels_viewer.drawings.floor_heights import HALF_HEIGHT
@@ -80,7 +81,7 @@ class Walls:
         sides, caps = extruded(map, height)
         made = {"/walls/sides": (sides, palette.WALL), "/walls/caps": (caps, palette.CAP)}
         for colour, solid in obstacles(map, height).items():
-            made["/obstacles/" + palette.hexadecimal(colour)[1:]] = (solid, colour)
+            made["/obstacles/" + css(colour)[1:]] = (solid, colour)
         for name, node in self._nodes.items():
             if name not in made:
                 node.visible = False

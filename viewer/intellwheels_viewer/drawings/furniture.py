@@ -6,6 +6,7 @@ import math
 from collections.abc import Sequence
 from typing import Final, TypeAlias
 
+from intellwheels_schemas.agent_colours import FIXTURES
 from intellwheels_schemas.messages import Obstacle
 from intellwheels_viewer import palette
 from intellwheels_viewer.drawings.polygons import Point, anticlockwise
@@ -41,7 +42,7 @@ def furniture(obstacle: Obstacle, walls: Sequence[Point] = ()) -> Painted:
     if "leg" in name:
         return {palette.METAL: prism(polygon, bottom, top)}
     if any(word in name for word in _TABLES):
-        return {palette.WOOD: prism(polygon, bottom, top)}
+        return {FIXTURES["table"]: prism(polygon, bottom, top)}
     if any(word in name for word in _WOODEN):
         return _wooden(polygon, bottom, top)
     if "sofa" in name or "chair" in name:

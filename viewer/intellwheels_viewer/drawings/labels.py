@@ -13,7 +13,7 @@ from typing import Final
 import viser
 
 from intellwheels_schemas.messages import Body, Entity
-from intellwheels_schemas.rules import has_motors, parts_of
+from intellwheels_schemas.rules import is_mobile, parts_of
 from intellwheels_viewer.drawings.body_look import extent
 from intellwheels_viewer.snapshot import Words
 
@@ -59,12 +59,8 @@ def named(bodies: Mapping[str, Body], entities: Sequence[Entity], wanted: Collec
     return [
         entity
         for entity in entities
-        if entity.name in bodies and (entity.name in wanted or (few and _is_mobile(bodies[entity.name])))
+        if entity.name in bodies and (entity.name in wanted or (few and is_mobile(bodies[entity.name].robot)))
     ]
-
-
-def _is_mobile(body: Body) -> bool:
-    return has_motors(body.robot) and not body.robot.anchored
 
 
 def tags(

@@ -15,6 +15,7 @@ import numpy as np
 import numpy.typing as npt
 import viser
 
+from intellwheels_schemas.agent_colours import css
 from intellwheels_schemas.messages import (
     Body,
     Entity,
@@ -96,7 +97,8 @@ class Cones:
 def mount_frame(sensor: Proximity | Lidar, body: Body, entity: Entity | None) -> Entity | Position | None:
     """Return the pose of what a sensor is mounted on; None if it is unknown, so the sensor cannot be drawn.
 
-    A sensor with `Mount="start"` stays at the pose where its body joined, which is the `Position` of the body's document.
+    A sensor with `Mount="start"` stays at the pose where its body joined, which is the `Position` of the body's
+    document.
     """
     return body.robot.position if sensor.mount == "start" else entity
 
@@ -298,7 +300,7 @@ def legend() -> str:
 
 
 def _icon(state: State) -> str:
-    colour = palette.hexadecimal(COLOURS[state])
+    colour = css(COLOURS[state])
     reach = {"near": 16.0, "middle": 26.0}.get(state, 38.0)
     x, y = 2 + reach * math.cos(math.radians(17)), reach * math.sin(math.radians(17))
     path = f"M2 11 L{x:.1f} {11 - y:.1f} A{reach:g} {reach:g} 0 0 1 {x:.1f} {11 + y:.1f} Z"

@@ -12,7 +12,7 @@ from intellwheels_schemas.messages import Body, Entity
 from intellwheels_viewer.panels import number_format
 from intellwheels_viewer.panels.callbacks import Pick, assign, updated
 from intellwheels_viewer.panels.choices import Choices
-from intellwheels_viewer.panels.marks import Mark, marks, swatch
+from intellwheels_viewer.panels.marks import Mark, swatch
 from intellwheels_viewer.panels.ranges import nearest, tone
 from intellwheels_viewer.panels.style_sheet import STYLE_SHEET, block, note
 from intellwheels_viewer.snapshot import Snapshot
@@ -52,7 +52,7 @@ def agents_html(snapshot: Snapshot, choices: Choices, handler: str = "") -> str:
         return block(
             "agents", note("No agents yet: `iw-agent waypoints --name chair1`") if snapshot.phase == "live" else ""
         )
-    known = marks(choices.colours)
+    known = {name: Mark(*look) for name, look in choices.looks.items()}
     bodies = agents_first(snapshot)
     shown = bodies[:ROWS]
     if choices.selected not in {entity.name for entity in shown}:

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import TypeAlias
 
-RGB: TypeAlias = tuple[int, int, int]
+from intellwheels_schemas.agent_colours import Look
 
 
 @dataclass(frozen=True)
@@ -15,7 +14,7 @@ class Choices:
 
     Attributes:
         selected: The selected agent; it may have left.
-        colours: The sRGB colour, 0 to 255, of each agent, in the order in which they got it; other bodies are grey.
+        looks: The colour and the stripes of each body.
         allowed: Whether this viewer may control the simulation.
         placing: The label of the thing that the next click on the floor places, see `place.PALETTE`.
         refusal: Why the last request was refused, in the simulator's words; empty if it was not.
@@ -23,7 +22,7 @@ class Choices:
     """
 
     selected: str | None = None
-    colours: Mapping[str, RGB] = field(default_factory=dict)
+    looks: Mapping[str, Look] = field(default_factory=dict)
     allowed: bool = True
     placing: str | None = None
     refusal: str = ""

@@ -18,7 +18,7 @@ from intellwheels_maps.check import wall_pieces
 from intellwheels_schemas.messages import Entity, Map
 from intellwheels_viewer.panels.callbacks import Pick
 from intellwheels_viewer.panels.choices import Choices
-from intellwheels_viewer.panels.marks import Mark, marks
+from intellwheels_viewer.panels.marks import Mark
 from intellwheels_viewer.panels.plan_footprints import Point, footprint, outline, placed
 from intellwheels_viewer.panels.style_sheet import STYLE_SHEET
 from intellwheels_viewer.snapshot import TRAIL, Sample, Snapshot
@@ -88,7 +88,7 @@ def bodies_svg(snapshot: Snapshot, choices: Choices, handler: str = "") -> str:
     if snapshot.floor is None:
         return ""
     view = frame(snapshot.floor)
-    known = marks(choices.colours)
+    known = {name: Mark(*look) for name, look in choices.looks.items()}
     # The selected one is drawn last, above the others.
     order = sorted(snapshot.entities, key=lambda entity: (entity.name == choices.selected, entity.name in known))
     crowd = order if len(order) > CROWD else []

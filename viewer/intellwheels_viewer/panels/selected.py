@@ -12,7 +12,7 @@ from intellwheels_viewer.panels import number_format, plots
 from intellwheels_viewer.panels.agents import words
 from intellwheels_viewer.panels.choices import Choices
 from intellwheels_viewer.panels.events import event_item
-from intellwheels_viewer.panels.marks import Mark, marks, swatch
+from intellwheels_viewer.panels.marks import Mark, swatch
 from intellwheels_viewer.panels.ranges import nearest
 from intellwheels_viewer.panels.readings import Group, groups
 from intellwheels_viewer.panels.style_sheet import STYLE_SHEET, block, note
@@ -31,7 +31,7 @@ def head_html(snapshot: Snapshot, choices: Choices) -> str:
     name = html.escape(choices.selected)
     if entity is None:
         return block("selected", note(f"{choices.selected} has left", "wait"))
-    mark = marks(choices.colours).get(choices.selected, Mark())
+    mark = Mark(*choices.looks.get(choices.selected, Mark()))
     distance = nearest(snapshot, choices.selected)
     return block(
         "selected",
