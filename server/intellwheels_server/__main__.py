@@ -132,7 +132,8 @@ def parser() -> argparse.ArgumentParser:
     run.add_argument("--resimulate", type=Path, metavar="FILE", help="run an input log again and compare; nothing else")
     run.add_argument(
         "--play", type=Path, metavar="FILE",
-        help="put an input log on the network as a world of its own (default name: the log's, with -play behind)",
+        help="put an input log on the network as a world of its own (default name: the log's, with -play behind); "
+        "it waits until a page opens or somebody resumes it, except with --quit-at-end",
     )  # fmt: skip
     run.add_argument(
         "--reported", type=Path, metavar="FILE",

@@ -30,6 +30,7 @@ class Network:
         self.asked: list[tuple[Verb, Record]] = []
         self.puts: list[tuple[str, UserInput]] = []
         self.worlds: list[str] = []
+        self.speech: list[tuple[str, str | None]] = []
         self.refuses = ""
         self.quiet = 0.0
 
@@ -41,6 +42,9 @@ class Network:
 
     def put_user(self, agent: str, request: UserInput) -> None:
         self.puts.append((agent, request))
+
+    def note_speech(self, text: str, to: str | None) -> None:
+        self.speech.append((text, to))
 
     def choose(self, world: str) -> None:
         self.worlds.append(world)

@@ -22,7 +22,7 @@ def test_only_a_mind_that_takes_goals_is_offered_one(here: Opened) -> None:
     for name, shown in (("a", True), ("b", False), ("a", True), (None, False)):
         here.page.select(name)
         here.show(TAKES)
-        assert here.page._goal.visible is shown
+        assert here.page._controls.offers_goal is shown
 
 
 def test_a_click_for_nobody_or_for_a_mind_that_takes_none_sets_nothing(here: Opened) -> None:
@@ -50,6 +50,17 @@ def test_a_goal_is_told_once_the_body_was_taken_and_given_back(here: Opened) -> 
     assert given == ("take", Take(agent="a", lease="0" * 16, seconds=0.0))
     here.page._goal_click.put(3.0, 3.0)  # one click, one goal
     assert len(here.network.puts) == 1
+
+
+def test_a_goal_outside_the_floor_is_refused_and_the_next_click_counts(here: Opened) -> None:
+    here.page.select("a")
+    here.show(TAKES)
+    here.page._aim()
+    here.page._goal_click.put(900.0, 1.5)
+    here.browser.wait(lambda: any("outside the floor" in str(message) for message in here.browser.heard))
+    assert (here.network.asked, here.network.puts) == ([], [])
+    here.page._goal_click.put(2.5, 1.5)
+    until(lambda: here.network.puts)
 
 
 def test_who_places_does_not_aim(here: Opened) -> None:

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from intellwheels_maps import library
 from intellwheels_schemas.messages import Events, Pose, Record, Robot
-from intellwheels_viewer.snapshot import EVENTS_KEPT, HISTORY, Snapshot
+from intellwheels_viewer.snapshot import EVENTS_KEPT, HISTORY, USER, Snapshot, Words
 from intellwheels_viewer.state_store import RETURNS, RUNS_KNOWN, StateStore
 from tests.viewer.wire import HASH, OTHER, RUN, body, clock, entity, event, info, measures, state
 
@@ -324,3 +324,14 @@ def test_a_reported_pose_is_seen_beside_the_truth_in_a_log_and_in_no_other_world
     assert snapshot(store).version > before
     store.on_state(state(50, entity("a")))  # sought: that of another tick is not shown
     assert snapshot(store).reported == {}
+
+
+def test_what_a_user_says_is_kept_with_its_time_and_forgotten_with_the_run() -> None:
+    store = StateStore()
+    store.on_state(state(20, entity("a")))
+    version = snapshot(store).version
+    store.on_user_speech("hello", "a")
+    assert snapshot(store).words == (Words(USER, 1.0, "hello", "a"),)
+    assert snapshot(store).version > version
+    store.on_state(state(0, entity("a"), run=OTHER))
+    assert snapshot(store).words == ()

@@ -7,11 +7,12 @@ from typing import TYPE_CHECKING, Final
 
 import viser
 
-from intellwheels_schemas.messages import Delete, Teleport
+from intellwheels_schemas.messages import Delete, Entity, Position, Result, Teleport
 from intellwheels_viewer.cameras import on_floor
 from intellwheels_viewer.drawings.ghosts import Ghost
 from intellwheels_viewer.held_ghost import HeldGhost, position
 from intellwheels_viewer.steering import RequestQueue
+from intellwheels_viewer.undo import UndoStack
 
 if TYPE_CHECKING:
     from intellwheels_viewer.palette import Colours
@@ -29,12 +30,19 @@ class DragMove:
         requests: Takes the requests for moves.
         held_ghost: The browser's ghost.
         colours: The colour of each agent.
+        undo: Takes the requests that undo moves.
     """
 
     def __init__(
-        self, client: viser.ClientHandle, requests: RequestQueue, held_ghost: HeldGhost, colours: Colours
+        self,
+        client: viser.ClientHandle,
+        requests: RequestQueue,
+        held_ghost: HeldGhost,
+        colours: Colours,
+        undo: UndoStack,
     ) -> None:
         self._client, self._requests, self._held_ghost, self._colours = client, requests, held_ghost, colours
+        self._undo = undo
         self._pulled: tuple[str, float, float] | None = None
 
     def drag(self, snapshot: Snapshot, name: str, event: viser.SceneNodeDragEvent[viser.SceneNodeHandle]) -> None:
@@ -57,8 +65,7 @@ class DragMove:
         if event.phase == "end":
             self._pulled = None
             if far:
-                request = Teleport(agent=name, position=position(x, y, entity.heading))
-                self._requests.ask("Not placed", "teleport", request, self._held_ghost.clear, self._held_ghost.clear)
+                self._move(snapshot, entity, position(x, y, entity.heading), "Not placed")
             else:
                 self._held_ghost.clear()
 
@@ -67,7 +74,17 @@ class DragMove:
         entity = None if name is None else snapshot.entity(name)
         if entity is not None:
             turned = position(entity.x, entity.y, entity.heading + math.radians(degrees))
-            self._requests.ask("Not turned", "teleport", Teleport(agent=entity.name, position=turned))
+            self._move(snapshot, entity, turned, "Not turned")
+
+    def _move(self, snapshot: Snapshot, entity: Entity, to: Position, what: str) -> None:
+        run, before = snapshot.run, position(entity.x, entity.y, entity.heading)
+
+        def moved(_: Result) -> None:
+            self._held_ghost.clear()
+            self._undo.push(run, "teleport", Teleport(agent=entity.name, position=before))
+
+        request = Teleport(agent=entity.name, position=to)
+        self._requests.ask(what, "teleport", request, moved, self._held_ghost.clear)
 
     def remove(self, name: str | None) -> None:
         """Request that a body is removed."""

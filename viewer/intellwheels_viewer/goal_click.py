@@ -10,8 +10,9 @@ from typing import TYPE_CHECKING
 
 import viser
 
-from intellwheels_schemas.messages import Goal
+from intellwheels_schemas.messages import Goal, Map
 from intellwheels_viewer.clicks import FloorClicks
+from intellwheels_viewer.drawings.floor_plate import extent
 
 if TYPE_CHECKING:
     from intellwheels_viewer.snapshot import Snapshot
@@ -22,6 +23,12 @@ def takes_goals(snapshot: Snapshot, name: str | None) -> bool:
     """Return whether an agent is in a live run and takes goals."""
     body = None if name is None else snapshot.bodies.get(name)
     return body is not None and snapshot.last_tick is None and "goal" in body.robot.user_input
+
+
+def is_on(floor: Map, x: float, y: float) -> bool:
+    """Return whether a point, in metres, is within the extent of a floor."""
+    west, east, south, north = extent(floor)
+    return west <= x <= east and south <= y <= north
 
 
 class GoalClick:
@@ -36,6 +43,7 @@ class GoalClick:
     def __init__(self, client: viser.ClientHandle, driving: Driving, notify: Callable[[str, str], None]) -> None:
         self._driving, self._notify = driving, notify
         self._agent: str | None = None
+        self._floor: Map | None = None
         self._clicks = FloorClicks(client.scene, self.put)
 
     def begin(self, snapshot: Snapshot, name: str | None) -> None:
@@ -45,7 +53,7 @@ class GoalClick:
         elif not takes_goals(snapshot, name):
             self._notify("No goal set", f"{name} does not take goals.")
         else:
-            self._agent = name
+            self._agent, self._floor = name, snapshot.floor
             self._clicks.listen(True)
             self._notify("Click the floor", f"The next click sets the goal of {name}.")
 
@@ -55,8 +63,11 @@ class GoalClick:
         self._clicks.listen(False)
 
     def put(self, x: float, y: float) -> None:
-        """Set the goal to a point of the floor, in metres."""
+        """Set the goal to a point, in metres. A point outside the floor is refused, and the next click counts."""
         agent = self._agent
+        if agent is not None and self._floor is not None and not is_on(self._floor, x, y):
+            self._notify("No goal set", "This point is outside the floor. Click another one, or press Escape.")
+            return
         self.end()
         if agent is not None:
             self._driving.go(agent, Goal(x=x, y=y))

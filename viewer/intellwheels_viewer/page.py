@@ -4,43 +4,38 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Final, Literal, Protocol
+from typing import TYPE_CHECKING, Final, Protocol
 
 import viser
 
-from intellwheels_schemas.messages import (
-    OperatorSay,
-    Pause,
-    Reset,
-    Resume,
-    Seek,
-    Speed,
-    Step,
-)
+from intellwheels_schemas.agent_colours import natural_key
+from intellwheels_schemas.messages import OperatorSay, Result
 from intellwheels_viewer.cameras import Camera, Mode
+from intellwheels_viewer.control_tabs import ControlCalls, ControlTabs
 from intellwheels_viewer.drag_move import DragMove
 from intellwheels_viewer.drawings import wedges
 from intellwheels_viewer.drawings.notice import Notice
 from intellwheels_viewer.drawings.selection import Selection
-from intellwheels_viewer.goal_click import GoalClick, takes_goals
+from intellwheels_viewer.goal_click import GoalClick
 from intellwheels_viewer.held_ghost import HeldGhost
 from intellwheels_viewer.layer_visibility import LayerVisibility
+from intellwheels_viewer.page_title import PageTitle
 from intellwheels_viewer.panels.agents import AgentsPanel
-from intellwheels_viewer.panels.callbacks import assign, clicked, updated
+from intellwheels_viewer.panels.callbacks import assign, updated
 from intellwheels_viewer.panels.choices import Choices
 from intellwheels_viewer.panels.clock import ClockPanel
 from intellwheels_viewer.panels.connection import ConnectionPanel, empty_scene_text
-from intellwheels_viewer.panels.drive import DrivePanel
 from intellwheels_viewer.panels.events import EventsPanel
 from intellwheels_viewer.panels.layers_panel import LayersPanel
-from intellwheels_viewer.panels.place import PlacePanel
 from intellwheels_viewer.panels.plan_panel import PlanPanel
 from intellwheels_viewer.panels.playback import PlaybackPanel
 from intellwheels_viewer.panels.selected import SelectedPanel
 from intellwheels_viewer.placing_click import PlacingClick
 from intellwheels_viewer.pointer_hover import PointerHover
+from intellwheels_viewer.run_control import RunControl
 from intellwheels_viewer.snapshot import Snapshot
 from intellwheels_viewer.steering import Driving, RequestQueue, Simulator
+from intellwheels_viewer.undo import UndoStack
 
 if TYPE_CHECKING:
     from intellwheels_viewer.palette import Colours
@@ -52,8 +47,8 @@ MODES: Final[dict[str, Mode]] = {
 }  # fmt: skip
 """Camera modes by label; a label ends with its key."""
 LABELS: Final = {mode: label for label, mode in MODES.items()}
-REFUSED: Final = 20.0
-"""Seconds for which the page shows why the last request was refused."""
+REFUSED: Final = 8.0
+"""Seconds for which a refusal is shown; the same refusal is not shown again meanwhile."""
 
 
 class Worlds(Simulator, Protocol):
@@ -65,6 +60,9 @@ class Worlds(Simulator, Protocol):
 
     def choose(self, world: str) -> None:
         """Show another world."""
+
+    def note_speech(self, text: str, to: str | None) -> None:
+        """Show what a user said to an agent, or to everybody with None."""
 
 
 class Page:
@@ -84,10 +82,12 @@ class Page:
         self._driving = Driving(network, self._requests)
         self._snapshot = Snapshot()
         self.selected: str | None = None
-        self._refusal, self._refused_at = "", 0.0
+        self._refusal, self._refused_at = ("", ""), -REFUSED
+        self._undo = UndoStack()
+        self._run_control = RunControl(self._requests)
         self._held_ghost = HeldGhost(client.scene)
-        self._placing_click = PlacingClick(client, self._requests, self._held_ghost, self._names)
-        self._drag_move = DragMove(client, self._requests, self._held_ghost, colours)
+        self._placing_click = PlacingClick(client, self._requests, self._held_ghost, lambda: self._snapshot, self._undo)
+        self._drag_move = DragMove(client, self._requests, self._held_ghost, colours, self._undo)
         self._goal_click = GoalClick(client, self._driving, self._notify)
         self._ring = Selection(client.scene, "/selected")
         self._notice = Notice(client.scene)
@@ -130,6 +130,8 @@ class Page:
         """Update the panels. Four or five times a second."""
         self._snapshot = snapshot
         self._driving.tick()
+        self._undo.enter(snapshot.run)
+        self._run_control.start_playback(snapshot)
         choices = self._choices()
         with self._client.atomic():
             self._connection.show(snapshot, choices)
@@ -140,43 +142,38 @@ class Page:
             self._selected.show(snapshot, choices)
             self._events.show(snapshot)
             self._plan.show(snapshot, choices, visible=self._layers.layers.plan)
-            self._drive.show(snapshot, choices)
-            self._place.show(snapshot, choices)
+            self._controls.show(snapshot, choices)
+            self._title.show(snapshot)
             assign(self._views, LABELS[self.camera.mode])
-            self._goal.visible = takes_goals(snapshot, self.selected)
 
     def _choices(self) -> Choices:
         return Choices(
             selected=self.selected,
             looks={entity.name: self._colours.look(entity.name) for entity in self._snapshot.entities},
             placing=self._placing_click.label,
-            refusal=self._refusal if time.monotonic() < self._refused_at + REFUSED else "",
+            can_undo=bool(self._undo),
             quiet=self._network.quiet,
         )
 
     # ------------------------------------------------------------ elements
 
     def _build(self, gui: viser.GuiApi) -> None:
-        ask = self._ask
+        run = self._run_control
         side = gui.add_panel()
         side.dock_left()
         side.set_width(WIDTH)
         with side.add_tab("Run"):
+            self._title = PageTitle(gui)
             self._connection = ConnectionPanel(gui, on_world=self._network.choose)
             self._clock = ClockPanel(
-                gui,
-                on_pause=ask("Not paused", "pause", Pause),
-                on_resume=ask("Not resumed", "resume", Resume),
-                on_step=lambda count: self._requests.ask("Not stepped", "step", Step(count=count)),
-                on_reset=ask("Not reset", "reset", Reset),
-                on_speed=lambda factor: self._requests.ask("Speed not changed", "speed", Speed(factor=factor)),
+                gui, on_pause=run.pause, on_resume=run.resume, on_step=run.step, on_reset=run.reset, on_speed=run.speed
             )
             self._playback = PlaybackPanel(
                 gui,
-                on_seek=lambda tick: self._requests.ask("Not moved in time", "seek", Seek(tick=tick)),
-                on_pause=ask("Not paused", "pause", Pause),
-                on_resume=ask("Not resumed", "resume", Resume),
-                on_speed=lambda factor: self._requests.ask("Speed not changed", "speed", Speed(factor=factor)),
+                on_seek=run.seek,
+                on_pause=run.pause,
+                on_resume=lambda: run.play(self._snapshot),
+                on_speed=run.speed,
             )
             self._views: viser.GuiDropdownHandle[str] = gui.add_dropdown("Camera", tuple(MODES))
             updated(self._views, lambda word: self.look(MODES.get(word, "free")))
@@ -188,18 +185,6 @@ class Page:
         with tabs.add_tab("Agents"):
             self._agents = AgentsPanel(gui, on_select=self.select)
             self._selected = SelectedPanel(gui)
-        with tabs.add_tab("Drive"):
-            self._drive = DrivePanel(gui, on_stick=self._stick, on_say=self._say)
-            self._goal = gui.add_button("Set a goal", icon=viser.Icon.FLAG, color="gray")
-            clicked(self._goal, self._aim)
-        with tabs.add_tab("Place"):
-            self._place = PlacePanel(
-                gui,
-                on_choose=self._choose,
-                on_turn=self._placing_click.turn,
-                on_turn_selected=lambda degrees: self._drag_move.turn(self._snapshot, self.selected, degrees),
-                on_remove=lambda: self._drag_move.remove(self.selected),
-            )
         with tabs.add_tab("Layers"):
             self._layers_panel = LayersPanel(
                 gui,
@@ -207,6 +192,20 @@ class Page:
                 self._layers.choose,
                 legend=f'<div style="padding:4px 10px">{wedges.legend()}</div>',
             )
+        self._controls = ControlTabs(
+            gui,
+            tabs,
+            ControlCalls(
+                stick=self._stick,
+                say=self._say,
+                aim=self._aim,
+                choose=self._choose,
+                turn=self._placing_click.turn,
+                turn_selected=lambda degrees: self._drag_move.turn(self._snapshot, self.selected, degrees),
+                remove=lambda: self._drag_move.remove(self.selected),
+                undo=self._undo_newest,
+            ),
+        )
         self._hover = PointerHover(gui, self._placing_click.hover)
         self._commands(gui)
 
@@ -220,8 +219,10 @@ class Page:
             async def _(_: object) -> None:
                 call()
 
-        add("Pause or resume", "space", self._pause_or_resume)
-        add("Step one tick", "N", self._step_one)
+        add("Pause, resume or run again", "space", self._toggle)
+        add("Step one tick", "N", lambda: self._run_control.step(1))
+        add("Stop placing", "escape", lambda: self._choose(None))
+        add("Undo the last move", "Z", self._undo_newest)
         for label, mode in MODES.items():
             add(f"Camera: {label[:-4].lower()}", label[-2], self._looker(mode))
         for digit in range(1, 10):
@@ -232,16 +233,11 @@ class Page:
 
     def _selector(self, index: int) -> Callable[[], None]:
         def call() -> None:
-            names = sorted(entity.name for entity in self._snapshot.entities)
+            names = sorted((entity.name for entity in self._snapshot.entities), key=natural_key)
             if index < len(names):
                 self.select(names[index])
 
         return call
-
-    def _ask(
-        self, what: str, verb: Literal["pause", "resume", "reset"], request: type[Pause | Resume | Reset]
-    ) -> Callable[[], None]:
-        return lambda: self._requests.ask(what, verb, request())
 
     # ------------------------------------------------------------ selection, in viser's loop: nothing here blocks
 
@@ -263,15 +259,8 @@ class Page:
             return
         self.camera.choose(mode, entity)
 
-    def _pause_or_resume(self) -> None:
-        clock = self._snapshot.clock
-        if clock is not None and clock.state == "paused":
-            self._requests.ask("Not resumed", "resume", Resume())
-        else:
-            self._requests.ask("Not paused", "pause", Pause())
-
-    def _step_one(self) -> None:
-        self._requests.ask("Not stepped", "step", Step(count=1))
+    def _toggle(self) -> None:
+        self._run_control.toggle(self._snapshot)
 
     # ------------------------------------------------------------ driving
 
@@ -279,7 +268,10 @@ class Page:
         self._driving.stick(self.selected, forward, turn)
 
     def _say(self, text: str, to: str | None) -> None:
-        self._requests.ask("Not sent", "say", OperatorSay(to=to, text=text))
+        def said(_: Result) -> None:
+            self._network.note_speech(text, to)
+
+        self._requests.ask("Not sent", "say", OperatorSay(to=to, text=text), said)
 
     def _aim(self) -> None:
         """Take the next click on the floor as the goal."""
@@ -293,8 +285,12 @@ class Page:
         self._placing_click.choose(label)
         self._hover.listen(self._placing_click.label is not None)
 
-    def _names(self) -> set[str]:
-        return {entity.name for entity in self._snapshot.entities}
+    def _undo_newest(self) -> None:
+        undo = self._undo.pop()
+        if undo is None:
+            self._notify("Nothing to undo", "Moves, turns and placed bodies of this run can be undone.")
+        else:
+            self._requests.ask("Not undone", *undo)
 
     def drag(self, name: str, event: viser.SceneNodeDragEvent[viser.SceneNodeHandle]) -> None:
         """Take one event of a drag that began on a body."""
@@ -303,8 +299,11 @@ class Page:
     # ------------------------------------------------------------ notices
 
     def _refused(self, what: str, why: str) -> None:
-        self._refusal, self._refused_at = f"{what}: {why}", time.monotonic()
-        self._client.add_notification(what, why, color="red", auto_close_seconds=8.0)
+        # A stick that is held asks again every second, and would fill the page with the same words.
+        if (what, why) == self._refusal and time.monotonic() < self._refused_at + REFUSED:
+            return
+        self._refusal, self._refused_at = (what, why), time.monotonic()
+        self._client.add_notification(what, why, color="red", auto_close_seconds=REFUSED)
 
     def _notify(self, title: str, text: str) -> None:
         self._client.add_notification(title, text, auto_close_seconds=5.0)

@@ -6,20 +6,24 @@ If the simulator refuses, the ghost turns red and stays, so that the user can pl
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Collection
-from typing import Final
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Final
 
 import msgspec
 import viser
 
 from intellwheels_maps import robot
-from intellwheels_schemas.messages import Spawn
+from intellwheels_schemas.messages import Delete, Result, Spawn
 from intellwheels_viewer.cameras import on_floor, ray
 from intellwheels_viewer.clicks import FloorClicks
 from intellwheels_viewer.drawings.ghosts import Ghost
 from intellwheels_viewer.held_ghost import HeldGhost, position
 from intellwheels_viewer.panels.place import PALETTE
 from intellwheels_viewer.steering import RequestQueue
+from intellwheels_viewer.undo import UndoStack
+
+if TYPE_CHECKING:
+    from intellwheels_viewer.snapshot import Snapshot
 
 GHOST_COLOUR: Final = (90, 100, 115)
 
@@ -31,7 +35,8 @@ class PlacingClick:
         client: The browser.
         requests: Takes the requests for bodies.
         held_ghost: The browser's ghost.
-        names: Returns the names that are in use.
+        snapshot: Returns the newest snapshot, for the names in use and the run.
+        undo: Takes the requests that remove placed bodies again.
 
     Attributes:
         label: The label in the palette that is being placed; None for none.
@@ -42,9 +47,11 @@ class PlacingClick:
         client: viser.ClientHandle,
         requests: RequestQueue,
         held_ghost: HeldGhost,
-        names: Callable[[], Collection[str]],
+        snapshot: Callable[[], Snapshot],
+        undo: UndoStack,
     ) -> None:
-        self._client, self._requests, self._held_ghost, self._names = client, requests, held_ghost, names
+        self._client, self._requests, self._held_ghost = client, requests, held_ghost
+        self._snapshot, self._undo = snapshot, undo
         self.label: str | None = None
         self._heading = 0.0
         self._clicks = FloorClicks(client.scene, self.put)
@@ -79,9 +86,15 @@ class PlacingClick:
             return
         self._preview(x, y)
         stem = PALETTE[self.label]
-        named = msgspec.structs.replace(robot(stem), name=self._free_name(stem), format=None)
+        name, run = self._free_name(stem), self._snapshot().run
+        named = msgspec.structs.replace(robot(stem), name=name, format=None)
         request = Spawn(robot=named, position=position(x, y, self._heading))
-        self._requests.ask("Not placed", "spawn", request, self._held_ghost.clear, self._held_ghost.mark_refused)
+
+        def placed(_: Result) -> None:
+            self._held_ghost.clear()
+            self._undo.push(run, "delete", Delete(agent=name))
+
+        self._requests.ask("Not placed", "spawn", request, placed, self._held_ghost.mark_refused)
 
     def _preview(self, x: float, y: float) -> None:
         label = self.label
@@ -89,5 +102,5 @@ class PlacingClick:
             self._held_ghost.hold(Ghost(robot(PALETTE[label]), x, y, self._heading, GHOST_COLOUR))
 
     def _free_name(self, stem: str) -> str:
-        taken = self._names()
+        taken = {entity.name for entity in self._snapshot().entities}
         return next(name for number in range(1, 10_000) if (name := f"{stem}{number}") not in taken)

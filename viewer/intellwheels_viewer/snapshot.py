@@ -20,6 +20,8 @@ token disappeared.
 """
 
 EVENTS_KEPT: Final = 500
+USER: Final = "operator"
+"""The speaker of what a user says in a page. No agent can have this name."""
 HISTORY: Final = 30.0
 """Simulated seconds of measures and speeds that are kept for plots."""
 TRAIL: Final = 20.0
@@ -40,11 +42,19 @@ class Sample:
 
 @dataclass(frozen=True)
 class Words:
-    """An utterance: who said what, and when in simulated seconds."""
+    """An utterance.
+
+    Attributes:
+        speaker: An agent, or `USER`.
+        time: In simulated seconds.
+        text: What was said.
+        to: The agent that a user spoke to; None for everybody. Agents speak to everybody.
+    """
 
     speaker: str
     time: float
     text: str
+    to: str | None = None
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,7 @@ from collections.abc import Iterable, Mapping
 from typing import Final
 
 from intellwheels_schemas.messages import Body, Clock, Entity, Event, Events, Map, MapInfo, Measures, Pose, WorldState
-from intellwheels_viewer.snapshot import EVENTS_KEPT, HISTORY, Phase, Sample, Snapshot, Words
+from intellwheels_viewer.snapshot import EVENTS_KEPT, HISTORY, USER, Phase, Sample, Snapshot, Words
 
 SAMPLES_A_SECOND: Final = 10
 """Samples kept of the history; more would not be visible."""
@@ -154,6 +154,11 @@ class StateStore:
         if self.is_log and pose.run == self._run and pose.tick is not None:
             self._version += self._reported.get(agent) != pose
             self._reported[agent] = pose
+
+    def on_user_speech(self, text: str, to: str | None) -> None:
+        """Take what a user said in a page of this viewer; the state does not have it."""
+        self._words.append(Words(USER, self._state_at[1], text, to))
+        self._version += 1
 
     @property
     def is_log(self) -> bool:

@@ -75,6 +75,7 @@ class _World:
     keys: Keys
     inbox: Inbox = field(default_factory=Inbox)
     answers: deque[tuple[type[Record], Answer, tuple[str, str]]] = field(default_factory=deque)
+    speech: deque[tuple[str, str | None]] = field(default_factory=deque)
     store: StateStore = field(default_factory=StateStore)
     subscribers: list[zenoh.Subscriber[None]] = field(default_factory=list)
     reports: zenoh.Subscriber[None] | None = None
@@ -237,6 +238,8 @@ class Network:
             if kind is Clock:
                 world.heard = now
             _deliver(kind, answer, takes.get(kind, partial(store.on_floor, asked=asked)))
+        while world.speech:
+            store.on_user_speech(*world.speech.popleft())
         arrivals = [arrival for arrival in world.inbox.take() if isinstance(arrival, Put)]
         # Only the newest message of each per-tick key is decoded, so a slow viewer does not fall behind.
         newest = {arrival.key: index for index, arrival in enumerate(arrivals)}
@@ -334,6 +337,12 @@ class Network:
             if publisher is None:
                 publisher = world.users[agent] = declare(session, world.keys.user(agent), CHANNELS["user"])
             publisher.put(encode(request))
+
+    def note_speech(self, text: str, to: str | None) -> None:
+        """Show in all pages what a user said, to an agent or to everybody with None."""
+        world = self._world
+        if world is not None:
+            world.speech.append((text, to))
 
     # ------------------------------------------------------------ the session
 

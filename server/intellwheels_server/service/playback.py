@@ -1,4 +1,4 @@
-"""A log on the network: told as a live world is told, sought and paced, never steered.
+"""A log on the network: published like a live world, with seeking and speed, but without control of the bodies.
 
 Nothing here waits, reads a clock or knows zenoh: it is driven as a live run is. Map, bodies, states, clock, events
 and measures go out as they did; powers do not, so that no chair of metal moves by what another day was.
@@ -47,6 +47,8 @@ class Playback:
         """
         self._service = ServiceState(options, outlet, _no_floor, wall, run=recording.header.run)
         self._service.held = False
+        # It waits for somebody to look: the first page that opens resumes it. Without an audience it plays at once.
+        self._service.paused = not options.quit_at_end
         self._service.played = Played(last=0)
         self._recording, self._reported = recording, reported
         first = recording.header.run

@@ -66,7 +66,7 @@ class Board:
         with tabs.add_tab("Place"):
             self.place = PlacePanel(
                 gui, on_choose=self.note("choose"), on_turn=self.note("turn"), on_turn_selected=self.note("turn by"),
-                on_remove=self.note("remove"),
+                on_remove=self.note("remove"), on_undo=self.note("undo"),
             )  # fmt: skip
         with tabs.add_tab("Layers"):
             self.layers = LayersPanel(gui, Layers(), self.note("layers"))

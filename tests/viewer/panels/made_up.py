@@ -194,4 +194,4 @@ def hostile() -> Snapshot:
 
 
 def attacked() -> Choices:
-    return Choices(selected=ATTACK, looks=looks([ATTACK]), placing=ATTACK, refusal=ATTACK)
+    return Choices(selected=ATTACK, looks=looks([ATTACK]), placing=ATTACK)

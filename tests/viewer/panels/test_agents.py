@@ -87,3 +87,10 @@ def test_in_a_log_that_is_played_who_joined_is_no_thing_that_was_placed() -> Non
     robot = msgspec.structs.replace(body.robot, instance="a" * 16)
     nobodys = msgspec.structs.replace(body, owner=None, robot=robot)
     assert words(snapshot.entities[0], nobodys).startswith(("simulated", "real"))
+
+
+def test_agents_are_in_natural_order() -> None:
+    base = made_up.seen()
+    entities = tuple(Entity(name=name, x=0.0, y=0.0, heading=0.0) for name in ("chair10", "chair2", "table1"))
+    found = agents_first(replace(base, entities=entities))
+    assert [entity.name for entity in found] == ["chair2", "chair10", "table1"]

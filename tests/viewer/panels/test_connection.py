@@ -50,9 +50,13 @@ def test_who_may_only_look_is_told() -> None:
     assert "View only" not in connection_html(snapshot, Choices())
 
 
-def test_a_refusal_shows_its_reason() -> None:
-    page = connection_html(made_up.seen(), Choices(refusal="'table2' overlaps <wall>"))
-    assert "overlaps &lt;wall&gt;" in page
+def test_a_run_that_is_over_and_whose_processes_have_ended_says_so() -> None:
+    over = replace(made_up.seen(), phase="gone", clock=made_up.clock("ended"))
+    page = connection_html(over, Choices())
+    assert "The run is over" in page
+    assert "Its processes have ended" in page
+    assert GREYED in page
+    assert "The run is over" not in connection_html(replace(over, clock=made_up.clock("running")), Choices())
 
 
 def test_words_of_a_peer_are_text() -> None:

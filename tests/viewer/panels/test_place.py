@@ -17,7 +17,7 @@ from tests.viewer.panels.panel import Calls, enter, press
 def panel(gui: viser.GuiApi, calls: Calls) -> PlacePanel:
     return PlacePanel(
         gui, on_choose=calls.to("choose"), on_turn=calls.to("turn"), on_turn_selected=calls.to("turn by"),
-        on_remove=calls.to("remove"),
+        on_remove=calls.to("remove"), on_undo=calls.to("undo"),
     )  # fmt: skip
 
 

@@ -15,7 +15,7 @@ import viser
 from intellwheels_schemas.messages import Body, Entity
 from intellwheels_schemas.rules import is_mobile, parts_of
 from intellwheels_viewer.drawings.body_look import extent
-from intellwheels_viewer.snapshot import Words
+from intellwheels_viewer.snapshot import USER, Words
 
 MANY: Final = 30
 """Above this many bodies only wanted ones have labels."""
@@ -66,7 +66,7 @@ def named(bodies: Mapping[str, Body], entities: Sequence[Entity], wanted: Collec
 def tags(
     bodies: Mapping[str, Body], entities: Sequence[Entity], words: Iterable[Words], now: float, wanted: Collection[str]
 ) -> dict[str, Tag]:
-    """Return the labels by agent: the name, and above it what the agent has just said.
+    """Return the labels by agent: the name, and above it what the agent has just said or was told by a user.
 
     Args:
         bodies: Documents by agent.
@@ -75,16 +75,23 @@ def tags(
         now: The simulated time, in seconds.
         wanted: Agents that have a label however many bodies there are.
     """
-    spoken = {each.speaker: cut(each.text) for each in words if 0.0 <= now - each.time < SPOKEN}
-    spoken = {speaker: text for speaker, text in spoken.items() if text}
-    shown = named(bodies, entities, {*wanted, *spoken})
-    return {entity.name: _tag(bodies[entity.name], entity, spoken.get(entity.name)) for entity in shown}
+    recent = [each for each in words if 0.0 <= now - each.time < SPOKEN and cut(each.text)]
+    spoken = {each.speaker: f"\u201c{cut(each.text)}\u201d" for each in recent if each.speaker != USER}
+    told = {each.to: f"User: \u201c{cut(each.text)}\u201d" for each in recent if each.speaker == USER}
+    shown = named(bodies, entities, {*wanted, *spoken, *(agent for agent in told if agent is not None)})
+    return {
+        entity.name: _tag(
+            bodies[entity.name],
+            entity,
+            [text for text in (told.get(entity.name) or told.get(None), spoken.get(entity.name)) if text is not None],
+        )
+        for entity in shown
+    }
 
 
-def _tag(body: Body, entity: Entity, said: str | None) -> Tag:
+def _tag(body: Body, entity: Entity, bubbles: Sequence[str]) -> Tag:
     hull = extent(parts_of(body.robot))
-    text = name_of(entity) if said is None else f"\u201c{said}\u201d\n{name_of(entity)}"
-    return Tag(text, entity.x, entity.y + ASIDE * hull.width, hull.top + ABOVE)
+    return Tag("\n".join([*bubbles, name_of(entity)]), entity.x, entity.y + ASIDE * hull.width, hull.top + ABOVE)
 
 
 class Labels:

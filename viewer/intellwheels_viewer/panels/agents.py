@@ -8,6 +8,7 @@ from typing import Final
 
 import viser
 
+from intellwheels_schemas.agent_colours import natural_key
 from intellwheels_schemas.messages import Body, Entity
 from intellwheels_viewer.panels import number_format
 from intellwheels_viewer.panels.callbacks import Pick, assign, updated
@@ -36,8 +37,11 @@ _COLUMNS: Final = (
 
 
 def agents_first(snapshot: Snapshot) -> list[Entity]:
-    """Return the bodies, those of agents before those that an operator placed."""
-    return sorted(snapshot.entities, key=lambda entity: not _is_agent(snapshot.bodies.get(entity.name)))
+    """Return the bodies in natural order of their names, agents before bodies that an operator placed."""
+    return sorted(
+        snapshot.entities,
+        key=lambda entity: (not _is_agent(snapshot.bodies.get(entity.name)), natural_key(entity.name)),
+    )
 
 
 def agents_html(snapshot: Snapshot, choices: Choices, handler: str = "") -> str:

@@ -17,7 +17,7 @@ class Choices:
         looks: The colour and the stripes of each body.
         allowed: Whether this viewer may control the simulation.
         placing: The label of the thing that the next click on the floor places, see `place.PALETTE`.
-        refusal: Why the last request was refused, in the simulator's words; empty if it was not.
+        can_undo: Whether a change can be undone.
         quiet: Seconds of wall time since the last clock.
     """
 
@@ -25,5 +25,5 @@ class Choices:
     looks: Mapping[str, Look] = field(default_factory=dict)
     allowed: bool = True
     placing: str | None = None
-    refusal: str = ""
+    can_undo: bool = False
     quiet: float = 3.0

@@ -8,11 +8,12 @@ from typing import Final
 
 import viser
 
+from intellwheels_schemas.agent_colours import natural_key
 from intellwheels_schemas.messages import Clock
 from intellwheels_viewer.panels import number_format
 from intellwheels_viewer.panels.callbacks import chosen, clicked, disable
 from intellwheels_viewer.panels.choices import Choices
-from intellwheels_viewer.panels.style_sheet import STYLE_SHEET, block
+from intellwheels_viewer.panels.style_sheet import STYLE_SHEET, block, note
 from intellwheels_viewer.panels.style_sheet import figures as large
 from intellwheels_viewer.snapshot import Snapshot
 
@@ -51,8 +52,13 @@ def clock_html(snapshot: Snapshot) -> str:
             )
         ),
         f'<div class="iw-small">{_late(clock)}, {html.escape(_pace(clock))}</div>',
+        note("The run is over. Run it again, or continue it beyond its end.") if live and _is_over(snapshot) else "",
         classes="" if live else "iw-old",
     )
+
+
+def _is_over(snapshot: Snapshot) -> bool:
+    return snapshot.clock is not None and snapshot.clock.state == "ended" and snapshot.last_tick is None
 
 
 def _awaited(clock: Clock) -> str:
@@ -61,7 +67,9 @@ def _awaited(clock: Clock) -> str:
     if not clock.waiting:
         return " for the first agent"
     more = len(clock.waiting) - _SHOWN
-    return " for " + ", ".join(clock.waiting[:_SHOWN]) + (f" and {more} more" if more > 0 else "")
+    return (
+        " for " + ", ".join(sorted(clock.waiting, key=natural_key)[:_SHOWN]) + (f" and {more} more" if more > 0 else "")
+    )
 
 
 def _factor(clock: Clock) -> str:
@@ -102,11 +110,13 @@ class ClockPanel:
     ) -> None:
         gui.add_html(STYLE_SHEET)
         self._clock = gui.add_html("")
+        self._again = gui.add_button("Run again", icon=viser.Icon.REFRESH, visible=False)
         self._pause = gui.add_button("Pause", icon=viser.Icon.PLAYER_PAUSE, disabled=True)
         self._resume = gui.add_button("Resume", icon=viser.Icon.PLAYER_PLAY, visible=False)
         self._step = gui.add_button_group("Step, ticks", STEPS, disabled=True)
         self._speed = gui.add_button_group("Speed, \u00d7", SPEEDS, disabled=True)
         self._reset = gui.add_button_group("New run", ("Reset",), disabled=True)
+        clicked(self._again, on_reset)
         clicked(self._pause, on_pause)
         clicked(self._resume, on_resume)
         chosen(self._reset, lambda _: on_reset())
@@ -122,6 +132,9 @@ class ClockPanel:
         # A playback has buttons of its own, beside its timeline.
         log = snapshot.last_tick is not None
         self._pause.visible, self._resume.visible = not halted and not log, halted and not log
+        over = _is_over(snapshot)
+        self._again.visible, self._again.disabled = over, not enabled
+        self._resume.label = "Continue this run" if over else "Resume"
         self._speed.visible = self._reset.visible = not log
         self._pause.disabled = self._resume.disabled = not enabled
         disable(self._step, not enabled)

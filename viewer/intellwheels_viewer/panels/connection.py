@@ -19,6 +19,9 @@ GREYED: Final = "<style>canvas,.iw-plan svg{filter:grayscale(1) opacity(.55)}</s
 """Greys out the picture while it is out of date."""
 
 
+_LAST: Final = "This is the last picture. It updates again"
+
+
 class State(NamedTuple):
     """The state of the connection: a tone (good, wait or bad), a title and an explanation."""
 
@@ -39,12 +42,8 @@ def state(snapshot: Snapshot, choices: Choices) -> State:
             "wait", "No world is running", "Start `iw-run figure6`. This page shows it as soon as it is there."
         ),
         "choose": _choice(snapshot),
-        "silent": State("bad", silence, "This is the last picture. It updates again when the simulator answers."),
-        "gone": State(
-            "bad",
-            f"World {world} has gone",
-            "This is the last picture. It updates again when its simulator returns.",
-        ),
+        "silent": State("bad", silence, f"{_LAST} when the simulator answers."),
+        "gone": _gone(snapshot, world),
         "live": State("good", _floor(snapshot), f"World {world} at {snapshot.endpoint}"),
     }[snapshot.phase]
 
@@ -67,12 +66,15 @@ def connection_html(snapshot: Snapshot, choices: Choices) -> str:
     )
     if snapshot.phase == "live" and not choices.allowed:
         content += note(f"{VIEW_ONLY}: this viewer is not allowed to control the simulation.", "wait")
-    if choices.refusal:
-        refused = note(choices.refusal.replace("`", "'"), "bad")
-        content += f'<div role="alert">{refused}</div>'
     if snapshot.phase in ("silent", "gone"):
         content += GREYED
     return block("connection", f'<div data-phase="{snapshot.phase}">{content}</div>')
+
+
+def _gone(snapshot: Snapshot, world: str) -> State:
+    if snapshot.clock is not None and snapshot.clock.state == "ended":
+        return State("wait", "The run is over", f"Its processes have ended. {_LAST} when world {world} starts again.")
+    return State("bad", f"World {world} has gone", f"Its simulator stopped. {_LAST} when it returns.")
 
 
 def _choice(snapshot: Snapshot) -> State:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import html
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from typing import Final
 
 import viser
@@ -12,14 +12,15 @@ from intellwheels_schemas.messages import Event
 from intellwheels_viewer.panels import number_format
 from intellwheels_viewer.panels.sentences import sentence
 from intellwheels_viewer.panels.style_sheet import STYLE_SHEET, block
-from intellwheels_viewer.snapshot import Snapshot
+from intellwheels_viewer.snapshot import USER, Snapshot, Words
 
 SHOWN: Final = 100
 
 
 def events_html(snapshot: Snapshot) -> str:
     """Return the newest events as a list."""
-    if not snapshot.events:
+    speech = [words for words in snapshot.words if words.speaker == USER]
+    if not snapshot.events and not speech:
         return block("events", '<span class="iw-soft">Nothing has happened yet.</span>')
     newest = snapshot.events[::-1][:SHOWN]
     older = len(snapshot.events) - len(newest)
@@ -27,7 +28,7 @@ def events_html(snapshot: Snapshot) -> str:
     return block(
         "events",
         '<div class="iw-caption">time, s</div>',
-        f'<ul class="iw-log">{"".join(_items(snapshot, newest))}</ul>',
+        f'<ul class="iw-log">{"".join(_items(snapshot, newest, speech[::-1]))}</ul>',
         more,
     )
 
@@ -42,13 +43,23 @@ def event_item(snapshot: Snapshot, event: Event) -> str:
     )
 
 
-def _items(snapshot: Snapshot, newest: Iterable[Event]) -> Iterable[str]:
-    run = None
+def speech_item(words: Words) -> str:
+    """Return what a user said as a list item: its time and a sentence."""
+    to = "everybody" if words.to is None else words.to
+    sentence = html.escape(f"A user said to {to}: \u201c{words.text}\u201d")
+    return f'<li data-code="said"><span>{number_format.decimal(words.time)}</span><span>{sentence}</span></li>'
+
+
+def _items(snapshot: Snapshot, newest: Iterable[Event], speech: Sequence[Words]) -> Iterable[str]:
+    run, period, waiting = None, snapshot.period or 0.0, list(speech)
     for event in newest:
+        while waiting and (event.run != snapshot.run or waiting[0].time >= event.tick * period):
+            yield speech_item(waiting.pop(0))
         if run is not None and event.run != run:
             yield '<li class="break">previous run</li>'
         run = event.run
         yield event_item(snapshot, event)
+    yield from (speech_item(words) for words in waiting)
 
 
 class EventsPanel:

@@ -49,6 +49,7 @@ class PlacePanel:
         on_turn: Called with the heading of placed bodies, in degrees, -180 to 180.
         on_turn_selected: Requests that the selected body turns on the spot by this many degrees.
         on_remove: Requests that the selected body is removed.
+        on_undo: Requests that the newest change is undone.
     """
 
     def __init__(
@@ -59,6 +60,7 @@ class PlacePanel:
         on_turn: Callable[[float], None],
         on_turn_selected: Callable[[float], None],
         on_remove: Callable[[], None],
+        on_undo: Callable[[], None],
     ) -> None:
         gui.add_html(STYLE_SHEET)
         self._words = gui.add_html("")
@@ -69,7 +71,9 @@ class PlacePanel:
         self._done = gui.add_button("Stop placing", icon=viser.Icon.X, color="gray", visible=False)
         self._by = gui.add_button_group("Turn, \u00b0", ("\u221290", "\u221215", "+15", "+90"), disabled=True)
         self._remove = gui.add_button("Remove", icon=viser.Icon.TRASH, color="red", disabled=True)
+        self._undo = gui.add_button("Undo (Z)", icon=viser.Icon.ARROW_BACK_UP, color="gray", disabled=True)
         chosen(self._things, on_choose)
+        clicked(self._undo, on_undo)
         chosen(self._bodies, on_choose)
         clicked(self._done, lambda: on_choose(None))
         clicked(self._remove, on_remove)
@@ -82,6 +86,7 @@ class PlacePanel:
         self._words.content = place_html(snapshot, choices)
         disable(self._things, not enabled)
         disable(self._bodies, not enabled)
+        self._undo.disabled = not (enabled and choices.can_undo)
         self._done.visible = choices.placing is not None
         self._turn.disabled = not (enabled and choices.placing is not None)
         here = choices.selected is not None and snapshot.entity(choices.selected) is not None

@@ -10,6 +10,7 @@ from typing import Final
 
 import viser
 
+from intellwheels_schemas.agent_colours import natural_key
 from intellwheels_viewer.panels import number_format
 from intellwheels_viewer.panels.callbacks import assign, chosen, clicked, disable, updated
 from intellwheels_viewer.panels.choices import Choices
@@ -36,7 +37,7 @@ def playback_html(snapshot: Snapshot) -> str:
 def _report_errors(snapshot: Snapshot) -> str:
     """Return the error of each pose that a real chair reported, as the ghosts show it, in words."""
     words = []
-    for name, pose in sorted(snapshot.reported.items()):
+    for name, pose in sorted(snapshot.reported.items(), key=lambda one: natural_key(one[0])):
         entity = snapshot.entity(name)
         if entity is not None:
             far = math.hypot(pose.x - entity.x, pose.y - entity.y)
