@@ -127,6 +127,11 @@ def has_motors(robot: Robot) -> bool:
     return robot.top_speed > 0.0
 
 
+def is_mobile(robot: Robot) -> bool:
+    """Return whether the body can drive about: it has motors and is not anchored."""
+    return has_motors(robot) and not robot.anchored
+
+
 def joins_barrier(robot: Robot) -> bool:
     """Return whether a lockstep run waits for it: as Barrier says, else if it is a mind or has motors."""
     if robot.barrier is not None:

@@ -6,12 +6,14 @@ demand only.
 
 from __future__ import annotations
 
+import io
 import math
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any, Final, NamedTuple, TypeVar
 
+from PIL import Image
 from playwright.sync_api import Page
 
 from intellwheels_experiments.run.child_processes import WaitError
@@ -35,6 +37,15 @@ _BODIES = """() => {
     found.push([name, plain(props.batched_positions, Float32Array), plain(props.batched_wxyzs, Float32Array)]);
   }
   return found;
+}"""
+
+_INSTANCES = """pattern => {
+  const bytes = value => value.buffer.slice(value.byteOffset, value.byteOffset + value.byteLength);
+  const plain = value => [...new Float32Array(bytes(value))];
+  const numbers = value => value instanceof Uint8Array ? plain(value) : [...value];
+  return Object.entries(window.__viserSceneTree.getState())
+    .filter(([name, node]) => new RegExp(pattern).test(name) && node.message && node.message.props.batched_positions)
+    .map(([, node]) => [numbers(node.message.props.batched_positions), numbers(node.message.props.batched_wxyzs)]);
 }"""
 
 _PIXEL = """([x, y, z]) => {
@@ -163,18 +174,36 @@ class Screen:
         across, down = self.page.evaluate(_PIXEL, [x, y, z])
         return float(across), float(down)
 
+    def colour(self, x: float, y: float) -> tuple[int, int, int]:
+        """Return the sRGB colour of the picture at a point of the floor."""
+        across, down = self.pixel(x, y)
+        clip: Any = {"x": round(across), "y": round(down), "width": 1, "height": 1}
+        self.frame(3)
+        pixel = Image.open(io.BytesIO(self.page.screenshot(clip=clip))).convert("RGB").getpixel((0, 0))
+        assert isinstance(pixel, tuple)
+        return int(pixel[0]), int(pixel[1]), int(pixel[2])
+
+    def instances(self, pattern: str) -> list[tuple[float, ...]]:
+        """Return x, y and heading of all instances of the nodes whose names match, sorted."""
+        found = []
+        for places, turns in self.page.evaluate(_INSTANCES, pattern):
+            for index in range(len(places) // 3):
+                w, z = turns[4 * index], turns[4 * index + 3]
+                found.append((places[3 * index], places[3 * index + 1], 2 * math.atan2(z, w)))
+        return sorted(found)
+
     def camera(self) -> list[float]:
         """Return where this page's camera stands, in the page's own axes."""
         return [float(part) for part in self.page.evaluate("window.__viserMutable.camera.position.toArray()")]
 
     def rest(self) -> None:
         """Wait until the camera stands still."""
-        seen = [self.camera()]
+        snapshot = [self.camera()]
 
         def still() -> bool | None:
             self.page.evaluate("window.__viserMutable.requestRender()")
-            seen.append(self.camera())
-            return math.dist(seen[-1], seen[-2]) < 1e-3 or None
+            snapshot.append(self.camera())
+            return math.dist(snapshot[-1], snapshot[-2]) < 1e-3 or None
 
         # The first report of the page's size is what it is framed by; the answer takes a few beats.
         self.page.wait_for_timeout(500)
@@ -214,7 +243,7 @@ class Screen:
     def hold(self, agent: str) -> None:
         """Open the tab Drive and wait until keys drive an agent: the page's handler comes a moment after the words."""
         self.tab("Drive")
-        self.says(f"You drive {agent}")
+        self.says(f"You are driving {agent}")
         self.page.wait_for_function("window.__iwDrive && !document.getElementById('iw-drive-off')")
 
     def drag(self, origin: tuple[float, float, float], target: tuple[float, float, float]) -> None:

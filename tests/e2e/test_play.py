@@ -41,6 +41,9 @@ def test_figure6_is_played_paused_and_sought_with_the_recorded_hashes(
     play(stage, log, "--speed", "4")
     with stage.peer() as peer:
         measures = peer.hear("out/chair1/measures")
+        waiting = peer.clock()
+        assert (waiting["State"], waiting["Tick"]) == ("paused", 0)
+        assert peer.ctl("resume")["Code"] == "ok"
         peer.tick(20)
         assert peer.ctl("pause")["Code"] == "ok"
         clock = peer.clock()

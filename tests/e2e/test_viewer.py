@@ -170,6 +170,41 @@ def test_poses_in_the_scene_are_the_simulators(screen: Screen, peer: Peer) -> No
     peer.ctl("take", Agent="chair1", Lease=lease, Seconds=0.0)
 
 
+def test_the_wedges_of_a_doors_frame_stay_while_its_leaf_turns(
+    world: tuple[Theatre, str], screen: Screen, peer: Peer
+) -> None:
+    theatre, _ = world
+    child = theatre.agent("door", "drive", "--place", "hinge", robot="door")
+    peer.entity("door", lambda body: True)
+    frame = [(8.95, 4.3, math.pi), (9.05, 4.3, 0.0)]  # out-right and in-left, in the world frame
+    point = (11.5, 4.3)  # in front of in-left; the open leaf is on the other side
+
+    def wedges() -> list[tuple[float, ...]] | None:
+        found = [each for each in screen.instances("^/wedges/fan-30") if each[1] == pytest.approx(4.3, abs=0.01)]
+        return found if len(found) == len(frame) else None
+
+    def placed(found: list[tuple[float, ...]]) -> bool:
+        return all(
+            math.hypot(one[0] - other[0], one[1] - other[1]) < 1e-5 and turned(one[2], other[2]) < 1e-5
+            for one, other in zip(found, frame, strict=True)
+        )
+
+    assert placed(screen.wait(wedges, "the wedges of the door"))
+    screen.page.keyboard.press("p")
+    screen.rest()
+    shut = screen.colour(*point)
+    teleport(peer, "door", 9.0, 3.51, 0.0)
+    shown(screen, peer)
+    peer.ticks_on(5)
+    assert placed(screen.wait(wedges, "the wedges of the door"))
+    assert screen.colour(*point) == shut
+    screen.tab("Layers")
+    screen.page.get_by_label("Sensors", exact=True).uncheck()
+    screen.wait(lambda: math.dist(screen.colour(*point), shut) > 20 or None, "the picture without wedges")
+    theatre.signal(child, signal.SIGTERM)
+    assert theatre.exit(child) == 0
+
+
 def test_two_browsers_look_each_in_its_own_way(
     world: tuple[Theatre, str], screen: Screen, peer: Peer, chromium: Any
 ) -> None:
@@ -243,7 +278,7 @@ def test_a_chair_whose_mind_takes_goals_goes_where_the_floor_is_clicked_and_no_o
     screen.select("goer")
     screen.tab("Drive")
     screen.press("Set a goal")
-    screen.says("Where shall goer go?")
+    screen.says("The next click sets the goal of goer")
     screen.page.mouse.click(*screen.pixel(4.5, 4.6))
     peer.entity("goer", lambda body: body.get("Mode") == "arrived" and away(body, 4.5, 4.6) < 0.4)
     theatre.signal(child, signal.SIGTERM)
@@ -295,7 +330,7 @@ def test_things_are_placed_by_a_click_on_the_floor_and_taken_away(screen: Screen
     screen.rest()
     screen.tab("Place")
     screen.press("Box")
-    screen.says("Click the floor where the box shall stand")
+    screen.says("Click the floor to place the box")
     screen.page.mouse.move(*screen.pixel(4.5, 4.5))
     screen.page.mouse.click(*screen.pixel(5.0, 4.0))
     crate = peer.entity("crate1", lambda body: away(body, 5.0, 4.0) < 0.1)
@@ -352,7 +387,7 @@ def test_an_open_page_outlives_simulator_and_router(tmp_path: Path, chromium: An
             screen.open(url)
             theatre.signal(simulator, signal.SIGKILL)
             screen.phase("gone")
-            screen.says("It comes back when its simulator does")
+            screen.says("World killed has gone")
             theatre.server("--map", "room", "--connect", meeting)
             screen.phase("live", CONNECTED)
             theatre.signal(first, signal.SIGKILL)
@@ -380,25 +415,25 @@ def test_without_the_right_to_steer_every_control_says_so(tmp_path: Path, chromi
 
             def told(what: str, act: Callable[[], object]) -> None:
                 act()
-                screen.says(f"{what}: You may look, not steer")
+                screen.says(f"{what}: View only")
 
             for what, button in (
-                ("Not paused", "Pause"), ("Not stepped", "10"), ("Speed not changed", "5"), ("Not begun anew", "Reset"),
+                ("Not paused", "Pause"), ("Not stepped", "10"), ("Speed not changed", "5"), ("Not reset", "Reset"),
             ):  # fmt: skip
                 told(what, lambda button=button: screen.press(button))  # type: ignore[misc]
             screen.select("chair1")
             told("Not placed", lambda: screen.drag((1.2, 2.6, 0.45), (3.5, 3.4, 0.45)))
             screen.hold("chair1")
-            told("Not driven", lambda: screen.page.keyboard.down("i"))
+            told("Cannot drive", lambda: screen.page.keyboard.down("i"))
             screen.page.keyboard.up("i")
             field = screen.page.locator("form input:visible").first
             field.fill("hello")
-            told("Not said", lambda: field.press("Enter"))
+            told("Not sent", lambda: field.press("Enter"))
             screen.tab("Place")
             told("Not turned", lambda: screen.press("+15"))
             told("Not removed", lambda: screen.press("Remove chair1"))
             screen.press("Box")
-            screen.says("Click the floor where the box shall stand")
+            screen.says("Click the floor to place the box")
             screen.clear()
             screen.wait(lambda: "Not placed" not in screen.text() or None, "the notice of the drag gone")
             told("Not placed", lambda: screen.page.mouse.click(*screen.pixel(5.0, 4.0)))

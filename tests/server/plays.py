@@ -67,7 +67,13 @@ class PlayStage(Stage):
     """A player, its clock, and all that came out."""
 
     def __init__(
-        self, path: Path, *, speed: float = 1.0, quit_at_end: bool = False, reported: Path | None = None
+        self,
+        path: Path,
+        *,
+        speed: float = 1.0,
+        quit_at_end: bool = False,
+        reported: Path | None = None,
+        waits: bool = False,
     ) -> None:
         self.now = 100.0
         self.sent = []
@@ -83,6 +89,8 @@ class PlayStage(Stage):
         told = None if self.beside is None else ReportedPoses(self.recording.runs, self.beside)
         self.live_run = Playback(options, self, lambda: 1.8e9 + self.now, self.recording, told)  # type: ignore[assignment]
         self.live_run.begin()
+        if not waits:
+            self.live_run._service.pacing.paused = False
         self.work()
 
     def close(self) -> None:

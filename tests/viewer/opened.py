@@ -30,17 +30,21 @@ class Network:
         self.asked: list[tuple[Verb, Record]] = []
         self.puts: list[tuple[str, UserInput]] = []
         self.worlds: list[str] = []
+        self.speech: list[tuple[str, str | None]] = []
         self.refuses = ""
         self.quiet = 0.0
 
-    def ask(self, verb: Verb, wish: Record) -> Result:
-        self.asked.append((verb, wish))
+    def ask(self, verb: Verb, request: Record) -> Result:
+        self.asked.append((verb, request))
         if self.refuses:
             raise Refusal(self.refuses)
         return Result(code="ok", lease="0" * 16)
 
-    def put_user(self, agent: str, wish: UserInput) -> None:
-        self.puts.append((agent, wish))
+    def put_user(self, agent: str, request: UserInput) -> None:
+        self.puts.append((agent, request))
+
+    def note_speech(self, text: str, to: str | None) -> None:
+        self.speech.append((text, to))
 
     def choose(self, world: str) -> None:
         self.worlds.append(world)
@@ -61,9 +65,9 @@ class Opened:
         self.page = Page(client, cast(Any, self.network), Colours())
         self.show(SEEN)
 
-    def show(self, seen: Snapshot) -> None:
-        self.page.draw(seen)
-        self.page.panels(seen)
+    def show(self, snapshot: Snapshot) -> None:
+        self.page.draw(snapshot)
+        self.page.panels(snapshot)
 
     def drag(self, name: str, *steps: tuple[str, tuple[float, float]]) -> None:
         """Drag a body from where it stands."""
@@ -74,4 +78,4 @@ class Opened:
             self.page.drag(name, cast(Any, event))
 
     def ghost(self) -> bool:
-        return self.page._hand.ghost is not None
+        return self.page._held_ghost.ghost is not None

@@ -19,10 +19,10 @@ def test_a_dragged_body_is_asked_to_go_and_only_a_ghost_moves(here: Opened) -> N
     assert here.ghost()
     assert here.network.asked == []
     here.drag("a", ("end", (3.0, 2.0)))
-    wish = here.network.wished()
-    assert isinstance(wish, Teleport)
-    assert wish.agent == "a"
-    assert (wish.position.x, wish.position.y) == pytest.approx((3.0, 2.0))
+    request = here.network.wished()
+    assert isinstance(request, Teleport)
+    assert request.agent == "a"
+    assert (request.position.x, request.position.y) == pytest.approx((3.0, 2.0))
     until(lambda: not here.ghost())
 
 
@@ -47,12 +47,12 @@ def test_a_drag_to_nowhere_moves_nothing(here: Opened, bad: float) -> None:
 
 def test_who_is_selected_is_turned_and_removed_and_nobody_else(here: Opened) -> None:
     for name in (None, "nobody"):
-        here.page._moving.turn(SEEN, name, 45.0)
-    here.page._moving.remove(None)
+        here.page._drag_move.turn(SEEN, name, 45.0)
+    here.page._drag_move.remove(None)
     assert here.network.asked == []
-    here.page._moving.turn(SEEN, "a", 45.0)
-    wish = here.network.wished()
-    assert isinstance(wish, Teleport)
-    assert wish.position.heading == pytest.approx(math.pi / 4)
-    here.page._moving.remove("a")
+    here.page._drag_move.turn(SEEN, "a", 45.0)
+    request = here.network.wished()
+    assert isinstance(request, Teleport)
+    assert request.position.heading == pytest.approx(math.pi / 4)
+    here.page._drag_move.remove("a")
     until(lambda: here.network.asked[-1] == ("delete", Delete(agent="a")))

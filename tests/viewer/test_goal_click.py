@@ -22,16 +22,16 @@ def test_only_a_mind_that_takes_goals_is_offered_one(here: Opened) -> None:
     for name, shown in (("a", True), ("b", False), ("a", True), (None, False)):
         here.page.select(name)
         here.show(TAKES)
-        assert here.page._goal.visible is shown
+        assert here.page._controls.offers_goal is shown
 
 
 def test_a_click_for_nobody_or_for_a_mind_that_takes_none_sets_nothing(here: Opened) -> None:
     here.page._aim()
-    here.browser.wait(lambda: any("Nothing selected" in str(message) for message in here.browser.heard))
+    here.browser.wait(lambda: any("Nothing is selected" in str(message) for message in here.browser.heard))
     here.page.select("a")
     here.page._aim()
-    here.browser.wait(lambda: any("takes no goals" in str(message) for message in here.browser.heard))
-    here.page._aiming.put(1.0, 1.0)
+    here.browser.wait(lambda: any("does not take goals" in str(message) for message in here.browser.heard))
+    here.page._goal_click.put(1.0, 1.0)
     assert (here.network.asked, here.network.puts) == ([], [])
 
 
@@ -39,17 +39,28 @@ def test_a_goal_is_told_once_the_body_was_taken_and_given_back(here: Opened) -> 
     here.page.select("a")
     here.show(TAKES)
     here.page._aim()
-    here.page._aiming.put(2.5, 1.5)
+    here.page._goal_click.put(2.5, 1.5)
     until(lambda: here.network.puts)
-    ((agent, wish),) = here.network.puts
-    assert (agent, wish.lease) == ("a", None)
-    assert wish.goal is not None
-    assert (wish.goal.x, wish.goal.y) == (2.5, 1.5)
+    ((agent, request),) = here.network.puts
+    assert (agent, request.lease) == ("a", None)
+    assert request.goal is not None
+    assert (request.goal.x, request.goal.y) == (2.5, 1.5)
     taken, given = here.network.asked
     assert taken[0] == "take"
     assert given == ("take", Take(agent="a", lease="0" * 16, seconds=0.0))
-    here.page._aiming.put(3.0, 3.0)  # one click, one goal
+    here.page._goal_click.put(3.0, 3.0)  # one click, one goal
     assert len(here.network.puts) == 1
+
+
+def test_a_goal_outside_the_floor_is_refused_and_the_next_click_counts(here: Opened) -> None:
+    here.page.select("a")
+    here.show(TAKES)
+    here.page._aim()
+    here.page._goal_click.put(900.0, 1.5)
+    here.browser.wait(lambda: any("outside the floor" in str(message) for message in here.browser.heard))
+    assert (here.network.asked, here.network.puts) == ([], [])
+    here.page._goal_click.put(2.5, 1.5)
+    until(lambda: here.network.puts)
 
 
 def test_who_places_does_not_aim(here: Opened) -> None:
@@ -57,7 +68,7 @@ def test_who_places_does_not_aim(here: Opened) -> None:
     here.show(TAKES)
     here.page._aim()
     here.page._choose("Table")
-    here.page._aiming.put(2.5, 1.5)
+    here.page._goal_click.put(2.5, 1.5)
     assert here.network.puts == []
 
 
@@ -66,6 +77,6 @@ def test_a_refused_goal_says_why(here: Opened) -> None:
     here.page.select("a")
     here.show(TAKES)
     here.page._aim()
-    here.page._aiming.put(2.5, 1.5)
+    here.page._goal_click.put(2.5, 1.5)
     here.browser.wait(lambda: any("taken by somebody else" in str(message) for message in here.browser.heard))
     assert here.network.puts == []

@@ -17,17 +17,17 @@ pytestmark = pytest.mark.filterwarnings("ignore::DeprecationWarning")
 def test_hands_and_answers_move_the_ghost_at_once_without_harm(here: Opened) -> None:
     faults: list[Exception] = []
 
-    def hand(shift: float) -> None:
+    def move_ghost(shift: float) -> None:
         try:
             for step in range(60):
                 here.page._choose(list(PALETTE)[step % len(PALETTE)])
-                here.page._placing._preview(step * 0.01 + shift, 1.0)
-                here.page._hand.redden()
-                here.page._hand.let_go()
+                here.page._placing_click._preview(step * 0.01 + shift, 1.0)
+                here.page._held_ghost.mark_refused()
+                here.page._held_ghost.clear()
         except Exception as fault:
             faults.append(fault)
 
-    hands = [threading.Thread(target=hand, args=(shift,)) for shift in (0.0, 0.5)]
+    hands = [threading.Thread(target=move_ghost, args=(shift,)) for shift in (0.0, 0.5)]
     for each in hands:
         each.start()
     for each in hands:
@@ -45,6 +45,6 @@ def test_a_heading_is_brought_into_the_half_open_turn(heading: float, brought: f
 
 
 def test_an_empty_hand_turns_and_reddens_nothing(here: Opened) -> None:
-    here.page._hand.turn(1.0)
-    here.page._hand.redden()
-    assert here.page._hand.ghost is None
+    here.page._held_ghost.turn(1.0)
+    here.page._held_ghost.mark_refused()
+    assert here.page._held_ghost.ghost is None

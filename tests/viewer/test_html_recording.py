@@ -34,7 +34,7 @@ def server() -> Iterator[viser.ViserServer]:
     one.stop()
 
 
-def seen(tick: int, run: str = RUN) -> Snapshot:
+def snapshot(tick: int, run: str = RUN) -> Snapshot:
     robot = msgspec.structs.replace(library.robot("rear-wheel"), name="chair1")
     return Snapshot(
         phase="live",
@@ -68,7 +68,7 @@ def contents(path: Path) -> dict[str, Any]:
 def test_what_was_drawn_is_kept_as_far_apart_as_it_was_in_the_run(server: viser.ViserServer, tmp_path: Path) -> None:
     server.gui.add_text("a panel", "its words")
     recording = HtmlRecording(server, 1.0)
-    assert recorded(server, recording, [seen(tick) for tick in (20, 24, 30, 40)]) == [False, False, False, True]
+    assert recorded(server, recording, [snapshot(tick) for tick in (20, 24, 30, 40)]) == [False, False, False, True]
     assert recording.length == pytest.approx(1.0)
     size = recording.save(tmp_path / "run.html")
     assert size == (tmp_path / "run.html").stat().st_size
@@ -84,13 +84,13 @@ def test_what_was_drawn_is_kept_as_far_apart_as_it_was_in_the_run(server: viser.
     assert {message["type"] for _, message in kept["messages"]} >= {"SetCameraPositionMessage", "MeshMessage"}
 
 
-@pytest.mark.parametrize("last", [seen(3, "1" * 16), seen(1)])
+@pytest.mark.parametrize("last", [snapshot(3, "1" * 16), snapshot(1)])
 def test_a_run_that_begins_anew_ends_it(server: viser.ViserServer, last: Snapshot) -> None:
-    assert recorded(server, HtmlRecording(server, 60.0), [seen(2), seen(4), last]) == [False, False, True]
+    assert recorded(server, HtmlRecording(server, 60.0), [snapshot(2), snapshot(4), last]) == [False, False, True]
 
 
 def test_it_waits_for_a_run_and_writes_nothing_without_one(server: viser.ViserServer, tmp_path: Path) -> None:
     recording = HtmlRecording(server, 1.0)
-    assert recorded(server, recording, [Snapshot(), replace(seen(2), entities=())]) == [False, False]
+    assert recorded(server, recording, [Snapshot(), replace(snapshot(2), entities=())]) == [False, False]
     assert recording.save(tmp_path / "run.html") == 0
     assert not (tmp_path / "run.html").exists()

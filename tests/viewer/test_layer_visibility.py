@@ -22,7 +22,7 @@ def test_a_layer_that_was_hidden_is_hidden_the_next_time(pages: viser.ViserServe
     with opened(pages.get_port(), storage=stored) as browser:
         made = Opened(pages, browser)
         browser.wait(lambda: "/wedges" in browser.scene)
-        assert set(made.page._layering.hidden) == {"wedges"}
+        assert set(made.page._layers.hidden) == {"wedges"}
         made.page.close()
     until(lambda: not pages.get_clients())
 
@@ -36,12 +36,12 @@ def test_nonsense_that_a_browser_kept_is_as_nothing(pages: viser.ViserServer, st
 
 
 def test_a_layer_is_kept_by_the_browser(here: Opened) -> None:
-    here.page._layering.choose(replace(Layers(), trails=False))
+    here.page._layers.choose(replace(Layers(), trails=False))
     here.browser.wait(lambda: any(message.get("key") == LAYERS_KEY for message in here.browser.heard))
 
 
 def test_a_browser_that_once_had_full_walls_sees_those_of_another_floor(here: Opened) -> None:
-    layering = here.page._layering
+    layering = here.page._layers
     layering.draw_walls(SEEN, inside=True)
     layering.draw_walls(SEEN, inside=False)
     drawn: list[object] = []

@@ -31,7 +31,7 @@ def test_what_is_no_port_is_wrong_usage(port: str, capsys: pytest.CaptureFixture
     with pytest.raises(SystemExit) as ended:
         parser().parse_args([f"--port={port}"])
     assert ended.value.code == 2
-    assert "expected a port, 0 to 65535, got" in capsys.readouterr().err
+    assert "expected a port from 0 to 65535, got" in capsys.readouterr().err
 
 
 def test_a_world_that_is_no_name_is_wrong_usage(capsys: pytest.CaptureFixture[str]) -> None:
@@ -70,7 +70,7 @@ def test_a_port_that_is_taken_ends_it_in_words() -> None:
         holder.listen()
         done = run("intellwheels_viewer", "--port", str(holder.getsockname()[1]))
     assert done.returncode == 1
-    assert "it is taken" in done.stderr
+    assert "the port is in use" in done.stderr
     assert "--port" in done.stderr
     assert "Traceback" not in done.stderr
 

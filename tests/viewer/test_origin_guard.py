@@ -179,7 +179,7 @@ def test_a_port_that_is_taken_is_told_in_words() -> None:
         holder.bind(("127.0.0.1", 0))
         holder.listen()
         port = holder.getsockname()[1]
-        with pytest.raises(ConnectionError, match=rf"127.0.0.1:{port}: it is taken.*--port"):
+        with pytest.raises(ConnectionError, match=rf"127.0.0.1:{port}: the port is in use.*--port"):
             open_server("127.0.0.1", port)
 
 

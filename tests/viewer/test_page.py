@@ -14,16 +14,18 @@ from intellwheels_schemas.messages import (
     OperatorSay,
     Pause,
     Record,
+    Reset,
     Resume,
     Step,
     Take,
+    Teleport,
 )
 from intellwheels_viewer.page import MODES
 from intellwheels_viewer.snapshot import Snapshot
 from tests.viewer.browser import opened
 from tests.viewer.opened import SEEN, Opened
 from tests.viewer.panels import made_up
-from tests.viewer.wire import clock, until
+from tests.viewer.wire import body, clock, entity, until
 
 pytestmark = pytest.mark.filterwarnings("ignore::DeprecationWarning")
 
@@ -33,7 +35,7 @@ pytestmark = pytest.mark.filterwarnings("ignore::DeprecationWarning")
 def test_following_needs_somebody_and_says_so(here: Opened) -> None:
     here.page.look("follow")
     assert here.page.camera.mode == "free"
-    here.browser.wait(lambda: any("Nothing selected" in str(message) for message in here.browser.heard))
+    here.browser.wait(lambda: any("Nothing is selected" in str(message) for message in here.browser.heard))
 
 
 def test_a_selected_chair_is_followed_and_nobody_ends_it(here: Opened) -> None:
@@ -62,9 +64,9 @@ def test_a_way_to_look_that_there_is_not_is_free(here: Opened) -> None:
 
 
 def test_what_decides_what_is_drawn_is_told(here: Opened) -> None:
-    before = here.page.outlook
+    before = here.page.view_state
     here.page.select("a")
-    assert here.page.outlook != before
+    assert here.page.view_state != before
 
 
 def test_a_selection_outlives_the_one_who_was_selected(here: Opened) -> None:
@@ -100,39 +102,111 @@ def test_the_mode_may_change_while_the_panels_are_filled(here: Opened) -> None:
 # ---------------------------------------------------------------- wishes
 
 
-def test_space_pauses_what_runs_and_resumes_what_stands(here: Opened) -> None:
-    here.page._pause_or_resume()
-    assert here.network.wished() == Pause()
-    here.network.asked.clear()
-    here.show(replace(SEEN, clock=clock(state="paused")))
-    here.page._pause_or_resume()
-    assert here.network.wished() == Resume()
+def command(here: Opened, label: str) -> dict[str, Any]:
+    """Return a command of the palette, as the page was told."""
+
+    def found() -> dict[str, Any] | None:
+        commands = [one for one in here.browser.heard if one["type"] == "RegisterCommandMessage"]
+        return next((one for one in commands if one["props"]["label"] == label), None)
+
+    return dict(here.browser.wait(found))
 
 
-@pytest.mark.parametrize(("label", "wish"), [("Pause", Pause()), ("Resume", Resume()), ("Remove", Delete(agent="a"))])
-def test_a_button_is_a_wish(here: Opened, label: str, wish: Record) -> None:
+def press(here: Opened, label: str) -> None:
+    """Trigger a command of the palette, as its key does."""
+    uuid = command(here, label)["uuid"]
+    here.browser.send({"type": "CommandTriggerMessage", "uuid": uuid})
+
+
+def test_space_pauses_resumes_and_runs_again(here: Opened) -> None:
+    for state, message in (("running", Pause()), ("paused", Resume()), ("ended", Reset())):
+        here.show(replace(SEEN, clock=clock(state=state)))
+        press(here, "Pause, resume or run again")
+        until(lambda message=message: here.network.asked and here.network.asked[-1][1] == message)  # type: ignore[misc]
+
+
+def test_escape_ends_placing_and_waiting_for_a_goal(here: Opened) -> None:
+    here.page._choose("Table")
+    assert here.ghost()
+    press(here, "Stop placing")
+    until(lambda: not here.ghost() and here.page._placing_click.label is None)
+    assert command(here, "Stop placing")["props"]["hotkey"] == "escape"
+
+
+def test_a_drop_is_undone(here: Opened) -> None:
+    here.show(SEEN)
+    here.drag("a", ("start", (1.0, 1.0)), ("update", (2.0, 1.5)), ("end", (3.0, 2.0)))
+    until(lambda: here.page._undo)
+    press(here, "Undo the last move")
+    until(lambda: len(here.network.asked) == 2)
+    (_, there), (_, back) = here.network.asked
+    assert isinstance(there, Teleport)
+    assert isinstance(back, Teleport)
+    assert (back.agent, back.position.x, back.position.y) == ("a", 1.0, 1.0)
+
+
+def test_a_placed_body_is_undone(here: Opened) -> None:
+    here.show(SEEN)
+    here.page._choose("Table")
+    here.page._placing_click.put(2.0, 3.0)
+    until(lambda: here.page._undo)
+    here.page._undo_newest()
+    until(lambda: here.network.asked[-1] == ("delete", Delete(agent="table1")))
+
+
+def test_a_refused_drop_moves_nothing_and_cannot_be_undone(here: Opened) -> None:
+    here.show(SEEN)
+    here.network.refuses = "overlaps a wall"
+    here.drag("a", ("start", (1.0, 1.0)), ("update", (2.0, 1.5)), ("end", (3.0, 2.0)))
+    until(lambda: here.network.asked)
+    here.browser.wait(lambda: any("overlaps a wall" in str(message) for message in here.browser.heard))
+    until(lambda: not here.ghost())
+    assert not here.page._undo
+
+
+def test_a_refusal_is_shown_once(here: Opened) -> None:
+    here.network.refuses = "taken by somebody else"
+    for _ in range(3):
+        here.page._run_control.step(1)
+    until(lambda: len(here.network.asked) == 3)
+    here.page._run_control.pause()
+    here.browser.wait(lambda: any("Not paused" in str(message) for message in here.browser.heard))
+    notices = [message for message in here.browser.heard if "Not stepped" in str(message)]
+    assert len(notices) == 1
+    here.show(SEEN)
+    assert "Not stepped" not in here.browser.text()
+
+
+def test_digits_select_in_natural_order(here: Opened) -> None:
+    names = ("chair10", "chair2", "chair1")
+    here.show(
+        replace(SEEN, entities=tuple(entity(name) for name in names), bodies={name: body(name) for name in names})
+    )
+    press(here, "Select agent 2")
+    until(lambda: here.page.selected == "chair2")
+
+
+@pytest.mark.parametrize(
+    ("label", "message"), [("Pause", Pause()), ("Resume", Resume()), ("Remove", Delete(agent="a"))]
+)
+def test_a_button_sends_a_request(here: Opened, label: str, message: Record) -> None:
     here.page.select("a")
     matches = [each for each in here.browser.gui.values() if str(each.get("label", "")).startswith(label)]
     assert matches or here.browser.element(label)
     uuid = next(key for key, each in here.browser.gui.items() if str(each.get("label", "")).startswith(label))
     here.browser.send({"type": "GuiUpdateMessage", "uuid": uuid, "updates": {"value": True}})
-    assert here.network.wished() == wish
+    assert here.network.wished() == message
 
 
-def test_a_refusal_is_shown_with_its_reason_and_as_text(here: Opened) -> None:
+def test_a_refusal_is_shown_with_its_reason(here: Opened) -> None:
     here.network.refuses = made_up.ATTACK
-    here.page._step_one()
+    here.page._run_control.step(1)
     assert here.network.wished() == Step(count=1)
     here.browser.wait(lambda: any("Not stepped" in str(message) for message in here.browser.heard))
-    here.show(SEEN)
-    here.browser.wait(lambda: "Not stepped" in here.browser.text())
-    assert "<img src=x:" not in here.browser.text()
-    assert "&lt;img src=x:" in here.browser.text()
 
 
 def test_no_text_of_an_agent_is_markup(here: Opened) -> None:
     here.page.select(made_up.ATTACK)
-    here.page._refusal = made_up.ATTACK
     here.show(made_up.hostile())
     here.browser.wait(lambda: "&lt;img src=x:" in here.browser.text())
     assert "<img src=x:" not in here.browser.text()
@@ -141,6 +215,15 @@ def test_no_text_of_an_agent_is_markup(here: Opened) -> None:
 def test_words_are_said_to_one_or_all(here: Opened) -> None:
     here.page._say("hello", None)
     assert here.network.wished() == OperatorSay(text="hello")
+    until(lambda: here.network.speech == [("hello", None)])
+
+
+def test_what_was_refused_was_not_said(here: Opened) -> None:
+    here.network.refuses = "too long"
+    here.page._say("hello", "a")
+    until(lambda: here.network.asked)
+    here.browser.wait(lambda: any("too long" in str(message) for message in here.browser.heard))
+    assert here.network.speech == []
 
 
 # ---------------------------------------------------------------- driving

@@ -4,6 +4,7 @@ import itertools
 
 import pytest
 
+from intellwheels_schemas.agent_colours import COLOURS, FIXTURES, THING, colour_of, css
 from intellwheels_schemas.messages import Body, Robot
 from intellwheels_viewer import palette
 from intellwheels_viewer.palette import Colours, Sight
@@ -22,7 +23,7 @@ def thing(kind: str) -> Body:
 
 @pytest.mark.parametrize("sight", SIGHTS)
 def test_agents_contact_and_selection_are_sixteen_apart_in_every_sight(sight: Sight) -> None:
-    colours = (*palette.AGENTS, palette.CONTACT, palette.SELECTED)
+    colours = (*COLOURS, palette.CONTACT, palette.SELECTED)
     assert min(palette.difference(a, b, sight) for a, b in itertools.combinations(colours, 2)) >= 16.0
 
 
@@ -42,7 +43,7 @@ def test_the_difference_of_black_and_white_is_a_hundred() -> None:
     assert palette.difference((0, 0, 0), (255, 255, 255)) == pytest.approx(100.0, abs=0.05)
 
 
-@pytest.mark.parametrize("colour", palette.AGENTS)
+@pytest.mark.parametrize("colour", COLOURS)
 def test_text_in_an_agents_colour_can_be_read_on_both_grounds(colour: palette.RGB) -> None:
     assert palette.contrast(palette.text_safe(colour), palette.ON_WHITE) >= 4.5
     assert palette.contrast(palette.text_safe(colour, dark=True), palette.ON_DARK) >= 4.5
@@ -63,37 +64,31 @@ def test_light_and_bytes_are_inverse() -> None:
     assert palette.light_bytes([(0, 188, 255)]).tolist() == [[0, 128, 255]]
 
 
-def test_agents_get_colours_in_the_order_in_which_they_come_and_keep_them() -> None:
+def test_a_body_has_the_colour_of_its_name_in_whatever_order_bodies_come() -> None:
+    one, other = Colours(), Colours()
+    one.see({name: mover(name) for name in ("chair1", "chair2", "b")})
+    other.see({"b": mover("b")})
+    other.see({name: mover(name) for name in ("b", "chair2", "chair1")})
+    assert [one.look(name) for name in ("chair1", "chair2", "b")] == [
+        other.look(name) for name in ("chair1", "chair2", "b")
+    ]
+    assert one.rgb("chair1") == Colours().rgb("chair1") == colour_of("chair1")
+
+
+def test_the_seventh_chair_has_the_first_colour_and_a_stripe() -> None:
     colours = Colours()
-    colours.see({"b": mover("b"), "a": mover("a")})
-    colours.see({"a": mover("a"), "c": mover("c")})
-    assert [colours.rgb(name) for name in "bac"] == list(palette.AGENTS[:3])
+    colours.see({f"a{index}": mover(f"a{index}") for index in range(1, 25)})
+    assert colours.rgb("a7") == colours.rgb("a1")
+    assert [colours.mark(name) for name in ("a6", "a7", "a13", "a24")] == [0, 1, 2, 3]
 
 
-def test_the_seventh_agent_has_the_first_colour_and_a_stripe() -> None:
-    colours = Colours()
-    colours.see({f"a{index}": mover(f"a{index}") for index in range(25)})
-    assert colours.rgb("a6") == colours.rgb("a0")
-    assert [colours.mark(name) for name in ("a5", "a6", "a12", "a23", "a24")] == [0, 1, 2, 3, 0]
-
-
-def test_doors_and_tables_use_no_colour_up() -> None:
+def test_doors_and_tables_have_the_colour_of_their_kind() -> None:
     colours = Colours()
     colours.see({"door": thing("door"), "table": thing("table"), "crate": thing("crate"), "chair": mover("chair")})
-    assert colours.rgb("door") == palette.TEAL
-    assert colours.rgb("table") == palette.WOOD
-    assert colours.rgb("chair") == palette.AGENTS[0]
+    assert [colours.rgb(name) for name in ("door", "table", "crate")] == [FIXTURES["door"], FIXTURES["table"], THING]
+    assert colours.rgb("chair") == colour_of("chair")
     assert colours.mark("door") == 0
 
 
 def test_an_agents_text_is_css() -> None:
-    assert Colours().text("anybody") == palette.hexadecimal(palette.text_safe(palette.AGENTS[0]))
-    assert palette.hexadecimal((0, 114, 178)) == "#0072b2"
-
-
-def test_a_cast_that_begins_anew_has_the_same_colours_in_whatever_order_it_came_before() -> None:
-    colours = Colours()
-    colours.see({"chair2": mover("chair2")})
-    colours.begin()
-    colours.see({name: mover(name) for name in ("chair1", "chair2")})
-    assert (colours.index("chair1"), colours.index("chair2")) == (0, 1)
+    assert Colours().text("anybody") == css(palette.text_safe(colour_of("anybody")))

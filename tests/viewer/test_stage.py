@@ -12,7 +12,7 @@ import viser
 from intellwheels_schemas.messages import Map, Pose, Robot
 from intellwheels_viewer.origin_guard import open_server
 from intellwheels_viewer.snapshot import Snapshot
-from intellwheels_viewer.stage import FEW, LAYERS, Stage, background, period_of, watched
+from intellwheels_viewer.stage import FEW, LAYERS, Stage, background, watched
 from tests.bench.feed import body as feed_body
 from tests.bench.feed import measures as feed_measures
 from tests.viewer.browser import opened
@@ -47,7 +47,7 @@ CROWD = Snapshot(
 
 
 @pytest.mark.parametrize(
-    "seen",
+    "snapshot",
     [
         Snapshot(), Snapshot(floor=EMPTY, revision=0), made_up.seen(), made_up.hostile(), CROWD,
         # A mind's form of a robot says nothing of its body.
@@ -61,10 +61,10 @@ CROWD = Snapshot(
         replace(made_up.seen(), measures={}), replace(made_up.seen(), tick=0, time=0.0),
     ],
 )  # fmt: skip
-def test_whatever_is_seen_is_drawn(stage: Stage, seen: Snapshot) -> None:
-    stage.show(seen, ())
+def test_whatever_is_seen_is_drawn(stage: Stage, snapshot: Snapshot) -> None:
+    stage.show(snapshot, ())
     stage.show(made_up.seen(), {"chair1", "no such", ""})
-    stage.show(seen, {"chair1"})
+    stage.show(snapshot, {"chair1"})
 
 
 def test_a_body_that_has_no_more_than_a_name_is_drawn(stage: Stage) -> None:
@@ -75,8 +75,8 @@ def test_a_body_that_has_no_more_than_a_name_is_drawn(stage: Stage) -> None:
 
 
 def test_bodies_stand_where_the_state_says(server: viser.ViserServer, stage: Stage) -> None:
-    seen = Snapshot(entities=(entity("a", 1.5, -2.25), entity("b", 3.0)), bodies={"a": body("a"), "b": body("b")})
-    stage.show(seen, ())
+    snapshot = Snapshot(entities=(entity("a", 1.5, -2.25), entity("b", 3.0)), bodies={"a": body("a"), "b": body("b")})
+    stage.show(snapshot, ())
     ((name, names),) = [(n, who) for n, who in stage.bodies.names.items() if n.endswith("/paint")]
     assert names == ("a", "b")
     handle = server.scene._handle_from_node_name[name]
@@ -132,11 +132,6 @@ def test_a_selected_text_that_is_nobody_is_not_watched(name: str) -> None:
     assert watched(CROWD, {name, "n000"}) == {"n000"}
 
 
-def test_the_period_is_told_by_the_newest_tick() -> None:
-    assert period_of(Snapshot(tick=40, time=4.0)) == pytest.approx(0.1)
-    assert period_of(Snapshot()) == 0.05
-
-
 def test_the_background_is_plain() -> None:
     assert background((1, 2, 3)).shape == (2, 2, 3)
     assert (background((1, 2, 3)) == (1, 2, 3)).all()
@@ -178,9 +173,9 @@ def test_of_many_only_the_selected_ones_readings_have_arcs(stage: Stage) -> None
 
 
 def test_the_ghost_of_a_reported_pose_stands_beside_the_truth(server: viser.ViserServer, stage: Stage) -> None:
-    seen = Snapshot(entities=(entity("a", 1.5),), bodies={"a": body("a")})
-    stage.show(replace(seen, reported={"a": Pose(x=1.0, y=0.5, heading=0.0)}), ())
+    snapshot = Snapshot(entities=(entity("a", 1.5),), bodies={"a": body("a")})
+    stage.show(replace(snapshot, reported={"a": Pose(x=1.0, y=0.5, heading=0.0)}), ())
     ghost = server.scene._handle_from_node_name["/reported/a/body"]
     assert ghost.position == pytest.approx([1.0, 0.5, 0.0])
-    stage.show(seen, ())
+    stage.show(snapshot, ())
     assert not ghost.visible

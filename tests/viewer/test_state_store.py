@@ -9,17 +9,17 @@ from hypothesis import strategies as st
 
 from intellwheels_maps import library
 from intellwheels_schemas.messages import Events, Pose, Record, Robot
-from intellwheels_viewer.snapshot import EVENTS_KEPT, HISTORY, Snapshot
+from intellwheels_viewer.snapshot import EVENTS_KEPT, HISTORY, USER, Snapshot, Words
 from intellwheels_viewer.state_store import RETURNS, RUNS_KNOWN, StateStore
 from tests.viewer.wire import HASH, OTHER, RUN, body, clock, entity, event, info, measures, state
 
 
-def seen(store: StateStore) -> Snapshot:
+def snapshot(store: StateStore) -> Snapshot:
     return store.seen("live", "w", ("w",), "tcp/127.0.0.1:1")
 
 
 def names(store: StateStore) -> list[str]:
-    return [each.name for each in seen(store).entities]
+    return [each.name for each in snapshot(store).entities]
 
 
 @pytest.fixture
@@ -36,7 +36,7 @@ def store() -> StateStore:
 def test_the_clock_is_the_one_with_the_newest_stamp(store: StateStore) -> None:
     store.on_clock(clock(5, stamp=100.5))
     store.on_clock(clock(4, stamp=100.4))
-    found = seen(store).clock
+    found = snapshot(store).clock
     assert found is not None
     assert found.tick == 5
 
@@ -47,7 +47,7 @@ def test_another_run_makes_the_old_one_forgotten(store: StateStore) -> None:
     store.on_event(event(0))
     store.on_measures("a", measures(9, 1.0))
     store.on_clock(clock(0, OTHER, stamp=100.1))
-    now = seen(store)
+    now = snapshot(store)
     assert (now.run, now.tick, now.time) == (OTHER, 0, 0.0)
     assert not any((now.entities, now.events, now.words, now.measures, now.history, now.bodies))
     assert store.wants_events_since == 0
@@ -64,18 +64,18 @@ def test_another_run_makes_the_old_one_forgotten(store: StateStore) -> None:
 def test_what_comes_late_of_an_old_run_is_not_taken(store: StateStore, late: tuple[str, Record]) -> None:
     store.on_clock(clock(9, stamp=100.0))
     store.on_clock(clock(0, OTHER, stamp=100.1))
-    before = seen(store)
+    before = snapshot(store)
     getattr(store, late[0])(late[1])
-    assert seen(store) == before
+    assert snapshot(store) == before
 
 
 def test_a_strangers_message_with_another_run_blinds_only_until_the_next_newer_clock(store: StateStore) -> None:
     store.on_clock(clock(9, stamp=100.0))
     store.on_body(body("a", run=OTHER))
     store.on_clock(clock(10, stamp=100.05))
-    assert seen(store).run == OTHER
+    assert snapshot(store).run == OTHER
     store.on_clock(clock(40, stamp=100.1 + RETURNS))
-    assert seen(store).run == RUN
+    assert snapshot(store).run == RUN
     assert store.wants_events_since == 0  # all else is asked for anew
 
 
@@ -93,16 +93,16 @@ def test_a_state_counts_when_all_its_parts_are_there_and_in_their_order(store: S
     assert names(store) == []
     store.on_state(state(1, entity("a"), entity("b"), part=0, parts=2))
     assert names(store) == ["a", "b", "c"]
-    assert seen(store).tick == 1
+    assert snapshot(store).tick == 1
 
 
 def test_a_lost_part_leaves_the_last_whole_state_until_the_next(store: StateStore) -> None:
     store.on_state(state(1, entity("a", 1.0)))
     store.on_state(state(2, entity("a", 2.0), part=0, parts=2))
     store.on_state(state(3, entity("a", 3.0), part=1, parts=2))
-    assert seen(store).entities[0].x == 1.0
+    assert snapshot(store).entities[0].x == 1.0
     store.on_state(state(3, entity("b", 3.0), part=0, parts=2))
-    assert seen(store).tick == 3
+    assert snapshot(store).tick == 3
     assert names(store) == ["b", "a"]
 
 
@@ -123,15 +123,15 @@ def test_parts_beyond_their_number_are_not_kept(store: StateStore) -> None:
 def test_an_older_tick_is_old_news(store: StateStore) -> None:
     store.on_state(state(5, entity("a", 5.0)))
     store.on_state(state(4, entity("a", 4.0)))
-    assert (seen(store).tick, seen(store).entities[0].x) == (5, 5.0)
+    assert (snapshot(store).tick, snapshot(store).entities[0].x) == (5, 5.0)
 
 
 def test_bodies_are_seen_to_move_while_the_tick_stands(store: StateStore) -> None:
     store.on_state(state(5, entity("a", 5.0)))
-    before = seen(store)
+    before = snapshot(store)
     store.on_state(state(5, entity("a", 7.0)))
-    assert seen(store).entities[0].x == 7.0
-    assert seen(store).version > before.version
+    assert snapshot(store).entities[0].x == 7.0
+    assert snapshot(store).version > before.version
 
 
 def test_seeking_back_in_a_log_is_followed_and_the_future_forgotten(store: StateStore) -> None:
@@ -141,7 +141,7 @@ def test_seeking_back_in_a_log_is_followed_and_the_future_forgotten(store: State
     store.on_measures("a", measures(90, 1.0))
     store.on_state(state(10, entity("a", 1.0)))
     store.on_measures("a", measures(10, 0.5))
-    now = seen(store)
+    now = snapshot(store)
     assert (now.tick, now.last_tick) == (10, 100)
     assert [sample.time for sample in now.history["a"]] == [pytest.approx(0.5)]
     assert now.words == ()
@@ -151,10 +151,10 @@ def test_seeking_back_in_a_log_is_followed_and_the_future_forgotten(store: State
 def test_only_who_has_a_body_is_seen_and_who_has_none_is_lacked(store: StateStore) -> None:
     store.on_state(state(1, entity("a"), entity("ghost")))
     assert names(store) == ["a"]
-    assert store.lacks == {"ghost"}
+    assert store.missing_bodies == {"ghost"}
     store.on_body(body("ghost"))
-    assert store.lacks == frozenset()
-    assert list(seen(store).bodies) == ["a", "ghost"]
+    assert store.missing_bodies == frozenset()
+    assert list(snapshot(store).bodies) == ["a", "ghost"]
 
 
 def test_a_body_without_a_name_is_nobody_s(store: StateStore) -> None:
@@ -174,19 +174,19 @@ def test_a_number_too_high_tells_that_events_were_missed(store: StateStore) -> N
     assert store.wants_events_since == 1
     store.on_events(Events(run=RUN, oldest=0, next=10, event=tuple(event(k) for k in range(1, 10))))
     assert store.wants_events_since is None
-    assert [each.number for each in seen(store).events] == list(range(10))
+    assert [each.number for each in snapshot(store).events] == list(range(10))
 
 
 def test_events_that_came_twice_are_seen_once(store: StateStore) -> None:
     store.on_event(event(0))
     store.on_events(Events(run=RUN, oldest=0, next=1, event=(event(0),)))
-    assert len(seen(store).events) == 1
+    assert len(snapshot(store).events) == 1
 
 
 def test_the_newest_events_are_kept(store: StateStore) -> None:
     for number in range(EVENTS_KEPT + 50):
         store.on_event(event(number))
-    kept = [each.number for each in seen(store).events]
+    kept = [each.number for each in snapshot(store).events]
     assert kept == list(range(50, EVENTS_KEPT + 50))
 
 
@@ -198,15 +198,15 @@ def test_measures_are_the_newest_and_those_of_who_is_there(store: StateStore) ->
     store.on_measures("a", measures(5, 1.0))
     store.on_measures("a", measures(4, 2.0))
     store.on_measures("elsewhere", measures(5, 2.0))
-    assert {name: found.tick for name, found in seen(store).measures.items()} == {"a": 5}
+    assert {name: found.tick for name, found in snapshot(store).measures.items()} == {"a": 5}
     store.forget(["a", "nobody"])
-    assert seen(store).measures == {}
+    assert snapshot(store).measures == {}
 
 
 def test_words_are_noted_once_while_they_sound_and_again_when_said_again(store: StateStore) -> None:
     for tick, text in ((1, "hi"), (2, "hi"), (3, None), (4, "hi"), (5, "bye")):
         store.on_state(state(tick, entity("a", say=text)))
-    assert [(words.text, words.time) for words in seen(store).words] == [
+    assert [(words.text, words.time) for words in snapshot(store).words] == [
         ("hi", 0.05), ("hi", pytest.approx(0.2)), ("bye", 0.25),
     ]  # fmt: skip
 
@@ -215,7 +215,7 @@ def test_the_history_has_ten_samples_a_second_of_the_last_seconds(store: StateSt
     store.on_measures("a", measures(0, 1.5, 2.5))
     for tick in range(20 * 60):
         store.on_state(state(tick, entity("a", tick * 0.01, speed=0.2)))
-    samples = seen(store).history["a"]
+    samples = snapshot(store).history["a"]
     assert samples[-1].time - samples[0].time == pytest.approx(HISTORY, abs=0.11)
     assert len(samples) == pytest.approx(HISTORY * 10, abs=2)
     assert samples[-1].ranges == (1.5, 2.5)
@@ -229,7 +229,7 @@ def test_the_history_of_who_left_does_not_pile_up() -> None:
         store.on_body(body(name))
         store.on_state(state(tick, entity(name)))
     assert len(store._history) < 20
-    assert len(seen(store).history) == 1
+    assert len(snapshot(store).history) == 1
 
 
 # ---------------------------------------------------------------- the floor
@@ -237,23 +237,23 @@ def test_the_history_of_who_left_does_not_pile_up() -> None:
 
 def test_the_map_is_lacked_until_it_is_the_one_in_use(store: StateStore) -> None:
     room = library.floor("room")
-    assert store.lacks_map
+    assert store.map_is_missing
     store.on_floor(room)
-    assert not store.lacks_map
+    assert not store.map_is_missing
     store.on_map_info(info())
-    assert store.lacks_map
+    assert store.map_is_missing
     store.on_floor(room)
-    assert not store.lacks_map
-    assert seen(store).revision == 0  # the same floor is not drawn again
+    assert not store.map_is_missing
+    assert snapshot(store).revision == 0  # the same floor is not drawn again
     store.on_floor(library.floor("ward"))
-    assert seen(store).revision == 1
+    assert snapshot(store).revision == 1
 
 
 def test_the_floor_stays_over_a_new_run_until_another_comes(store: StateStore) -> None:
     store.on_floor(library.floor("room"))
     store.on_clock(clock(0, OTHER, stamp=101.0))
-    assert seen(store).floor is not None
-    assert store.lacks_map
+    assert snapshot(store).floor is not None
+    assert store.map_is_missing
 
 
 def test_a_map_that_was_asked_for_before_another_was_loaded_is_not_taken_for_it(store: StateStore) -> None:
@@ -261,10 +261,10 @@ def test_a_map_that_was_asked_for_before_another_was_loaded_is_not_taken_for_it(
     asked = store.map_in_use
     store.on_map_info(info(hash_="0" * 16))
     store.on_floor(library.floor("room"), asked)
-    assert seen(store).floor is None
-    assert store.lacks_map
+    assert snapshot(store).floor is None
+    assert store.map_is_missing
     store.on_floor(library.floor("ward"), store.map_in_use)
-    assert not store.lacks_map
+    assert not store.map_is_missing
 
 
 # ---------------------------------------------------------------- anything at all
@@ -300,7 +300,7 @@ def test_whatever_comes_in_whatever_order_there_is_something_to_see(
     version = 0
     for method, arguments in messages:
         getattr(store, method)(*arguments)
-        now = seen(store)
+        now = snapshot(store)
         assert {each.name for each in now.entities} == now.bodies.keys()
         runs = [each.run for each in now.bodies.values()] + [each.run for each in now.events]
         assert set(runs + [each.run for each in now.measures.values()]) <= {now.run}
@@ -313,14 +313,25 @@ def test_a_reported_pose_is_seen_beside_the_truth_in_a_log_and_in_no_other_world
     store.on_clock(clock(5))
     store.on_state(state(5, entity("a")))
     store.on_reported("a", pose)
-    assert seen(store).reported == {}
+    assert snapshot(store).reported == {}
     store.on_clock(msgspec.structs.replace(clock(5, stamp=2e9), last=100))
-    before = seen(store).version
+    before = snapshot(store).version
     for name in ("a", "nobody"):
         store.on_reported(name, pose)
     store.on_reported("a", msgspec.structs.replace(pose, run=OTHER, x=9.0))
     store.on_reported("a", pose)
-    assert seen(store).reported == {"a": pose}
-    assert seen(store).version > before
+    assert snapshot(store).reported == {"a": pose}
+    assert snapshot(store).version > before
     store.on_state(state(50, entity("a")))  # sought: that of another tick is not shown
-    assert seen(store).reported == {}
+    assert snapshot(store).reported == {}
+
+
+def test_what_a_user_says_is_kept_with_its_time_and_forgotten_with_the_run() -> None:
+    store = StateStore()
+    store.on_state(state(20, entity("a")))
+    version = snapshot(store).version
+    store.on_user_speech("hello", "a")
+    assert snapshot(store).words == (Words(USER, 1.0, "hello", "a"),)
+    assert snapshot(store).version > version
+    store.on_state(state(0, entity("a"), run=OTHER))
+    assert snapshot(store).words == ()

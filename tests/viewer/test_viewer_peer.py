@@ -54,8 +54,8 @@ def sees(network: Network, there: Callable[[Snapshot], object], what: str = "wha
     """Pour until it is seen."""
 
     def look() -> Snapshot | None:
-        seen = network.pour()
-        return seen if there(seen) else None
+        snapshot = network.pour()
+        return snapshot if there(snapshot) else None
 
     found = until(look, what=what)
     assert isinstance(found, Snapshot)
@@ -67,7 +67,10 @@ def world() -> Iterator[tuple[Simulator, Network]]:
     with simulator("lab") as (made, endpoint), watching(endpoint) as network:
         made.bodies = [body("a"), body("b")]
         made.run(3, entity("a", 1.0), entity("b", 2.0))
-        sees(network, lambda seen: seen.phase == "live" and len(seen.entities) == 2 and seen.floor is not None)
+        sees(
+            network,
+            lambda snapshot: snapshot.phase == "live" and len(snapshot.entities) == 2 and snapshot.floor is not None,
+        )
         yield made, network
 
 
@@ -77,8 +80,8 @@ def world() -> Iterator[tuple[Simulator, Network]]:
 def test_nobody_at_the_endpoint_is_told_and_looked_for_again() -> None:
     endpoint = f"tcp/127.0.0.1:{free_port()}"
     with watching(endpoint) as network:
-        seen = network.pour()
-        assert (seen.phase, seen.endpoint, seen.worlds) == ("no-router", endpoint, ())
+        snapshot = network.pour()
+        assert (snapshot.phase, snapshot.endpoint, snapshot.worlds) == ("no-router", endpoint, ())
         with pytest.raises(Refusal, match="No simulator at tcp/"):
             network.ask("pause", Pause())
         network.put_user("a", UserInput())  # nothing to put it to
@@ -95,12 +98,12 @@ def test_an_endpoint_that_is_none_is_a_failure_in_words_that_stops() -> None:
 
 def test_a_router_without_a_world_is_told() -> None:
     with listening() as (_, endpoint), watching(endpoint) as network:
-        sees(network, lambda seen: seen.phase == "no-world")
+        sees(network, lambda snapshot: snapshot.phase == "no-world")
 
 
 def test_the_only_world_is_watched_without_being_named(world: tuple[Simulator, Network]) -> None:
-    seen = world[1].pour()
-    assert (seen.world, seen.worlds) == ("lab", ("lab",))
+    snapshot = world[1].pour()
+    assert (snapshot.world, snapshot.worlds) == ("lab", ("lab",))
 
 
 def test_a_late_comer_asks_for_all_it_missed() -> None:
@@ -109,10 +112,12 @@ def test_a_late_comer_asks_for_all_it_missed() -> None:
         made.clock = clock(7, state="paused", stamp=time.time())
         made.events = [event(0), event(1, "paused")]
         with watching(endpoint) as network:
-            seen = sees(network, lambda seen: seen.entities and seen.floor and len(seen.events) == 2)
-            assert (seen.tick, seen.entities[0].x, seen.run) == (7, 1.5, RUN)
-            assert seen.floor == library.floor("room")
-            assert seen.clock == made.clock
+            snapshot = sees(
+                network, lambda snapshot: snapshot.entities and snapshot.floor and len(snapshot.events) == 2
+            )
+            assert (snapshot.tick, snapshot.entities[0].x, snapshot.run) == (7, 1.5, RUN)
+            assert snapshot.floor == library.floor("room")
+            assert snapshot.clock == made.clock
 
 
 def test_of_several_worlds_one_is_chosen() -> None:
@@ -120,18 +125,18 @@ def test_of_several_worlds_one_is_chosen() -> None:
         other = Simulator(one.session, "ward")
         try:
             with watching(endpoint) as network:
-                seen = sees(network, lambda seen: len(seen.worlds) == 2)
-                assert (seen.phase, seen.world, seen.worlds) == ("choose", "", ("lab", "ward"))
+                snapshot = sees(network, lambda snapshot: len(snapshot.worlds) == 2)
+                assert (snapshot.phase, snapshot.world, snapshot.worlds) == ("choose", "", ("lab", "ward"))
                 other.bodies = [body("w")]
                 network.choose("ward")
                 other.run(1, entity("w"))
-                seen = sees(network, lambda seen: seen.world == "ward" and seen.entities)
-                assert [each.name for each in seen.entities] == ["w"]
+                snapshot = sees(network, lambda snapshot: snapshot.world == "ward" and snapshot.entities)
+                assert [each.name for each in snapshot.entities] == ["w"]
                 one.run(9, entity("w"))
                 network.choose("lab")
                 one.bodies = [body("w", robot="mid-wheel")]
-                seen = sees(network, lambda seen: seen.world == "lab" and seen.entities)
-                assert seen.tick == 9
+                snapshot = sees(network, lambda snapshot: snapshot.world == "lab" and snapshot.entities)
+                assert snapshot.tick == 9
         finally:
             other.close()
 
@@ -139,11 +144,11 @@ def test_of_several_worlds_one_is_chosen() -> None:
 def test_a_world_that_comes_alone_is_taken_and_kept_when_another_comes() -> None:
     with simulator("lab") as (one, endpoint), watching(endpoint) as network:
         one.run(1)
-        sees(network, lambda seen: seen.world == "lab")
+        sees(network, lambda snapshot: snapshot.world == "lab")
         other = Simulator(one.session, "ward")
         try:
-            seen = sees(network, lambda seen: len(seen.worlds) == 2)
-            assert seen.world == "lab"
+            snapshot = sees(network, lambda snapshot: len(snapshot.worlds) == 2)
+            assert snapshot.world == "lab"
         finally:
             other.close()
 
@@ -159,7 +164,7 @@ def test_reported_poses_are_heard_in_a_log_that_is_played(world: tuple[Simulator
         made.put(made.keys.pose("a"), pose)
 
     report(None)
-    sees(network, lambda seen: seen.clock == made.clock)
+    sees(network, lambda snapshot: snapshot.clock == made.clock)
     assert network.pour().reported == {}
 
     def heard() -> bool:
@@ -171,8 +176,8 @@ def test_reported_poses_are_heard_in_a_log_that_is_played(world: tuple[Simulator
 
 def test_a_world_that_was_named_is_waited_for_though_another_is_there() -> None:
     with simulator("lab") as (_, endpoint), watching(endpoint, "ward", chosen=True) as network:
-        seen = sees(network, lambda seen: seen.worlds == ("lab",))
-        assert (seen.phase, seen.world) == ("choose", "ward")
+        snapshot = sees(network, lambda snapshot: snapshot.worlds == ("lab",))
+        assert (snapshot.phase, snapshot.world) == ("choose", "ward")
 
 
 def test_a_text_that_is_no_world_is_not_chosen(world: tuple[Simulator, Network]) -> None:
@@ -184,31 +189,31 @@ def test_a_text_that_is_no_world_is_not_chosen(world: tuple[Simulator, Network])
 def test_a_simulator_that_goes_is_gone_and_comes_back(world: tuple[Simulator, Network]) -> None:
     made, network = world
     made.leave()
-    seen = sees(network, lambda seen: seen.phase == "gone")
-    assert len(seen.entities) == 2  # the last picture
+    snapshot = sees(network, lambda snapshot: snapshot.phase == "gone")
+    assert len(snapshot.entities) == 2  # the last picture
     made.verdict = lambda verb, data: None
-    with pytest.raises(Refusal, match="not there"):
+    with pytest.raises(Refusal, match="not running"):
         network.ask("pause", Pause())
     made.come()
     made.run(0, entity("a"), run=OTHER)
     made.bodies = [body("a", OTHER)]
-    sees(network, lambda seen: seen.phase == "live" and seen.run == OTHER and len(seen.entities) == 1)
+    sees(network, lambda snapshot: snapshot.phase == "live" and snapshot.run == OTHER and len(snapshot.entities) == 1)
 
 
 def test_a_clock_that_stops_is_silence(world: tuple[Simulator, Network], monkeypatch: pytest.MonkeyPatch) -> None:
     made, network = world
     assert network.quiet < network_module.SILENCE
     monkeypatch.setattr(network_module, "SILENCE", 0.2)
-    sees(network, lambda seen: seen.phase == "silent")
+    sees(network, lambda snapshot: snapshot.phase == "silent")
     made.run(4, entity("a"), entity("b"))
-    sees(network, lambda seen: seen.phase == "live" and seen.tick == 4)
+    sees(network, lambda snapshot: snapshot.phase == "live" and snapshot.tick == 4)
 
 
 def test_a_router_that_goes_is_told() -> None:
     with simulator("lab") as (made, endpoint), watching(endpoint) as network:
-        sees(network, lambda seen: seen.worlds)
+        sees(network, lambda snapshot: snapshot.worlds)
         made.session.close()  # type: ignore[no-untyped-call]
-        sees(network, lambda seen: seen.phase == "no-router")
+        sees(network, lambda snapshot: snapshot.phase == "no-router")
 
 
 # ---------------------------------------------------------------- in
@@ -219,16 +224,16 @@ def test_another_run_is_followed_without_asking_anybody(world: tuple[Simulator, 
     made.put(made.keys.map, info(OTHER))
     made.put(made.keys.body("c"), body("c", OTHER))
     made.run(0, entity("c"), run=OTHER)
-    sees(network, lambda seen: [each.name for each in seen.entities] == ["c"])
+    sees(network, lambda snapshot: [each.name for each in snapshot.entities] == ["c"])
 
 
 def test_missed_events_are_asked_for(world: tuple[Simulator, Network]) -> None:
     made, network = world
-    sees(network, lambda seen: network._world is not None and network._world.store.wants_events_since is None)
+    sees(network, lambda snapshot: network._world is not None and network._world.store.wants_events_since is None)
     made.events = [event(k) for k in range(6)]
     made.put(made.keys.event, event(5))
-    seen = sees(network, lambda seen: len(seen.events) == 6)
-    assert [each.number for each in seen.events] == list(range(6))
+    snapshot = sees(network, lambda snapshot: len(snapshot.events) == 6)
+    assert [each.number for each in snapshot.events] == list(range(6))
     assert any("since=0" in selector for selector in made.fetched)
 
 
@@ -237,11 +242,11 @@ def test_measures_are_heard_of_whom_somebody_watches(world: tuple[Simulator, Net
     network.watch({"a"})
     tick = iter(range(4, 10_000))
 
-    def told(seen: Snapshot) -> bool:
+    def told(snapshot: Snapshot) -> bool:
         now = next(tick)
         for name in "ab":
             made.put(made.keys.measures(name), measures(now, 1.0))
-        return bool(seen.measures)
+        return bool(snapshot.measures)
 
     assert set(sees(network, told).measures) == {"a"}
     network.watch(())
@@ -255,9 +260,9 @@ def test_of_many_all_measures_are_heard_by_one_subscription(world: tuple[Simulat
     assert set(network._world.watched) == {"*"}
     tick = iter(range(4, 10_000))
 
-    def told(seen: Snapshot) -> bool:
+    def told(snapshot: Snapshot) -> bool:
         made.put(made.keys.measures("b"), measures(next(tick), 1.0))
-        return "b" in seen.measures
+        return "b" in snapshot.measures
 
     sees(network, told)
 
@@ -284,13 +289,13 @@ def test_hostile_bytes_on_every_key_never_stop_it(world: tuple[Simulator, Networ
             made.put(key, data, dice.choice(encodings))
             network.pour()
 
-    def told(seen: Snapshot) -> bool:
+    def told(snapshot: Snapshot) -> bool:
         # Again and again: puts are dropped rather than waited for.
         made.run(50, entity("a", 5.0), entity("b"))
-        return seen.tick == 50
+        return snapshot.tick == 50
 
-    seen = sees(network, told)
-    assert seen.entities[0].x == 5.0
+    snapshot = sees(network, told)
+    assert snapshot.entities[0].x == 5.0
 
 
 def test_messages_of_one_kind_on_the_key_of_another_never_stop_it(world: tuple[Simulator, Network]) -> None:
@@ -301,7 +306,7 @@ def test_messages_of_one_kind_on_the_key_of_another_never_stop_it(world: tuple[S
         for message in every:
             made.put(key, message)
     made.run(60, entity("a", 6.0), entity("b"))
-    sees(network, lambda seen: seen.tick == 60 and seen.entities[0].x == 6.0)
+    sees(network, lambda snapshot: snapshot.tick == 60 and snapshot.entities[0].x == 6.0)
 
 
 def test_hostile_answers_never_stop_it() -> None:
@@ -313,7 +318,7 @@ def test_hostile_answers_never_stop_it() -> None:
         with watching(endpoint) as network:
             made.bodies = [body("a")]
             made.run(1, entity("a"))
-            sees(network, lambda seen: seen.entities)
+            sees(network, lambda snapshot: snapshot.entities)
             until(lambda: (network.pour(), made.fetched)[1])
             assert network.pour().floor is None
         junk.undeclare()  # type: ignore[no-untyped-call]
@@ -324,7 +329,7 @@ def test_names_of_worlds_that_are_none_are_not_worlds() -> None:
         tokens = [session.liveliness().declare_token(f"iw/v1/{name}/alive") for name in ("UPPER", "a b", "x" * 99)]
         made = Simulator(session, "lab")
         with watching(endpoint) as network:
-            sees(network, lambda seen: seen.worlds == ("lab",))
+            sees(network, lambda snapshot: snapshot.worlds == ("lab",))
         made.close()
         del tokens
 
@@ -344,8 +349,8 @@ def test_a_wish_is_answered(world: tuple[Simulator, Network]) -> None:
     [
         (Result(code="incorrect-state", text="agent 'a' is taken by somebody else"), "taken by somebody else"),
         (Result(code="incorrect-state"), "pause: incorrect-state"),
-        (b"\xff", "cannot be read"),
-        (b'{"Code":"no such"}', "cannot be read"),
+        (b"\xff", "Cannot read"),
+        (b'{"Code":"no such"}', "Cannot read"),
     ],
 )
 def test_a_refusal_is_in_words(world: tuple[Simulator, Network], answer: Result | bytes, words: str) -> None:
@@ -359,7 +364,7 @@ def test_who_may_only_look_hears_so(world: tuple[Simulator, Network], monkeypatc
     made, network = world
     monkeypatch.setattr(network_module, "ANSWER_LIMIT", 0.3)
     made.verdict = lambda verb, data: None
-    with pytest.raises(Refusal, match="You may look, not steer"):
+    with pytest.raises(Refusal, match="View only"):
         network.ask("pause", Pause())
 
 
@@ -392,7 +397,7 @@ def test_a_question_that_is_open_when_the_viewer_ends_does_not_hold_it() -> None
         made.verdict = verdict
         heard: list[str] = []
         with watching(endpoint) as network:
-            sees(network, lambda seen: seen.world)
+            sees(network, lambda snapshot: snapshot.world)
 
             def ask() -> None:
                 try:
@@ -415,7 +420,7 @@ def test_worlds_are_changed_while_pages_put_into_them() -> None:
         other = Simulator(one.session, "ward")
         try:
             with watching(endpoint, "lab", chosen=True) as network:
-                sees(network, lambda seen: len(seen.worlds) == 2)
+                sees(network, lambda snapshot: len(snapshot.worlds) == 2)
                 done, faults = threading.Event(), []
 
                 def put() -> None:

@@ -40,12 +40,12 @@ class Running:
         return self.viewer.server.get_port()
 
     def pages(self) -> int:
-        return len(self.viewer._present())
+        return len(self.viewer._open_pages())
 
     def selects(self, name: str) -> None:
         """The newest page selects."""
         until(self.pages)
-        list(self.viewer._present().values())[-1].select(name)
+        list(self.viewer._open_pages().values())[-1].select(name)
 
     def end(self) -> float:
         """Stop, and return how many seconds it took."""
@@ -159,7 +159,7 @@ def test_agents_that_vanish_and_runs_that_begin_anew_are_drawn(world: tuple[Simu
     with opened(viewer.port) as browser:
         browser.element("Camera")
         viewer.selects("a")
-        page = next(iter(viewer.viewer._present().values()))
+        page = next(iter(viewer.viewer._open_pages().values()))
         page.look("follow")
         made.run(5)
         until(lambda: painted(viewer) == {})
@@ -210,7 +210,7 @@ def test_a_page_with_a_camera_that_is_none_harms_no_other(world: tuple[Simulator
         browser.element("Camera")
         stranger.element("Camera")
         until(lambda: viewer.pages() == 2)
-        for page in viewer.viewer._present().values():
+        for page in viewer.viewer._open_pages().values():
             page.select("a")
             page.look("follow")
         made.run(9, entity("a", 9.0), entity("b"))
@@ -226,7 +226,7 @@ def test_what_is_driven_is_given_back_when_the_viewer_ends() -> None:
             with opened(viewer.port) as browser:
                 browser.element("Camera")
                 viewer.selects("a")
-                page = next(iter(viewer.viewer._present().values()))
+                page = next(iter(viewer.viewer._open_pages().values()))
                 until(lambda: page._stick(0.5, 0.0, 1) or made.asked)  # type: ignore[func-returns-value]
                 until(lambda: page._stick(0.5, 0.0, 2) or made.users)  # type: ignore[func-returns-value]
                 assert viewer.end() < 8.0
@@ -273,7 +273,7 @@ def test_a_taken_port_is_an_error_in_words(capsys: pytest.CaptureFixture[str]) -
         port = holder.getsockname()[1]
         assert serve(Options(port=port), Link(connect=("tcp/127.0.0.1:1",)), threading.Event()) == 1
     out, err = capsys.readouterr()
-    assert "it is taken" in err
+    assert "the port is in use" in err
     assert "Traceback" not in err
     assert out == ""
 
@@ -305,5 +305,5 @@ def test_nothing_of_a_browser_is_left_open(world: tuple[Simulator, Running]) -> 
 
 
 def test_panels_of_many_bodies_are_filled_less_often() -> None:
-    assert viewer_service.filling(stage.MANY) == viewer_service.PANELS
-    assert viewer_service.filling(stage.MANY + 1) == viewer_service.PANELS_OF_MANY > viewer_service.PANELS
+    assert viewer_service.panel_period(stage.MANY) == viewer_service.PANELS
+    assert viewer_service.panel_period(stage.MANY + 1) == viewer_service.PANELS_OF_MANY > viewer_service.PANELS

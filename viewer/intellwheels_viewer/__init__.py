@@ -1,1 +1,1 @@
-"""The viewer: a page in which a run is seen and steered."""
+"""The viewer: a web page that shows a run and controls it."""

@@ -1,4 +1,4 @@
-"""`iw-viewer`: the page in which a run is seen and steered."""
+"""`iw-viewer`: serves the web page that shows a run and controls it."""
 
 from __future__ import annotations
 
@@ -12,47 +12,50 @@ from intellwheels_schemas.link import add_link_options, link_of
 from intellwheels_schemas.process import add_process_options, stop_on_signals
 
 LONGEST: Final = 600.0
-"""Seconds of a recording: a longer file takes a browser minutes to open."""
+"""Longest recording, in seconds: a browser takes minutes to open a longer one."""
 
 _EPILOG = """\
 examples:
-  iw-viewer                                      what runs on this machine, at http://127.0.0.1:8080
-  iw-viewer --connect tcp/10.0.0.5:7447          what runs on another one
-  iw-viewer --host 0.0.0.0 --allow-host lab-pc   for the lab's browsers; put a proxy with a login before it
+  iw-viewer                                      show a simulator on this machine, at http://127.0.0.1:8080
+  iw-viewer --connect tcp/10.0.0.5:7447          show a simulator on another machine
+  iw-viewer --host 0.0.0.0 --allow-host lab-pc   let other machines open the page as http://lab-pc:8080
 
-  iw-viewer --record run.html --seconds 30       a page of the run for who has no simulator
+  iw-viewer --record run.html --seconds 30       save 30 s of the run as a page that needs no simulator
 
-It prints one line, `ready url=...`, once the page is there. It keeps nothing of the run: stop it at any time.
+It prints one line, `ready url=...`, when the page can be opened. It stores no part of the run, so you can stop and
+restart it at any time. The page has no login: do not expose it to a network that you do not trust.
 """
 
 
 def parser() -> argparse.ArgumentParser:
-    """Return the command's grammar."""
+    """Return the parser of the command line."""
     found = argparse.ArgumentParser(
         prog="iw-viewer",
-        description="Serve a web page in which a run is seen and steered, to any number of browsers.",
+        description="Serve a web page that shows a run and controls it. Any number of browsers can open it.",
         epilog=_EPILOG,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     page = found.add_argument_group("page")
     page.add_argument(
         "--host", default="127.0.0.1", metavar="ADDRESS",
-        help="address to serve at (default: 127.0.0.1, this machine only; there is no login)",
+        help="address to serve the page at (default: 127.0.0.1, this machine only)",
     )  # fmt: skip
-    page.add_argument("--port", type=_port, default=8080, metavar="N", help="port; 0 for any free one (default: 8080)")
+    page.add_argument(
+        "--port", type=_port, default=8080, metavar="N", help="port of the page; 0 picks a free one (default: 8080)"
+    )
     page.add_argument(
         "--allow-host", action="append", default=[], metavar="NAME",
-        help="a further name by which browsers reach this page, as behind a proxy; may be repeated",
+        help="accept browsers that reach the page by this name, for example behind a proxy; may be repeated",
     )  # fmt: skip
-    page.add_argument("--dark", action="store_true", help="a dark page")
+    page.add_argument("--dark", action="store_true", help="use the dark theme")
     kept = found.add_argument_group("recording")
     kept.add_argument(
         "--record", type=Path, metavar="FILE.html",
-        help="keep the run as a page that plays without a server, and end; the run that is there or the next one",
+        help="record the current run, or the next one, as a page that plays without a server; then exit",
     )  # fmt: skip
     kept.add_argument(
         "--seconds", type=_seconds, default=20.0, metavar="S",
-        help="how much of it, in simulated seconds (default: 20; less where the run ends before)",
+        help="simulated seconds to record (default: 20; less if the run ends earlier)",
     )  # fmt: skip
     add_process_options(found)
     add_link_options(found)
@@ -71,7 +74,7 @@ def main(arguments: list[str] | None = None) -> int:
         print(f"iw-viewer: {error.text}", file=sys.stderr)
         return 2
     stop = stop_on_signals(given.lifeline)
-    # These import viser, numpy and zenoh: `--help` and usage errors come without them.
+    # Imported late: viser, numpy and zenoh are slow to load, and `--help` does not need them.
     from intellwheels_viewer.viewer_service import Options, serve  # noqa: PLC0415
 
     return serve(
@@ -91,7 +94,7 @@ def main(arguments: list[str] | None = None) -> int:
 
 def _port(text: str) -> int:
     if not text.isdecimal() or int(text) > 65535:
-        raise argparse.ArgumentTypeError(f"expected a port, 0 to 65535, got {text!r}")
+        raise argparse.ArgumentTypeError(f"expected a port from 0 to 65535, got {text!r}")
     return int(text)
 
 
@@ -101,7 +104,7 @@ def _seconds(text: str) -> float:
     except ValueError:
         seconds = 0.0
     if not 0.0 < seconds <= LONGEST:
-        raise argparse.ArgumentTypeError(f"expected seconds, more than 0 and at most {LONGEST:g}, got {text!r}")
+        raise argparse.ArgumentTypeError(f"expected seconds above 0 and up to {LONGEST:g}, got {text!r}")
     return seconds
 
 

@@ -1,7 +1,7 @@
 """One browser's camera: free, plan, follow or first person.
 
-The pure part says where a camera must stand; the class moves one browser's. What a page reports are the user's moves
-and, late, echoes of ours; who has moved the view by hand keeps it.
+The functions compute where a camera must be; the class moves the camera of one browser. A page reports the user's
+camera moves and, later, echoes of ours. Once the user has moved the view, it is not framed again.
 """
 
 from __future__ import annotations
@@ -26,17 +26,17 @@ PLAN_FOV: Final = math.radians(8.0)
 """Nearly parallel lines of sight: viser has no orthographic camera."""
 FIRST_FOV: Final = math.radians(70.0)
 STEEP: Final = math.radians(58.0)
-"""Of the first view, below the horizontal."""
+"""Angle of the first view below the horizontal."""
 EYES: Final = 1.2
-"""Height of the eyes of who sits in a chair, in metres."""
+"""Eye height of a person in a chair, in metres."""
 TALLEST: Final = 1.6
-"""What stands on the floor with its name above, in metres."""
+"""Height of the tallest body with its label, in metres."""
 MARGIN: Final = 0.06
-"""Of the picture, left free at each edge."""
+"""Share of the picture that stays empty at each edge."""
 SMALLEST: Final = 2.0
-"""Metres that are shown at least, of a floor with next to nothing on it."""
+"""Metres that a view shows at least, even of an empty floor."""
 FAR: Final = 3000.0
-"""Metres to the far plane at least; a plan of a large floor is seen from farther away."""
+"""Minimum distance of the far plane, in metres; the plan of a large floor needs more."""
 _ECHO: Final = 1e-3  # metres; a page reports in float32
 
 
@@ -49,7 +49,7 @@ class View(NamedTuple):
 
 
 def corners_of(floor: Map) -> Vector:
-    """Return the eight corners of what a first view must show, in metres, shape (8, 3)."""
+    """Return the eight corners of the box that a first view must show, in metres, shape (8, 3)."""
     points = [(c.x, c.y) for wall in floor.wall for c in wall.corner]
     points += [(c.x, c.y) for zone in floor.zone for c in zone.corner]
     points += [(c.x, c.y) for thing in floor.obstacle for c in thing.corner]
@@ -63,7 +63,7 @@ def corners_of(floor: Map) -> Vector:
 
 
 def fit(points: Vector, steep: float, fov: float, aspect: float) -> View:
-    """Return the nearest view from the south that shows all points, as steep as is said.
+    """Return the nearest view from the south that shows all points at a given angle.
 
     Args:
         points: In metres, shape (n, 3).
@@ -89,40 +89,40 @@ def fit(points: Vector, steep: float, fov: float, aspect: float) -> View:
 
 
 def plan_of(points: Vector, aspect: float) -> View:
-    """Return the view from above. A thousandth off the vertical: exactly vertical turns the picture."""
+    """Return the view from above, 1 mrad off the vertical: exactly vertical would turn the picture."""
     return fit(points * np.array([1.0, 1.0, 0.0]), math.pi / 2 - 1e-3, PLAN_FOV, aspect)
 
 
 def first_person(entity: Entity) -> View:
-    """Return what who sits in a chair sees."""
+    """Return the view of a person in the chair."""
     cos, sin = math.cos(entity.heading), math.sin(entity.heading)
     eyes = np.array([entity.x + 0.05 * cos, entity.y + 0.05 * sin, EYES])
     return View(eyes, eyes + np.array([4.0 * cos, 4.0 * sin, -0.9]), FIRST_FOV)
 
 
 def behind(entity: Entity) -> View:
-    """Return where following begins: behind a body and above it."""
+    """Return the first view when following a body: from behind and above."""
     at = np.array([entity.x, entity.y, 0.6])
     cos, sin = math.cos(entity.heading), math.sin(entity.heading)
     return View(at + np.array([-4.2 * cos, -4.2 * sin, 3.4]), at, FOV)
 
 
 def on_floor(origin: Iterable[float], direction: Iterable[float]) -> tuple[float, float] | None:
-    """Return where a ray meets the floor, in metres; None where it does not, or farther than anything is."""
+    """Return where a ray meets the floor, in metres; None if it does not, or beyond the range of coordinates."""
     (ox, oy, oz), (dx, dy, dz) = origin, direction
     if dz >= -1e-9 or oz <= 0.0:
         return None
     along = -oz / dz
-    # Plain floats: what comes of numpy's is no number to the codec.
+    # Plain floats: the codec does not take numpy numbers.
     x, y = float(ox + along * dx), float(oy + along * dy)
-    return (x, y) if abs(x) < 1e4 and abs(y) < 1e4 else None  # what a coordinate may be; no NaN of a page's either
+    return (x, y) if abs(x) < 1e4 and abs(y) < 1e4 else None  # the range of coordinates; also refuses NaN
 
 
 def ray(camera: viser.CameraHandle, right: float, up: float) -> tuple[Vector, Vector]:
-    """Return the line of sight through a point of the picture: where it begins, and its direction.
+    """Return the line of sight through a point of the picture: its origin and direction.
 
     Args:
-        camera: Whose picture.
+        camera: The camera of the picture.
         right: From the middle, in half widths, in [-1, 1].
         up: From the middle, in half heights, in [-1, 1].
     """
@@ -136,7 +136,7 @@ def ray(camera: viser.CameraHandle, right: float, up: float) -> tuple[Vector, Ve
 
 
 class Camera:
-    """A browser's camera. Its page's messages come in one thread, what is followed in another.
+    """A browser's camera. The page's messages arrive in one thread, the body that it follows moves in another.
 
     Args:
         client: The browser.
@@ -149,7 +149,7 @@ class Camera:
         self._corners: Vector | None = None
         self._aspect = 0.0
         self._by_hand = False
-        # Whether the page has told of one of our writes: what it says before that is where it stood itself.
+        # Whether the page has reported one of our writes. Until then it reports its own default camera.
         self._settled = False
         self._written: deque[Vector] = deque(maxlen=64)
         self._offset: Vector | None = None
@@ -161,14 +161,14 @@ class Camera:
                 self._reported()
 
     def frame(self, floor: Map) -> None:
-        """Show another floor whole, in the free view and in the plan."""
+        """Fit another floor into the picture, in the free view and in the plan."""
         with self._lock:
             self._corners = corners_of(floor)
             self._by_hand = False
             self._fit()
 
     def choose(self, mode: Mode, entity: Entity | None) -> None:
-        """Look in another way; following and first person need somebody."""
+        """Change the mode. Following and first person need a body."""
         with self._lock:
             self.mode = mode if entity is not None or mode in ("free", "plan") else "free"
             self._by_hand = False
@@ -179,7 +179,7 @@ class Camera:
                 self.follow(entity)
 
     def follow(self, entity: Entity) -> None:
-        """Go on with a body that is followed, once per drawn tick."""
+        """Move the camera with the followed body, once per drawn tick."""
         with self._lock:
             if self.mode == "first":
                 self._write(first_person(entity), near=0.06)
@@ -192,12 +192,12 @@ class Camera:
                     self._write(View(view.look_at + self._offset, view.look_at, FOV))
 
     def _reported(self) -> None:
-        """Take what the page says of its camera."""
+        """Take the page's report of its camera."""
         camera = self._client.camera
         position, look_at = np.array(camera.position), np.array(camera.look_at)
         if camera.image_height <= 0 or not np.isfinite((position, look_at)).all():
-            return  # a window that is folded away, or a stranger
-        if camera.aspect > 0 and abs(camera.aspect - self._aspect) > 1e-3:  # less is no other window
+            return  # a minimised window, or not our page
+        if camera.aspect > 0 and abs(camera.aspect - self._aspect) > 1e-3:  # a smaller change is rounding
             self._aspect = camera.aspect
             if not self._by_hand:
                 self._fit()
@@ -208,7 +208,7 @@ class Camera:
         if not self._settled:
             return
         if self.mode == "follow":
-            # The rig moves with the body; what is left of a report is the user's orbit.
+            # The camera moves with the body, so the rest of the report is the user's orbit.
             self._offset = position - look_at
         elif self.mode != "first":
             self._by_hand = True
@@ -236,6 +236,5 @@ class Camera:
                 camera.near = near
                 camera.far = max(FAR, 2.0 * float(np.linalg.norm(view.position - view.look_at)))
         except (AssertionError, ValueError):
-            # The page has not said its first word, and `frame` is asked for again when it has; or what it said of its
-            # camera is no camera, and nothing can be reckoned from that.
+            # The page has not reported yet, and `frame` is repeated when it has; or it reported an invalid camera.
             self._written.pop()

@@ -1,4 +1,4 @@
-"""Clicks on the floor of one browser, heard only while somebody wants them: else a click turns the camera only."""
+"""Clicks on the floor in one browser, while something waits for them. Otherwise a click only moves the camera."""
 
 from __future__ import annotations
 
@@ -10,11 +10,11 @@ from intellwheels_viewer.cameras import on_floor
 
 
 class FloorClicks:
-    """Whether one listener hears where the floor is clicked.
+    """Reports clicks on the floor while it is switched on.
 
     Args:
-        scene: The browser's own.
-        call: Gets the point, in metres, in the order of the clicks. A click past the floor calls nobody.
+        scene: The scene of the browser.
+        call: Called with the point, in metres, in the order of the clicks. A click beside the floor is ignored.
     """
 
     def __init__(self, scene: viser.SceneApi, call: Callable[[float, float], None]) -> None:
@@ -22,7 +22,7 @@ class FloorClicks:
         self._heard: Callable[[viser.SceneClickEvent], None] | None = None
 
     def listen(self, on: bool) -> None:
-        """Hear clicks, or no longer."""
+        """Switch it on or off."""
         if on and self._heard is None:
 
             async def click(event: viser.SceneClickEvent) -> None:

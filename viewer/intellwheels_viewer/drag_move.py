@@ -1,4 +1,4 @@
-"""Bodies that are there are dragged, turned and removed: a ghost moves, the body only when the state says so."""
+"""Dragging, turning and removing bodies. A ghost moves with the pointer; the body moves when the simulator agrees."""
 
 from __future__ import annotations
 
@@ -7,38 +7,48 @@ from typing import TYPE_CHECKING, Final
 
 import viser
 
-from intellwheels_schemas.messages import Delete, Teleport
+from intellwheels_schemas.messages import Delete, Entity, Position, Result, Teleport
 from intellwheels_viewer.cameras import on_floor
 from intellwheels_viewer.drawings.ghosts import Ghost
 from intellwheels_viewer.held_ghost import HeldGhost, position
-from intellwheels_viewer.steering import Wishes
+from intellwheels_viewer.steering import RequestQueue
+from intellwheels_viewer.undo import UndoStack
 
 if TYPE_CHECKING:
     from intellwheels_viewer.palette import Colours
     from intellwheels_viewer.snapshot import Snapshot
 
 NUDGE: Final = 0.05
-"""Metres: a body pulled less far was clicked."""
+"""Metres: a shorter drag counts as a click."""
 
 
 class DragMove:
-    """What one browser does with the bodies that are there.
+    """Moving bodies in one browser.
 
     Args:
         client: The browser.
-        wishes: Where moves are asked for.
-        hand: Holds the ghost.
+        requests: Takes the requests for moves.
+        held_ghost: The browser's ghost.
         colours: The colour of each agent.
+        undo: Takes the requests that undo moves.
     """
 
-    def __init__(self, client: viser.ClientHandle, wishes: Wishes, hand: HeldGhost, colours: Colours) -> None:
-        self._client, self._wishes, self._hand, self._colours = client, wishes, hand, colours
+    def __init__(
+        self,
+        client: viser.ClientHandle,
+        requests: RequestQueue,
+        held_ghost: HeldGhost,
+        colours: Colours,
+        undo: UndoStack,
+    ) -> None:
+        self._client, self._requests, self._held_ghost, self._colours = client, requests, held_ghost, colours
+        self._undo = undo
         self._pulled: tuple[str, float, float] | None = None
 
-    def drag(self, seen: Snapshot, name: str, event: viser.SceneNodeDragEvent[viser.SceneNodeHandle]) -> None:
-        """Take one event of a drag that began on a body: its ghost moves, and at the end the body is asked to."""
+    def drag(self, snapshot: Snapshot, name: str, event: viser.SceneNodeDragEvent[viser.SceneNodeHandle]) -> None:
+        """Take one event of a drag that began on a body: move its ghost, and at the end request the move."""
         at = self._under(event.end_position)
-        entity, body = seen.entity(name), seen.bodies.get(name)
+        entity, body = snapshot.entity(name), snapshot.bodies.get(name)
         if event.phase == "start" or self._pulled is None or self._pulled[0] != name:
             start = self._under(event.start_position)
             if start is None or entity is None:
@@ -46,33 +56,42 @@ class DragMove:
             self._pulled = (name, entity.x - start[0], entity.y - start[1])
         if entity is None or body is None or at is None:
             self._pulled = None
-            self._hand.let_go()
+            self._held_ghost.clear()
             return
         x, y = at[0] + self._pulled[1], at[1] + self._pulled[2]
         far = math.hypot(x - entity.x, y - entity.y) > NUDGE
         if far:
-            self._hand.hold(Ghost(body.robot, x, y, entity.heading, self._colours.rgb(name)))
+            self._held_ghost.hold(Ghost(body.robot, x, y, entity.heading, self._colours.rgb(name)))
         if event.phase == "end":
             self._pulled = None
             if far:
-                wish = Teleport(agent=name, position=position(x, y, entity.heading))
-                self._wishes.ask("Not placed", "teleport", wish, self._hand.let_go, self._hand.let_go)
+                self._move(snapshot, entity, position(x, y, entity.heading), "Not placed")
             else:
-                self._hand.let_go()
+                self._held_ghost.clear()
 
-    def turn(self, seen: Snapshot, name: str | None, degrees: float) -> None:
-        """Ask for a body to be turned on by so much."""
-        entity = None if name is None else seen.entity(name)
+    def turn(self, snapshot: Snapshot, name: str | None, degrees: float) -> None:
+        """Request that a body turns by this many degrees, anticlockwise."""
+        entity = None if name is None else snapshot.entity(name)
         if entity is not None:
             turned = position(entity.x, entity.y, entity.heading + math.radians(degrees))
-            self._wishes.ask("Not turned", "teleport", Teleport(agent=entity.name, position=turned))
+            self._move(snapshot, entity, turned, "Not turned")
+
+    def _move(self, snapshot: Snapshot, entity: Entity, to: Position, what: str) -> None:
+        run, before = snapshot.run, position(entity.x, entity.y, entity.heading)
+
+        def moved(_: Result) -> None:
+            self._held_ghost.clear()
+            self._undo.push(run, "teleport", Teleport(agent=entity.name, position=before))
+
+        request = Teleport(agent=entity.name, position=to)
+        self._requests.ask(what, "teleport", request, moved, self._held_ghost.clear)
 
     def remove(self, name: str | None) -> None:
-        """Ask for a body to be taken away."""
+        """Request that a body is removed."""
         if name is not None:
-            self._wishes.ask("Not removed", "delete", Delete(agent=name))
+            self._requests.ask("Not removed", "delete", Delete(agent=name))
 
     def _under(self, point: tuple[float, float, float]) -> tuple[float, float] | None:
-        """Return the floor under the pointer: viser tells where it is on a plane that faces the camera."""
+        """Return the floor point under the pointer. Viser reports the pointer on a plane that faces the camera."""
         eye = self._client.camera.position
         return on_floor(eye, (point[0] - eye[0], point[1] - eye[1], point[2] - eye[2]))

@@ -1,6 +1,6 @@
-"""What one browser holds over the floor: a ghost, until it is let go and the simulator has answered.
+"""The ghost that one browser drags or places, shown until the simulator has answered.
 
-The page's messages move it in one thread and the answers to its wishes in another: nothing here waits for either.
+The page's messages move it in one thread and answers to requests change it in another; nothing here blocks.
 """
 
 from __future__ import annotations
@@ -17,10 +17,10 @@ from intellwheels_viewer.drawings.ghosts import Ghost, Ghosts
 
 
 class HeldGhost:
-    """The ghost in one browser's scene; there is one at most.
+    """The ghost in one browser's scene, at most one.
 
     Args:
-        scene: The browser's own.
+        scene: The scene of the browser.
     """
 
     def __init__(self, scene: viser.SceneApi) -> None:
@@ -30,23 +30,23 @@ class HeldGhost:
 
     @property
     def ghost(self) -> Ghost | None:
-        """What is held, None when nothing is."""
+        """The ghost, or None."""
         return self._ghost
 
     def hold(self, ghost: Ghost) -> None:
-        """Show this ghost and no other."""
+        """Show this ghost instead of the current one."""
         self._show(ghost)
 
-    def let_go(self, *_: object) -> None:
-        """Show none. It takes, and ignores, what an answer to a wish brings."""
+    def clear(self, *_: object) -> None:
+        """Remove the ghost. Takes, and ignores, the answer to a request."""
         self._show(None)
 
     def turn(self, heading: float) -> None:
-        """Turn what is held to a heading, in radians."""
+        """Set the heading of the ghost, in radians."""
         self._change(heading=heading)
 
-    def redden(self, *_: object) -> None:
-        """Say of what is held that it may not stand there."""
+    def mark_refused(self, *_: object) -> None:
+        """Draw the ghost in red: it cannot stand there."""
         self._change(refused=True)
 
     def _change(self, **changes: Any) -> None:
@@ -62,6 +62,6 @@ class HeldGhost:
 
 
 def position(x: float, y: float, heading: float) -> Position:
-    """Return a pose as a wish has it: its heading, in radians, is brought into (-pi, pi]."""
+    """Return a pose for a request, its heading normalised to (-pi, pi]."""
     turned = math.remainder(heading, math.tau)
     return Position(x=x, y=y, heading=math.pi if turned <= -math.pi else turned)

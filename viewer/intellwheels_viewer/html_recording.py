@@ -1,7 +1,7 @@
-"""A run as one HTML file that plays by itself: what all browsers see, without panels, in the run's own time.
+"""Records a run as one HTML file that plays without a server: the shared scene without panels, in simulated time.
 
-Viser keeps what is sent to every browser; between two drawn ticks we say how long they are apart. It is recorded from
-the first picture of a run on, and a run that begins anew ends it: its file shows one run.
+Viser records what is sent to every browser; we insert the time between two drawn ticks. A file has one run: recording
+begins with the first picture and ends when a new run starts.
 """
 
 from __future__ import annotations
@@ -18,16 +18,16 @@ if TYPE_CHECKING:
     from intellwheels_viewer.snapshot import Snapshot
 
 ASPECT: Final = 1.6
-"""Width over height of the picture that the first view is made for."""
+"""Width over height of the picture that the first view fits."""
 
 
 class HtmlRecording:
-    """What is drawn, kept.
+    """A recording of the shared scene.
 
     Args:
-        server: Whose scene.
-        seconds: How much of the run, in simulated seconds.
-        dark: Whether the page of the file is dark.
+        server: The web server with the scene.
+        seconds: Simulated seconds to record.
+        dark: Whether the recorded page uses the dark theme.
     """
 
     def __init__(self, server: viser.ViserServer, seconds: float, *, dark: bool = False) -> None:
@@ -38,31 +38,31 @@ class HtmlRecording:
 
     @property
     def length(self) -> float:
-        """How much of the run is kept, in simulated seconds."""
+        """Simulated seconds recorded so far."""
         return self._at - self._began
 
-    def drawn(self, seen: Snapshot) -> bool:
-        """Note that this was drawn, and return whether enough is kept. On the thread that draws."""
-        if seen.phase != "live" or seen.floor is None or not seen.entities:
+    def drawn(self, snapshot: Snapshot) -> bool:
+        """Record the snapshot that was just drawn, and return whether the recording is complete."""
+        if snapshot.phase != "live" or snapshot.floor is None or not snapshot.entities:
             return False
         if self._kept is None:
-            self._run, self._began, self._at = seen.run, seen.time, seen.time
-            self._frame(seen)
+            self._run, self._began, self._at = snapshot.run, snapshot.time, snapshot.time
+            self._frame(snapshot)
             self._kept = self._server.get_scene_serializer()
-        elif seen.run != self._run or seen.time < self._at:
+        elif snapshot.run != self._run or snapshot.time < self._at:
             return True
         else:
-            # What was just drawn is in already: viser plays it at the time before.
-            self._kept.insert_sleep(seen.time - self._at)
-            self._at = seen.time
-        ended = seen.clock is not None and seen.clock.state == "ended"
+            # The new picture is already recorded; viser plays it at the previous time.
+            self._kept.insert_sleep(snapshot.time - self._at)
+            self._at = snapshot.time
+        ended = snapshot.clock is not None and snapshot.clock.state == "ended"
         return ended or self.length >= self._seconds
 
     def save(self, path: Path) -> int:
-        """Write the file and return its bytes; 0 and no file when there was nothing to see.
+        """Write the file and return its size in bytes; 0, and no file, if nothing was recorded.
 
         Raises:
-            OSError: It cannot be written.
+            OSError: The file cannot be written.
         """
         if self._kept is None:
             return 0
@@ -71,9 +71,9 @@ class HtmlRecording:
         path.write_bytes(page)
         return len(page)
 
-    def _frame(self, seen: Snapshot) -> None:
-        """Show the floor whole to who opens the file."""
-        if seen.floor is not None:
-            view = fit(corners_of(seen.floor), STEEP, FOV, ASPECT)
+    def _frame(self, snapshot: Snapshot) -> None:
+        """Set the first view so that it shows the whole floor."""
+        if snapshot.floor is not None:
+            view = fit(corners_of(snapshot.floor), STEEP, FOV, ASPECT)
             first = self._server.initial_camera
             first.position, first.look_at, first.fov = tuple(view.position), tuple(view.look_at), view.fov

@@ -1,4 +1,4 @@
-"""Which layers one browser sees, kept by that browser: its own nodes stand before those of all."""
+"""Which layers one browser shows. Its own nodes hide the shared nodes of the same name; the choice is stored there."""
 
 from __future__ import annotations
 
@@ -19,14 +19,14 @@ LAYERS_KEY: Final = "intellwheels.layers"
 
 
 class LayerVisibility:
-    """The layers of one browser. Made before anything else of a page: it waits for what the browser kept.
+    """The layers of one browser. Made first of all parts of a page, as it waits for what the browser stored.
 
     Args:
         client: The browser.
 
     Attributes:
-        layers: What is shown.
-        hidden: The browser's own nodes, by layer, of those that were hidden ever.
+        layers: The layers that are shown.
+        hidden: The browser's own nodes by layer, for layers that were ever hidden.
     """
 
     def __init__(self, client: viser.ClientHandle) -> None:
@@ -38,22 +38,22 @@ class LayerVisibility:
         self._hide()
 
     def choose(self, layers: Layers) -> None:
-        """Show these layers, in this browser from now on."""
+        """Show these layers and remember them in this browser."""
         self.layers = layers
         self._client.local_storage.set_item(LAYERS_KEY, layers.to_json())
         self._hide()
 
-    def draw_walls(self, seen: Snapshot, *, inside: bool) -> None:
-        """Draw walls of full height where this browser wants them, or looks from inside a room."""
+    def draw_walls(self, snapshot: Snapshot, *, inside: bool) -> None:
+        """Draw walls at full height if this browser wants them or its camera is inside a room."""
         whole = self.layers.full_walls or inside
-        wanted = (seen.revision, whole)
-        if seen.floor is None or wanted == self._walls_of or (self._walls is None and not whole):
+        wanted = (snapshot.revision, whole)
+        if snapshot.floor is None or wanted == self._walls_of or (self._walls is None and not whole):
             return
         self._walls_of = wanted
         if self._walls is None:
             self._walls = Walls(self._client.scene)
-        # Its nodes hide those of all browsers, so they are kept: drawn low again, and of another floor too.
-        self._walls.show(seen.floor, None if whole else HALF_HEIGHT)
+        # These nodes hide the shared ones, so they stay and must be redrawn at half height and for a new floor too.
+        self._walls.show(snapshot.floor, None if whole else HALF_HEIGHT)
 
     def _hide(self) -> None:
         for layer, node in LAYERS.items():
@@ -68,4 +68,4 @@ def _kept(client: viser.ClientHandle) -> str | None:
     try:
         return client.local_storage.get_item(LAYERS_KEY, timeout=2.0)
     except (TimeoutError, RuntimeError):
-        return None  # it does not answer, may not keep anything, or has left
+        return None  # it does not answer, cannot store anything, or has left

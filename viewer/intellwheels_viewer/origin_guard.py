@@ -1,8 +1,8 @@
-"""Who may talk to the page: our own page, at a host that is ours. Everybody else gets 403 before a word is exchanged.
+"""Accepts connections only from our own page under an allowed host name; everything else gets status 403.
 
-Viser checks neither `Host` nor `Origin`, so any web page in the user's browser could connect to the viewer and steer;
-and it lets a page publish the viewer on the internet. Both are closed here, and a port that is taken is said in words
-instead of another one being used.
+Viser checks neither `Host` nor `Origin`, so any web page in the user's browser could connect to the viewer and control
+the simulation. Viser also lets a page publish the viewer on the internet. Both are closed here. A port that is in use
+is an error instead of a reason to choose another one.
 """
 
 from __future__ import annotations
@@ -24,13 +24,13 @@ from websockets.asyncio.server import ServerConnection
 from websockets.http11 import Request, Response
 
 LOOPBACK = frozenset({"localhost", "127.0.0.1", "::1"})
-"""Names under which a browser on this machine reaches us."""
+"""Names by which a browser on this machine reaches the page."""
 
 Process = Callable[[ServerConnection, Request], Awaitable[Response | None] | Response | None]
 
 
 def host_of(value: str | None) -> str | None:
-    """Return the name in a `Host` header, without its port and in lower case; None where there is none."""
+    """Return the name in a `Host` header in lower case, without its port; None if there is none."""
     if not value:
         return None
     try:
@@ -40,12 +40,12 @@ def host_of(value: str | None) -> str | None:
 
 
 def refusal(host: str | None, origin: str | None, ours: frozenset[str]) -> str | None:
-    """Return why a request is refused, or None when it is welcome.
+    """Return why a request is refused, or None if it is accepted.
 
     Args:
         host: The `Host` header: a name and perhaps a port.
-        origin: The `Origin` header; programs that are no browser send none.
-        ours: Names we are reached by.
+        origin: The `Origin` header; programs other than browsers send none.
+        ours: The allowed host names.
     """
     name = host_of(host)
     if name is None or name not in ours:
@@ -61,10 +61,10 @@ def refusal(host: str | None, origin: str | None, ours: frozenset[str]) -> str |
 
 
 def check_free(host: str, port: int) -> None:
-    """Return when a port can be had.
+    """Check that a port is free.
 
     Raises:
-        ConnectionError: In words: it is taken, or the address is none of ours.
+        ConnectionError: It is in use, or the address does not belong to this machine.
     """
     if port == 0:
         return
@@ -74,23 +74,23 @@ def check_free(host: str, port: int) -> None:
             probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
             probe.bind((host, port))
     except OSError as error:
-        why = "it is taken, perhaps by another viewer" if error.errno == 98 else error.strerror  # EADDRINUSE
-        raise ConnectionError(f"cannot serve the page at {host}:{port}: {why}; give another with --port") from None
+        why = "the port is in use, perhaps by another viewer" if error.errno == 98 else error.strerror  # EADDRINUSE
+        raise ConnectionError(f"cannot serve the page at {host}:{port}: {why}; choose another with --port") from None
 
 
 def open_server(host: str, port: int, allowed: frozenset[str] = frozenset()) -> viser.ViserServer:
-    """Return a server that serves our page only. Its own notices are not printed.
+    """Return a web server that serves only our page. Viser's own notices are not printed.
 
     Args:
         host: Address to listen at.
-        port: 0 for any free one.
-        allowed: Further names by which a browser may reach us, as behind a proxy.
+        port: The port; 0 picks a free one.
+        allowed: Further host names that browsers may use, for example behind a proxy.
 
     Raises:
-        ConnectionError: The port is taken.
+        ConnectionError: The port is in use.
     """
     check_free(host, port)
-    # A browser leaves while something is written to it: that is no news.
+    # A browser may leave while we write to it; that is normal.
     warnings.filterwarnings("ignore", "Queued a .* on a closed connection", UserWarning)
     ours = LOOPBACK | {name.lower() for name in allowed} | ({host.lower()} - {"0.0.0.0", "::"})  # noqa: S104
     with _guarded(ours), contextlib.redirect_stdout(io.StringIO()):
@@ -98,7 +98,7 @@ def open_server(host: str, port: int, allowed: frozenset[str] = frozenset()) -> 
     if port not in (0, server.get_port()):
         server.stop()
         raise ConnectionError(
-            f"cannot serve the page at {host}:{port}: it was taken just now; give another with --port"
+            f"cannot serve the page at {host}:{port}: it was taken just now; choose another with --port"
         )
     for message in (_messages.ShareUrlRequest, _messages.ShareUrlDisconnect):
         server._websock_server.unregister_handler(message)
@@ -107,7 +107,7 @@ def open_server(host: str, port: int, allowed: frozenset[str] = frozenset()) -> 
 
 @contextlib.contextmanager
 def _guarded(ours: frozenset[str]) -> Iterator[None]:
-    """Let servers that are opened meanwhile ask us about each request."""
+    """Make servers that are opened meanwhile check each request."""
     real = websockets.asyncio.server.serve
 
     @functools.wraps(real)

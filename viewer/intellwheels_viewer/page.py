@@ -1,94 +1,94 @@
-"""One browser: its panels, its camera, what it selected, and its hand on the run. Freed when it goes."""
+"""The page of one browser: its panels, camera, selection and controls. Freed when the browser leaves."""
 
 from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Final, Literal, Protocol
+from typing import TYPE_CHECKING, Final, Protocol
 
 import viser
 
-from intellwheels_schemas.messages import (
-    OperatorSay,
-    Pause,
-    Reset,
-    Resume,
-    Seek,
-    Speed,
-    Step,
-)
+from intellwheels_schemas.agent_colours import natural_key
+from intellwheels_schemas.messages import OperatorSay, Result
 from intellwheels_viewer.cameras import Camera, Mode
+from intellwheels_viewer.control_tabs import ControlCalls, ControlTabs
 from intellwheels_viewer.drag_move import DragMove
 from intellwheels_viewer.drawings import wedges
 from intellwheels_viewer.drawings.notice import Notice
 from intellwheels_viewer.drawings.selection import Selection
-from intellwheels_viewer.goal_click import GoalClick, takes_goals
+from intellwheels_viewer.goal_click import GoalClick
 from intellwheels_viewer.held_ghost import HeldGhost
 from intellwheels_viewer.layer_visibility import LayerVisibility
+from intellwheels_viewer.page_title import PageTitle
 from intellwheels_viewer.panels.agents import AgentsPanel
-from intellwheels_viewer.panels.callbacks import assign, clicked, updated
+from intellwheels_viewer.panels.callbacks import assign, updated
 from intellwheels_viewer.panels.choices import Choices
 from intellwheels_viewer.panels.clock import ClockPanel
-from intellwheels_viewer.panels.connection import ConnectionPanel, nothing_to_see
-from intellwheels_viewer.panels.drive import DrivePanel
+from intellwheels_viewer.panels.connection import ConnectionPanel, empty_scene_text
 from intellwheels_viewer.panels.events import EventsPanel
 from intellwheels_viewer.panels.layers_panel import LayersPanel
-from intellwheels_viewer.panels.place import PlacePanel
 from intellwheels_viewer.panels.plan_panel import PlanPanel
 from intellwheels_viewer.panels.playback import PlaybackPanel
 from intellwheels_viewer.panels.selected import SelectedPanel
 from intellwheels_viewer.placing_click import PlacingClick
 from intellwheels_viewer.pointer_hover import PointerHover
+from intellwheels_viewer.run_control import RunControl
 from intellwheels_viewer.snapshot import Snapshot
-from intellwheels_viewer.steering import Driving, Simulator, Wishes
+from intellwheels_viewer.steering import Driving, RequestQueue, Simulator
+from intellwheels_viewer.undo import UndoStack
 
 if TYPE_CHECKING:
     from intellwheels_viewer.palette import Colours
 
 WIDTH: Final = 288
-"""Pixels of a panel: at 1280 two of them leave the scene more than half."""
+"""Width of a panel in pixels: in a window of 1280 two panels leave more than half for the scene."""
 MODES: Final[dict[str, Mode]] = {
     "Free (O)": "free", "Plan (P)": "plan", "Follow selected (F)": "follow", "From the chair (H)": "first",
 }  # fmt: skip
-"""The ways to look, with their keys."""
+"""Camera modes by label; a label ends with its key."""
 LABELS: Final = {mode: label for label, mode in MODES.items()}
-REFUSED: Final = 20.0
-"""Seconds for which the page says why the last wish was refused."""
+REFUSED: Final = 8.0
+"""Seconds for which a refusal is shown; the same refusal is not shown again meanwhile."""
 
 
 class Worlds(Simulator, Protocol):
-    """The link, as a page knows it."""
+    """The link, as a page uses it."""
 
     @property
     def quiet(self) -> float:
         """Seconds since the last clock."""
 
     def choose(self, world: str) -> None:
-        """Watch another world."""
+        """Show another world."""
+
+    def note_speech(self, text: str, to: str | None) -> None:
+        """Show what a user said to an agent, or to everybody with None."""
 
 
 class Page:
-    """A browser that is connected.
+    """The page of a connected browser.
 
     Args:
-        client: Whose it is.
-        network: Where wishes go.
+        client: The browser.
+        network: Takes requests and inputs.
         colours: The colour of each agent.
     """
 
     def __init__(self, client: viser.ClientHandle, network: Worlds, colours: Colours) -> None:
         self._client, self._network, self._colours = client, network, colours
-        # First of all: it waits for the page.
-        self._layering = LayerVisibility(client)
-        self._wishes = Wishes(network, self._refused)
-        self._driving = Driving(network, self._wishes)
-        self._seen = Snapshot()
+        # First, because it waits for the browser.
+        self._layers = LayerVisibility(client)
+        self._requests = RequestQueue(network, self._refused)
+        self._driving = Driving(network, self._requests)
+        self._snapshot = Snapshot()
         self.selected: str | None = None
-        self._refusal, self._refused_at = "", 0.0
-        self._hand = HeldGhost(client.scene)
-        self._placing = PlacingClick(client, self._wishes, self._hand, self._names)
-        self._moving = DragMove(client, self._wishes, self._hand, colours)
-        self._aiming = GoalClick(client, self._driving, self._notify)
+        self._refusal, self._refused_at = ("", ""), -REFUSED
+        self._undo = UndoStack()
+        self._run_control = RunControl(self._requests)
+        self._held_ghost = HeldGhost(client.scene)
+        self._placing_click = PlacingClick(client, self._requests, self._held_ghost, lambda: self._snapshot, self._undo)
+        self._drag_move = DragMove(client, self._requests, self._held_ghost, colours, self._undo)
+        self._goal_click = GoalClick(client, self._driving, self._notify)
         self._ring = Selection(client.scene, "/selected")
         self._notice = Notice(client.scene)
         self._framed = -1
@@ -96,88 +96,84 @@ class Page:
         self._build(client.gui)
 
     def close(self) -> None:
-        """The browser is gone."""
+        """The browser has left."""
         self._driving.close()
-        self._wishes.close()
+        self._requests.close()
 
     def join(self, seconds: float) -> None:
-        """Wait until all it asked for is said after `close`, or so long."""
-        self._wishes.join(seconds)
+        """Wait after `close` until all requests were sent, at most this many seconds."""
+        self._requests.join(seconds)
 
     @property
-    def outlook(self) -> tuple[object, ...]:
-        """What of this browser decides what is drawn; another one is drawn even while the run stands still."""
-        return self.selected, self.camera.mode, self._layering.layers
+    def view_state(self) -> tuple[object, ...]:
+        """The choices of this browser that affect the drawing; a change redraws even a paused run."""
+        return self.selected, self.camera.mode, self._layers.layers
 
-    # ------------------------------------------------------------ shown, by the drawing thread
+    # ------------------------------------------------------------ output, on the drawing thread
 
-    def draw(self, seen: Snapshot) -> None:
-        """Go on with what moves: the ring, and the camera that follows. Once per drawn tick."""
-        self._seen = seen
+    def draw(self, snapshot: Snapshot) -> None:
+        """Update what moves in this browser: the selection ring and a following camera. Once per drawn tick."""
+        self._snapshot = snapshot
         selected = self.selected
-        entity = None if selected is None else seen.entity(selected)
-        body = None if selected is None else seen.bodies.get(selected)
+        entity = None if selected is None else snapshot.entity(selected)
+        body = None if selected is None else snapshot.bodies.get(selected)
         with self._client.atomic():
             self._ring.show(None if body is None else body.robot, entity)
             if entity is not None:
                 self.camera.follow(entity)
-            if seen.floor is not None and seen.revision != self._framed:
-                self._framed = seen.revision
-                self.camera.frame(seen.floor)
-            self._layering.draw_walls(seen, inside=self.camera.mode == "first")
+            if snapshot.floor is not None and snapshot.revision != self._framed:
+                self._framed = snapshot.revision
+                self.camera.frame(snapshot.floor)
+            self._layers.draw_walls(snapshot, inside=self.camera.mode == "first")
 
-    def panels(self, seen: Snapshot) -> None:
-        """Show what is read: figures, plan, plots. Four or five times a second."""
-        self._seen = seen
+    def panels(self, snapshot: Snapshot) -> None:
+        """Update the panels. Four or five times a second."""
+        self._snapshot = snapshot
         self._driving.tick()
+        self._undo.enter(snapshot.run)
+        self._run_control.start_playback(snapshot)
         choices = self._choices()
         with self._client.atomic():
-            self._connection.show(seen, choices)
-            self._notice.show(nothing_to_see(seen, choices))
-            self._clock.show(seen, choices)
-            self._playback.show(seen, choices)
-            self._agents.show(seen, choices)
-            self._selected.show(seen, choices)
-            self._events.show(seen)
-            self._plan.show(seen, choices, visible=self._layering.layers.plan)
-            self._drive.show(seen, choices)
-            self._place.show(seen, choices)
+            self._connection.show(snapshot, choices)
+            self._notice.show(empty_scene_text(snapshot, choices))
+            self._clock.show(snapshot, choices)
+            self._playback.show(snapshot, choices)
+            self._agents.show(snapshot, choices)
+            self._selected.show(snapshot, choices)
+            self._events.show(snapshot)
+            self._plan.show(snapshot, choices, visible=self._layers.layers.plan)
+            self._controls.show(snapshot, choices)
+            self._title.show(snapshot)
             assign(self._views, LABELS[self.camera.mode])
-            self._goal.visible = takes_goals(seen, self.selected)
 
     def _choices(self) -> Choices:
-        colours = {entity.name: self._colours.rgb(entity.name) for entity in self._seen.entities}
         return Choices(
             selected=self.selected,
-            colours=colours,
-            placing=self._placing.label,
-            refusal=self._refusal if time.monotonic() < self._refused_at + REFUSED else "",
+            looks={entity.name: self._colours.look(entity.name) for entity in self._snapshot.entities},
+            placing=self._placing_click.label,
+            can_undo=bool(self._undo),
             quiet=self._network.quiet,
         )
 
-    # ------------------------------------------------------------ made
+    # ------------------------------------------------------------ elements
 
     def _build(self, gui: viser.GuiApi) -> None:
-        ask = self._ask
+        run = self._run_control
         side = gui.add_panel()
         side.dock_left()
         side.set_width(WIDTH)
         with side.add_tab("Run"):
+            self._title = PageTitle(gui)
             self._connection = ConnectionPanel(gui, on_world=self._network.choose)
             self._clock = ClockPanel(
-                gui,
-                on_pause=ask("Not paused", "pause", Pause),
-                on_resume=ask("Not resumed", "resume", Resume),
-                on_step=lambda count: self._wishes.ask("Not stepped", "step", Step(count=count)),
-                on_reset=ask("Not begun anew", "reset", Reset),
-                on_speed=lambda factor: self._wishes.ask("Speed not changed", "speed", Speed(factor=factor)),
+                gui, on_pause=run.pause, on_resume=run.resume, on_step=run.step, on_reset=run.reset, on_speed=run.speed
             )
             self._playback = PlaybackPanel(
                 gui,
-                on_seek=lambda tick: self._wishes.ask("Not sought", "seek", Seek(tick=tick)),
-                on_pause=ask("Not paused", "pause", Pause),
-                on_resume=ask("Not resumed", "resume", Resume),
-                on_speed=lambda factor: self._wishes.ask("Speed not changed", "speed", Speed(factor=factor)),
+                on_seek=run.seek,
+                on_pause=run.pause,
+                on_resume=lambda: run.play(self._snapshot),
+                on_speed=run.speed,
             )
             self._views: viser.GuiDropdownHandle[str] = gui.add_dropdown("Camera", tuple(MODES))
             updated(self._views, lambda word: self.look(MODES.get(word, "free")))
@@ -189,30 +185,32 @@ class Page:
         with tabs.add_tab("Agents"):
             self._agents = AgentsPanel(gui, on_select=self.select)
             self._selected = SelectedPanel(gui)
-        with tabs.add_tab("Drive"):
-            self._drive = DrivePanel(gui, on_stick=self._stick, on_say=self._say)
-            self._goal = gui.add_button("Set a goal", icon=viser.Icon.FLAG, color="gray")
-            clicked(self._goal, self._aim)
-        with tabs.add_tab("Place"):
-            self._place = PlacePanel(
-                gui,
-                on_choose=self._choose,
-                on_turn=self._placing.turn,
-                on_turn_selected=lambda degrees: self._moving.turn(self._seen, self.selected, degrees),
-                on_remove=lambda: self._moving.remove(self.selected),
-            )
         with tabs.add_tab("Layers"):
             self._layers_panel = LayersPanel(
                 gui,
-                self._layering.layers,
-                self._layering.choose,
+                self._layers.layers,
+                self._layers.choose,
                 legend=f'<div style="padding:4px 10px">{wedges.legend()}</div>',
             )
-        self._hover = PointerHover(gui, self._placing.hover)
+        self._controls = ControlTabs(
+            gui,
+            tabs,
+            ControlCalls(
+                stick=self._stick,
+                say=self._say,
+                aim=self._aim,
+                choose=self._choose,
+                turn=self._placing_click.turn,
+                turn_selected=lambda degrees: self._drag_move.turn(self._snapshot, self.selected, degrees),
+                remove=lambda: self._drag_move.remove(self.selected),
+                undo=self._undo_newest,
+            ),
+        )
+        self._hover = PointerHover(gui, self._placing_click.hover)
         self._commands(gui)
 
     def _commands(self, gui: viser.GuiApi) -> None:
-        """Keys and palette. None of the keys that move viser's own camera."""
+        """Add keys to the command palette. Keys that move viser's own camera are not used."""
 
         def add(label: str, key: str, call: Callable[[], None]) -> None:
             command = gui.add_command(label, hotkey=key)  # type: ignore[arg-type]
@@ -221,8 +219,10 @@ class Page:
             async def _(_: object) -> None:
                 call()
 
-        add("Pause or resume", "space", self._pause_or_resume)
-        add("Step one tick", "N", self._step_one)
+        add("Pause, resume or run again", "space", self._toggle)
+        add("Step one tick", "N", lambda: self._run_control.step(1))
+        add("Stop placing", "escape", lambda: self._choose(None))
+        add("Undo the last move", "Z", self._undo_newest)
         for label, mode in MODES.items():
             add(f"Camera: {label[:-4].lower()}", label[-2], self._looker(mode))
         for digit in range(1, 10):
@@ -233,21 +233,16 @@ class Page:
 
     def _selector(self, index: int) -> Callable[[], None]:
         def call() -> None:
-            names = sorted(entity.name for entity in self._seen.entities)
+            names = sorted((entity.name for entity in self._snapshot.entities), key=natural_key)
             if index < len(names):
                 self.select(names[index])
 
         return call
 
-    def _ask(
-        self, what: str, verb: Literal["pause", "resume", "reset"], wish: type[Pause | Resume | Reset]
-    ) -> Callable[[], None]:
-        return lambda: self._wishes.ask(what, verb, wish())
-
-    # ------------------------------------------------------------ chosen, in viser's loop: nothing here waits
+    # ------------------------------------------------------------ selection, in viser's loop: nothing here blocks
 
     def select(self, name: str | None) -> None:
-        """Select a body, or none."""
+        """Select a body, or none with None."""
         if name != self.selected:
             self._driving.stick(None, 0.0, 0.0)
         self.selected = name
@@ -257,55 +252,58 @@ class Page:
             self.look(self.camera.mode)
 
     def look(self, mode: Mode) -> None:
-        """Look in another way."""
-        entity = None if self.selected is None else self._seen.entity(self.selected)
+        """Change the camera mode."""
+        entity = None if self.selected is None else self._snapshot.entity(self.selected)
         if entity is None and mode in ("follow", "first"):
-            self._notify("Nothing selected", "Click a chair first.")
+            self._notify("Nothing is selected", "Click a chair first.")
             return
         self.camera.choose(mode, entity)
 
-    def _pause_or_resume(self) -> None:
-        clock = self._seen.clock
-        if clock is not None and clock.state == "paused":
-            self._wishes.ask("Not resumed", "resume", Resume())
-        else:
-            self._wishes.ask("Not paused", "pause", Pause())
+    def _toggle(self) -> None:
+        self._run_control.toggle(self._snapshot)
 
-    def _step_one(self) -> None:
-        self._wishes.ask("Not stepped", "step", Step(count=1))
-
-    # ------------------------------------------------------------ driven
+    # ------------------------------------------------------------ driving
 
     def _stick(self, forward: float, turn: float, _: int) -> None:
         self._driving.stick(self.selected, forward, turn)
 
     def _say(self, text: str, to: str | None) -> None:
-        self._wishes.ask("Not said", "say", OperatorSay(to=to, text=text))
+        def said(_: Result) -> None:
+            self._network.note_speech(text, to)
+
+        self._requests.ask("Not sent", "say", OperatorSay(to=to, text=text), said)
 
     def _aim(self) -> None:
-        """The next click on the floor is a goal."""
+        """Take the next click on the floor as the goal."""
         self._choose(None)
-        self._aiming.begin(self._seen, self.selected)
+        self._goal_click.begin(self._snapshot, self.selected)
 
-    # ------------------------------------------------------------ placed and moved
+    # ------------------------------------------------------------ placing and moving
 
     def _choose(self, label: str | None) -> None:
-        self._aiming.end()
-        self._placing.choose(label)
-        self._hover.listen(self._placing.label is not None)
+        self._goal_click.end()
+        self._placing_click.choose(label)
+        self._hover.listen(self._placing_click.label is not None)
 
-    def _names(self) -> set[str]:
-        return {entity.name for entity in self._seen.entities}
+    def _undo_newest(self) -> None:
+        undo = self._undo.pop()
+        if undo is None:
+            self._notify("Nothing to undo", "Moves, turns and placed bodies of this run can be undone.")
+        else:
+            self._requests.ask("Not undone", *undo)
 
     def drag(self, name: str, event: viser.SceneNodeDragEvent[viser.SceneNodeHandle]) -> None:
         """Take one event of a drag that began on a body."""
-        self._moving.drag(self._seen, name, event)
+        self._drag_move.drag(self._snapshot, name, event)
 
-    # ------------------------------------------------------------ said
+    # ------------------------------------------------------------ notices
 
     def _refused(self, what: str, why: str) -> None:
-        self._refusal, self._refused_at = f"{what}: {why}", time.monotonic()
-        self._client.add_notification(what, why, color="red", auto_close_seconds=8.0)
+        # A stick that is held asks again every second, and would fill the page with the same words.
+        if (what, why) == self._refusal and time.monotonic() < self._refused_at + REFUSED:
+            return
+        self._refusal, self._refused_at = (what, why), time.monotonic()
+        self._client.add_notification(what, why, color="red", auto_close_seconds=REFUSED)
 
     def _notify(self, title: str, text: str) -> None:
         self._client.add_notification(title, text, auto_close_seconds=5.0)

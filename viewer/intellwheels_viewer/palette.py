@@ -1,9 +1,8 @@
-"""Every colour of the page, and why it can be told apart. Pure: numbers in, numbers out.
+"""All colours of the page, and how well they can be told apart. Pure.
 
-Yellow says "selected" and nothing else, bright red says "contact" and nothing else. Agents have the six other colours
-that Okabe and Ito chose to be told apart by everybody ("Color Universal Design", 2008), with black in place of their
-vermilion; beyond six they repeat with a second mark. A colour is three bytes of sRGB, as browsers and viser's
-instances take it; `linear` is for what wants light.
+Yellow means "selected" and bright red means "contact", and nothing else uses them. The colour of an agent follows from
+its name, see `agent_colours`. A colour is three bytes of sRGB, as browsers and viser take it; `linear` converts it to
+linear light.
 """
 
 from __future__ import annotations
@@ -14,25 +13,14 @@ from typing import Final, Literal, TypeAlias
 import numpy as np
 import numpy.typing as npt
 
+from intellwheels_schemas import agent_colours
+from intellwheels_schemas.agent_colours import FIXTURES, THING, Look, css, look_of, looks
 from intellwheels_schemas.messages import Body
-from intellwheels_schemas.rules import has_motors
+from intellwheels_schemas.rules import is_mobile
 
-RGB: TypeAlias = tuple[int, int, int]
+RGB: TypeAlias = agent_colours.RGB
 Floats: TypeAlias = npt.NDArray[np.float64]
 Sight: TypeAlias = Literal["common", "protan", "deutan", "tritan"]
-
-AGENTS: Final[tuple[RGB, ...]] = (
-    (0, 114, 178),
-    (230, 159, 0),
-    (0, 158, 115),
-    (204, 121, 167),
-    (86, 180, 233),
-    (30, 30, 34),
-)
-"""Blue, orange, bluish green, reddish purple, sky blue, black."""
-
-STRIPES: Final = 3
-"""The most stripes that are told apart at a glance."""
 
 CONTACT: Final[RGB] = (220, 20, 20)
 SELECTED: Final[RGB] = (240, 228, 66)
@@ -50,20 +38,15 @@ LETTERS: Final[RGB] = (150, 160, 172)
 DOORWAY: Final[RGB] = (150, 198, 190)
 WALL: Final[RGB] = (246, 247, 250)
 CAP: Final[RGB] = (84, 97, 116)
-TEAL: Final[RGB] = (92, 176, 166)
-WOOD: Final[RGB] = (205, 172, 128)
 DARK: Final[RGB] = (68, 72, 80)
 METAL: Final[RGB] = (168, 175, 184)
 
 ON_WHITE: Final[RGB] = (255, 255, 255)
 ON_DARK: Final[RGB] = (26, 27, 30)
-"""The backgrounds of viser's panels, light and dark."""
+"""Backgrounds of viser's panels in the light and the dark theme."""
 
 READABLE: Final = 4.5
-"""The least contrast of text: WCAG 2.2, success criterion 1.4.3."""
-
-_FIXTURES: Final[Mapping[str, RGB]] = {"door": TEAL, "table": WOOD}
-_THINGS: Final[RGB] = (176, 146, 108)
+"""Minimum contrast of text: WCAG 2.2, success criterion 1.4.3."""
 
 # Machado, Oliveira and Fernandes, "A Physiologically-based Model for Simulation of Color Vision Deficiency",
 # IEEE TVCG 15 (6), 2009: the matrices of severity 1.0, for linear RGB.
@@ -86,80 +69,59 @@ _TO_XYZ: Final[Floats] = np.array(
 _WHITE: Final[Floats] = np.array([0.95047, 1.0, 1.08883])
 
 
-def colour_of(index: int) -> RGB:
-    """Return the colour of the agent that came `index`-th, from 0."""
-    return AGENTS[index % len(AGENTS)]
-
-
-def mark_of(index: int) -> int:
-    """Return how many stripes tell it from those of the same colour: none for the first six, at most `STRIPES`.
-
-    Beyond 24 agents looks repeat: nobody counts more stripes, and the names tell.
-    """
-    return index // len(AGENTS) % (STRIPES + 1)
-
-
 class Colours:
-    """Which colour each agent has: in the order in which they were first seen, for as long as the run goes on.
+    """The looks of the bodies of a run: those of `agent_colours`, by name.
 
-    Bodies that do not go about (doors, tables, obstacles) have the colour of what they are and use none up.
+    Bodies that do not drive by themselves, such as doors and tables, have the colour of their kind.
     """
 
     def __init__(self) -> None:
-        self._index: dict[str, int] = {}
+        self._looks: Mapping[str, Look] = {}
         self._fixtures: dict[str, RGB] = {}
-
-    def begin(self) -> None:
-        """Begin anew. Before a run's first step agents come in any order; a cast shall look the same each time."""
-        self._index.clear()
-        self._fixtures.clear()
+        self._known: Mapping[str, Body] = {}
 
     def see(self, bodies: Mapping[str, Body]) -> None:
-        """Give colours to those that are new, in the order of the mapping."""
-        for name, body in bodies.items():
-            robot = body.robot
-            if has_motors(robot) and not robot.anchored:
-                self._fixtures.pop(name, None)
-                self.index(name)
-            elif name not in self._index:
-                self._fixtures[name] = _FIXTURES.get(robot.kind, _THINGS)
+        """Take the bodies that are in the run now."""
+        if bodies == self._known:
+            return
+        self._known = dict(bodies)
+        mobile = {name for name, body in bodies.items() if is_mobile(body.robot)}
+        self._looks = looks(mobile)
+        self._fixtures = {
+            name: FIXTURES.get(body.robot.kind, THING) for name, body in bodies.items() if name not in mobile
+        }
 
-    def index(self, name: str) -> int:
-        """Return an agent's number, from 0; a new one gets the next."""
-        return self._index.setdefault(name, len(self._index))
+    def look(self, name: str) -> Look:
+        """Return the look of a body; that of its name if it is not in the run."""
+        fixture = self._fixtures.get(name)
+        return self._looks.get(name) or look_of(name) if fixture is None else Look(fixture, 0)
 
     def rgb(self, name: str) -> RGB:
-        """Return an agent's colour, or that of the thing it is."""
-        fixture = self._fixtures.get(name)
-        return colour_of(self.index(name)) if fixture is None else fixture
+        """Return the colour of a body."""
+        return self.look(name).colour
 
     def mark(self, name: str) -> int:
-        """Return how many stripes an agent has."""
-        return 0 if name in self._fixtures else mark_of(self.index(name))
+        """Return the number of stripes of a body."""
+        return self.look(name).stripes
 
     def text(self, name: str, *, dark: bool = False) -> str:
-        """Return an agent's colour for text, as `#rrggbb`, readable on the panel's light or dark background."""
-        return hexadecimal(text_safe(self.rgb(name), dark=dark))
+        """Return the colour of a body for text, as `#rrggbb`, readable on the light or the dark panel."""
+        return css(text_safe(self.rgb(name), dark=dark))
 
 
 def light_bytes(colours: npt.ArrayLike) -> npt.NDArray[np.uint8]:
-    """Return sRGB bytes (..., 3) as bytes of light: a browser takes the colours of instances and lines so."""
+    """Return sRGB bytes (..., 3) as bytes of linear light, which viser expects for instances and lines."""
     return _LIGHT[np.asarray(colours).astype(np.uint8)]
 
 
-def hexadecimal(colour: RGB) -> str:
-    """Return a colour as CSS writes it: `#rrggbb`."""
-    return "#{:02x}{:02x}{:02x}".format(*colour)
-
-
 def linear(colour: Iterable[float]) -> Floats:
-    """Return sRGB bytes as light, three shares of 1 (IEC 61966-2-1)."""
+    """Return sRGB bytes as linear light, three shares of 1 (IEC 61966-2-1)."""
     share = np.asarray(tuple(colour), dtype=np.float64) / 255.0
     return np.where(share <= 0.04045, share / 12.92, ((share + 0.055) / 1.055) ** 2.4)
 
 
 def encoded(light: Floats) -> RGB:
-    """Return light as sRGB bytes; the inverse of `linear`."""
+    """Return linear light as sRGB bytes; the inverse of `linear`."""
     share = np.clip(light, 0.0, 1.0)
     value = np.where(share <= 0.0031308, share * 12.92, 1.055 * share ** (1 / 2.4) - 0.055)
     red, green, blue = (round(float(channel) * 255.0) for channel in value)
@@ -173,7 +135,7 @@ def contrast(one: RGB, other: RGB) -> float:
 
 
 def text_safe(colour: RGB, *, dark: bool = False) -> RGB:
-    """Return a colour moved towards black, on a dark background towards white, until text in it can be read."""
+    """Return a colour moved towards black, or white on a dark background, until text in it has enough contrast."""
     ground, end = (ON_DARK, 1.0) if dark else (ON_WHITE, 0.0)
     light = linear(colour)
     for step in range(101):
@@ -184,12 +146,12 @@ def text_safe(colour: RGB, *, dark: bool = False) -> RGB:
 
 
 def seen_by(colour: RGB, sight: Sight) -> Floats:
-    """Return the light, three shares of 1, that a person of common sight sees as that person sees the colour."""
+    """Return the linear light, three shares of 1, in which the given colour vision perceives a colour."""
     return np.clip(_SIGHTS[sight] @ linear(colour), 0.0, 1.0)
 
 
 def difference(one: RGB, other: RGB, sight: Sight = "common") -> float:
-    """Return how far apart two colours look: CIE76, the distance in CIELAB; about 2.3 is just noticeable."""
+    """Return the CIE76 difference of two colours, their distance in CIELAB; about 2.3 is just noticeable."""
     return float(np.linalg.norm(_lab(seen_by(one, sight)) - _lab(seen_by(other, sight))))
 
 

@@ -1,7 +1,7 @@
-"""Where a browser's pointer is over the scene, while something is being placed.
+"""The position of a browser's pointer over the scene, while something is being placed.
 
-Viser tells of clicks and drags only, so the page's own handler sends the pointer's place, ten times a second at most,
-and only while somebody listens. It leans on the same private names as `panels.callbacks`.
+Viser reports only clicks and drags, so a script in the page sends the pointer's position, at most ten times a second
+and only while it is switched on. It uses the same private names of viser as `panels.callbacks`.
 """
 
 from __future__ import annotations
@@ -30,8 +30,8 @@ class PointerHover:
     """The pointer of one browser.
 
     Args:
-        gui: The browser's own.
-        call: Gets the place, from the middle of the picture to the right and up, each in [-1, 1].
+        gui: The browser's elements.
+        call: Called with the position, right and up from the centre of the picture, each in [-1, 1].
     """
 
     def __init__(self, gui: viser.GuiApi, call: Callable[[float, float], None]) -> None:
@@ -41,12 +41,12 @@ class PointerHover:
         updated(self._field, self._moved)
 
     def listen(self, on: bool) -> None:
-        """Begin to be told, or end it."""
+        """Switch it on or off."""
         script = _SCRIPT.replace("%UUID%", element_id(self._field)).replace("%ON%", "true" if on else "false")
         self._handler.content = f'<img src="x:" alt="" style="display:none" onerror="{html.escape(script)}">'
 
     def _moved(self, place: tuple[float, float]) -> None:
         right, up = place
-        # A page's values are a stranger's.
+        # The values of a page are not trusted.
         if math.isfinite(right) and math.isfinite(up) and max(abs(right), abs(up)) <= 1.0:
             self._call(right, up)

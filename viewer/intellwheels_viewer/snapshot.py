@@ -1,6 +1,6 @@
-"""What the viewer knows of a run: the newest of everything the simulator said. Pure, and nothing a restart could lose.
+"""A snapshot of a run: the newest value of everything that the simulator published.
 
-Messages are folded in as they come, by one thread; `Snapshot` is a value that others may keep and read.
+`StateStore` makes snapshots from messages. A `Snapshot` is immutable, so any thread may keep and read it.
 """
 
 from __future__ import annotations
@@ -12,20 +12,25 @@ from typing import Final, Literal
 from intellwheels_schemas.messages import Body, Clock, Entity, Event, Map, Measures, Pose
 
 Phase = Literal["no-router", "no-world", "choose", "live", "silent", "gone"]
-"""Whether there is something to see.
+"""State of the connection to a world.
 
-`no-router`: nobody at the endpoint; `no-world`: no simulator there; `choose`: several worlds and none chosen; `live`;
-`silent`: its token is there, but no clock for 3 s; `gone`: it was there, and its token went.
+`no-router`: nothing answers at the endpoint. `no-world`: no simulator runs there. `choose`: several worlds run and none
+is chosen. `live`: the world is running. `silent`: its liveliness token exists, but no clock came for 3 s. `gone`: its
+token disappeared.
 """
 
 EVENTS_KEPT: Final = 500
+USER: Final = "operator"
+"""The speaker of what a user says in a page. No agent can have this name."""
 HISTORY: Final = 30.0
-"""Simulated seconds of which measures and speeds are kept for plots."""
+"""Simulated seconds of measures and speeds that are kept for plots."""
+TRAIL: Final = 20.0
+"""Length of the trail behind an agent, in the scene and on the plan, in simulated seconds."""
 
 
 @dataclass(frozen=True)
 class Sample:
-    """An agent at a moment: what plots and trails are drawn from."""
+    """An agent's state at one time, for plots and trails. SI units."""
 
     time: float
     x: float
@@ -37,34 +42,42 @@ class Sample:
 
 @dataclass(frozen=True)
 class Words:
-    """Something that was said, and when."""
+    """An utterance.
+
+    Attributes:
+        speaker: An agent, or `USER`.
+        time: In simulated seconds.
+        text: What was said.
+        to: The agent that a user spoke to; None for everybody. Agents speak to everybody.
+    """
 
     speaker: str
     time: float
     text: str
+    to: str | None = None
 
 
 @dataclass(frozen=True)
 class Snapshot:
-    """A run as it is known.
+    """A run at one moment.
 
     Attributes:
-        phase: Whether there is a world to see.
+        phase: State of the connection.
         world: Its name; empty while none is chosen.
-        worlds: The names of all worlds that are there, sorted.
-        endpoint: Where the viewer looks for them.
-        run, tick, time: Of the newest state, in seconds.
-        clock, floor, bodies, entities: The newest of each; bodies by agent, entities in the order of the state.
-        revision: Of the floor, counted by the viewer; another floor has another.
+        worlds: The names of all running worlds, sorted.
+        endpoint: Where the viewer looks for worlds.
+        run, tick, time: Of the newest state; time in simulated seconds.
+        clock, floor, bodies, entities: The newest of each. Bodies are by agent, entities in the order of the state.
+        revision: Number of the floor, counted by the viewer. It changes with the floor.
         events: The newest, oldest first, at most `EVENTS_KEPT`.
-        measures: By agent, of those whose measures are watched.
-        reported: In a log that is played, where bridges said that their real chairs were at this tick, by agent; empty
-            where nobody tells.
-        words: What was said in this run, newest last, at most `EVENTS_KEPT`.
-        history: Of each agent the last `HISTORY` simulated seconds, oldest first.
-        last_tick: The last tick of the log when this world plays one, else None.
-        version: Counts what is worth a drawing: states, bodies, floors, events. A tick does not tell: bodies are moved
-            while a run is paused.
+        measures: By agent, for agents whose measures are subscribed.
+        reported: In a playback, the poses that bridges reported for their real chairs at this tick, by agent. Empty
+            otherwise.
+        words: Utterances of this run, newest last, at most `EVENTS_KEPT`.
+        history: Samples of the last `HISTORY` simulated seconds by agent, oldest first.
+        last_tick: The last tick of the log in a playback; None in a live run.
+        version: Changes whenever the scene must be redrawn: with states, bodies, floors and events. The tick cannot be
+            used for this, as bodies can be moved while a run is paused.
     """
 
     phase: Phase = "no-router"
@@ -88,10 +101,17 @@ class Snapshot:
     version: int = 0
 
     @property
+    def period(self) -> float | None:
+        """The simulated seconds of a tick; None before the first tick."""
+        if self.clock is not None and self.clock.tick:
+            return self.clock.time / self.clock.tick
+        return self.time / self.tick if self.tick else None
+
+    @property
     def stale(self) -> frozenset[str]:
-        """The real chairs whose pose is old; they are still obstacles."""
+        """The real chairs whose pose is out of date. They are still obstacles."""
         return frozenset(entity.name for entity in self.entities if entity.state == "stale")
 
     def entity(self, name: str) -> Entity | None:
-        """Return an agent's state, None when it is not there."""
+        """Return an agent's state, or None if it is not there."""
         return next((entity for entity in self.entities if entity.name == name), None)

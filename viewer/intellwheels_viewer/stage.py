@@ -1,6 +1,6 @@
-"""What all browsers see: one scene, drawn once per tick. Nothing here knows who looks.
+"""The scene that all browsers share, drawn once per tick. Nothing here depends on a single browser.
 
-Layers stand under a node of their own each, so that a browser can hide one by its own node of that name.
+Each layer is below a node of its own, so a browser can hide it with a node of the same name in its own scene.
 """
 
 from __future__ import annotations
@@ -30,19 +30,22 @@ LAYERS: Final = {
     "wedges": "/wedges", "lidar": "/lidar", "trails": "/trails", "labels": "/labels",
     "goals": "/goals",
 }  # fmt: skip
-"""The node of each layer that a browser may hide."""
+"""The node of each layer that a browser can hide."""
 SKY: Final = (232, 236, 241)
 NIGHT: Final = (34, 37, 43)
+"""Backgrounds of the light and the dark theme, sRGB."""
 FEW: Final = 100
-"""Bodies up to which all wedges are drawn; of more the selected ones' only."""
+"""Up to this many bodies the wedges of all are drawn; above it only those of selected ones."""
 MANY: Final = FEW // 3
-"""Bodies above which what costs most is eased: only selected readings have arcs, labels and panels are less often."""
+"""Above this many bodies only selected bodies have arcs, and labels and panels are updated less often."""
 SLOW_EVERY: Final = 0.2
-"""Simulated seconds between two drawings of what does not have to be smooth: trails and, of many, labels."""
+"""Simulated seconds between two updates of trails and, with many bodies, of labels."""
+PERIOD: Final = 0.05
+"""Seconds of a tick before the first one, when the period is unknown."""
 
 
 def background(colour: tuple[int, int, int]) -> np.ndarray[tuple[int, ...], np.dtype[np.uint8]]:
-    """Return a plain picture, shape (2, 2, 3)."""
+    """Return a picture of one colour, shape (2, 2, 3)."""
     return np.full((2, 2, 3), colour, np.uint8)
 
 
@@ -50,8 +53,8 @@ class Stage:
     """The scene of all browsers.
 
     Args:
-        server: The page's server.
-        dark: Whether the page is dark.
+        server: The web server.
+        dark: Whether the page uses the dark theme.
     """
 
     def __init__(self, server: viser.ViserServer, *, dark: bool = False) -> None:
@@ -59,7 +62,7 @@ class Stage:
         scene = server.scene
         scene.configure_environment_map(None)
         scene.configure_default_lights(enabled=False)
-        # Together they give a colour back as it was meant; see CONTRIBUTING.md.
+        # With these two lights a surface has the colour that was assigned to it.
         scene.add_light_hemisphere("/lights/sky", intensity=2.0)
         scene.add_light_directional("/lights/sun", intensity=1.2, position=(-6.0, -9.0, 16.0), cast_shadow=True)
         scene.set_background_image(background(NIGHT if dark else SKY), format="png")
@@ -75,50 +78,43 @@ class Stage:
         self._revision = -1
         self._slow_at: tuple[str, float] = ("", -1.0)
 
-    def show(self, seen: Snapshot, wanted: Collection[str]) -> None:
-        """Draw what is seen, in one frame.
+    def show(self, snapshot: Snapshot, wanted: Collection[str]) -> None:
+        """Draw a snapshot in one frame.
 
         Args:
-            seen: The run.
-            wanted: Agents that some browser has selected: their names and sensors are always drawn.
+            snapshot: The run.
+            wanted: Agents that some browser has selected; their names and sensors are always drawn.
         """
         with self._server.atomic():
-            if seen.floor is not None and seen.revision != self._revision:
-                self._revision = seen.revision
-                self._floor.show(seen.floor)
-                self._walls.show(seen.floor)
-            if seen.tick == 0:
-                self.colours.begin()
-            self.bodies.show(seen.bodies, seen.entities, self.colours, seen.stale)
-            self._reported.show(reported(seen, self.colours))
-            agents = watched(seen, wanted)
-            many = len(seen.entities) > MANY
-            # Three quarters of a wedge's bytes are its arc.
-            self._wedges.show(seen.bodies, seen.entities, seen.measures, agents, wanted if many else None)
-            self._lidars.show(seen.bodies, seen.entities, seen.measures, agents)
-            self._contacts.show(seen.events, seen.tick, period_of(seen))
-            self._goals.show(seen.entities, self.colours)
+            if snapshot.floor is not None and snapshot.revision != self._revision:
+                self._revision = snapshot.revision
+                self._floor.show(snapshot.floor)
+                self._walls.show(snapshot.floor)
+            self.bodies.show(snapshot.bodies, snapshot.entities, self.colours, snapshot.stale)
+            self._reported.show(reported(snapshot, self.colours))
+            agents = watched(snapshot, wanted)
+            many = len(snapshot.entities) > MANY
+            # The arc is three quarters of a wedge's data.
+            self._wedges.show(snapshot.bodies, snapshot.entities, snapshot.measures, agents, wanted if many else None)
+            self._lidars.show(snapshot.bodies, snapshot.entities, snapshot.measures, agents)
+            self._contacts.show(snapshot.events, snapshot.tick, snapshot.period or PERIOD)
+            self._goals.show(snapshot.entities, self.colours)
             run, at = self._slow_at
-            is_due = seen.run != run or not at <= seen.time < at + SLOW_EVERY
+            is_due = snapshot.run != run or not at <= snapshot.time < at + SLOW_EVERY
             if is_due or not many:
-                self._labels.show(seen.bodies, seen.entities, seen.words, seen.time, wanted)
+                self._labels.show(snapshot.bodies, snapshot.entities, snapshot.words, snapshot.time, wanted)
             if is_due:
-                self._slow_at = (seen.run, seen.time)
-                self._trails.show(seen.history, seen.time, self.colours)
+                self._slow_at = (snapshot.run, snapshot.time)
+                self._trails.show(snapshot.history, snapshot.time, self.colours)
 
     def on_pick(self, call: Callable[[int, str], None]) -> None:
-        """Call with the browser's number and the agent when a body is clicked."""
+        """Call with the browser's number and the agent's name when a body is clicked."""
         self.bodies.on_pick(lambda name, event: call(event.client_id, name))
 
 
-def watched(seen: Snapshot, wanted: Collection[str]) -> frozenset[str]:
-    """Return whose sensors are drawn: everybody's while they are few, else those that somebody selected."""
-    if len(seen.entities) <= FEW:
-        return frozenset(entity.name for entity in seen.entities)
-    # What a page selects may be any text.
-    return frozenset(entity.name for entity in seen.entities if entity.name in wanted)
-
-
-def period_of(seen: Snapshot) -> float:
-    """Return the run's period in seconds, as its newest tick tells; 50 ms before there is one."""
-    return seen.time / seen.tick if seen.tick > 0 else 0.05
+def watched(snapshot: Snapshot, wanted: Collection[str]) -> frozenset[str]:
+    """Return the agents whose sensors are drawn: all if there are few, else those that a browser has selected."""
+    if len(snapshot.entities) <= FEW:
+        return frozenset(entity.name for entity in snapshot.entities)
+    # A page can send any text as its selection.
+    return frozenset(entity.name for entity in snapshot.entities if entity.name in wanted)

@@ -1,7 +1,7 @@
-"""Folds what the simulator says into what is `seen`. Pure: messages in, a value out, on one thread.
+"""The state store: takes messages, returns a `Snapshot`. Pure, on one thread.
 
-Nothing is trusted to come, or in order. Another run makes the old one forgotten; an older tick of the same run is old
-news, but where a log is played.
+Messages may be lost or arrive out of order. A new run replaces the old one. An older tick of the same run is ignored,
+except in a playback, where it means that somebody moved back in time.
 """
 
 from __future__ import annotations
@@ -11,24 +11,25 @@ from collections.abc import Iterable, Mapping
 from typing import Final
 
 from intellwheels_schemas.messages import Body, Clock, Entity, Event, Events, Map, MapInfo, Measures, Pose, WorldState
-from intellwheels_viewer.snapshot import EVENTS_KEPT, HISTORY, Phase, Sample, Snapshot, Words
+from intellwheels_viewer.snapshot import EVENTS_KEPT, HISTORY, USER, Phase, Sample, Snapshot, Words
 
 SAMPLES_A_SECOND: Final = 10
-"""Of the history; more does not show."""
+"""Samples kept of the history; more would not be visible."""
 NEAR: Final = 2
-"""Ticks by which a reported pose may be off the state beside which it is shown: the two come one after the other."""
+"""Most ticks between a reported pose and the state it is shown with; the two arrive one after the other."""
 RUNS_KNOWN: Final = 16
-"""Past runs whose late messages are known as such."""
+"""Past runs that are remembered, so that their late messages are recognised."""
 RETURNS: Final = 1.0
-"""Seconds by which a past run's clock must be newer to be believed: a straggler's is older, a stranger's message that
-named another run is long over."""
+"""Seconds by which the clock of a past run must be newer before that run becomes current again.
+
+A late clock of a past run is older. This covers a message of a stranger that named another run."""
 
 
 class StateStore:
-    """What is known of one world.
+    """The newest messages of one world.
 
     Attributes:
-        wants_events_since: The number of the oldest event that was not seen; None when none is missing.
+        wants_events_since: The number of the oldest missing event; None if none is missing.
     """
 
     def __init__(self) -> None:
@@ -50,41 +51,41 @@ class StateStore:
         self._words: deque[Words] = deque(maxlen=EVENTS_KEPT)
         self._saying: dict[str, str] = {}
         self._history: dict[str, deque[Sample]] = {}
-        self._told: Mapping[str, tuple[Sample, ...]] | None = None  # the same until the state changes
+        self._history_cache: Mapping[str, tuple[Sample, ...]] | None = None  # valid until the state changes
         self._stamp = 0.0
         self._version = 0
         self.wants_events_since: int | None = None
 
     @property
     def map_in_use(self) -> tuple[str, str]:
-        """The run, and the hash of its map; empty while not known."""
+        """The run and the hash of its map; empty while unknown."""
         return self._run, "" if self._info is None else self._info.hash
 
     @property
-    def lacks_map(self) -> bool:
-        """Whether the map that is in use is not known."""
+    def map_is_missing(self) -> bool:
+        """Whether the current map is unknown."""
         return bool(self._run) and self._floor_of != self.map_in_use
 
     @property
-    def lacks(self) -> frozenset[str]:
-        """The agents of the state whose bodies are not known."""
+    def missing_bodies(self) -> frozenset[str]:
+        """The agents in the state whose bodies are unknown."""
         return frozenset(entity.name for entity in self._entities) - self._bodies.keys()
 
-    # ------------------------------------------------------------ what came
+    # ------------------------------------------------------------ messages in
 
     def on_clock(self, clock: Clock) -> None:
-        """Take a clock. One of a past run that is clearly newer than the newest tells that this run is on after all."""
+        """Take a clock. A clearly newer clock of a past run makes that run the current one again."""
         if clock.run in self._past and clock.stamp > self._stamp + RETURNS:
             self._past.remove(clock.run)
-        if self._is_of_now(clock.run) and (self._clock is None or clock.stamp >= self._clock.stamp):
+        if self._is_current_run(clock.run) and (self._clock is None or clock.stamp >= self._clock.stamp):
             self._clock, self._stamp = clock, clock.stamp
 
     def on_state(self, state: WorldState) -> None:
-        """Take a part of the state; it counts once all parts of its tick are there."""
-        if not self._is_of_now(state.run) or state.part >= state.parts:
+        """Take a part of the state. The state changes once all parts of its tick have arrived."""
+        if not self._is_current_run(state.run) or state.part >= state.parts:
             return
         newest = max((part.tick for part in self._parts.values()), default=-1)
-        if self._is_played_back(state.tick, newest):
+        if self._is_seek_back(state.tick, newest):
             newest = -1
         if state.tick < newest:
             return
@@ -97,36 +98,36 @@ class StateStore:
         self._state_at = (state.tick, state.time)
         self._version += 1
         self._entities = tuple(entity for part in sorted(self._parts) for entity in self._parts[part].entity)
-        self._remember(state.time, back=back)
+        self._record_history(state.time, back=back)
 
     def on_event(self, event: Event) -> None:
-        """Take an event; one with a number too high tells that others were missed."""
-        if not self._is_of_now(event.run):
+        """Take an event. A gap in the numbers means that events were lost."""
+        if not self._is_current_run(event.run):
             return
         if event.number > self._next_event and self.wants_events_since is None:
             self.wants_events_since = self._next_event
-        self._keep(event)
+        self._store_event(event)
 
     def on_events(self, events: Events) -> None:
-        """Take the events that were asked for."""
-        if not self._is_of_now(events.run):
+        """Take the answer to a query for events."""
+        if not self._is_current_run(events.run):
             return
         for event in events.event:
-            self._keep(event)
+            self._store_event(event)
         self._next_event = max(self._next_event, events.next)
         self.wants_events_since = None
 
     def on_map_info(self, info: MapInfo) -> None:
-        """Take the word of which map is in use."""
-        if self._is_of_now(info.run):
+        """Take the name and hash of the current map."""
+        if self._is_current_run(info.run):
             self._info = info
 
     def on_floor(self, floor: Map, asked: tuple[str, str] = ("", "")) -> None:
-        """Take the map itself.
+        """Take a map.
 
         Args:
-            floor: It says nothing of its run.
-            asked: `map_in_use` when it was asked for; if that is another by now, so may the map be.
+            floor: The map. It does not name its run.
+            asked: `map_in_use` when the map was queried. If that has changed, the map is ignored: it may be an old one.
         """
         if any(then and then != now for then, now in zip(asked, self.map_in_use, strict=True)):
             return
@@ -137,37 +138,42 @@ class StateStore:
 
     def on_body(self, body: Body) -> None:
         """Take a body."""
-        if self._is_of_now(body.run) and body.robot.name is not None:
+        if self._is_current_run(body.run) and body.robot.name is not None:
             self._bodies[body.robot.name] = body
             self._version += 1
 
     def on_measures(self, agent: str, measures: Measures) -> None:
-        """Take what an agent perceives."""
-        if self._is_of_now(measures.run):
+        """Take the measures of an agent."""
+        if self._is_current_run(measures.run):
             known = self._measures.get(agent)
-            if known is None or measures.tick >= known.tick or self._is_played_back(measures.tick, known.tick):
+            if known is None or measures.tick >= known.tick or self._is_seek_back(measures.tick, known.tick):
                 self._measures[agent] = measures
 
     def on_reported(self, agent: str, pose: Pose) -> None:
-        """Take where a bridge said that its chair was, as a log tells that is played."""
+        """Take a pose that a bridge reported, in a playback."""
         if self.is_log and pose.run == self._run and pose.tick is not None:
             self._version += self._reported.get(agent) != pose
             self._reported[agent] = pose
 
+    def on_user_speech(self, text: str, to: str | None) -> None:
+        """Take what a user said in a page of this viewer; the state does not have it."""
+        self._words.append(Words(USER, self._state_at[1], text, to))
+        self._version += 1
+
     @property
     def is_log(self) -> bool:
-        """Whether this world plays a log."""
+        """Whether this world is a playback."""
         return self._last_tick() is not None
 
     def forget(self, agents: Iterable[str]) -> None:
-        """Drop the measures of those that are watched no more."""
+        """Drop the measures of agents that are no longer watched."""
         for agent in agents:
             self._measures.pop(agent, None)
 
-    # ------------------------------------------------------------ what is known
+    # ------------------------------------------------------------ snapshot out
 
     def seen(self, phase: Phase, world: str, worlds: tuple[str, ...], endpoint: str) -> Snapshot:
-        """Return what is known now."""
+        """Return the current snapshot."""
         here = {entity.name for entity in self._entities}
         return Snapshot(
             phase=phase,
@@ -198,12 +204,12 @@ class StateStore:
         return None if self._clock is None else self._clock.last
 
     def _histories(self, here: set[str]) -> Mapping[str, tuple[Sample, ...]]:
-        if self._told is None:
-            self._told = {name: tuple(samples) for name, samples in self._history.items() if name in here}
-        return self._told
+        if self._history_cache is None:
+            self._history_cache = {name: tuple(samples) for name, samples in self._history.items() if name in here}
+        return self._history_cache
 
-    def _is_of_now(self, run: str) -> bool:
-        """Return whether a message is of the newest run, beginning that run when it is the first of it."""
+    def _is_current_run(self, run: str) -> bool:
+        """Return whether a message belongs to the current run. The first message of a new run starts that run here."""
         if run == self._run:
             return True
         if run in self._past:
@@ -214,31 +220,31 @@ class StateStore:
         self._clock = None
         self._parts, self._entities, self._state_at = {}, (), (-1, 0.0)
         self._bodies, self._measures, self._history, self._saying = {}, {}, {}, {}
-        self._told = None
+        self._history_cache = None
         self._events, self._next_event, self.wants_events_since = {}, 0, 0
         self._words.clear()
         self._reported = {}
         self._info = None
         return True
 
-    def _is_played_back(self, tick: int, newest: int) -> bool:
-        """Return whether an older tick is a step back in a log that is played, not a straggler."""
+    def _is_seek_back(self, tick: int, newest: int) -> bool:
+        """Return whether an older tick is a seek in a playback rather than a late message."""
         return self._last_tick() is not None and tick < newest
 
-    def _keep(self, event: Event) -> None:
+    def _store_event(self, event: Event) -> None:
         self._version += event.number not in self._events
         self._events[event.number] = event
         self._next_event = max(self._next_event, event.number + 1)
         for number in sorted(self._events)[:-EVENTS_KEPT]:
             del self._events[number]
 
-    def _remember(self, time: float, *, back: bool) -> None:
-        self._told = None
+    def _record_history(self, time: float, *, back: bool) -> None:
+        self._history_cache = None
         if back:
             self._history.clear()
             self._words.clear()
         for entity in self._entities:
-            self._listen(entity, time)
+            self._note_speech(entity, time)
             samples = self._history.setdefault(entity.name, deque())
             if not samples or time - samples[-1].time >= 1.0 / SAMPLES_A_SECOND - 1e-9:
                 ranges = _ranges(self._measures.get(entity.name))
@@ -249,8 +255,8 @@ class StateStore:
             here = {entity.name for entity in self._entities}
             self._history = {name: samples for name, samples in self._history.items() if name in here}
 
-    def _listen(self, entity: Entity, time: float) -> None:
-        """Note words when they are first there: the state repeats them while they sound."""
+    def _note_speech(self, entity: Entity, time: float) -> None:
+        """Record an utterance once; the state repeats it for as long as it lasts."""
         text = entity.say or ""
         if text and self._saying.get(entity.name) != text:
             self._words.append(Words(entity.name, time, text))

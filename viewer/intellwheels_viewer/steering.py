@@ -1,7 +1,8 @@
-"""A person's wishes, from one page, to the simulator.
+"""Requests and driving commands of one page.
 
-Wishes are asked on a worker of the page, one after the other, and who asked hears in words why one was refused. Driving
-is put once per message of the page and never repeated: release, a lost focus, a closed or a stalled page all mean stop.
+A worker of the page sends its requests one after the other and reports why one was refused. Driving commands are
+published once per message of the page and never repeated, so releasing the stick, losing the focus, closing the page
+and a page that hangs all stop the chair.
 """
 
 from __future__ import annotations
@@ -19,50 +20,52 @@ from intellwheels_schemas.keys import Verb
 from intellwheels_schemas.messages import Goal, Record, Result, Take, UserInput
 
 LEASE: Final = 6.0
-"""Seconds of a lease; renewed at half of it while the page drives."""
+"""Seconds of a lease. It is renewed at half of it while the page drives."""
 IDLE: Final = 2.0
-"""Seconds after a release until the body is given back: before the lease is over by itself."""
-AGAIN: Final = 1.0
-"""Seconds after a refusal until a stick that is held asks again."""
+"""Seconds after the stick was released until the lease is given up; less than the lease itself."""
+RETRY_AFTER: Final = 1.0
+"""Seconds after a refusal until a stick that is still held asks again."""
+VIEW_ONLY: Final = "View only"
+"""Begins every notice about a missing right to control the simulation."""
 
 
-class Refusal(Exception):  # noqa: N818  # what a user asked for was refused: no error of ours
-    """A wish was not granted; the text says why, for people."""
+class Refusal(Exception):  # noqa: N818  # a refused request is not an error of ours
+    """A request was refused. The text says why, for people."""
 
 
 class Simulator(Protocol):
-    """What wishes are put to."""
+    """Takes requests."""
 
-    def ask(self, verb: Verb, wish: Record) -> Result:
-        """Return the answer; waits. Raises `Refusal`."""
+    def ask(self, verb: Verb, request: Record) -> Result:
+        """Return the answer. Blocks. Raises `Refusal`."""
 
-    def put_user(self, agent: str, wish: UserInput) -> None:
-        """Put what a person wants; never waits."""
+    def put_user(self, agent: str, request: UserInput) -> None:
+        """Publish a user's input. Never blocks."""
 
 
 @dataclass(frozen=True)
-class _Asking:
-    """A wish that waits for its turn."""
+class _Pending:
+    """A request that waits for its turn."""
 
     what: str | None
     verb: Verb
-    wish: Record
+    request: Record
     done: Callable[[Result], None] | None
     failed: Callable[[str], None] | None
 
 
-class Wishes:
-    """The worker of one page.
+class RequestQueue:
+    """The requests of one page, sent in order by a worker thread.
 
     Args:
-        simulator: Who is asked.
-        refused: Gets words for the user when a wish was not granted.
+        simulator: Takes the requests.
+        refused: Called with a title and a reason when a request was refused.
     """
 
     def __init__(self, simulator: Simulator, refused: Callable[[str, str], None]) -> None:
         self._simulator, self._refused = simulator, refused
-        self._waiting: queue.SimpleQueue[_Asking | None] = queue.SimpleQueue()
-        # A daemon: a simulator that does not answer holds no viewer that was told to stop.
+        self._waiting: queue.SimpleQueue[_Pending | None] = queue.SimpleQueue()
+        # A daemon thread, so a simulator that does not answer cannot keep the viewer from ending.
         self._worker = threading.Thread(target=self._work, name="wishes", daemon=True)
         self._worker.start()
 
@@ -70,27 +73,27 @@ class Wishes:
         self,
         what: str | None,
         verb: Verb,
-        wish: Record,
+        request: Record,
         done: Callable[[Result], None] | None = None,
         failed: Callable[[str], None] | None = None,
     ) -> None:
-        """Ask for something and return at once.
+        """Queue a request and return at once.
 
         Args:
-            what: Says in the notice what was refused: `Not placed`; None: the user need not know.
-            verb: As the contract calls it.
-            wish: Its message.
-            done: Gets the answer when it was granted.
-            failed: Gets the reason when it was not, before the user does.
+            what: Title of the notice if it is refused, such as `Not placed`. None: the user is not told.
+            verb: The verb of the contract.
+            request: Its message.
+            done: Called with the answer if it was granted.
+            failed: Called with the reason if it was refused, before the user is told.
         """
-        self._waiting.put(_Asking(what, verb, wish, done, failed))
+        self._waiting.put(_Pending(what, verb, request, done, failed))
 
     def close(self) -> None:
-        """Ask for nothing further; what was asked for is still said, and what its answers ask for in their turn."""
+        """Accept no more requests. Queued ones are still sent, and so are those that their answers cause."""
         self._waiting.put(None)
 
     def join(self, seconds: float) -> None:
-        """Wait until all is said after `close`, or so long."""
+        """Wait after `close` until all requests were sent, at most this many seconds."""
         self._worker.join(seconds)
 
     def _work(self) -> None:
@@ -102,12 +105,12 @@ class Wishes:
             else:
                 try:
                     self._ask(asking)
-                except Exception:  # a fault of ours costs this wish, not those that come after it
+                except Exception:  # a bug in one callback must not lose the requests after it
                     traceback.print_exc()
 
-    def _ask(self, asking: _Asking) -> None:
+    def _ask(self, asking: _Pending) -> None:
         try:
-            result = self._simulator.ask(asking.verb, asking.wish)
+            result = self._simulator.ask(asking.verb, asking.request)
         except Refusal as refusal:
             if asking.failed is not None:
                 asking.failed(str(refusal))
@@ -119,18 +122,18 @@ class Wishes:
 
 
 class Driving:
-    """A page's hand on a body: the lease, and what the stick says.
+    """Driving from one page: the lease of a body and the position of the stick.
 
-    `stick` is called in the order of the page's messages, `tick` now and then by the drawing thread.
+    `stick` is called in the order of the page's messages, `tick` regularly by the drawing thread.
 
     Args:
-        simulator: Where inputs are put.
-        wishes: Where the lease is asked for.
-        now: A clock that goes on, in seconds.
+        simulator: Takes the inputs.
+        requests: Takes the requests for the lease.
+        now: A monotonic clock, in seconds.
     """
 
-    def __init__(self, simulator: Simulator, wishes: Wishes, now: Callable[[], float] = time.monotonic) -> None:
-        self._simulator, self._wishes, self._now = simulator, wishes, now
+    def __init__(self, simulator: Simulator, requests: RequestQueue, now: Callable[[], float] = time.monotonic) -> None:
+        self._simulator, self._requests, self._now = simulator, requests, now
         self._lock = threading.Lock()
         self._agent: str | None = None
         self._lease: str | None = None
@@ -138,21 +141,21 @@ class Driving:
         self._asking = False
         self._moved = -math.inf
         self._sequence = 0
-        # Counts the releases: an answer to what was asked before one is for nobody.
+        # Counts releases, so that an answer to a request from before a release is recognised.
         self._held = 0
         self._closed = False
 
     @property
     def agent(self) -> str | None:
-        """Whom the page holds, or asks to hold."""
+        """The agent that the page drives, or has asked to drive."""
         return self._agent
 
     def stick(self, agent: str | None, forward: float, turn: float) -> None:
-        """Take one message of the page.
+        """Take one stick message of the page.
 
         Args:
-            agent: The one that is selected; another than before is a release of that.
-            forward: In [-1, 1]; anything else is a stranger's and counts as release.
+            agent: The selected agent. A change releases the previous one.
+            forward: In [-1, 1], clipped; NaN or infinity counts as a release.
             turn: The same, positive to the left.
         """
         if not (math.isfinite(forward) and math.isfinite(turn)):
@@ -169,23 +172,23 @@ class Driving:
             if moves:
                 self._moved = now
                 if now >= self._until:
-                    self._lease = None  # it is over, and must be taken anew
+                    self._lease = None  # expired; a new one is needed
                 if not self._asking and now > self._until - LEASE / 2:
                     self._take(agent, now)
             if self._lease is not None:
                 self._sequence += 1
-                wish = UserInput(lease=self._lease, seq=self._sequence, forward=forward, turn=turn)
-                self._simulator.put_user(agent, wish)
+                request = UserInput(lease=self._lease, seq=self._sequence, forward=forward, turn=turn)
+                self._simulator.put_user(agent, request)
 
     def go(self, agent: str, goal: Goal) -> None:
-        """Tell an agent's mind where to go.
+        """Send an agent's mind a goal.
 
-        It is put once the body was taken and given back: a put is not answered, so what would be refused is found out
-        by what is. Under the lease itself it would race with the giving back, which may overtake a put.
+        The goal is published after the body was taken and released. A publication is not answered, so taking the body
+        first shows whether the goal would be refused. Published under the lease it could be overtaken by the release.
 
         Args:
-            agent: Whose mind.
-            goal: Where, in metres.
+            agent: The agent.
+            goal: The goal, in metres.
         """
 
         def given(_: Result) -> None:
@@ -193,20 +196,20 @@ class Driving:
 
         def taken(result: Result) -> None:
             give = Take(agent=agent, lease=result.lease, seconds=0.0)
-            self._wishes.ask("No goal set", "take", give, given)
+            self._requests.ask("No goal set", "take", give, given)
 
         with self._lock:
-            self._release()  # what it drove is given back by the same worker, so before
-            self._wishes.ask("No goal set", "take", Take(agent=agent, seconds=LEASE), taken)
+            self._release()  # sent by the same worker, so it comes first
+            self._requests.ask("No goal set", "take", Take(agent=agent, seconds=LEASE), taken)
 
     def tick(self) -> None:
-        """Give back what has not been driven for a while."""
+        """Release a body that has not been driven for a while."""
         with self._lock:
             if self._lease is not None and self._now() - self._moved > IDLE:
                 self._release()
 
     def close(self) -> None:
-        """The page is gone: nothing is put any more, and the body is given back."""
+        """The page was closed: publish nothing more and release the body."""
         with self._lock:
             self._closed = True
             self._release()
@@ -219,20 +222,20 @@ class Driving:
             with self._lock:
                 self._asking = False
                 if held != self._held:
-                    self._give(agent, result.lease)
+                    self._give_back(agent, result.lease)
                 else:
-                    # Reckoned from the asking, it is over here before it is at the simulator.
+                    # Counted from the request, so it expires here before it does at the simulator.
                     self._lease, self._until = result.lease, now + LEASE
 
         def failed(_: str) -> None:
             with self._lock:
                 self._asking = False
                 if held == self._held:
-                    # Not asked again with each message of a stick that is held.
-                    self._until = self._now() + LEASE / 2 + AGAIN
+                    # Do not ask again with every message of a stick that is held.
+                    self._until = self._now() + LEASE / 2 + RETRY_AFTER
                     self._lease = None
 
-        self._wishes.ask("Not driven", "take", Take(agent=agent, lease=self._lease, seconds=LEASE), taken, failed)
+        self._requests.ask("Cannot drive", "take", Take(agent=agent, lease=self._lease, seconds=LEASE), taken, failed)
 
     def _release(self) -> None:
         agent, lease = self._agent, self._lease
@@ -242,8 +245,8 @@ class Driving:
         if agent is not None and lease is not None:
             self._sequence += 1
             self._simulator.put_user(agent, UserInput(lease=lease, seq=self._sequence))
-            self._give(agent, lease)
+            self._give_back(agent, lease)
 
-    def _give(self, agent: str, lease: str | None) -> None:
-        # Refused when it is over already, or the body gone: all the same to who let go.
-        self._wishes.ask(None, "take", Take(agent=agent, lease=lease, seconds=0.0))
+    def _give_back(self, agent: str, lease: str | None) -> None:
+        # A refusal means that the lease has expired or the body has left: nothing to report.
+        self._requests.ask(None, "take", Take(agent=agent, lease=lease, seconds=0.0))

@@ -1,7 +1,8 @@
-"""The viewer on the network. The only file of the viewer that knows zenoh.
+"""The viewer on the network. The only file of the viewer that uses Zenoh.
 
-Zenoh's threads put what arrives into an inbox; `pour`, called by the drawing thread, folds it. Questions block, so
-they are asked on threads of their own: a page's wish on the page's worker, what is missing on one of this file.
+Zenoh's threads put messages into an inbox; the drawing thread calls `pour`, which passes them to the state store.
+Queries block, so they run on other threads: a page's requests on the worker of that page, queries for missing data on a
+thread of this file.
 """
 
 from __future__ import annotations
@@ -48,32 +49,33 @@ from intellwheels_schemas.messages import (
 from intellwheels_schemas.names import is_name
 from intellwheels_viewer.snapshot import Phase, Snapshot
 from intellwheels_viewer.state_store import StateStore
-from intellwheels_viewer.steering import Refusal
+from intellwheels_viewer.steering import VIEW_ONLY, Refusal
 
 SILENCE: Final = 3.0
-"""Seconds without a clock after which a simulator whose token is there is called silent: it sends two a second."""
+"""Seconds without a clock after which a simulator counts as silent. It sends two a second."""
 ANSWER_LIMIT: Final = 3.0
-"""Seconds a simulator has to answer a wish."""
+"""Seconds a simulator has to answer a request."""
 OPEN_LIMIT: Final = 5.0
-"""Seconds for who opens a session to see that it must end: one try may take three."""
+"""Seconds to wait for the thread that opens the session; one attempt takes up to three."""
 SETTLED: Final = 0.5
-"""Seconds after the first world was found until it counts as the only one: those that run are found one by one."""
+"""Seconds after the first world was found until it counts as the only one, as worlds are discovered one by one."""
 FETCH_EVERY: Final = 1.0
-"""Seconds between two askings for what is missing."""
+"""Seconds between two queries for missing data."""
 WATCHED_MOST: Final = 32
-"""Agents whose measures are subscribed one by one; beyond it a wildcard costs less than the declarations."""
+"""Above this many agents one wildcard subscription is cheaper than a subscription for each agent's measures."""
 
 _M = TypeVar("_M", bound=Record)
 
 
 @dataclass
 class _World:
-    """One world's subscriptions, and what is known of it."""
+    """The subscriptions and the state of one world."""
 
     name: str
     keys: Keys
     inbox: Inbox = field(default_factory=Inbox)
     answers: deque[tuple[type[Record], Answer, tuple[str, str]]] = field(default_factory=deque)
+    speech: deque[tuple[str, str | None]] = field(default_factory=deque)
     store: StateStore = field(default_factory=StateStore)
     subscribers: list[zenoh.Subscriber[None]] = field(default_factory=list)
     reports: zenoh.Subscriber[None] | None = None
@@ -92,15 +94,15 @@ class _World:
 
 
 class Network:
-    """The link to a simulator, kept up for as long as the viewer runs.
+    """The link to a simulator, for as long as the viewer runs.
 
     Args:
-        link: Where; `link.world` is watched first.
+        link: The endpoints, and the world to show first.
         stop: Set when the viewer must end.
-        chosen: Whether `link.world` is the one that is wanted; else the only one there is is taken.
+        chosen: Whether the user named `link.world`. If not, the only running world is shown.
 
     Attributes:
-        failure: Why the link cannot be, in words; `stop` is then set. Empty while it can.
+        failure: Why no link is possible, in words; `stop` is then set. Empty otherwise.
     """
 
     def __init__(self, link: Link, stop: threading.Event, *, chosen: bool = True) -> None:
@@ -119,13 +121,13 @@ class Network:
         self._opener = threading.Thread(target=self._open, name="link", daemon=True)
 
     def start(self) -> None:
-        """Begin to look for a simulator."""
+        """Start looking for a simulator."""
         self._opener.start()
 
     def close(self) -> None:
-        """Hear nothing further."""
+        """Close the link."""
         self._stop.set()
-        # A process that ends while another thread is inside Zenoh is aborted: who opens sees the stop soon.
+        # A process that ends while another thread is inside Zenoh is aborted. The opener checks `stop` often.
         if self._opener.is_alive():
             self._opener.join(OPEN_LIMIT)
         with self._lock:
@@ -140,14 +142,14 @@ class Network:
                 session.close()  # type: ignore[no-untyped-call]
 
     def choose(self, world: str) -> None:
-        """Watch another world; a text that is no world's name changes nothing."""
+        """Show another world; anything but a valid world name is ignored."""
         if is_name(world):
             self._wanted = world
 
-    # ------------------------------------------------------------ in, on the drawing thread
+    # ------------------------------------------------------------ messages in, on the drawing thread
 
     def pour(self) -> Snapshot:
-        """Fold what arrived since the last time, ask for what is missing, and return what is known."""
+        """Take in all new messages, query missing data, and return the current snapshot."""
         now = time.monotonic()
         for arrival in self._presence.take():
             if isinstance(arrival, Presence) and (name := parse_alive(arrival.key)) is not None:
@@ -165,7 +167,7 @@ class Network:
         return world.store.seen(self._phase(worlds, now), world.name, worlds, self._link.where())
 
     def _hear_reports(self, world: _World) -> None:
-        """In a log that is played hear what bridges had reported; in a live run it is what the state says."""
+        """In a playback, subscribe to the poses that bridges reported. In a live run the state already has them."""
         session = self._session
         if world.reports is None and world.store.is_log and session is not None:
             world.reports = session.declare_subscriber(f"{world.keys.prefix}in/*/pose", world.inbox.on_sample)
@@ -177,7 +179,7 @@ class Network:
             self._alive.discard(name)
 
     def watch(self, agents: Collection[str]) -> None:
-        """Hear the measures of these agents, and of no others."""
+        """Subscribe to the measures of these agents and of no others."""
         world, session = self._world, self._session
         if world is None or session is None:
             return
@@ -206,7 +208,7 @@ class Network:
         return "silent" if now - world.heard > SILENCE else "live"
 
     def _follow(self, worlds: tuple[str, ...], now: float) -> None:
-        """Watch the world that is wanted, once it is there; the only one when none is."""
+        """Subscribe to the wanted world, or to the only one if the user named none."""
         session = self._session
         wanted = self._wanted
         if not worlds:
@@ -221,7 +223,7 @@ class Network:
         for key in (keys.map, keys.event, keys.clock, keys.every_state, keys.every_body):
             world.subscribers.append(session.declare_subscriber(key, world.inbox.on_sample))
         self._was_there = wanted in worlds
-        with self._lock:  # a page may be putting into the old one
+        with self._lock:  # a page may be publishing to the old one
             old, self._world = self._world, world
             if old is not None:
                 old.close()
@@ -235,45 +237,49 @@ class Network:
             kind, answer, asked = world.answers.popleft()
             if kind is Clock:
                 world.heard = now
-            _give(kind, answer, takes.get(kind, partial(store.on_floor, asked=asked)))
+            _deliver(kind, answer, takes.get(kind, partial(store.on_floor, asked=asked)))
+        while world.speech:
+            store.on_user_speech(*world.speech.popleft())
         arrivals = [arrival for arrival in world.inbox.take() if isinstance(arrival, Put)]
-        # Of what is put each tick only the newest is decoded; that keeps a slow viewer from falling behind.
+        # Only the newest message of each per-tick key is decoded, so a slow viewer does not fall behind.
         newest = {arrival.key: index for index, arrival in enumerate(arrivals)}
         for index, put in enumerate(arrivals):
             if put.key == keys.event:
-                _give(Event, put, store.on_event)
+                _deliver(Event, put, store.on_event)
             elif put.key == keys.map:
-                _give(MapInfo, put, store.on_map_info)
+                _deliver(MapInfo, put, store.on_map_info)
             elif keys.parse_body(put.key) is not None:
-                _give(Body, put, store.on_body)
+                _deliver(Body, put, store.on_body)
             elif newest[put.key] != index:
                 continue
             elif put.key == keys.clock:
                 world.heard = now
-                _give(Clock, put, store.on_clock)
+                _deliver(Clock, put, store.on_clock)
             elif keys.parse_state(put.key) is not None:
-                _give(WorldState, put, store.on_state)
+                _deliver(WorldState, put, store.on_state)
             elif (
                 (out := keys.parse_out(put.key)) is not None
                 and out.kind == "measures"
                 and _is_watched(world, out.agent)
             ):
-                _give(Measures, put, partial(store.on_measures, out.agent))
+                _deliver(Measures, put, partial(store.on_measures, out.agent))
             elif (report := keys.parse_in(put.key)) is not None and report.kind == "pose":
-                _give(Pose, put, partial(store.on_reported, report.agent))
+                _deliver(Pose, put, partial(store.on_reported, report.agent))
 
-    # ------------------------------------------------------------ what is missing
+    # ------------------------------------------------------------ missing data
 
     def _fetch(self, world: _World, now: float) -> None:
         store = world.store
-        lacks = store.lacks_map or store.lacks or store.wants_events_since is not None or world.asked == 0.0
-        if world.asking or not lacks or now - world.asked < FETCH_EVERY or world.name not in self._alive:
+        missing_bodies = (
+            store.map_is_missing or store.missing_bodies or store.wants_events_since is not None or world.asked == 0.0
+        )
+        if world.asking or not missing_bodies or now - world.asked < FETCH_EVERY or world.name not in self._alive:
             return
         world.asking, world.asked = True, now
         threading.Thread(target=self._ask_for, args=(world,), name="fetch", daemon=True).start()
 
     def _ask_for(self, world: _World) -> None:
-        """Ask for all that a late comer missed, and put the answers where the drawing thread finds them."""
+        """Query everything that was published before we subscribed, and queue the answers for the drawing thread."""
         keys, session = world.keys, self._session
         since, asked = world.store.wants_events_since or 0, world.store.map_in_use
         wanted: tuple[tuple[str, type[Record]], ...] = (
@@ -286,51 +292,57 @@ class Network:
                     answers = query(session, selector, timeout=ANSWER_LIMIT, stop=self._stop)
                     world.answers.extend((kind, answer, asked) for answer in answers if answer.ok)
         except (ConnectionError, zenoh.ZError):
-            pass  # Nobody there, or the session was closed meanwhile: it is asked for again.
+            pass  # No answer, or the session was closed meanwhile; it is tried again later.
         finally:
             world.asking = False
 
-    # ------------------------------------------------------------ out, on any thread
+    # ------------------------------------------------------------ requests out, on any thread
 
-    def ask(self, verb: Verb, wish: Record) -> Result:
-        """Ask the simulator for something and return what it answered. Waits; not for the drawing thread.
+    def ask(self, verb: Verb, request: Record) -> Result:
+        """Send a request to the simulator and return its answer. Blocks, so not for the drawing thread.
 
         Raises:
-            Refusal: It was refused, nobody answers, or this viewer may not ask.
+            Refusal: It was refused, nobody answered, or this viewer is not allowed to control the simulation.
         """
         session, world = self._session, self._world
         if session is None or world is None:
             raise Refusal(f"No simulator at {self._link.where()}")
         try:
-            data = encode(wish)
+            data = encode(request)
         except ValueError:
-            raise Refusal(f"{verb}: expected finite numbers") from None
+            raise Refusal(f"{verb}: expected finite numbers, got NaN or infinity") from None
         try:
             answer = query(session, world.keys.ctl(verb), data, timeout=ANSWER_LIMIT, stop=self._stop)[0]
         except (ConnectionError, zenoh.ZError):
             there = world.name in self._alive
-            words = "You may look, not steer: nobody answers this wish" if there else "The simulator is not there"
+            words = f"{VIEW_ONLY}: the simulator did not get this request" if there else "The simulator is not running"
             raise Refusal(words) from None
         try:
             result = decode(Result, answer.data, encoding_of(answer.encoding, answer.data), strict=False)
         except WireError as error:
-            raise Refusal(f"The simulator's answer cannot be read: {error.text}") from None
+            raise Refusal(f"Cannot read the simulator's answer: {error.text}") from None
         if not answer.ok or result.code != "ok":
             raise Refusal(result.text or f"{verb}: {result.code}")
         return result
 
-    def put_user(self, agent: str, wish: UserInput) -> None:
-        """Put what a person wants; it never waits and is never repeated."""
+    def put_user(self, agent: str, request: UserInput) -> None:
+        """Publish a user's input. Never blocks and never repeats."""
         with self._lock:
             session, world = self._session, self._world
             if session is None or world is None:
                 return
             publisher = world.users.get(agent)
             if publisher is None and not is_name(agent):
-                return  # what a page selects may be any text
+                return  # a page can send any text as its selection
             if publisher is None:
                 publisher = world.users[agent] = declare(session, world.keys.user(agent), CHANNELS["user"])
-            publisher.put(encode(wish))
+            publisher.put(encode(request))
+
+    def note_speech(self, text: str, to: str | None) -> None:
+        """Show in all pages what a user said, to an agent or to everybody with None."""
+        world = self._world
+        if world is not None:
+            world.speech.append((text, to))
 
     # ------------------------------------------------------------ the session
 
@@ -352,14 +364,14 @@ class Network:
 
 
 def _is_watched(world: _World, agent: str) -> bool:
-    """Return whether measures are kept: what was under way when its subscription ended would stay for ever."""
+    """Return whether measures are wanted. A late message of an ended subscription would otherwise be kept for ever."""
     return agent in world.watched or "*" in world.watched
 
 
-def _give(kind: type[_M], put: Put | Answer, take: Callable[[_M], None]) -> None:
+def _deliver(kind: type[_M], put: Put | Answer, take: Callable[[_M], None]) -> None:
     try:
         message = decode(kind, put.data, encoding_of(put.encoding, put.data), strict=False)
     except WireError:
-        # In a world others may write too what cannot be read is nobody's.
+        # Any peer can publish in a world; what cannot be decoded is ignored.
         return
     take(message)

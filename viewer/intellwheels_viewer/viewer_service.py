@@ -1,7 +1,7 @@
-"""The viewer's life: the page's server, the link, and the loop that draws. It holds nothing that a restart could lose.
+"""The viewer service: the web server, the link to the simulator, and the drawing loop. A restart loses nothing.
 
-One thread draws the newest of what is seen, at most 30 times a second, skipping what it missed; panels go slower. Pages
-come and go on viser's threads.
+One thread draws the newest snapshot, at most 30 times a second, and skips the ones it missed. Panels are updated less
+often. Browsers connect and disconnect on viser's threads.
 """
 
 from __future__ import annotations
@@ -30,25 +30,26 @@ from intellwheels_viewer.viewer_peer import Network
 FRAME: Final = 1 / 30
 """Seconds of wall time between two drawn ticks."""
 PANELS: Final = 0.22
-"""Seconds of wall time between two fillings of the panels."""
+"""Seconds of wall time between two updates of the panels."""
 PANELS_OF_MANY: Final = 0.5
-"""The same of many bodies, whose table and plan are long."""
-FAREWELL: Final = 1.0
-"""Seconds that pages have, in all, to give back what they drive."""
-FAULTS_TOLD: Final = 20
+"""The same with many bodies, whose table and plan are long."""
+SHUTDOWN_LIMIT: Final = 1.0
+"""Seconds that all pages together have to release the bodies that they drive."""
+FAULTS_SHOWN: Final = 20
+"""Different faults that are printed; the rest are dropped."""
 
 
 @dataclass(frozen=True)
 class Options:
-    """What the command was told.
+    """The options of the command.
 
     Attributes:
-        host, port: Where the page is served; port 0 is any free one.
-        allowed: Further names by which browsers may reach us.
-        dark: Whether the page is dark.
-        chosen: Whether the world was named; else the only one there is is taken.
-        record: Where the run is kept as an HTML file, which ends the viewer; None: it is not.
-        seconds: How much of it, in simulated seconds.
+        host, port: Where the page is served; port 0 picks a free one.
+        allowed: Further host names that browsers may use.
+        dark: Whether the page uses the dark theme.
+        chosen: Whether the user named the world. If not, the only running world is shown.
+        record: The HTML file to record to, after which the viewer exits; None for no recording.
+        seconds: Simulated seconds to record.
     """
 
     host: str = "127.0.0.1"
@@ -61,12 +62,12 @@ class Options:
 
 
 class Viewer:
-    """Pages, stage and loop.
+    """The pages, the scene and the drawing loop.
 
     Args:
-        options: Of the page.
-        link: Of the simulator.
-        stop: Set when it must end.
+        options: The options of the command.
+        link: The link to the simulator.
+        stop: Set when the viewer must end.
 
     Raises:
         ConnectionError: The port is taken.
@@ -90,89 +91,89 @@ class Viewer:
         self._lock = threading.Lock()
         self._stage.on_pick(self._picked)
         self._stage.bodies.on_drag(self._dragged)
-        self.server.on_client_connect(self._came)
-        self.server.on_client_disconnect(self._went)
+        self.server.on_client_connect(self._connected)
+        self.server.on_client_disconnect(self._disconnected)
 
     @property
     def endpoint(self) -> str:
-        """Where it looks for worlds."""
+        """The endpoint at which it looks for worlds."""
         return self._link.where()
 
     @property
     def failure(self) -> str:
-        """Why there can be no link, in words; empty while there can."""
+        """Why no link is possible, in words; empty while one is."""
         return self._network.failure
 
     def run(self) -> None:
-        """Draw until told to stop."""
+        """Draw until `stop` is set."""
         self._network.start()
         drawn: tuple[object, ...] = ()
         filled = 0.0
         try:
             while not self._stop.wait(FRAME):
-                seen = self._network.pour()
-                pages = self._present()
-                outlooks = tuple((number, page.outlook) for number, page in pages.items())
-                state = (seen.world, seen.run, seen.version, seen.revision, seen.phase, outlooks)
+                snapshot = self._network.pour()
+                pages = self._open_pages()
+                outlooks = tuple((number, page.view_state) for number, page in pages.items())
+                state = (snapshot.world, snapshot.run, snapshot.version, snapshot.revision, snapshot.phase, outlooks)
                 if state != drawn:
                     drawn = state
-                    self._draw(seen, pages)
+                    self._draw(snapshot, pages)
                 now = time.monotonic()
-                if now - filled >= filling(len(seen.entities)):
+                if now - filled >= panel_period(len(snapshot.entities)):
                     filled = now
                     for page in pages.values():
-                        self._shield(page.panels, seen)
+                        self._guarded(page.panels, snapshot)
         finally:
             self._end()
 
-    def _draw(self, seen: Snapshot, pages: Mapping[int, Page]) -> None:
+    def _draw(self, snapshot: Snapshot, pages: Mapping[int, Page]) -> None:
         wanted = {page.selected for page in pages.values() if page.selected is not None}
-        # Also while nobody looks: a page that comes to a paused run must show what was measured before.
-        self._network.watch(watched(seen, wanted))
-        self._shield(self._stage.show, seen, wanted)
+        # Even without a page: one that opens during a pause must show the measures from before it.
+        self._network.watch(watched(snapshot, wanted))
+        self._guarded(self._stage.show, snapshot, wanted)
         for page in pages.values():
-            self._shield(page.draw, seen)
-        if self._recording is not None and self._recording.drawn(seen):
+            self._guarded(page.draw, snapshot)
+        if self._recording is not None and self._recording.drawn(snapshot):
             self._stop.set()
 
     def save(self, path: Path) -> int:
-        """Write what was recorded, see `HtmlRecording.save`."""
+        """Write the recording, see `HtmlRecording.save`."""
         return 0 if self._recording is None else self._recording.save(path)
 
     def _end(self) -> None:
-        # First what is driven is given back, while there is a link.
-        pages = self._present().values()
+        # Release driven bodies first, while there still is a link.
+        pages = self._open_pages().values()
         for page in pages:
             page.close()
-        deadline = time.monotonic() + FAREWELL
+        deadline = time.monotonic() + SHUTDOWN_LIMIT
         for page in pages:
             page.join(max(deadline - time.monotonic(), 0.0))
         self._network.close()
-        with contextlib.redirect_stdout(io.StringIO()):  # our lines are read by programs; viser says a word of its own
+        with contextlib.redirect_stdout(io.StringIO()):  # programs read our output, and viser prints a line too
             self.server.stop()
 
-    def _shield(self, call: Callable[..., None], *arguments: object) -> None:
-        """Draw; a fault of ours is told with its trace, once, and ends neither other drawings nor the pages."""
+    def _guarded(self, call: Callable[..., None], *arguments: object) -> None:
+        """Call, and print the trace of an exception once. A fault in one drawing must not stop the others."""
         try:
             call(*arguments)
         except Exception:
             fault = traceback.format_exc()
-            if fault not in self._faults and len(self._faults) < FAULTS_TOLD:
+            if fault not in self._faults and len(self._faults) < FAULTS_SHOWN:
                 self._faults.add(fault)
                 sys.stderr.write(fault)
 
-    def _present(self) -> dict[int, Page]:
+    def _open_pages(self) -> dict[int, Page]:
         with self._lock:
             return dict(self._pages)
 
-    def _came(self, client: viser.ClientHandle) -> None:
+    def _connected(self, client: viser.ClientHandle) -> None:
         page = Page(client, self._network, self._stage.colours)
         with self._lock:
             self._pages[client.client_id] = page
         if client.client_id not in self.server.get_clients():
-            self._went(client)  # while its page was made
+            self._disconnected(client)  # it left while its page was made
 
-    def _went(self, client: viser.ClientHandle) -> None:
+    def _disconnected(self, client: viser.ClientHandle) -> None:
         with self._lock:
             page = self._pages.pop(client.client_id, None)
         if page is not None:
@@ -193,13 +194,13 @@ class Viewer:
             page.drag(name, event)
 
 
-def filling(bodies: int) -> float:
-    """Return the seconds of wall time between two fillings of the panels with so many bodies."""
+def panel_period(bodies: int) -> float:
+    """Return the seconds of wall time between two updates of the panels for a number of bodies."""
     return PANELS if bodies <= MANY else PANELS_OF_MANY
 
 
 def serve(options: Options, link: Link, stop: threading.Event) -> int:
-    """Serve the page until told to stop and return the exit code."""
+    """Serve the page until `stop` is set and return the exit code."""
     try:
         viewer = Viewer(options, link, stop)
     except ConnectionError as error:
@@ -222,7 +223,7 @@ def _save(viewer: Viewer, path: Path) -> int:
         sys.stderr.write(f"iw-viewer: cannot write {path}: {error.strerror}\n")
         return 1
     if not size:
-        sys.stderr.write(f"iw-viewer: nothing to record: no world was seen at {viewer.endpoint}\n")
+        sys.stderr.write(f"iw-viewer: nothing was recorded: no world was found at {viewer.endpoint}\n")
         return 1
     sys.stdout.write(f"recorded file={path} bytes={size}\n")
     sys.stdout.flush()

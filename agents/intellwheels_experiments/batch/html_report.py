@@ -17,6 +17,7 @@ from intellwheels_experiments.batch.report_drawings import PlottedRun
 from intellwheels_experiments.batch.run_store import StoredRun
 from intellwheels_experiments.batch.summary import Comparison, RowSummary, Summary
 from intellwheels_experiments.batch.sweep import sweep
+from intellwheels_schemas.agent_colours import colour_of, css
 from intellwheels_schemas.messages import Map, Scene
 
 _STYLE: Final = """
@@ -326,16 +327,17 @@ def _row(page: HtmlReport, row: RowSummary) -> str:
     places = page.floor.grid.position if page.floor.grid else ()
     place = next((one for one in places if reach and one.name == reach.place), None)
     goal = (place.x, place.y, reach.within) if place and reach else None
+    colour = css(colour_of(subject))
     drift = report_drawings.drift(runs, *page.drift.get(row.name, (0.0, 1.0)))
     key = (
-        f'<span><i style="border-color:{report_drawings.TRUE}"></i>true path</span>'
+        f'<span><i style="border-color:{colour}"></i>true path</span>'
         f'<span><i style="border-color:{report_drawings.REPORTED};border-top-style:dashed"></i>reported path</span>'
         f'<span style="color:{report_drawings.CONTACT}"><b>&times;</b> contact</span>'
     )
     parts = [
         f"<h2>{escape(row.title)}</h2><p>{_percent(row.succeeded, row.runs)} of {row.runs} runs succeeded. "
         f"Runs with a collision: {row.collided}.</p>",
-        f"<figure><p class=key>{key}</p>{report_drawings.paths(page.floor, runs, goal)}</figure>",
+        f"<figure><p class=key>{key}</p>{report_drawings.paths(page.floor, runs, goal, colour)}</figure>",
         f"<h3>Clearance and speed along the path</h3><p>The median and the middle 80 % of the runs.</p>"
         f"<figure>{report_drawings.along(runs)}</figure>",
     ]

@@ -59,8 +59,15 @@ class PlottedRun:
         return np.concatenate([[0.0], np.cumsum(np.hypot(np.diff(self.true[:, 1]), np.diff(self.true[:, 2])))])
 
 
-def paths(floor: Map, runs: Sequence[PlottedRun], goal: tuple[float, float, float] | None) -> str:
-    """Return the paths of runs on the floor. `goal` is x, y and the radius of the place to reach, in m."""
+def paths(floor: Map, runs: Sequence[PlottedRun], goal: tuple[float, float, float] | None, colour: str = TRUE) -> str:
+    """Return the paths of runs on the floor.
+
+    Args:
+        floor: The map.
+        runs: The runs.
+        goal: x, y and the radius of the place to reach, m; None for no goal.
+        colour: The colour of the body, see `agent_colours`.
+    """
     corners = np.array([(c.x, c.y) for wall in floor.wall for c in wall.corner])
     (left, low), (right, high) = corners.min(axis=0) - 0.15, corners.max(axis=0) + 0.15
     height = min(6.0, (WIDTH - 0.7) * (high - low) / (right - left)) + 0.55
@@ -70,7 +77,7 @@ def paths(floor: Map, runs: Sequence[PlottedRun], goal: tuple[float, float, floa
         if goal is not None:
             axes.add_patch(mpl.patches.Circle(goal[:2], goal[2], fill=False, ec="#009E73", lw=1.2))
         for run in runs:
-            axes.plot(*run.true[::EVERY, 1:3].T, color=TRUE, lw=0.8, alpha=_opacity(runs))
+            axes.plot(*run.true[::EVERY, 1:3].T, color=colour, lw=0.8, alpha=_opacity(runs))
             if run.reported is not None:
                 axes.plot(*run.reported[::EVERY, 1:3].T, color=REPORTED, lw=0.7, ls=(0, (4, 2)), alpha=_opacity(runs))
         contacts = [position for run in runs for position in run.contacts]

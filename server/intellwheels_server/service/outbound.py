@@ -111,12 +111,13 @@ def publish_body(service: ServiceState, agent: str) -> None:
 
 
 def body_of(service: ServiceState, agent: str) -> Body:
-    """Return a body as accepted. It must be in the world."""
+    """Return a body as accepted, with the pose where it joined as its `Position`. It must be in the world."""
     state, roster = service.run.state, service.agents.roster
     owner = roster.body(agent)
     roles: tuple[Role, ...] = tuple(member.role for member in roster.members(agent))
     model = state.body_set.models[agent]
-    robot = model.robot
+    # Sensors mounted on `start` stay there, so whoever draws them must know it, also of a body that joined at a Place.
+    robot = msgspec.structs.replace(model.robot, position=model.start)
     if model.mind_input:  # a mind in a process of its own takes this input too
         inputs = dict.fromkeys((*robot.user_input, *model.mind_input))
         robot = msgspec.structs.replace(robot, user_input=tuple(inputs))

@@ -13,6 +13,7 @@ from intellwheels_experiments.batch.html_report import HtmlReport, floor_hash, r
 from intellwheels_experiments.batch.report_drawings import PlottedRun
 from intellwheels_experiments.batch.summary import summarize
 from intellwheels_maps import floor, scene
+from intellwheels_schemas.agent_colours import colour_of, css
 from intellwheels_schemas.messages import Compare, Experiment
 from tests.experiments.runs import stored
 
@@ -98,7 +99,8 @@ def test_few_rows_are_not_folded_and_the_goal_is_the_subjects() -> None:
     # No row has a user, so there is no effort to show.
     assert "effort" not in found
     goal = next(one for one in floor("corner").grid.position if one.name == "goal1")  # type: ignore[union-attr]
-    assert report_drawings.paths(floor("corner"), [run("1")], (goal.x, goal.y, 0.3)) in found
+    colour = css(colour_of("follower1"))
+    assert report_drawings.paths(floor("corner"), [run("1")], (goal.x, goal.y, 0.3), colour) in found
 
 
 def test_drawing_scales_with_the_page_and_is_reproducible() -> None:

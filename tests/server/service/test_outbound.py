@@ -1,10 +1,14 @@
 from __future__ import annotations
 
+import math
+
 import pytest
 
+from intellwheels_maps import floor
 from intellwheels_schemas.messages import (
     Body,
     Pose,
+    Position,
     PowerInForce,
     Robot,
     Speed,
@@ -90,3 +94,14 @@ def test_published_body_has_the_user_input_of_a_mind_in_another_process() -> Non
     assert stage.of("body", "chair1")[-1].robot.user_input == ()
     stage.join("chair1", Robot(role="mind", user_input=("goal",)), instance="c" * 16)
     assert stage.of("body", "chair1")[-1].robot.user_input == ("goal",)
+
+
+def test_a_body_that_joined_at_a_place_is_published_with_the_pose_where_it_joined() -> None:
+    stage = Stage()
+    stage.join("chair1", place="start1")
+    place = next(one for one in floor("room").grid.position if one.name == "start1")  # type: ignore[union-attr]
+    start = Position(x=place.x, y=place.y, heading=math.radians(place.heading_deg))
+    assert stage.of("body", "chair1")[-1].robot.position == start
+    stage.act("chair1", 1.0, 0.5)
+    stage.work(2.0)
+    assert [reply.robot.position for reply, _ in stage.ask("body", "")] == [start]  # type: ignore[attr-defined]

@@ -230,3 +230,17 @@ def test_reported_poses_are_published_with_each_state_and_ignored_by_the_playbac
     stage.put("chair1", told[-1], "pose")
     assert stage.errors("chair1") == []
     stage.close()
+
+
+def test_a_playback_waits_until_it_is_resumed_unless_it_quits_at_its_end(log: Path, seen: list[Seen]) -> None:
+    stage = PlayStage(log, waits=True)
+    stage.work(1.0)
+    assert (stage.tick, stage.of("clock")[-1].state) == (0, "paused")
+    assert stage.result("resume").code == "ok"
+    stage.work(1.0)
+    assert stage.tick > 0
+    stage.close()
+    alone = PlayStage(log, quit_at_end=True, waits=True)
+    alone.work(1.0)
+    assert alone.tick > 0
+    alone.close()

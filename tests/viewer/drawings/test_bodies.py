@@ -11,7 +11,7 @@ import viser
 
 from intellwheels_schemas.messages import Body
 from intellwheels_viewer import palette
-from intellwheels_viewer.drawings.bodies import Bodies, grouped, stand, tints
+from intellwheels_viewer.drawings.bodies import Bodies, grouped, pose_arrays, tints
 from intellwheels_viewer.drawings.body_documents import BodyDocuments
 from intellwheels_viewer.palette import Colours
 from tests.viewer.drawings.cast import body, entity, node
@@ -32,7 +32,7 @@ def test_bodies_that_look_alike_are_one_group_in_the_order_of_the_state() -> Non
 
 
 def test_bodies_as_arrays_have_the_poses_of_the_state() -> None:
-    placed = stand([entity("a", 1.25, -2.5, 0.5)], lambda _: (1, 2, 3))
+    placed = pose_arrays([entity("a", 1.25, -2.5, 0.5)], lambda _: (1, 2, 3))
     assert placed.positions.tolist() == [[1.25, -2.5, 0.0]]
     assert placed.headings.tolist() == [0.5]
     assert placed.colours.tolist() == [[1, 2, 3]]

@@ -5,19 +5,19 @@ from tests.viewer.drawings.cast import body
 
 
 def test_bodies_share_a_look_when_they_look_the_same_and_a_crowd_looks_otherwise() -> None:
-    forms = BodyDocuments()
-    made = forms.of({"a": body("rear-wheel"), "b": body("rear-wheel"), "c": body("table")}, crowd=False)
+    documents = BodyDocuments()
+    made = documents.of({"a": body("rear-wheel"), "b": body("rear-wheel"), "c": body("table")}, crowd=False)
     assert made["a"].look == made["b"].look != made["c"].look
-    assert (made["a"].goes, made["c"].goes) == (True, False)
-    assert forms.of({"a": body("rear-wheel")}, crowd=True)["a"].look not in (made["a"].look, made["c"].look)
+    assert (made["a"].is_mobile, made["c"].is_mobile) == (True, False)
+    assert documents.of({"a": body("rear-wheel")}, crowd=True)["a"].look not in (made["a"].look, made["c"].look)
 
 
 def test_a_form_is_found_once_for_each_document_and_anew_for_another() -> None:
-    forms, first, other = BodyDocuments(), {"a": body("rear-wheel")}, {"a": body("table")}
-    form = forms.of(first, crowd=False)["a"]
-    assert forms.of(first, crowd=False)["a"] is form
-    assert forms.of(other, crowd=False)["a"].hull.length == 1.6
+    documents, first, other = BodyDocuments(), {"a": body("rear-wheel")}, {"a": body("table")}
+    form = documents.of(first, crowd=False)["a"]
+    assert documents.of(first, crowd=False)["a"] is form
+    assert documents.of(other, crowd=False)["a"].hull.length == 1.6
 
 
 def test_an_anchored_body_does_not_go_about() -> None:
-    assert not BodyDocuments().of({"door": body("door")}, crowd=False)["door"].goes
+    assert not BodyDocuments().of({"door": body("door")}, crowd=False)["door"].is_mobile

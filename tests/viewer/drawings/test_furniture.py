@@ -5,8 +5,8 @@ import math
 import numpy as np
 import pytest
 
+from intellwheels_schemas.agent_colours import FIXTURES
 from intellwheels_schemas.messages import Corner, Obstacle
-from intellwheels_viewer import palette
 from intellwheels_viewer.drawings.furniture import furniture
 
 
@@ -45,4 +45,4 @@ def test_a_bed_that_is_no_rectangle_is_a_box() -> None:
 
 
 def test_tables_are_of_wood() -> None:
-    assert list(furniture(obstacle("reception-desk"))) == [palette.WOOD]
+    assert list(furniture(obstacle("reception-desk"))) == [FIXTURES["table"]]

@@ -5,6 +5,7 @@ import math
 import pytest
 import viser
 
+from intellwheels_schemas.agent_colours import COLOURS
 from intellwheels_schemas.messages import Pose
 from intellwheels_viewer import palette
 from intellwheels_viewer.drawings.ghosts import Ghost, Ghosts, reported, spirit
@@ -13,7 +14,7 @@ from intellwheels_viewer.snapshot import Snapshot
 from tests.viewer.drawings.cast import node, robot
 from tests.viewer.wire import body
 
-BLUE = palette.AGENTS[0]
+BLUE = COLOURS[0]
 
 
 def test_a_ghost_is_the_whole_body() -> None:

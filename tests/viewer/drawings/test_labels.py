@@ -3,7 +3,7 @@ from __future__ import annotations
 import viser
 
 from intellwheels_viewer.drawings.labels import Labels, cut, name_of, tags
-from intellwheels_viewer.snapshot import Words
+from intellwheels_viewer.snapshot import USER, Words
 from tests.viewer.drawings.cast import body, entity, node
 
 CAST = {"a": body("rear-wheel"), "table": body("table"), "door": body("door")}
@@ -50,3 +50,15 @@ def test_nodes_are_kept_and_hidden(scene: viser.SceneApi) -> None:
     assert node(scene, "/labels/a") is handle
     assert handle.visible
     assert handle.text == "a  1.00 m/s"
+
+
+def test_what_a_user_says_is_a_bubble_above_the_one_it_is_for_or_above_all() -> None:
+    cast = {"a": body("rear-wheel"), "b": body("rear-wheel")}
+    bodies = [entity("a"), entity("b", 3.0)]
+    shown = tags(cast, bodies, (Words(USER, 1.0, "hello", "a"),), 1.5, ())
+    assert [shown[name].text for name in "ab"] == ["User: \u201chello\u201d\na", "b"]
+    both = (Words("b", 1.0, "hi"), Words(USER, 1.2, "hello"))
+    shown = tags(cast, bodies, both, 1.5, ())
+    assert [shown[name].text.splitlines()[0] for name in "ab"] == ["User: \u201chello\u201d"] * 2
+    assert "\u201chi\u201d" in shown["b"].text
+    assert tags(cast, bodies, both, 9.0, ())["a"].text == "a"

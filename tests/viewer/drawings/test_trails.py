@@ -7,9 +7,9 @@ import pytest
 import viser
 
 from intellwheels_viewer import palette
-from intellwheels_viewer.drawings.trails import LENGTH, STEP, Trail, Trails, segments
+from intellwheels_viewer.drawings.trails import STEP, Trail, Trails, segments
 from intellwheels_viewer.palette import Colours
-from intellwheels_viewer.snapshot import Sample
+from intellwheels_viewer.snapshot import TRAIL, Sample
 from tests.viewer.drawings.cast import node
 
 
@@ -24,7 +24,7 @@ def trail(history: list[Sample], now: float) -> list[list[float]]:
 def test_a_trail_ends_at_the_newest_sample_and_goes_back_twenty_seconds() -> None:
     corners = trail(straight(801), 40.0)
     assert corners[-1][0] == pytest.approx(20.0)
-    assert corners[0][2] == pytest.approx(40.0 - LENGTH, abs=0.2)
+    assert corners[0][2] == pytest.approx(40.0 - TRAIL, abs=0.2)
 
 
 def test_corners_are_a_step_apart_and_a_body_at_rest_has_few() -> None:

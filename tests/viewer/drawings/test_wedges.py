@@ -63,19 +63,27 @@ def test_what_is_too_near_to_measure_reaches_to_the_least_range() -> None:
 
 def test_a_sensor_on_the_frame_of_a_door_stays_when_the_leaf_swings() -> None:
     door = body("door", position=Position(x=9.0, y=3.51, heading=-math.pi / 2))
-    seen = {"door": measures(reading(1.0, name="in-left"))}
+    snapshot = {"door": measures(reading(1.0, name="in-left"))}
     shut, open_ = (
-        wedges.cones({"door": door}, [entity("door", 9.0, 3.51, heading)], seen, {"door"}) for heading in (-1.57, 0.0)
+        wedges.cones({"door": door}, [entity("door", 9.0, 3.51, heading)], snapshot, {"door"})
+        for heading in (-1.57, 0.0)
     )
     assert all(np.array_equal(getattr(shut, field), getattr(open_, field)) for field in Cones.__slots__)
     assert (*shut.x, *shut.y) == pytest.approx((9.05, 4.3))
     assert shut.direction == pytest.approx(0.0)
 
 
+def test_a_sensor_on_the_frame_of_a_door_is_not_drawn_while_its_place_is_unknown() -> None:
+    door = body("door")
+    assert door.robot.position is None
+    snapshot = {"door": measures(reading(1.0, name="in-left"))}
+    assert len(wedges.cones({"door": door}, [entity("door", 9.0, 3.51)], snapshot, {"door"}).x) == 0
+
+
 def test_agents_that_were_not_asked_for_and_sensors_without_readings_have_none() -> None:
-    seen = {"a": measures(reading(1.0)), "b": measures(reading(1.0))}
+    snapshot = {"a": measures(reading(1.0)), "b": measures(reading(1.0))}
     cast = {"a": CHAIR, "b": CHAIR}
-    assert len(wedges.cones(cast, [entity("a"), entity("b")], seen, {"b"}).x) == 1
+    assert len(wedges.cones(cast, [entity("a"), entity("b")], snapshot, {"b"}).x) == 1
     assert len(wedges.cones(cast, [entity("a")], {"a": Measures(run=RUN, tick=0, time=0.0)}, {"a"}).x) == 0
 
 
@@ -93,9 +101,9 @@ def test_readings_belong_to_the_sensor_of_their_name_in_whatever_order_they_come
 def test_a_body_that_comes_again_with_another_document_has_its_sensors_where_that_says() -> None:
     mounts, first = Mounts(), CHAIR.robot.proximity[0]
     moved = msgspec.structs.replace(CHAIR.robot, proximity=(msgspec.structs.replace(first, x=first.x + 1.0),))
-    seen, there = {"a": measures(reading(1.0, name=first.id))}, [entity("a")]
-    one = wedges.cones({"a": CHAIR}, there, seen, {"a"}, None, mounts)
-    other = wedges.cones({"a": msgspec.structs.replace(CHAIR, robot=moved)}, there, seen, {"a"}, None, mounts)
+    snapshot, there = {"a": measures(reading(1.0, name=first.id))}, [entity("a")]
+    one = wedges.cones({"a": CHAIR}, there, snapshot, {"a"}, None, mounts)
+    other = wedges.cones({"a": msgspec.structs.replace(CHAIR, robot=moved)}, there, snapshot, {"a"}, None, mounts)
     assert other.x == pytest.approx(one.x + 1.0)
 
 

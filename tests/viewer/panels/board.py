@@ -35,7 +35,7 @@ FLAGS = [
 class Board:
     """One browser's panels; what they call is kept in `calls`, a name and its arguments each."""
 
-    def __init__(self, client: viser.ClientHandle, seen: Snapshot, choices: Choices) -> None:
+    def __init__(self, client: viser.ClientHandle, snapshot: Snapshot, choices: Choices) -> None:
         gui = client.gui
         self.calls: list[tuple[Any, ...]] = []
         self.news = threading.Condition()
@@ -66,11 +66,11 @@ class Board:
         with tabs.add_tab("Place"):
             self.place = PlacePanel(
                 gui, on_choose=self.note("choose"), on_turn=self.note("turn"), on_turn_selected=self.note("turn by"),
-                on_remove=self.note("remove"),
+                on_remove=self.note("remove"), on_undo=self.note("undo"),
             )  # fmt: skip
         with tabs.add_tab("Layers"):
             self.layers = LayersPanel(gui, Layers(), self.note("layers"))
-        self.show(seen, choices)
+        self.show(snapshot, choices)
 
     def note(self, name: str) -> Any:
         def call(*arguments: object) -> None:
@@ -85,16 +85,16 @@ class Board:
         with self.news:
             assert self.news.wait_for(lambda: there(self.calls), seconds), self.calls[-20:]
 
-    def show(self, seen: Snapshot, choices: Choices) -> None:
-        self.connection.show(seen, choices)
-        self.clock.show(seen, choices)
-        self.playback.show(seen, choices)
-        self.agents.show(seen, choices)
-        self.selected.show(seen, choices)
-        self.events.show(seen)
-        self.plan.show(seen, choices)
-        self.drive.show(seen, choices)
-        self.place.show(seen, choices)
+    def show(self, snapshot: Snapshot, choices: Choices) -> None:
+        self.connection.show(snapshot, choices)
+        self.clock.show(snapshot, choices)
+        self.playback.show(snapshot, choices)
+        self.agents.show(snapshot, choices)
+        self.selected.show(snapshot, choices)
+        self.events.show(snapshot)
+        self.plan.show(snapshot, choices)
+        self.drive.show(snapshot, choices)
+        self.place.show(snapshot, choices)
 
 
 # Text below 11 px, and text wider than the place it has, unless it says so by an ellipsis.
@@ -115,7 +115,9 @@ FAULTS = """() => {
 
 
 @contextmanager
-def served(seen: Snapshot, choices: Choices, *, dark: bool = False) -> Iterator[tuple[viser.ViserServer, list[Board]]]:
+def served(
+    snapshot: Snapshot, choices: Choices, *, dark: bool = False
+) -> Iterator[tuple[viser.ViserServer, list[Board]]]:
     """A server on a free loopback port; each browser that comes gets a board, in the order they come."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", DeprecationWarning)  # viser's own use of websockets
@@ -123,7 +125,7 @@ def served(seen: Snapshot, choices: Choices, *, dark: bool = False) -> Iterator[
     boards: list[Board] = []
     server.gui.configure_theme(show_logo=False, show_share_button=False, dark_mode=dark)
     server.scene.configure_environment_map(None)
-    server.on_client_connect(lambda client: boards.append(Board(client, seen, choices)))
+    server.on_client_connect(lambda client: boards.append(Board(client, snapshot, choices)))
     try:
         yield server, boards
     finally:

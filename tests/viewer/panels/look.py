@@ -26,7 +26,7 @@ def main(folder: Path) -> None:
             page.get_by_role("tab", name="Agents").click()
             page.get_by_role("tab", name="Events").click()
             paused = replace(seen, clock=made_up.clock("paused"), last_tick=3400)
-            board.show(paused, replace(choices, refusal="'table2' overlaps a wall or a body", selected=None))
+            board.show(paused, replace(choices, selected=None))
             shoot(page, folder / f"{theme}-events-playback.png")
             page.get_by_role("tab", name="Selected").click()
             page.mouse.move(140, 500)

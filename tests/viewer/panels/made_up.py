@@ -7,6 +7,7 @@ from dataclasses import replace
 from functools import cache
 
 from intellwheels_maps import library
+from intellwheels_schemas.agent_colours import looks
 from intellwheels_schemas.messages import (
     Body,
     BumperReading,
@@ -34,8 +35,6 @@ RUN = "9f3c21d4a0b1c2d3"
 PERIOD = 0.05
 TICK = 1687
 NOW = TICK * PERIOD
-# Okabe and Ito's, in their order but yellow, which is for what is selected, and vermilion, too near contact's red.
-COLOURS = [(0, 114, 178), (230, 159, 0), (0, 158, 115), (204, 121, 167), (86, 180, 233), (30, 30, 30)]
 CHAIRS = ("chair1", "chair2", "chair3", "chair4", "chair5", "chair6", "iris-of-the-east-wing-room-12b")
 LASER = LidarReading(
     id="laser", tick=TICK - 2, start_deg=-90.0, step_deg=90.0, ranges=(1.0, None, 2.5), statuses=("ok", "none", "ok")
@@ -159,8 +158,7 @@ def events() -> tuple[Event, ...]:
 
 
 def choices() -> Choices:
-    colours = {name: COLOURS[k % len(COLOURS)] for k, name in enumerate(CHAIRS)}
-    return Choices(selected="chair1", colours=colours)
+    return Choices(selected="chair1", looks=looks(CHAIRS))
 
 
 def nothing(phase: str, **changes: object) -> Snapshot:
@@ -196,4 +194,4 @@ def hostile() -> Snapshot:
 
 
 def attacked() -> Choices:
-    return Choices(selected=ATTACK, colours={ATTACK: COLOURS[0]}, placing=ATTACK, refusal=ATTACK)
+    return Choices(selected=ATTACK, looks=looks([ATTACK]), placing=ATTACK)

@@ -8,8 +8,9 @@ from dataclasses import replace
 import msgspec
 import viser
 
+from intellwheels_schemas.agent_colours import colour_of, css
 from intellwheels_schemas.messages import Entity
-from intellwheels_viewer.panels.agents import NOBODY, ROWS, AgentsPanel, agents_html, in_order, words
+from intellwheels_viewer.panels.agents import NOBODY, ROWS, AgentsPanel, agents_first, agents_html, words
 from intellwheels_viewer.panels.choices import Choices
 from tests.viewer.panels import made_up
 from tests.viewer.panels.panel import Calls, enter
@@ -23,8 +24,10 @@ def row(page: str, name: str) -> str:
 
 def test_a_row_has_all_that_is_known_of_an_agent() -> None:
     page = agents_html(made_up.seen(), made_up.choices())
-    assert all(word in row(page, "chair2") for word in ("real", "follow-wall", "stale", ">0.72<", "#e69f00"))
-    assert all(word in row(page, "chair3") for word in ("simulated", "touches", ">12<", "iw-red"))
+    assert all(
+        word in row(page, "chair2") for word in ("real", "follow-wall", "stale", ">0.72<", css(colour_of("chair2")))
+    )
+    assert all(word in row(page, "chair3") for word in ("simulated", "touching", ">12<", "iw-red"))
     assert "taken over" in row(page, "chair5")
 
 
@@ -35,8 +38,8 @@ def test_the_selected_row_is_marked_and_no_other() -> None:
 
 
 def test_agents_come_before_what_an_operator_put_there() -> None:
-    assert in_order(made_up.seen())[-1].name == "table1"
-    assert words(in_order(made_up.seen())[-1], made_up.seen().bodies["table1"]) == "table, placed"
+    assert agents_first(made_up.seen())[-1].name == "table1"
+    assert words(agents_first(made_up.seen())[-1], made_up.seen().bodies["table1"]) == "table, placed"
 
 
 def test_no_agents_are_said_in_words() -> None:
@@ -79,8 +82,15 @@ def test_the_list_follows_who_is_there_and_selected(gui: viser.GuiApi, calls: Ca
 
 
 def test_in_a_log_that_is_played_who_joined_is_no_thing_that_was_placed() -> None:
-    seen = made_up.seen()
-    body = seen.bodies["chair1"]
+    snapshot = made_up.seen()
+    body = snapshot.bodies["chair1"]
     robot = msgspec.structs.replace(body.robot, instance="a" * 16)
     nobodys = msgspec.structs.replace(body, owner=None, robot=robot)
-    assert words(seen.entities[0], nobodys).startswith(("simulated", "real"))
+    assert words(snapshot.entities[0], nobodys).startswith(("simulated", "real"))
+
+
+def test_agents_are_in_natural_order() -> None:
+    base = made_up.seen()
+    entities = tuple(Entity(name=name, x=0.0, y=0.0, heading=0.0) for name in ("chair10", "chair2", "table1"))
+    found = agents_first(replace(base, entities=entities))
+    assert [entity.name for entity in found] == ["chair2", "chair10", "table1"]

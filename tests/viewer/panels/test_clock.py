@@ -93,3 +93,23 @@ def test_a_log_has_its_buttons_beside_its_time_line(gui: viser.GuiApi, calls: Ca
     shown = panel(gui, calls)
     shown.show(replace(at("running"), last_tick=2000), Choices())
     assert not any(one.visible for one in (shown._pause, shown._resume, shown._speed, shown._reset))
+
+
+def test_a_run_that_is_over_offers_to_run_again(gui: viser.GuiApi, calls: Calls) -> None:
+    shown = panel(gui, calls)
+    shown.show(at("running"), Choices())
+    assert not shown._again.visible
+    shown.show(at("ended"), Choices())
+    assert shown._again.visible
+    assert not shown._again.disabled
+    assert shown._resume.label == "Continue this run"
+    assert "The run is over" in clock_html(at("ended"))
+    press(shown._again)
+    assert calls == [("reset",)]
+    shown.show(replace(at("ended"), last_tick=3400), Choices())
+    assert not shown._again.visible
+    assert "The run is over" not in clock_html(replace(at("ended"), last_tick=3400))
+
+
+def test_awaited_agents_are_in_natural_order() -> None:
+    assert "Waiting for chair2, chair10" in clock_html(at("waiting", waiting=("chair10", "chair2")))

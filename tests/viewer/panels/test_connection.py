@@ -14,7 +14,7 @@ from intellwheels_viewer.panels.connection import (
     NO_WORLD,
     ConnectionPanel,
     connection_html,
-    nothing_to_see,
+    empty_scene_text,
     state,
 )
 from intellwheels_viewer.snapshot import Phase, Snapshot
@@ -35,7 +35,7 @@ def test_every_phase_has_words(phase: str) -> None:
     [
         ("no-router", ["No router at tcp/127.0.0.1:7447", "<code>iw-router</code>"]),
         ("no-world", ["No world is running", "<code>iw-run figure6</code>"]),
-        ("silent", ["Simulator silent for 7 s", "Last picture, greyed"]),
+        ("silent", ["Simulator silent for 7 s", "This is the last picture"]),
         ("gone", ["World main has gone"]),
     ],
 )
@@ -45,14 +45,18 @@ def test_what_is_wrong_comes_with_what_to_do(phase: str, words: list[str]) -> No
 
 
 def test_who_may_only_look_is_told() -> None:
-    seen = made_up.seen()
-    assert "You may look, not steer" in connection_html(seen, Choices(allowed=False))
-    assert "You may look, not steer" not in connection_html(seen, Choices())
+    snapshot = made_up.seen()
+    assert "View only" in connection_html(snapshot, Choices(allowed=False))
+    assert "View only" not in connection_html(snapshot, Choices())
 
 
-def test_a_refusal_shows_its_reason() -> None:
-    page = connection_html(made_up.seen(), Choices(refusal="'table2' overlaps <wall>"))
-    assert "overlaps &lt;wall&gt;" in page
+def test_a_run_that_is_over_and_whose_processes_have_ended_says_so() -> None:
+    over = replace(made_up.seen(), phase="gone", clock=made_up.clock("ended"))
+    page = connection_html(over, Choices())
+    assert "The run is over" in page
+    assert "Its processes have ended" in page
+    assert GREYED in page
+    assert "The run is over" not in connection_html(replace(over, clock=made_up.clock("running")), Choices())
 
 
 def test_words_of_a_peer_are_text() -> None:
@@ -95,12 +99,12 @@ def test_where_the_world_has_gone_the_only_other_one_is_offered(gui: viser.GuiAp
 
 
 @pytest.mark.parametrize("phase", get_args(Phase))
-def test_the_picture_of_the_past_is_greyed_as_the_words_say(phase: str) -> None:
+def test_an_old_picture_is_greyed_and_the_text_says_so(phase: str) -> None:
     page = connection_html(made_up.nothing(phase), Choices())
-    assert (GREYED in page) == ("greyed" in page)
+    assert (GREYED in page) == ("the last picture" in page)
 
 
 def test_an_empty_scene_says_why_and_one_with_a_floor_says_nothing() -> None:
-    words = nothing_to_see(made_up.nothing("no-router"), Choices())
+    words = empty_scene_text(made_up.nothing("no-router"), Choices())
     assert words == "No router at tcp/127.0.0.1:7447\nStart iw-router.\nThis page connects as soon as it is there."
-    assert nothing_to_see(made_up.seen(), Choices()) == ""
+    assert empty_scene_text(made_up.seen(), Choices()) == ""

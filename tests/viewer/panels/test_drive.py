@@ -9,7 +9,7 @@ import pytest
 import viser
 
 from intellwheels_viewer.panels.choices import Choices
-from intellwheels_viewer.panels.drive import EVERYBODY, GENTLE, SAY_LIMIT, DrivePanel, able, drive_html, page_html
+from intellwheels_viewer.panels.drive import EVERYBODY, GENTLE, SAY_LIMIT, DrivePanel, can_drive, drive_html, page_html
 from tests.viewer.panels import made_up
 from tests.viewer.panels.panel import Calls, enter, hold, press
 
@@ -21,11 +21,11 @@ def panel(gui: viser.GuiApi, calls: Calls, choices: Choices | None = None) -> Dr
 
 
 def test_who_is_driven_or_why_nobody_is_said() -> None:
-    seen = made_up.seen()
-    assert "You drive chair1" in drive_html(seen, made_up.choices())
-    assert "Nothing selected" in drive_html(seen, Choices())
-    assert "table1 has no motors" in drive_html(seen, Choices(selected="table1"))
-    assert "You may look, not steer" in drive_html(seen, Choices(selected="chair1", allowed=False))
+    snapshot = made_up.seen()
+    assert "You are driving chair1" in drive_html(snapshot, made_up.choices())
+    assert "Nothing is selected" in drive_html(snapshot, Choices())
+    assert "table1 has no motors" in drive_html(snapshot, Choices(selected="table1"))
+    assert "View only" in drive_html(snapshot, Choices(selected="chair1", allowed=False))
     assert "No world" in drive_html(made_up.nothing("no-world"), Choices())
 
 
@@ -33,7 +33,7 @@ def test_the_page_sends_nothing_while_nobody_can_be_driven() -> None:
     assert "iw-drive-off" not in drive_html(made_up.seen(), made_up.choices())
     for choices in (Choices(), Choices(selected="table1"), Choices(selected="chair1", allowed=False)):
         assert "iw-drive-off" in drive_html(made_up.seen(), choices)
-        assert not able(made_up.seen(), choices)
+        assert not can_drive(made_up.seen(), choices)
 
 
 def test_words_of_a_peer_are_text() -> None:

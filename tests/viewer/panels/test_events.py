@@ -9,6 +9,7 @@ import viser
 
 from intellwheels_schemas.messages import Event
 from intellwheels_viewer.panels.events import SHOWN, EventsPanel, events_html
+from intellwheels_viewer.snapshot import USER, Words
 from tests.viewer.panels import made_up
 
 
@@ -25,8 +26,8 @@ def test_a_contact_is_red_and_nothing_else() -> None:
 
 def test_another_run_begins_below_a_line() -> None:
     page = events_html(made_up.seen())
-    assert page.count("the run before") == 1
-    assert page.index("the run before") < page.index("The run began anew")
+    assert page.count("previous run") == 1
+    assert page.index("previous run") < page.index("A new run started")
 
 
 def test_a_long_list_is_cut_and_says_so() -> None:
@@ -48,3 +49,15 @@ def test_panel_shows_the_list(gui: viser.GuiApi) -> None:
     panel = EventsPanel(gui)
     panel.show(made_up.seen())
     assert panel._list.content == events_html(made_up.seen())
+
+
+def test_what_a_user_said_is_an_event_at_its_time() -> None:
+    base = made_up.seen()
+    speech = (Words(USER, 61.0, "<b>stop</b>", "chair1"), Words(USER, 70.0, "hello"), Words("chair1", 71.0, "I hear"))
+    page = events_html(replace(base, words=speech))
+    times = re.findall(r"<li data-code[^>]*><span>([\d.]+)<", page)
+    assert times[:5] == ["80.05", "70.00", "65.00", "61.00", "60.15"]
+    assert "A user said to everybody: \u201chello\u201d" in page
+    assert "A user said to chair1: \u201c&lt;b&gt;stop&lt;/b&gt;\u201d" in page
+    assert "I hear" not in page
+    assert "hello" in events_html(replace(base, words=speech, events=()))

@@ -17,7 +17,7 @@ from tests.viewer.panels.panel import Calls, enter, press
 def panel(gui: viser.GuiApi, calls: Calls) -> PlacePanel:
     return PlacePanel(
         gui, on_choose=calls.to("choose"), on_turn=calls.to("turn"), on_turn_selected=calls.to("turn by"),
-        on_remove=calls.to("remove"),
+        on_remove=calls.to("remove"), on_undo=calls.to("undo"),
     )  # fmt: skip
 
 
@@ -27,10 +27,10 @@ def test_what_can_be_placed_is_in_the_library(robot: str) -> None:
 
 
 def test_what_to_do_next_is_said() -> None:
-    seen = made_up.seen()
-    assert "Choose what to place" in place_html(seen, Choices())
-    assert "Click the floor where the table shall stand" in place_html(seen, Choices(placing="Table"))
-    assert "You may look" in place_html(seen, Choices(allowed=False))
+    snapshot = made_up.seen()
+    assert "Choose a thing to place" in place_html(snapshot, Choices())
+    assert "Click the floor to place the table" in place_html(snapshot, Choices(placing="Table"))
+    assert "View only" in place_html(snapshot, Choices(allowed=False))
     assert "No world" in place_html(made_up.nothing("no-world"), Choices())
 
 

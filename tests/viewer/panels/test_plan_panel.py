@@ -10,6 +10,7 @@ import pytest
 import viser
 
 from intellwheels_maps import library
+from intellwheels_schemas.agent_colours import colour_of, css, looks
 from intellwheels_schemas.messages import Corner, Entity, Map, Wall
 from intellwheels_viewer.panels.plan_panel import CROWD, PlanPanel, bodies_svg, floor_svg, frame
 from intellwheels_viewer.snapshot import Sample
@@ -65,7 +66,7 @@ def test_a_body_stands_where_the_state_says_in_its_colour() -> None:
     x = sum(x for x, _ in rear) / 2 * 0.58 + sum(x for x, _ in front) / 2 * 0.42
     y = sum(y for _, y in rear) / 2 * 0.58 + sum(y for _, y in front) / 2 * 0.42
     assert (x, y) == pytest.approx((entity.x, entity.y), abs=0.02)
-    assert 'fill="#cc79a7"' in group[0]
+    assert f'fill="{css(colour_of("chair4"))}"' in group[0]
 
 
 def test_only_the_selected_one_has_a_ring() -> None:
@@ -83,9 +84,9 @@ def test_a_body_that_touches_is_edged_in_red_and_a_stale_one_is_faded() -> None:
 
 def test_a_trail_is_twenty_seconds_long_and_its_corners_stay() -> None:
     history = tuple(Sample(k / 20, k / 20, 0.0, 0.0, 1.0) for k in range(601))
-    seen = replace(made_up.seen(), history={"chair1": history}, time=30.0)
-    later = replace(seen, history={"chair1": history[:-3]}, time=history[-4].time)
-    lines = [re.search(r'polyline points="([^"]*)"', bodies_svg(one, made_up.choices())) for one in (seen, later)]
+    snapshot = replace(made_up.seen(), history={"chair1": history}, time=30.0)
+    later = replace(snapshot, history={"chair1": history[:-3]}, time=history[-4].time)
+    lines = [re.search(r'polyline points="([^"]*)"', bodies_svg(one, made_up.choices())) for one in (snapshot, later)]
     points = [line[1].split() for line in lines if line]
     assert float(points[0][0].split(",")[0]) == pytest.approx(10.5)
     assert points[0][:-2] == [point for point in points[1][:-1] if float(point.split(",")[0]) >= 10.5]
@@ -100,8 +101,7 @@ def test_a_crowd_is_few_paths_and_the_selected_one() -> None:
         bodies=dict.fromkeys(names, base.bodies["chair1"]),
         history={},
     )
-    colours = {name: made_up.COLOURS[k % 6] for k, name in enumerate(names)}
-    page = bodies_svg(crowd, replace(made_up.choices(), colours=colours, selected="c7"))
+    page = bodies_svg(crowd, replace(made_up.choices(), looks=looks(names), selected="c7"))
     assert len(base.entities) < CROWD < 1000
     assert (page.count("<path"), page.count("<g ")) == (6, 1)
     assert len(page) < 60_000

@@ -9,7 +9,7 @@ import viser
 
 from intellwheels_schemas.messages import Pose
 from intellwheels_viewer.panels.choices import Choices
-from intellwheels_viewer.panels.playback import HANDS_ON, PlaybackPanel, playback_html
+from intellwheels_viewer.panels.playback import HOLD_AFTER_DRAG, PlaybackPanel, playback_html
 from tests.viewer.panels import made_up
 from tests.viewer.panels.panel import Calls, enter, press
 
@@ -60,7 +60,7 @@ def test_the_line_does_not_move_under_a_hand(gui: viser.GuiApi, calls: Calls) ->
     enter(shown._line, 20)
     shown.show(LOG, Choices())
     assert shown._line.value == 20
-    wall.time += HANDS_ON
+    wall.time += HOLD_AFTER_DRAG
     shown.show(LOG, Choices())
     assert shown._line.value == 1687
     assert calls == [("seek", 20)]
@@ -88,5 +88,5 @@ def test_how_far_a_real_chair_was_from_where_it_said_it_was() -> None:
     one = LOG.entities[0]
     pose = Pose(tick=LOG.tick, x=one.x + 0.3, y=one.y - 0.4, heading=one.heading + math.radians(2.0))
     words = playback_html(replace(LOG, reported={one.name: pose, "gone": pose}))
-    assert f"{one.name} said it was, 0.50 m and 2.0\u00b0 off" in words
+    assert f"pose reported by {one.name}, off by 0.50 m and 2.0\u00b0" in words
     assert "gone" not in words

@@ -2,19 +2,24 @@
 
 from __future__ import annotations
 
+import math
+
 import pytest
 
 from intellwheels_schemas.messages import (
     BeaconReading,
     GPSReading,
-    IMUReading,
+    Heading,
     LidarReading,
     Measures,
     ProximityReading,
+    Range,
+    Record,
     Sensors,
+    Status,
     TruthReading,
 )
-from intellwheels_viewer.panels.readings import _PANELS, Group, Row, groups
+from intellwheels_viewer.panels.readings import _READERS, Group, Row, groups
 from tests.viewer.panels import made_up
 
 
@@ -22,19 +27,44 @@ def read(sensors: Sensors) -> list[Group]:
     return groups(Measures(run=made_up.RUN, tick=10, time=0.5, sensors=sensors))
 
 
-def test_words_are_of_kinds_of_the_contract() -> None:
-    assert set(_PANELS) <= set(Sensors.__struct_fields__)
+class SonarReading(Record, frozen=True, kw_only=True):
+    """A kind of sensor that the viewer does not know."""
+
+    id: str
+    tick: int | None = None
+    distance: Range | None = None
+    bearing: Heading = 0.0
+    echoes: tuple[int, ...] = ()
+    confirmed: bool = False
+    status: Status = "ok"
 
 
-def test_a_kind_without_words_of_its_own_shows_its_values(monkeypatch: pytest.MonkeyPatch) -> None:
-    for field in ("imu", "gps"):
-        monkeypatch.delitem(_PANELS, field)
-    imu = IMUReading(id="i", forward=0.5, left=-0.25, turn_rate=1.0)
-    fixes = (GPSReading(id="g", x=1.5, y=2.0), GPSReading(id="lost", status="fault"))
-    assert read(Sensors(imu=(imu,), gps=fixes)) == [
-        Group("gps: x, m; y, m", (Row("g", "1.50, 2.00"), Row("lost", "failed"))),
-        Group("imu: forward, m/s2; left, m/s2; turn rate, rad/s", (Row("i", "0.50, \u22120.25, 1.00"),)),
+class SensorsWithSonar(Sensors, frozen=True, kw_only=True):
+    """The sensors of a contract with one more kind."""
+
+    ultra_sonar: tuple[SonarReading, ...] = ()
+
+
+def test_every_kind_of_the_contract_has_a_row_of_its_own_making() -> None:
+    assert set(_READERS) <= set(Sensors.__struct_fields__)
+
+
+def test_an_unknown_kind_of_sensor_is_shown_by_its_fields_and_units() -> None:
+    front = SonarReading(id="front", tick=8, distance=1.234, bearing=math.pi / 2, echoes=(4, 7), confirmed=True)
+    found = read(SensorsWithSonar(ultra_sonar=(front, SonarReading(id="rear", status="fault"))))
+    assert found == [
+        Group(
+            "ultra sonar: distance, m; bearing, \u00b0; echoes; confirmed",
+            (Row("front", "1.23, 90, [4 7], yes", "", 2), Row("rear", "failed")),
+        )
     ]
+
+
+def test_an_unknown_kind_shows_absent_values_and_shortens_long_lists() -> None:
+    (group,) = read(SensorsWithSonar(ultra_sonar=(SonarReading(id="a", status="none", echoes=tuple(range(99))),)))
+    assert group.rows[0].text == "nothing seen"
+    (group,) = read(SensorsWithSonar(ultra_sonar=(SonarReading(id="a", echoes=tuple(range(99))),)))
+    assert group.rows[0].text == "\u2013, 0, 99 values, no"
 
 
 def test_all_readings_of_a_chair_are_rows() -> None:
@@ -50,9 +80,9 @@ def test_a_reading_without_a_distance_says_why(status: str, text: str) -> None:
 
 
 def test_a_lidar_says_the_nearest_and_where() -> None:
-    laser = LidarReading(id="l", start_deg=270, step_deg=45, ranges=(2.0, None, 0.5), statuses=("ok", "none", "ok"))
+    laser = LidarReading(id="l", start_deg=270, step_deg=45, ranges=(2.0, None, 0.4), statuses=("ok", "none", "ok"))
     (group,) = read(Sensors(lidar=(laser,)))
-    assert group.rows == (Row("l", "0.50 at 0\u00b0, 2 of 3 rays", "near"),)
+    assert group.rows == (Row("l", "0.40 at 0\u00b0, 2 of 3 rays", "near"),)
 
 
 def test_an_old_reading_says_its_age() -> None:

@@ -14,8 +14,8 @@ from tests.viewer.panels import made_up
 
 
 def test_nobody_selected_and_somebody_gone_are_said_in_words() -> None:
-    assert "Nothing selected: click a chair" in head_html(made_up.seen(), Choices())
-    assert "ghost is not here any more" in head_html(made_up.seen(), Choices(selected="ghost"))
+    assert "Nothing is selected. Click a chair." in head_html(made_up.seen(), Choices())
+    assert "ghost has left" in head_html(made_up.seen(), Choices(selected="ghost"))
 
 
 def test_head_says_how_it_moves_and_where_to() -> None:
@@ -29,7 +29,7 @@ def test_sensors_are_rows_under_captions_with_their_units() -> None:
 
 
 def test_no_sensors_are_said_in_words() -> None:
-    assert "No sensor has reported yet" in sensors_html(made_up.seen(), "chair2")
+    assert "No sensor readings yet" in sensors_html(made_up.seen(), "chair2")
 
 
 def test_what_it_said_and_what_befell_it_is_one_list_newest_first() -> None:
@@ -46,8 +46,8 @@ def test_what_others_did_to_it_is_in_its_list_and_the_list_is_short() -> None:
 
 
 def test_words_of_a_peer_are_text() -> None:
-    seen, choices = made_up.hostile(), made_up.attacked()
-    pages = [head_html(seen, choices), sensors_html(seen, made_up.ATTACK), log_html(seen, made_up.ATTACK)]
+    snapshot, choices = made_up.hostile(), made_up.attacked()
+    pages = [head_html(snapshot, choices), sensors_html(snapshot, made_up.ATTACK), log_html(snapshot, made_up.ATTACK)]
     assert not any("<img" in page for page in pages)
 
 

@@ -1,5 +1,5 @@
-"""What is seen of a run, a file each: a pure function from state to arrays, and a thin class that assigns them.
+"""The drawings of a run, one per file: pure functions from states to arrays, and a thin class that assigns them.
 
-A class gets a scene (of all browsers, or of one), makes each node once and keeps it: a node that is added and removed
-leaves a trace in viser's memory until the next browser comes. The caller puts a tick's `show`s into one `atomic()`.
+A class gets a scene, shared or of one browser. It makes each node once and keeps it: viser keeps the messages of
+removed nodes until the next browser connects. The caller puts all `show` calls of a tick into one `atomic()` block.
 """

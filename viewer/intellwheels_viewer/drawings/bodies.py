@@ -1,7 +1,7 @@
-"""The bodies: a batch for each look and material, so that a thousand chairs cost a tick what ten do.
+"""The bodies: one batch for each look and material, so that a thousand chairs need as many nodes as ten.
 
-A look's nodes are made once and kept. What touches something has
-a red footprint, what is stale is faded, what is selected has the ring.
+The nodes of a look are made once. A body in contact has a red footprint, a stale one is faded, the selected one has a
+ring.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from intellwheels_viewer.drawings.selection import Selection
 from intellwheels_viewer.drawings.solids import Array, Solid, box
 
 FADED: Final = 0.35
-"""The opacity of what is stale."""
+"""Opacity of stale bodies."""
 
 _TINT: Final = 0.25
 _STRIPE: Final[palette.RGB] = (255, 255, 255)
@@ -38,7 +38,7 @@ OnDrag: TypeAlias = Callable[[str, Drag], None]
 
 @dataclass(frozen=True)
 class PoseArrays:
-    """N bodies as they stand: positions (N, 3), headings (N,), colours (N, 3) sRGB bytes."""
+    """Poses and colours of N bodies: positions (N, 3) in metres, headings (N,), colours (N, 3) in sRGB bytes."""
 
     names: tuple[str, ...]
     positions: Array
@@ -46,8 +46,8 @@ class PoseArrays:
     colours: Array
 
 
-def stand(entities: Sequence[Entity], colour: Callable[[str], palette.RGB]) -> PoseArrays:
-    """Return bodies as arrays, in their order."""
+def pose_arrays(entities: Sequence[Entity], colour: Callable[[str], palette.RGB]) -> PoseArrays:
+    """Return the poses and colours of bodies as arrays, in their order."""
     return PoseArrays(
         names=tuple(entity.name for entity in entities),
         positions=np.array([(entity.x, entity.y, 0.0) for entity in entities], np.float32).reshape(-1, 3),
@@ -56,23 +56,23 @@ def stand(entities: Sequence[Entity], colour: Callable[[str], palette.RGB]) -> P
     )
 
 
-def grouped(forms: Mapping[str, BodyDocument], entities: Sequence[Entity]) -> dict[int, list[Entity]]:
-    """Return the bodies that look alike, in the order of the state. One whose document has not come yet is left out."""
+def grouped(documents: Mapping[str, BodyDocument], entities: Sequence[Entity]) -> dict[int, list[Entity]]:
+    """Return bodies by look, in the order of the state. Bodies whose document has not arrived are left out."""
     groups: dict[int, list[Entity]] = {}
     for entity in entities:
-        form = forms.get(entity.name)
-        if form is not None:
-            groups.setdefault(form.look, []).append(entity)
+        document = documents.get(entity.name)
+        if document is not None:
+            groups.setdefault(document.look, []).append(entity)
     return groups
 
 
 def tints(
-    forms: Mapping[str, BodyDocument], entities: Sequence[Entity], colour: Callable[[str], palette.RGB]
+    documents: Mapping[str, BodyDocument], entities: Sequence[Entity], colour: Callable[[str], palette.RGB]
 ) -> tuple[PoseArrays, Array]:
-    """Return where the tinted footprints lie and how large (N, 3) they are: of what goes, and of what touches."""
-    shown = [e for e in entities if e.name in forms and (forms[e.name].goes or e.contact)]
-    hulls = [forms[entity.name].hull for entity in shown]
-    placed = stand(shown, colour)
+    """Return the poses and sizes (N, 3) of tinted footprints: those of mobile bodies and of bodies in contact."""
+    shown = [e for e in entities if e.name in documents and (documents[e.name].is_mobile or e.contact)]
+    hulls = [documents[entity.name].hull for entity in shown]
+    placed = pose_arrays(shown, colour)
     middles = np.array([hull.middle for hull in hulls], np.float32).reshape(-1, 2)
     cos, sin = np.cos(placed.headings), np.sin(placed.headings)
     placed.positions[:, 0] += cos * middles[:, 0] - sin * middles[:, 1]
@@ -134,14 +134,14 @@ class Bodies:
     """All bodies in a scene.
 
     Args:
-        scene: Of all browsers, or of one.
-        name: Where the nodes are.
-        cut: The height at which doors are cut, as walls are; None for their own height.
+        scene: The shared scene, or that of one browser.
+        name: The parent of the nodes.
+        cut: The height at which doors are cut, as walls are; None for full height.
     """
 
     def __init__(self, scene: viser.SceneApi, *, name: str = "/bodies", cut: float | None = HALF_HEIGHT) -> None:
         self._scene, self._name, self._cut = scene, name, cut
-        self._forms = BodyDocuments()
+        self._documents = BodyDocuments()
         self._looks: dict[int, _Look] = {}
         self._clickable: list[InstanceBatch] = []
         self._picks: list[OnPick] = []
@@ -153,13 +153,13 @@ class Bodies:
 
     @property
     def names(self) -> dict[str, tuple[str, ...]]:
-        """Whose the instances of each node are, in the order of viser's `instance_index`, by the node's name."""
+        """The agents of the instances of each node, by node name, in the order of viser's `instance_index`."""
         return {batch.handle.name: batch.names for batch in self._clickable if batch.handle is not None}
 
     def on_pick(self, callback: OnPick) -> None:
         """Call back with an agent's name and viser's event when a body is clicked.
 
-        It is called in viser's event loop, which keeps events in order: it must return at once and hand work over.
+        The callback runs in viser's event loop, which keeps the order of events, so it must return at once.
         """
         self._picks.append(callback)
         for batch in self._clickable:
@@ -168,7 +168,7 @@ class Bodies:
     def on_drag(self, callback: OnDrag, *, modifier: Literal["shift"] | None = None) -> None:
         """Call back with an agent's name and viser's event when a body is dragged with the left button.
 
-        All events of a drag name the body it began on. In viser's event loop, as `on_pick`.
+        All events of a drag name the body on which it began. The callback runs in viser's event loop, as in `on_pick`.
         """
         self._drags.append((callback, modifier))
         for batch in self._clickable:
@@ -182,62 +182,62 @@ class Bodies:
         stale: Collection[str] = frozenset(),
         selected: str | None = None,
     ) -> None:
-        """Show the bodies as they stand.
+        """Show the bodies at their poses.
 
         Args:
-            bodies: Their documents, by agent.
-            entities: Their states.
-            colours: Whose colour is which; new agents get theirs here.
-            stale: Those that are drawn faded.
-            selected: The one with the ring; None where each browser has its own `Selection`.
+            bodies: Documents by agent.
+            entities: States.
+            colours: The colours; new agents get theirs here.
+            stale: Agents that are drawn faded.
+            selected: The agent with the ring; None if each browser has its own `Selection`.
         """
         colours.see(bodies)
         crowd = len(entities) > CROWD
-        forms = self._forms.of(bodies, crowd=crowd)
-        groups = grouped(forms, entities)
+        documents = self._documents.of(bodies, crowd=crowd)
+        groups = grouped(documents, entities)
         for number, group in groups.items():
-            look = self._look(number, forms[group[0].name], crowd=crowd)
-            look.show(*self._stands(group, forms, colours, stale))
-        nobody = stand((), colours.rgb)
+            look = self._look(number, documents[group[0].name], crowd=crowd)
+            look.show(*self._poses(group, documents, colours, stale))
+        nobody = pose_arrays((), colours.rgb)
         for number in self._looks.keys() - groups.keys():
             self._looks[number].show(nobody, nobody, nobody)
-        self._show_floor(forms, entities, colours)
+        self._show_floor(documents, entities, colours)
         self._show_stripes(groups, colours)
         chosen = next((entity for entity in entities if entity.name == selected), None)
         body = None if chosen is None else bodies.get(chosen.name)
         self._ring.show(None if body is None else body.robot, chosen)
 
-    def _look(self, number: int, form: BodyDocument, *, crowd: bool) -> _Look:
+    def _look(self, number: int, document: BodyDocument, *, crowd: bool) -> _Look:
         look = self._looks.get(number)
         if look is None:
-            model = model_of(form.robot, crowd=crowd, cut=self._cut)
-            name = f"{self._name}/{len(self._looks)}-{form.robot.kind}"
-            look = self._looks[number] = _Look(self._scene, name, model, form.hull, self._listen)
+            model = model_of(document.robot, crowd=crowd, cut=self._cut)
+            name = f"{self._name}/{len(self._looks)}-{document.robot.kind}"
+            look = self._looks[number] = _Look(self._scene, name, model, document.hull, self._listen)
         return look
 
     @staticmethod
-    def _stands(
-        group: Sequence[Entity], forms: Mapping[str, BodyDocument], colours: palette.Colours, stale: Collection[str]
+    def _poses(
+        group: Sequence[Entity], documents: Mapping[str, BodyDocument], colours: palette.Colours, stale: Collection[str]
     ) -> tuple[PoseArrays, PoseArrays, PoseArrays]:
-        """Return those drawn in full, those faded, and the outlines: of what goes, and of what touches."""
+        """Return the opaque bodies, the faded ones, and the outlines of mobile bodies and of bodies in contact."""
         fresh = [entity for entity in group if entity.name not in stale]
         faded = [entity for entity in group if entity.name in stale]
-        lined = [entity for entity in group if entity.contact or forms[entity.name].goes]
+        lined = [entity for entity in group if entity.contact or documents[entity.name].is_mobile]
         touching = {entity.name for entity in lined if entity.contact}
         return (
-            stand(fresh, colours.rgb),
-            stand(faded, colours.rgb),
-            stand(lined, lambda name: palette.CONTACT if name in touching else colours.rgb(name)),
+            pose_arrays(fresh, colours.rgb),
+            pose_arrays(faded, colours.rgb),
+            pose_arrays(lined, lambda name: palette.CONTACT if name in touching else colours.rgb(name)),
         )
 
     def _show_floor(
-        self, forms: Mapping[str, BodyDocument], entities: Sequence[Entity], colours: palette.Colours
+        self, documents: Mapping[str, BodyDocument], entities: Sequence[Entity], colours: palette.Colours
     ) -> None:
-        placed, sizes = tints(forms, [entity for entity in entities if not entity.contact], colours.rgb)
+        placed, sizes = tints(documents, [entity for entity in entities if not entity.contact], colours.rgb)
         self._tint.show(
             placed.positions, quaternions(placed.headings), placed.colours, scales=sizes, names=placed.names
         )
-        placed, sizes = tints(forms, [entity for entity in entities if entity.contact], lambda _: palette.CONTACT)
+        placed, sizes = tints(documents, [entity for entity in entities if entity.contact], lambda _: palette.CONTACT)
         self._contact.show(placed.positions, quaternions(placed.headings), placed.colours, scales=sizes)
 
     def _show_stripes(self, groups: Mapping[int, Sequence[Entity]], colours: palette.Colours) -> None:
@@ -262,7 +262,7 @@ class Bodies:
 
     @staticmethod
     def _listen_pick(batch: InstanceBatch, callback: OnPick) -> None:
-        assert batch.handle is not None  # noqa: S101  # listened to when it is made
+        assert batch.handle is not None  # noqa: S101  # called when it is made
 
         @batch.handle.on_click
         async def _(event: Click) -> None:
@@ -272,7 +272,7 @@ class Bodies:
 
     @staticmethod
     def _listen_drag(batch: InstanceBatch, callback: OnDrag, modifier: Literal["shift"] | None) -> None:
-        assert batch.handle is not None  # noqa: S101  # listened to when it is made
+        assert batch.handle is not None  # noqa: S101  # called when it is made
         held: dict[int, str] = {}
 
         @batch.handle.on_drag("left", modifier=modifier)
@@ -290,5 +290,5 @@ class Bodies:
 
 
 def _named(names: Sequence[str], index: int | None) -> str | None:
-    """Return whose an instance is; None when it left before the event came."""
+    """Return the agent of an instance; None if it left before the event arrived."""
     return names[index] if index is not None and 0 <= index < len(names) else None

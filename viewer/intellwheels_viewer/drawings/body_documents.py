@@ -1,4 +1,4 @@
-"""What the drawings need of a body's document, found once: documents change when somebody joins, states every tick."""
+"""What drawings need from body documents, computed once per document: states change every tick, documents rarely."""
 
 from __future__ import annotations
 
@@ -6,45 +6,47 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from intellwheels_schemas.messages import Body, Robot
-from intellwheels_schemas.rules import has_motors, parts_of
+from intellwheels_schemas.rules import is_mobile, parts_of
 from intellwheels_viewer.drawings.body_look import Extent, extent
 from intellwheels_viewer.drawings.looks import Shape, shape_of
 
 
 @dataclass(frozen=True)
 class BodyDocument:
-    """A body's form.
+    """The drawn properties of a body.
 
     Attributes:
-        look: A number that bodies share when they look the same.
+        look: A number that equal looks share.
         robot: The document.
         hull: The box around its parts.
-        goes: Whether it goes about by itself.
+        goes: Whether it can drive by itself.
     """
 
     look: int
     robot: Robot
     hull: Extent
-    goes: bool
+    is_mobile: bool
 
 
 class BodyDocuments:
-    """The forms of bodies by agent, for as long as the agent's document is the same object."""
+    """Cached documents by agent, valid while the agent's `Body` is the same object."""
 
     def __init__(self) -> None:
         self._known: dict[tuple[str, bool], tuple[Body, BodyDocument]] = {}
         self._looks: dict[Shape, int] = {}
 
     def of(self, bodies: Mapping[str, Body], *, crowd: bool) -> dict[str, BodyDocument]:
-        """Return the form of each body; those that left are forgotten."""
+        """Return the document of each body, and forget bodies that have left."""
         known: dict[tuple[str, bool], tuple[Body, BodyDocument]] = {}
         for name, body in bodies.items():
             key = (name, crowd)
             before = self._known.get(key)
-            known[key] = before if before is not None and before[0] is body else (body, self._form(body.robot, crowd))
+            known[key] = (
+                before if before is not None and before[0] is body else (body, self._document(body.robot, crowd))
+            )
         self._known = known
-        return {name: form for (name, _), (_, form) in known.items()}
+        return {name: document for (name, _), (_, document) in known.items()}
 
-    def _form(self, robot: Robot, crowd: bool) -> BodyDocument:
+    def _document(self, robot: Robot, crowd: bool) -> BodyDocument:
         look = self._looks.setdefault(shape_of(robot, crowd=crowd), len(self._looks))
-        return BodyDocument(look, robot, extent(parts_of(robot)), has_motors(robot) and not robot.anchored)
+        return BodyDocument(look, robot, extent(parts_of(robot)), is_mobile(robot))

@@ -1,7 +1,7 @@
-"""What a body looks like: three solids in its own frame, and where it stands on the floor. Pure.
+"""The look of a body: three solids in the body frame, and the box around its parts. Pure.
 
-The frame is the wire's: x forward, y to the left, the origin at the centre of movement. `paint` takes the agent's
-colour; `dark` and `light` are the same for all of its kind.
+In the body frame x is forward and y is left; the origin is the centre of movement. `paint` has the agent's colour,
+`dark` and `light` are the same for all bodies of a kind.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from intellwheels_viewer import palette
 from intellwheels_viewer.drawings.solids import Solid
 
 CROWD: Final = 40
-"""Above so many bodies each is drawn with few triangles."""
+"""Above this many bodies each is drawn with few triangles."""
 
 
 @dataclass(frozen=True)
@@ -52,8 +52,8 @@ class BodyLook:
     Attributes:
         paint, dark, light: Its solids.
         dark_rgb, light_rgb: The colours of the latter two.
-        stripe: Middle and width of the stripes that tell agents of one colour apart: x, z, size across; along x they
-            go backwards from there.
+        stripe: Where the stripes are that tell agents of one colour apart: x and z of the first, and its width. The
+            others follow towards the back.
     """
 
     paint: Solid
@@ -65,12 +65,12 @@ class BodyLook:
 
     @property
     def triangles(self) -> int:
-        """How many there are in all."""
+        """The total number of triangles."""
         return sum(len(each.faces) for each in (self.paint, self.dark, self.light))
 
 
 def extent(parts: Sequence[Part]) -> Extent:
-    """Return the box around parts; of none, a point at the centre of movement."""
+    """Return the box around parts; without parts, a point at the centre of movement."""
     if not parts:
         return Extent(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     return Extent(

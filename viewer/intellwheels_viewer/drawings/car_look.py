@@ -1,4 +1,4 @@
-"""A car of a robot's own size: a low body, a cabin of glass, four wheels."""
+"""A car of the declared size: a low body, a glass cabin and four wheels."""
 
 from __future__ import annotations
 

@@ -1,8 +1,7 @@
-"""A wheelchair of a robot's own size: base and seat from its parts, drive wheels from its track and wheel diameter.
+"""A wheelchair of the declared size: base and seat from its parts, drive wheels from its track and wheel diameter.
 
-Nothing sticks out of the box around the parts, and the headrest and the footrests reach its top and its front, so
-what looks free in the picture is free in the simulation. Paint lies where one looks from above too: around the
-cushion, on the shell of the back, the headrest and the skirts beside the seat.
+Nothing is outside the box around the parts, and the headrest and the footrests reach its top and its front: space that
+looks free in the picture is free in the simulation. The painted surfaces are visible from above too.
 """
 
 from __future__ import annotations
@@ -20,7 +19,7 @@ _LEAN = math.radians(9.0)
 
 @dataclass(frozen=True)
 class Frame:
-    """The measures of a chair from which everything else follows, in metres, in the body's frame.
+    """The main dimensions of a chair, in metres in the body frame.
 
     Attributes:
         hull: The box around its parts.
@@ -51,7 +50,7 @@ class Frame:
 
 
 def frame_of(robot: Robot) -> Frame:
-    """Return the measures of a chair: the seat is its highest part that does not stand on the floor."""
+    """Return the dimensions of a chair. Its seat is its highest part that does not touch the floor."""
     parts = parts_of(robot)
     hull = extent(parts)
     raised = [part for part in parts if part.bottom > 0.0]
@@ -66,7 +65,7 @@ def frame_of(robot: Robot) -> Frame:
 
 
 def chair(robot: Robot, *, crowd: bool = False) -> BodyLook:
-    """Return the look of a wheelchair; for a crowd, of at most 600 triangles."""
+    """Return the look of a wheelchair; in a crowd it has at most 600 triangles."""
     frame = frame_of(robot)
     stripe = (frame.rear + 0.42 * (frame.front - frame.rear), frame.seat + 0.012, 0.6 * frame.wide)
     if crowd:

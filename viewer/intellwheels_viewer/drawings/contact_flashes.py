@@ -1,4 +1,4 @@
-"""Where bodies touched: a red flash at the point, that grows and fades in half a second of simulated time."""
+"""Contacts: a red flash at the point of contact, which grows and fades within half a second of simulated time."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ from intellwheels_viewer.drawings.instance_batch import InstanceBatch, quaternio
 from intellwheels_viewer.drawings.solids import Solid, ball, loft
 
 FADE: Final = 0.5
-"""Seconds of simulated time that a flash lasts."""
+"""Duration of a flash, in simulated seconds."""
 HEIGHT: Final = 0.55
-"""Where it is, in metres above the floor: over the wheels, under the seat's arms."""
+"""Height of a flash, in metres: above the wheels and below the armrests."""
 
 
 @dataclass(frozen=True)
 class Flash:
-    """A flash: where, in metres, and how much of it is left, 1 to 0."""
+    """A flash: its position in metres, and the share of its duration that is left, 1 to 0."""
 
     x: float
     y: float
@@ -33,8 +33,8 @@ def flashes(events: Iterable[Event], tick: int, period: float) -> list[Flash]:
     """Return the flashes at a tick, oldest first.
 
     Args:
-        events: Of the run; contacts with a point flash.
-        tick: Of the newest state.
+        events: The events of the run. Contacts with a position flash.
+        tick: The tick of the newest state.
         period: Simulated seconds of a tick.
     """
     made = []
@@ -46,7 +46,7 @@ def flashes(events: Iterable[Event], tick: int, period: float) -> list[Flash]:
 
 
 def star(points: int = 8, outer: float = 0.28, inner: float = 0.11) -> Solid:
-    """Return a flat star that lies level, a finger thick, with a ball in it."""
+    """Return a thin horizontal star with a ball in its centre."""
     rim = []
     for index in range(2 * points):
         angle, reach = math.pi * index / points, inner if index % 2 else outer

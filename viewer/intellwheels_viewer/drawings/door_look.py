@@ -1,4 +1,4 @@
-"""The leaf of a door: teal boxes of its parts, with a handle on both sides of the end that is far from the hinge."""
+"""The leaf of a door: a box for each part, with handles on both sides of the end away from the hinge."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ def door(robot: Robot, *, cut: float | None = None) -> BodyLook:
     """Return the look of a door leaf.
 
     Args:
-        robot: The body; the hinge is its centre of movement.
-        cut: The height above which it is not drawn, as walls are cut; None for its own height.
+        robot: The document; the hinge is its centre of movement.
+        cut: The height above which it is not drawn, as for walls; None for full height.
     """
     parts = [part for part in parts_of(robot) if cut is None or part.bottom < cut]
     tops = [part.top if cut is None else min(part.top, cut) for part in parts]

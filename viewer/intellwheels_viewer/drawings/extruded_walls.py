@@ -1,7 +1,7 @@
-"""The walls and the obstacles of a map, extruded; walls have dark caps, so that a house seen from above reads at once.
+"""The walls and obstacles of a map, extruded. Walls have dark caps, so that they stand out when seen from above.
 
-By default walls are drawn to half height, as one looks in from above; a browser that stands inside shows them whole
-under the same names in its own scene.
+By default walls are cut at half height to show what is behind them. A browser that shows full walls draws them under
+the same names in its own scene.
 """
 
 from __future__ import annotations
@@ -14,6 +14,7 @@ import msgspec
 import viser
 
 from intellwheels_maps.check import wall_pieces
+from intellwheels_schemas.agent_colours import css
 from intellwheels_schemas.messages import Map
 from intellwheels_viewer import palette
 from intellwheels_viewer.drawings.floor_heights import HALF_HEIGHT
@@ -23,17 +24,17 @@ from intellwheels_viewer.drawings.solids import Solid, join, prism
 
 _CAP: Final = 0.025
 TALLER: Final = 0.25
-"""Metres by which a cut obstacle stands out of cut walls."""
+"""Metres by which a cut obstacle is taller than cut walls."""
 _EVERY: Final = 0.5
-"""How far apart the points are by which a bed finds its wall, in metres."""
+"""Distance between sample points on walls, in metres; a bed uses them to find the nearest wall."""
 
 
 def extruded(floor: Map, height: float | None) -> tuple[Solid, Solid]:
     """Return the sides and the caps of all walls.
 
     Args:
-        floor: The map; lines with a thickness become a rectangle for each stretch.
-        height: Where walls are cut, in metres; None for their own height. What begins above the cut is not drawn.
+        floor: The map. A line with a thickness becomes a rectangle for each of its segments.
+        height: Where walls are cut, in metres; None for full height. Walls that begin above are not drawn.
     """
     sides, caps = [], []
     for wall in floor.wall:
@@ -48,7 +49,7 @@ def extruded(floor: Map, height: float | None) -> tuple[Solid, Solid]:
 
 
 def obstacles(floor: Map, height: float | None) -> Painted:
-    """Return all obstacles, by colour; what is taller than the walls' cut is cut a little higher, so that it shows."""
+    """Return all obstacles by colour. Tall ones are cut slightly higher than walls, so that they can be told apart."""
     walls = list(_wall_points(floor))
     made: dict[palette.RGB, list[Solid]] = {}
     for obstacle in floor.obstacle:
@@ -76,11 +77,11 @@ class Walls:
         self._nodes: dict[str, viser.MeshHandle] = {}
 
     def show(self, map: Map, height: float | None = HALF_HEIGHT) -> None:  # noqa: A002  # the wire calls it so
-        """Show another map, its walls cut at a height in metres, or whole."""
+        """Show another map, its walls cut at a height in metres; None for full height."""
         sides, caps = extruded(map, height)
         made = {"/walls/sides": (sides, palette.WALL), "/walls/caps": (caps, palette.CAP)}
         for colour, solid in obstacles(map, height).items():
-            made["/obstacles/" + palette.hexadecimal(colour)[1:]] = (solid, colour)
+            made["/obstacles/" + css(colour)[1:]] = (solid, colour)
         for name, node in self._nodes.items():
             if name not in made:
                 node.visible = False
@@ -98,7 +99,7 @@ class Walls:
                 self._nodes[name].visible = False
 
     def hide(self) -> None:
-        """Take them away: in a browser's own scene, those of all browsers are seen again."""
+        """Remove them. In the scene of one browser this makes the shared walls visible again."""
         for node in self._nodes.values():
             node.remove()
         self._nodes.clear()

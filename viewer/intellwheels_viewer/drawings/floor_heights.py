@@ -1,4 +1,4 @@
-"""The heights of what is painted on the floor, in metres: apart enough not to flicker in the plan's long lens."""
+"""Heights of flat drawings on the floor, in metres: far enough apart not to flicker in the plan's narrow view."""
 
 from __future__ import annotations
 
@@ -18,4 +18,4 @@ WEDGE: Final = 0.034
 ARC: Final = 0.052
 
 HALF_HEIGHT: Final = 1.1
-"""How high walls and doors are drawn when one looks in from above: what is behind them stays visible."""
+"""Height at which walls and doors are cut, in metres, so that what is behind them stays visible."""

@@ -1,6 +1,6 @@
-"""The floor: a plate, a grid of one metre, rooms tinted with their names painted on them, doorways marked.
+"""The floor: a plate, a grid of one metre, tinted rooms with their names, and marked doorways.
 
-It changes with the map only, so it is made anew then: the nodes keep their names, those left over are hidden.
+It is redrawn when the map changes. Nodes keep their names, and those that are no longer needed are hidden.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from intellwheels_viewer.drawings.polygons import Point, anticlockwise, area, bo
 from intellwheels_viewer.drawings.solids import Solid, box, join, sheet
 
 MARGIN: Final = 0.5
-"""How far the plate reaches beyond what stands on it, in metres."""
+"""Metres by which the plate is larger than the map on each side."""
 
 _LARGEST: Final = 0.46
 _SMALLEST: Final = 0.16
@@ -32,11 +32,11 @@ class Title:
     """A name on the floor.
 
     Attributes:
-        text: What it says.
-        x, y: Its middle.
-        height: Of the line, in metres.
-        upright: Whether it runs along y, since the room is long and narrow that way.
-        room: How long it may be, in metres.
+        text: The name.
+        x, y: Its centre, in metres.
+        height: Height of the line, in metres.
+        upright: Whether it runs along y, because the room is long and narrow in that direction.
+        room: Maximum length, in metres.
     """
 
     text: str
@@ -48,7 +48,7 @@ class Title:
 
 
 def extent(floor: Map) -> tuple[float, float, float, float]:
-    """Return the least and largest x, then y, of all that a map has; of an empty one, ten metres around the origin."""
+    """Return the smallest and largest x, then y, of a map; for an empty map, ten metres around the origin."""
     points = [corner for wall in floor.wall for piece in wall_pieces(wall) for corner in piece]
     corners = [shape.corner for shape in floor.obstacle] + [zone.corner for zone in floor.zone]
     points += [(corner.x, corner.y) for each in corners for corner in each]
@@ -58,13 +58,13 @@ def extent(floor: Map) -> tuple[float, float, float, float]:
 
 
 def plate(floor: Map) -> Solid:
-    """Return what everything stands on: `MARGIN` larger than the map, its upper face at z 0."""
+    """Return the plate under the map, `MARGIN` larger than it, with its upper face at z = 0."""
     x0, x1, y0, y1 = extent(floor)
     return box(x0 - MARGIN, x1 + MARGIN, y0 - MARGIN, y1 + MARGIN, 0.0, 0.12).moved(0.0, 0.0, -0.12)
 
 
 def grid(floor: Map) -> Solid:
-    """Return thin lines a metre apart, at whole metres, inside the map; five apart on floors of more than 60 m."""
+    """Return thin lines at whole metres inside the map, or every five metres on floors of more than 60 m."""
     x0, x1, y0, y1 = extent(floor)
     step = 1 if max(x1 - x0, y1 - y0) <= 60.0 else 5
     half = 0.006 * step
@@ -80,9 +80,9 @@ def grid(floor: Map) -> Solid:
 
 
 def tinted(zones: tuple[Zone, ...]) -> list[Solid]:
-    """Return the floors of the zones, a solid for each tint of `palette.ZONES`; neighbours in the map's order differ.
+    """Return the floors of the zones, a solid for each tint of `palette.ZONES`. Neighbours in the map differ.
 
-    Large zones are laid first and lowest, so that one inside another is seen.
+    Large zones are lowest, so that a zone inside another one is visible.
     """
     tints: list[list[Solid]] = [[] for _ in palette.ZONES]
     ordered = sorted(range(len(zones)), key=lambda index: -abs(area(_corners(zones[index]))))
@@ -97,7 +97,7 @@ def _corners(zone: Zone) -> list[Point]:
 
 
 def titles(zones: tuple[Zone, ...]) -> list[Title]:
-    """Return the names of the zones that have room for one, each in the middle, as large as its room allows."""
+    """Return the names of all zones large enough for one, centred and as large as the zone allows."""
     made = []
     for zone in zones:
         x0, x1, y0, y1 = bounds(_corners(zone))
@@ -111,7 +111,7 @@ def titles(zones: tuple[Zone, ...]) -> list[Title]:
 
 
 def thresholds(doorways: tuple[Doorway, ...]) -> Solid:
-    """Return a strip across each doorway, as wide as it is, with a tongue in the direction of the way through."""
+    """Return a strip across each doorway, as wide as the doorway, with arrows in both directions of passage."""
     made = []
     for doorway in doorways:
         half = doorway.width / 2
@@ -131,7 +131,7 @@ class Floor:
         self._meshes: dict[str, viser.MeshHandle] = {}
 
     def show(self, map: Map) -> None:  # noqa: A002  # the wire calls it so
-        """Show another floor."""
+        """Show another map."""
         self._mesh("/floor/plate", plate(map), palette.FLOOR)
         self._mesh("/floor/grid", grid(map), palette.GRID)
         for index, flat in enumerate(tinted(map.zone)):
@@ -153,7 +153,7 @@ class Floor:
             picture = written(title.text, palette.LETTERS)
             length = title.height * picture.shape[1] / picture.shape[0]
             shrunk = min(1.0, title.room / length)
-            # An image shows its face towards -z with y downwards: turned about x by half a turn it lies face up.
+            # An image faces -z with y down; turned about x by half a turn it lies face up.
             half = math.pi / 4 if title.upright else 0.0
             handle = self._scene.add_image(
                 f"/floor/names/{index}",

@@ -1,6 +1,6 @@
-"""What of a body is painted on the floor: its outline with a heading mark, a cross at its centre of movement, a tint.
+"""The footprint of a body on the floor: its outline with a heading mark, its centre of movement, and a tint.
 
-Red when it touches something: the chair itself stays to be seen. Pure; `bodies` puts it into nodes.
+The footprint turns red in a contact. Pure; `bodies` makes the nodes.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ _MARK: Final = 0.20
 
 
 def outline(hull: Extent) -> Solid:
-    """Return a frame around a body's footprint, its outer edge the body's own, with the marks of heading and centre."""
+    """Return the outline of a footprint, inside its edge, with the marks of heading and centre."""
     x0, x1, y0, y1, line = hull.rear, hull.front, hull.right, hull.left, LINE
     middle = (y0 + y1) / 2
     strips = [
@@ -34,10 +34,10 @@ def outline(hull: Extent) -> Solid:
 
 
 def centre() -> Solid:
-    """Return the mark of a centre of movement: a ring with a point in it."""
+    """Return the mark of the centre of movement: a ring with a point."""
     return band(0.065, 0.085, floor_heights.OUTLINE, sides=24) + band(0.0, 0.025, floor_heights.OUTLINE, sides=16)
 
 
 def tint() -> Solid:
-    """Return a square of one metre, to be scaled to a footprint."""
+    """Return a square of one metre, which is scaled to a footprint."""
     return sheet([(-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5)], floor_heights.FOOTPRINT)

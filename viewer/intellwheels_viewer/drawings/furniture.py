@@ -1,4 +1,4 @@
-"""The obstacles of a map, each drawn as what its name says, never larger or smaller than it is. Pure."""
+"""The obstacles of a map, drawn by their names and at their exact size. Pure."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import math
 from collections.abc import Sequence
 from typing import Final, TypeAlias
 
+from intellwheels_schemas.agent_colours import FIXTURES
 from intellwheels_schemas.messages import Obstacle
 from intellwheels_viewer import palette
 from intellwheels_viewer.drawings.polygons import Point, anticlockwise
@@ -27,11 +28,11 @@ _TABLES: Final = ("table", "desk", "counter", "bench", "reception")
 
 
 def furniture(obstacle: Obstacle, walls: Sequence[Point] = ()) -> Painted:
-    """Return an obstacle by colours.
+    """Return the solids of an obstacle by colour.
 
     Args:
-        obstacle: Its words are parted by - and _; the last known one decides.
-        walls: Points on walls: a bed's pillow lies at the end that is nearest to one.
+        obstacle: The words of its name are separated by - and _; the last known word decides on its look.
+        walls: Points on walls. The pillow of a bed is at the end nearest to one.
     """
     polygon = anticlockwise([(corner.x, corner.y) for corner in obstacle.corner])
     name, bottom, top = obstacle.name.lower(), obstacle.bottom, obstacle.top
@@ -41,7 +42,7 @@ def furniture(obstacle: Obstacle, walls: Sequence[Point] = ()) -> Painted:
     if "leg" in name:
         return {palette.METAL: prism(polygon, bottom, top)}
     if any(word in name for word in _TABLES):
-        return {palette.WOOD: prism(polygon, bottom, top)}
+        return {FIXTURES["table"]: prism(polygon, bottom, top)}
     if any(word in name for word in _WOODEN):
         return _wooden(polygon, bottom, top)
     if "sofa" in name or "chair" in name:
@@ -52,7 +53,7 @@ def furniture(obstacle: Obstacle, walls: Sequence[Point] = ()) -> Painted:
 
 
 def _edged(polygon: Sequence[Point], bottom: float, top: float, body: palette.RGB, cap: palette.RGB) -> Painted:
-    """Return a box with a lid that looks out of its sides by a hand's breadth of height, none of width."""
+    """Return a box with a lid of another colour, as wide as the box."""
     lid = min(0.04, (top - bottom) / 2)
     return {body: prism(polygon, bottom, top - lid), cap: prism(polygon, top - lid, top)}
 
@@ -65,7 +66,7 @@ _Rectangle: TypeAlias = tuple[float, float, float, float, float]
 
 
 def _rectangle(polygon: Sequence[Point]) -> _Rectangle | None:
-    """Return middle, length, width and the heading of the longer side of a rectangle, None of anything else."""
+    """Return the centre, length, width and heading of the longer side of a rectangle; None for other shapes."""
     if len(polygon) != 4:
         return None
     (ax, ay), (bx, by), (cx, cy), (dx, dy) = polygon
@@ -78,7 +79,7 @@ def _rectangle(polygon: Sequence[Point]) -> _Rectangle | None:
 
 
 def _bed(frame: _Rectangle, bottom: float, top: float, walls: Sequence[Point]) -> Painted:
-    """Return a bed whose head (x = -length / 2 before it is turned) is at the end nearest to a wall."""
+    """Return a bed with its head (x = -length / 2 before rotation) at the end nearest to a wall."""
     x, y, length, width, heading = frame
     heading = min((heading, heading + math.pi), key=lambda turn: _distance_of_head(x, y, length, turn, walls))
     tall = top - bottom

@@ -1,7 +1,6 @@
-"""Bodies that are not there: where one would stand if it were let go, and where a real one says that it is.
+"""Ghosts: a body that is being dragged or placed, and the pose that a real chair reported.
 
-A ghost is see-through and casts no shadow. Its outline says what would become of it: in its own colour while nobody
-has answered, red when the simulator refused.
+A ghost is transparent and casts no shadow. Its outline has its own colour, or red if the simulator refused the pose.
 """
 
 from __future__ import annotations
@@ -30,13 +29,13 @@ OPACITY: Final = 0.4
 
 @dataclass(frozen=True)
 class Ghost:
-    """A body that is not there.
+    """A ghost.
 
     Attributes:
-        robot: What it looks like.
-        x, y, heading: Where, in metres and radians.
-        colour: Of the agent.
-        refused: Whether it may not stand there.
+        robot: The body.
+        x, y, heading: Its pose, in metres and radians.
+        colour: The colour of the agent.
+        refused: Whether the simulator refused this pose.
     """
 
     robot: Robot
@@ -53,24 +52,24 @@ def spirit(robot: Robot) -> Solid:
     return model.paint + model.dark + model.light
 
 
-def reported(seen: Snapshot, colours: palette.Colours) -> dict[str, Ghost]:
-    """Return the ghost of each real chair that is seen where it truly is, where it said that it is."""
+def reported(snapshot: Snapshot, colours: palette.Colours) -> dict[str, Ghost]:
+    """Return a ghost at the pose that each real chair reported, by agent."""
     return {
-        name: Ghost(seen.bodies[name].robot, pose.x, pose.y, pose.heading, colours.rgb(name))
-        for name, pose in seen.reported.items()
-        if name in seen.bodies
+        name: Ghost(snapshot.bodies[name].robot, pose.x, pose.y, pose.heading, colours.rgb(name))
+        for name, pose in snapshot.reported.items()
+        if name in snapshot.bodies
     }
 
 
 class Ghosts:
-    """The ghosts in a scene, by a key each: of all browsers, or of one who drags."""
+    """The ghosts in a scene, by key."""
 
     def __init__(self, scene: viser.SceneApi, name: str = "/ghosts") -> None:
         self._scene, self._name = scene, name
         self._made: dict[str, tuple[Shape, viser.MeshHandle, viser.MeshHandle]] = {}
 
     def show(self, ghosts: Mapping[str, Ghost]) -> None:
-        """Show these and no others; a key whose robot looks as before keeps its nodes."""
+        """Show these ghosts and no others. A key whose body keeps its look keeps its nodes."""
         for key in self._made.keys() - ghosts.keys():
             for node in self._made[key][1:]:
                 node.visible = False

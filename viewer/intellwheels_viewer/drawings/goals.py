@@ -1,4 +1,4 @@
-"""Where the agents want to be: a target on the floor in each one's colour, and a dotted line to it."""
+"""Goals: a target on the floor in the agent's colour, and a dashed line from the agent to it."""
 
 from __future__ import annotations
 
@@ -17,17 +17,17 @@ from intellwheels_viewer.drawings.solids import Array, Solid, band, join, sheet
 
 _DASH: Final = 0.25
 _LONGEST: Final = 200
-"""Dashes of a line at most; a goal farther away than 50 m has longer gaps."""
+"""Maximum number of dashes in a line; beyond 50 m the dashes get longer."""
 
 
 def target() -> Solid:
-    """Return the sign of a goal: two rings around a point."""
+    """Return the mark of a goal: two rings around a point."""
     z = floor_heights.GOAL
     return join([band(0.24, 0.28, z, sides=36), band(0.13, 0.16, z, sides=28), band(0.0, 0.05, z, sides=16)])
 
 
 def arrow() -> Solid:
-    """Return the sign of the heading a goal asks for: outside of the rings, towards x."""
+    """Return the mark of a goal's heading: an arrow outside the rings, towards x."""
     return sheet([(0.32, -0.08), (0.46, 0.0), (0.32, 0.08)], floor_heights.GOAL)
 
 
@@ -63,7 +63,7 @@ class Goals:
         self._lines: viser.LineSegmentsHandle | None = None
 
     def show(self, entities: Sequence[Entity], colours: palette.Colours) -> None:
-        """Show the goals of those who have one."""
+        """Show the goals of the agents that have one."""
         aims = [(entity.name, entity.goal) for entity in entities if entity.goal is not None]
         headed = [(name, goal, goal.heading) for name, goal in aims if goal.heading is not None]
         self._targets.show(

@@ -1,4 +1,4 @@
-"""One node of many equal solids. Made once; a tick assigns arrays, and what did not change is not sent."""
+"""A node of many equal solids. It is made once; each tick assigns arrays, and unchanged arrays are not sent."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ Bytes: TypeAlias = npt.NDArray[np.uint8]
 
 
 def quaternions(headings: npt.ArrayLike) -> Array:
-    """Return turns about the upright axis as (N, 4) w, x, y, z."""
+    """Return rotations about the vertical axis as (N, 4) w, x, y, z."""
     half = np.asarray(headings, np.float64).reshape(-1) / 2
     turned = np.zeros((len(half), 4), np.float32)
     turned[:, 0], turned[:, 3] = np.cos(half), np.sin(half)
@@ -27,8 +27,8 @@ class InstanceBatch:
     """A node of equal solids at many poses.
 
     Attributes:
-        handle: viser's, for clicks and drags; None until first shown with anything to show.
-        names: Whose each instance is, in the order of viser's `instance_index`.
+        handle: Viser's handle, for clicks and drags; None until the first instance is shown.
+        names: The agent of each instance, in the order of viser's `instance_index`.
     """
 
     def __init__(
@@ -46,7 +46,7 @@ class InstanceBatch:
         self.names: tuple[str, ...] = ()
         self._scene, self._name, self._shape = scene, name, shape
         self._visible = True
-        self._told: dict[str, npt.NDArray[Any]] = {}
+        self._assigned: dict[str, npt.NDArray[Any]] = {}
         self._opacity, self._side, self._shadow, self._made = opacity, side, shadow, made
 
     def show(
@@ -59,15 +59,15 @@ class InstanceBatch:
         opacities: npt.ArrayLike | None = None,
         names: Sequence[str] = (),
     ) -> None:
-        """Show it at N poses.
+        """Show the solid at N poses.
 
         Args:
             positions: (N, 3), metres.
             wxyzs: (N, 4).
             colours: (N, 3), sRGB bytes.
-            scales: (N,) or (N, 3); a node has them always or never.
-            opacities: (N,) shares of 1; a node has them always or never.
-            names: Whose each is.
+            scales: (N,) or (N, 3); always or never given for one node.
+            opacities: (N,) in [0, 1]; always or never given for one node.
+            names: The agent of each instance.
         """
         places = np.asarray(positions, np.float32).reshape(-1, 3)
         turns = np.asarray(wxyzs, np.float32).reshape(-1, 4)
@@ -89,7 +89,7 @@ class InstanceBatch:
         self._assign("batched_opacities", shares)
 
     def hide(self) -> None:
-        """Show none."""
+        """Hide all instances."""
         self.names = ()
         if self.handle is not None:
             self._see(False)
@@ -99,9 +99,9 @@ class InstanceBatch:
             self.handle.visible = self._visible = visible
 
     def _assign(self, name: str, value: npt.NDArray[Any] | None) -> None:
-        """Assign what is another than the last time: viser looks too, and takes ten times as long."""
-        if value is not None and not np.array_equal(value, self._told.get(name, ())):
-            self._told[name] = value
+        """Assign an array that changed. Viser compares too, but takes ten times as long."""
+        if value is not None and not np.array_equal(value, self._assigned.get(name, ())):
+            self._assigned[name] = value
             setattr(self.handle, name, value)
 
     def _make(self, places: Array, turns: Array, tints: Bytes, sizes: Array | None, shares: Array | None) -> None:

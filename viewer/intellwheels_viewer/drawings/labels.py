@@ -1,7 +1,7 @@
-"""Who is who, how fast, and what they say: a small name above each that goes, their words over it.
+"""Labels above the bodies: name, speed, and what the agent says.
 
-Labels cost the most of all drawings: above `MANY` bodies only those named by the caller have one, and five times a
-second is enough. A label is plain text to the page, so that nothing an agent says can run.
+Labels are the most expensive drawing. Above `MANY` bodies only those that the caller wants have one, and they are
+updated five times a second. The page shows a label as plain text, so nothing that an agent says can run.
 """
 
 from __future__ import annotations
@@ -13,28 +13,28 @@ from typing import Final
 import viser
 
 from intellwheels_schemas.messages import Body, Entity
-from intellwheels_schemas.rules import has_motors, parts_of
+from intellwheels_schemas.rules import is_mobile, parts_of
 from intellwheels_viewer.drawings.body_look import extent
-from intellwheels_viewer.snapshot import Words
+from intellwheels_viewer.snapshot import USER, Words
 
 MANY: Final = 30
-"""Above so many bodies only some have names."""
+"""Above this many bodies only wanted ones have labels."""
 LONGEST: Final = 40
-"""Characters of a bubble; what was cut ends in three points."""
+"""Maximum length of a speech bubble in characters; a longer text ends with an ellipsis."""
 SPOKEN: Final = 3.0
-"""Seconds of simulated time that a bubble stays."""
+"""Duration of a speech bubble, in simulated seconds."""
 STILL: Final = 0.005
-"""Metres per second under which a speed is not written."""
+"""Metres per second below which a speed is not shown."""
 
 ABOVE: Final = 0.12
 """Metres between a body's top and its label."""
 ASIDE: Final = 0.6
-"""Widths of a body by which its label stands to the north, so that it does not hide the body from above."""
+"""Offset of a label to the north in body widths, so that it does not cover the body in the plan."""
 
 
 @dataclass(frozen=True)
 class Tag:
-    """A label: what it says and where its lower edge is, in metres."""
+    """A label: its text and the position of its lower edge, in metres."""
 
     text: str
     x: float
@@ -49,50 +49,53 @@ def cut(text: str) -> str:
 
 
 def name_of(entity: Entity) -> str:
-    """Return a name with the speed beside it; what stands has none."""
+    """Return the name, and the speed if the body moves."""
     return entity.name if abs(entity.speed) < STILL else f"{entity.name}  {entity.speed:.2f} m/s"
 
 
 def named(bodies: Mapping[str, Body], entities: Sequence[Entity], wanted: Collection[str]) -> list[Entity]:
-    """Return those with a name: the wanted, and while there are few all that go by themselves."""
+    """Return the bodies with labels: the wanted ones and, if there are few bodies, all mobile ones."""
     few = len(entities) <= MANY
     return [
         entity
         for entity in entities
-        if entity.name in bodies and (entity.name in wanted or (few and _goes(bodies[entity.name])))
+        if entity.name in bodies and (entity.name in wanted or (few and is_mobile(bodies[entity.name].robot)))
     ]
-
-
-def _goes(body: Body) -> bool:
-    return has_motors(body.robot) and not body.robot.anchored
 
 
 def tags(
     bodies: Mapping[str, Body], entities: Sequence[Entity], words: Iterable[Words], now: float, wanted: Collection[str]
 ) -> dict[str, Tag]:
-    """Return the labels by agent: the name, and above it what was just said.
+    """Return the labels by agent: the name, and above it what the agent has just said or was told by a user.
 
     Args:
         bodies: Documents by agent.
         entities: States.
-        words: What was said, newest last; of each agent the newest is shown, with its name however many there are.
+        words: Utterances, newest last. The newest of each agent is shown, however many bodies there are.
         now: The simulated time, in seconds.
-        wanted: Who has a name however many there are.
+        wanted: Agents that have a label however many bodies there are.
     """
-    spoken = {each.speaker: cut(each.text) for each in words if 0.0 <= now - each.time < SPOKEN}
-    spoken = {speaker: text for speaker, text in spoken.items() if text}
-    shown = named(bodies, entities, {*wanted, *spoken})
-    return {entity.name: _tag(bodies[entity.name], entity, spoken.get(entity.name)) for entity in shown}
+    recent = [each for each in words if 0.0 <= now - each.time < SPOKEN and cut(each.text)]
+    spoken = {each.speaker: f"\u201c{cut(each.text)}\u201d" for each in recent if each.speaker != USER}
+    told = {each.to: f"User: \u201c{cut(each.text)}\u201d" for each in recent if each.speaker == USER}
+    shown = named(bodies, entities, {*wanted, *spoken, *(agent for agent in told if agent is not None)})
+    return {
+        entity.name: _tag(
+            bodies[entity.name],
+            entity,
+            [text for text in (told.get(entity.name) or told.get(None), spoken.get(entity.name)) if text is not None],
+        )
+        for entity in shown
+    }
 
 
-def _tag(body: Body, entity: Entity, said: str | None) -> Tag:
+def _tag(body: Body, entity: Entity, bubbles: Sequence[str]) -> Tag:
     hull = extent(parts_of(body.robot))
-    text = name_of(entity) if said is None else f"\u201c{said}\u201d\n{name_of(entity)}"
-    return Tag(text, entity.x, entity.y + ASIDE * hull.width, hull.top + ABOVE)
+    return Tag("\n".join([*bubbles, name_of(entity)]), entity.x, entity.y + ASIDE * hull.width, hull.top + ABOVE)
 
 
 class Labels:
-    """The labels in a scene: a node for each agent, kept when it is not shown."""
+    """The labels in a scene: a node for each agent, which is kept while hidden."""
 
     def __init__(self, scene: viser.SceneApi, name: str = "/labels") -> None:
         self._scene, self._name = scene, name
@@ -107,7 +110,7 @@ class Labels:
         now: float,
         wanted: Collection[str] = frozenset(),
     ) -> None:
-        """Show names and what was said; the arguments are those of `tags`."""
+        """Show the labels; the arguments are those of `tags`."""
         shown = tags(bodies, entities, words, now, wanted)
         for name in self._shown.keys() - shown.keys():
             self._nodes[name].visible = False
@@ -122,7 +125,7 @@ class Labels:
             before = self._shown.get(name)
             if before is None:
                 node.visible = True
-            # An assignment costs viser more than a look, even of what is the same.
+            # Comparing is cheaper than assigning an equal value in viser.
             if before is None or before.text != tag.text:
                 node.text = tag.text
             if before is None or (before.x, before.y, before.z) != place:

@@ -1,4 +1,4 @@
-"""Words as pictures, to be painted flat on the floor. Pure: text in, an image with a clear ground out."""
+"""Text as pictures for the floor, with a transparent background. Pure."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ from intellwheels_viewer.palette import RGB
 Picture: TypeAlias = npt.NDArray[np.uint8]
 
 _PIXELS = 96
-"""Height of a line: sharp when a name of half a metre fills a screen's twentieth."""
+"""Height of a line in pixels: sharp if a name of half a metre fills a twentieth of the screen."""
 
 
 def written(text: str, colour: RGB) -> Picture:
-    """Return one line of text as (height, width, 4) bytes, as wide as it needs.
+    """Return one line of text as (height, width, 4) bytes, as wide as the text.
 
-    The letters are Pillow's own, so that a page looks the same on every machine.
+    The font comes with Pillow, so a page looks the same on every machine.
     """
     font = ImageFont.load_default(_PIXELS * 0.72)
     line = " ".join(text.split()) or " "

@@ -1,4 +1,4 @@
-"""What the lidars see: a dot for each ray that hit something, at the height of the sensor."""
+"""Lidar readings: a point for each ray that hit something, at the height of the sensor."""
 
 from __future__ import annotations
 
@@ -11,18 +11,21 @@ import viser
 from intellwheels_schemas.messages import Body, Entity, Lidar, LidarReading, Measures
 from intellwheels_viewer import palette
 from intellwheels_viewer.drawings.solids import Array
-from intellwheels_viewer.drawings.wedges import MIDDLE, NEAR, mounted
+from intellwheels_viewer.drawings.wedges import mount_frame, mounted
+from intellwheels_viewer.range_bands import MIDDLE, NEAR
 
 
 def points(sensor: Lidar, reading: LidarReading, body: Body, entity: Entity) -> tuple[Array, Array]:
-    """Return the hits (N, 3) in the world, in metres, and their distances (N,); rays without a range have none.
+    """Return the hits (N, 3) in the world frame, in metres, and their ranges (N,). Rays without a hit are left out.
 
-    A ray's angle is `StartDeg` + index x `StepDeg`, anticlockwise from the body's own x, not from the sensor's.
+    The angle of a ray is `StartDeg` + index x `StepDeg`, anticlockwise from the x axis of the body, not of the sensor.
     """
-    x, y, direction = mounted(sensor, body, entity)
-    frame = direction - math.radians(sensor.direction_deg)
+    frame = mount_frame(sensor, body, entity)
+    if frame is None:
+        return np.zeros((0, 3), np.float32), np.zeros(0, np.float32)
+    x, y, _ = mounted(sensor, frame)
     ranges = np.array([math.nan if each is None else each for each in reading.ranges], np.float64)
-    angles = frame + np.radians(reading.start_deg + reading.step_deg * np.arange(len(ranges)))
+    angles = frame.heading + np.radians(reading.start_deg + reading.step_deg * np.arange(len(ranges)))
     hits = np.column_stack([x + ranges * np.cos(angles), y + ranges * np.sin(angles), np.full(len(ranges), sensor.z)])
     there = np.isfinite(ranges)
     return hits[there].astype(np.float32), ranges[there].astype(np.float32)
@@ -31,13 +34,13 @@ def points(sensor: Lidar, reading: LidarReading, body: Body, entity: Entity) -> 
 def cloud(
     bodies: Mapping[str, Body], entities: Iterable[Entity], measures: Mapping[str, Measures], agents: Collection[str]
 ) -> tuple[Array, Array]:
-    """Return all hits of some agents' lidars (N, 3) and their colours (N, 3) in sRGB bytes, those of the wedges."""
+    """Return the lidar hits of some agents (N, 3) and their colours (N, 3) in sRGB bytes, the same as for wedges."""
     hits, ranges = [np.zeros((0, 3), np.float32)], [np.zeros(0, np.float32)]
     for entity in entities:
-        body, seen = bodies.get(entity.name), measures.get(entity.name)
-        if entity.name not in agents or body is None or seen is None or seen.sensors is None:
+        body, measured = bodies.get(entity.name), measures.get(entity.name)
+        if entity.name not in agents or body is None or measured is None or measured.sensors is None:
             continue
-        readings = {reading.id: reading for reading in seen.sensors.lidar}
+        readings = {reading.id: reading for reading in measured.sensors.lidar}
         for sensor in body.robot.lidar:
             if sensor.id in readings:
                 found, far = points(sensor, readings[sensor.id], body, entity)
@@ -50,7 +53,7 @@ def cloud(
 
 
 class Lidars:
-    """The hits in a scene, one cloud."""
+    """The hits in a scene, as one point cloud."""
 
     def __init__(self, scene: viser.SceneApi) -> None:
         self._scene = scene

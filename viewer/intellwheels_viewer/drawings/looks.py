@@ -1,4 +1,4 @@
-"""Which look a body has: by its kind, from its own parts. A kind's look is one file and one line here."""
+"""Chooses the look of a body by its kind. The look of a kind is one file and one line here."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from intellwheels_viewer.drawings.plain_look import plain
 from intellwheels_viewer.drawings.table_look import table
 
 Shape: TypeAlias = tuple[str, tuple[Part, ...], float, float, bool, bool, bool]
-"""What decides a look: kind, parts, track, wheel diameter, whether it goes, whether it is held, whether in a crowd."""
+"""What decides a look: kind, parts, track, wheel diameter, has motors, is anchored, is one of a crowd."""
 
 _KINDS: Final[Mapping[str, Callable[[Robot, bool, float | None], BodyLook]]] = {
     "wheelchair": lambda robot, crowd, _: chair(robot, crowd=crowd),
@@ -28,7 +28,7 @@ _KINDS: Final[Mapping[str, Callable[[Robot, bool, float | None], BodyLook]]] = {
 
 
 def shape_of(robot: Robot, *, crowd: bool = False) -> Shape:
-    """Return what two bodies share when they look the same but for their colour."""
+    """Return a key that is equal for bodies that differ only in their colour."""
     wheels = (robot.track, robot.wheel_diameter) if robot.kind == "wheelchair" else (0.0, 0.0)
     return (robot.kind, parts_of(robot), *wheels, has_motors(robot), robot.anchored, crowd)
 
@@ -37,8 +37,8 @@ def model_of(robot: Robot, *, crowd: bool = False, cut: float | None = None) -> 
     """Return the look of a body.
 
     Args:
-        robot: The body as declared.
-        crowd: Whether it is one of many and must have few triangles.
+        robot: The document of the body.
+        crowd: Whether it is one of many and should have few triangles.
         cut: The height above which doors are not drawn.
     """
     look = _KINDS.get(robot.kind)

@@ -1,4 +1,4 @@
-"""Words in the middle of a scene in which there is nothing to see yet: an empty page says why it is empty."""
+"""A text in the middle of an empty scene that says why it is empty."""
 
 from __future__ import annotations
 
@@ -6,10 +6,10 @@ import viser
 
 
 class Notice:
-    """One label at the origin, where a view looks that no floor has framed. Its node is kept.
+    """A label at the origin, where the camera looks before there is a floor. Its node is kept.
 
     Args:
-        scene: A browser's own.
+        scene: The scene of a browser.
     """
 
     def __init__(self, scene: viser.SceneApi) -> None:
@@ -17,7 +17,7 @@ class Notice:
         self._label: viser.LabelHandle | None = None
 
     def show(self, text: str) -> None:
-        """Show these words, lines apart by a line break; nothing for none."""
+        """Show a text, which may have line breaks; an empty text hides the label."""
         label = self._label
         if label is None:
             if text:

@@ -1,4 +1,4 @@
-"""A person of a robot's own size: upright, arms at the sides, the nose says where the face is."""
+"""A standing person of the declared size, arms at the sides; the nose shows the heading."""
 
 from __future__ import annotations
 
@@ -11,9 +11,9 @@ _SKIN = (214, 184, 160)
 
 
 def person(robot: Robot, *, crowd: bool = False) -> BodyLook:
-    """Return the look of a person whose shoulders are as wide and whose head is as high as the body.
+    """Return the look of a person as wide and as tall as the declared body.
 
-    The shares of the height are those of Drillis and Contini's body segment table (New York University, 1966), rounded.
+    The proportions are those of Drillis and Contini's body segment table (New York University, 1966), rounded.
     """
     hull = extent(parts_of(robot))
     (x, _), depth, width, tall = hull.middle, hull.length / 2, hull.width / 2, hull.top

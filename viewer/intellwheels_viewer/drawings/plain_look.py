@@ -1,4 +1,4 @@
-"""A body of no special kind: the boxes of its parts, with an arrow on top of what can go by itself."""
+"""A body without a look of its own: a box for each part, and an arrow on top if it has motors."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from intellwheels_viewer.drawings.solids import Solid, join, prism, slab
 
 
 def plain(robot: Robot) -> BodyLook:
-    """Return the look of a body as its parts are, each a box of its own size."""
+    """Return the look of a body: a box for each part, as large as the part."""
     parts = parts_of(robot)
     hull = extent(parts)
     small = 0.1 * min((hull.length, hull.width, hull.top))

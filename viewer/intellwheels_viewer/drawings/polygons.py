@@ -1,4 +1,4 @@
-"""Polygons on the floor: their sense, their triangles, and where in them a name stands. Pure."""
+"""Polygons on the floor: orientation, area, bounds and triangulation. Pure."""
 
 from __future__ import annotations
 
@@ -26,10 +26,10 @@ def bounds(points: Sequence[Point]) -> tuple[float, float, float, float]:
 
 
 def triangles(points: Sequence[Point]) -> list[tuple[int, int, int]]:
-    """Return an anticlockwise simple polygon as triangles of corner indices: ears are cut off until three corners stay.
+    """Return the triangles of an anticlockwise simple polygon as corner indices, by ear clipping.
 
-    After Meisters, "Polygons have ears", American Mathematical Monthly 82, 1975. What is left of a polygon that crosses
-    itself is cut at any corner: it shows something, and maps with such walls are refused long before.
+    After Meisters, "Polygons have ears", American Mathematical Monthly 82, 1975. A polygon that crosses itself is cut
+    at any corner, so that something is drawn; maps with such walls are refused earlier.
     """
     left = list(range(len(points)))
     cut = []

@@ -1,4 +1,4 @@
-"""The ring around what is selected: yellow between two dark lines, so that it shows on every floor."""
+"""The ring around the selected body: yellow with dark edges, so that it is visible on every floor."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _EDGE: Final[palette.RGB] = (92, 84, 20)
 
 
 def ring_of(robot: Robot) -> tuple[float, float, float]:
-    """Return the middle of a body's footprint in its frame and the inner radius of a ring around it, in metres."""
+    """Return the centre of a footprint in the body frame and the inner radius of a ring around it, in metres."""
     hull = extent(parts_of(robot))
     x, y = hull.middle
     return x, y, math.hypot(hull.length, hull.width) / 2 + 0.10
@@ -34,7 +34,7 @@ def rings(radius: float) -> tuple[Solid, Solid]:
 
 
 class Selection:
-    """The ring in a scene: of all browsers, or of one."""
+    """The ring in a scene, shared or of one browser."""
 
     def __init__(self, scene: viser.SceneApi, name: str = "/selection") -> None:
         self._scene, self._name = scene, name
@@ -42,7 +42,7 @@ class Selection:
         self._nodes: list[viser.MeshHandle] = []
 
     def show(self, robot: Robot | None, entity: Entity | None) -> None:
-        """Put the ring around a body; around none it is hidden."""
+        """Show the ring around a body; hide it without one."""
         if robot is None or entity is None:
             for node in self._nodes:
                 node.visible = False

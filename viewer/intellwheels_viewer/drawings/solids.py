@@ -1,7 +1,7 @@
-"""Shapes made of triangles. Pure: sizes in metres in, vertices (V, 3) float32 and faces (F, 3) uint32 out.
+"""Triangle meshes. Pure: sizes in metres in, vertices (V, 3) float32 and faces (F, 3) uint32 out.
 
-Faces run anticlockwise seen from outside. Corners that are sharp have a vertex for each face, round ones share them:
-a browser takes the mean of the faces around a vertex as its direction.
+Faces are anticlockwise seen from outside. Sharp edges have separate vertices for each face and round ones share them,
+because a browser averages the normals of all faces at a vertex.
 """
 
 from __future__ import annotations
@@ -46,21 +46,21 @@ class Solid:
         return join((self, other))
 
     def moved(self, x: float = 0.0, y: float = 0.0, z: float = 0.0) -> Solid:
-        """Return it elsewhere."""
+        """Return it translated."""
         return Solid(self.vertices + np.array([x, y, z], np.float32), self.faces)
 
     def turned(self, heading: float) -> Solid:
-        """Return it turned about the upright axis through the origin, anticlockwise seen from above."""
+        """Return it rotated about the vertical axis through the origin, anticlockwise seen from above."""
         return self._times((math.cos(heading), -math.sin(heading), 0), (math.sin(heading), math.cos(heading), 0))
 
     def leaning(self, angle: float, x: float, z: float) -> Solid:
-        """Return it leaning back, towards -x, about the level axis across through (x, z)."""
+        """Return it tilted back, towards -x, about the y axis through (x, z)."""
         cos, sin = math.cos(angle), math.sin(angle)
         about = self.moved(-x, 0.0, -z)
         return about._times((cos, 0, -sin), (0, 1, 0), (sin, 0, cos)).moved(x, 0.0, z)
 
     def mirrored(self) -> Solid:
-        """Return it on the other side: y changes its sign."""
+        """Return it mirrored: y changes its sign."""
         return Solid(self.vertices * np.array([1, -1, 1], np.float32), self.faces[:, ::-1].copy())
 
     def _times(self, *rows: Sequence[float]) -> Solid:
@@ -70,14 +70,14 @@ class Solid:
 
 
 def solid(vertices: npt.ArrayLike, faces: npt.ArrayLike) -> Solid:
-    """Return a solid of anything that numpy reads as (V, 3) and (F, 3)."""
+    """Return a solid from anything that numpy converts to (V, 3) and (F, 3)."""
     return Solid(
         np.asarray(vertices, np.float32).reshape(-1, 3).copy(), np.asarray(faces, np.uint32).reshape(-1, 3).copy()
     )
 
 
 def join(solids: Iterable[Solid]) -> Solid:
-    """Return all of them as one."""
+    """Return several solids as one."""
     vertices, faces, count = [_no_vertices()], [_no_faces()], 0
     for each in solids:
         vertices.append(each.vertices)
@@ -87,12 +87,12 @@ def join(solids: Iterable[Solid]) -> Solid:
 
 
 def both(one: Solid) -> Solid:
-    """Return a solid and its mirror image across the body's middle."""
+    """Return a solid and its mirror image, y negated."""
     return one + one.mirrored()
 
 
 def prism(polygon: Sequence[tuple[float, float]], bottom: float, top: float) -> Solid:
-    """Return a polygon, convex or not, extruded upwards; without its lower face, which nobody sees, if it stands."""
+    """Return a polygon, convex or not, extruded upwards. Without a lower face if it stands on the floor."""
     points = anticlockwise(polygon)
     count = len(points)
     cap = np.array(triangles(points), np.uint32).reshape(-1, 3)
@@ -109,7 +109,7 @@ def prism(polygon: Sequence[tuple[float, float]], bottom: float, top: float) -> 
 
 
 def sheet(polygon: Sequence[tuple[float, float]], z: float) -> Solid:
-    """Return a flat polygon that is seen from above."""
+    """Return a flat polygon, visible from above."""
     points = anticlockwise(polygon)
     return _lid(points, z, np.array(triangles(points), np.uint32).reshape(-1, 3))
 
@@ -119,14 +119,14 @@ def _lid(points: Sequence[tuple[float, float]], z: float, faces: Faces) -> Solid
 
 
 def box(x0: float, x1: float, y0: float, y1: float, z0: float, z1: float) -> Solid:
-    """Return an upright box, all six faces."""
+    """Return an axis-aligned box with all six faces."""
     corners = [(x0, y0), (x1, y0), (x1, y1), (x0, y1)]
     body = prism(corners, z0, z1)
     return body if z0 > 0.0 else body + _lid(corners, z0, np.array([[0, 2, 1], [0, 3, 2]], np.uint32))
 
 
 def loft(sections: Sequence[Sequence[Point]], *, closed: bool = True) -> Solid:
-    """Return the skin through rings of equally many points, each anticlockwise seen from the last ring's side.
+    """Return the surface through rings with the same number of points, each anticlockwise seen from the last ring.
 
     Args:
         sections: The rings, from the first to the last.
@@ -183,7 +183,7 @@ def rounded(
 
 
 def ellipses(sections: Sequence[tuple[float, float, float, float, float]], sides: int = 14) -> Solid:
-    """Return a round body of level ellipses (z, x, y, half length, half width), from below upwards."""
+    """Return a round solid of horizontal ellipses (z, x, y, half length, half width), from bottom to top."""
     turns = [2 * math.pi * index / sides for index in range(sides)]
     return loft([[(x + a * math.cos(t), y + b * math.sin(t), z) for t in turns] for z, x, y, a, b in sections])
 
@@ -214,7 +214,7 @@ def _point(vector: npt.NDArray[np.float64]) -> Point:
 
 
 def pipe(points: Sequence[Point], radius: float, sides: int = 6) -> Solid:
-    """Return a bent tube: a rod for each stretch."""
+    """Return a bent tube: a rod for each segment."""
     return join(rod(a, b, radius, sides) for a, b in itertools.pairwise(points))
 
 
@@ -252,7 +252,7 @@ def hoop(x: float, y: float, z: float, radius: float, thickness: float, sides: i
 
 
 def band(inner: float, outer: float, z: float, start: float = 0.0, end: float = 2 * math.pi, sides: int = 48) -> Solid:
-    """Return a flat ring, or the part of one between two angles, seen from above; with `inner` 0 a fan."""
+    """Return a flat ring, or its part between two angles, visible from above; with `inner` 0 a disc or fan."""
     turns = np.linspace(start, end, sides + 1)
     circle = np.stack([np.cos(turns), np.sin(turns)], axis=1)
     flat = np.concatenate([circle * inner, circle * outer])

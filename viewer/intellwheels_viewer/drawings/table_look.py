@@ -1,4 +1,4 @@
-"""A table of its own parts: boards above the floor of wood, what stands on the floor of metal."""
+"""A table: parts above the floor are wooden boards, parts on the floor are metal legs."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from intellwheels_viewer.drawings.solids import box, join, slab
 
 
 def table(robot: Robot) -> BodyLook:
-    """Return the look of a table, each part as large as it is."""
+    """Return the look of a table, each part at its declared size."""
     parts = parts_of(robot)
     boards = [part for part in parts if part.bottom > 0.0] or list(parts)
     legs = [part for part in parts if part not in boards]

@@ -1,4 +1,4 @@
-"""Where the agents have been: lines of the last 20 s of simulated time, fading into the floor."""
+"""Trails: the paths of the agents over the last 20 s of simulated time, fading into the floor."""
 
 from __future__ import annotations
 
@@ -13,14 +13,12 @@ import viser
 from intellwheels_viewer import palette
 from intellwheels_viewer.drawings import floor_heights
 from intellwheels_viewer.drawings.solids import Array
-from intellwheels_viewer.snapshot import Sample
+from intellwheels_viewer.snapshot import TRAIL, Sample
 
-LENGTH: Final = 20.0
-"""Seconds of simulated time that a trail goes back."""
 STEP: Final = 0.08
-"""Metres between its corners at least."""
+"""Minimum distance between two corners, in metres."""
 JUMP: Final = 0.6
-"""Metres between two samples that no body goes: it was put there, and the trail begins anew."""
+"""Metres between two samples that mean that the body was moved by hand; its trail starts again."""
 
 _STEP_SQUARED: Final = STEP**2
 _JUMP_SQUARED: Final = JUMP**2
@@ -28,17 +26,17 @@ _NOWHERE: Final[Array] = np.zeros((0, 3), np.float32)
 
 
 class Trail:
-    """One agent's corners, taken up sample by sample: of a history only what is new is looked at."""
+    """The trail of one agent, extended by the new samples of its history."""
 
     def __init__(self) -> None:
         self._corners: Array = _NOWHERE
         self._last: Sample | None = None
 
     def corners(self, history: Sequence[Sample], now: float) -> Array:
-        """Return the corners (N, 3) x, y and time of a trail, oldest first; its end is the newest sample.
+        """Return the corners (N, 3) of the trail as x, y and time, oldest first. The last one is the newest sample.
 
         Args:
-            history: Samples, oldest first: those of the last time and some more, or of another run.
+            history: Samples, oldest first: those of the last call and newer ones, or those of another run.
             now: The simulated time, in seconds.
         """
         new: list[Sample] = []
@@ -51,12 +49,12 @@ class Trail:
         self._take(new[::-1])
         if self._last is None:
             return _NOWHERE
-        first = int(np.searchsorted(self._corners[:, 2], now - LENGTH))
+        first = int(np.searchsorted(self._corners[:, 2], now - TRAIL))
         if first:
             self._corners = self._corners[first:]
         last = self._last
         kept = self._corners[self._corners[:, 2] <= now]
-        if last.time > now or last.time < now - LENGTH:
+        if last.time > now or last.time < now - TRAIL:
             return kept
         if len(kept) and kept[-1, 2] == np.float32(last.time):
             return kept
@@ -79,12 +77,12 @@ class Trail:
 
 
 def segments(corners: Sequence[Array], now: float, colours: Sequence[palette.RGB]) -> tuple[Array, Array]:
-    """Return the trails' stretches (N, 2, 3) in metres and the colours of their ends (N, 2, 3) in sRGB bytes.
+    """Return the segments of the trails (N, 2, 3) in metres and the colours of their ends (N, 2, 3) in sRGB bytes.
 
     Args:
-        corners: Of each agent, (N, 3) x, y and time.
+        corners: The corners of each agent, (N, 3) x, y and time.
         now: The simulated time, in seconds.
-        colours: Of each agent.
+        colours: The colour of each agent.
     """
     rows = np.concatenate([_NOWHERE, *corners])
     owner = np.repeat(np.arange(len(corners)), [len(each) for each in corners])
@@ -96,19 +94,19 @@ def segments(corners: Sequence[Array], now: float, colours: Sequence[palette.RGB
 
 
 def _paired(rows: Array, joined: npt.NDArray[np.bool_]) -> Array:
-    """Return each row with the next where they are joined, (N, 2, 3)."""
+    """Return each row with the next one where both belong to one trail, (N, 2, 3)."""
     return np.stack([rows[:-1][joined], rows[1:][joined]], axis=1)
 
 
 def _faded(own: Array, ages: Array) -> Array:
-    """Return colours at so many ages, (N, 3)."""
-    shares = 0.25 + 0.7 * np.clip(ages / LENGTH, 0.0, 1.0)[:, None]
+    """Return colours faded by the ages of their corners, (N, 3)."""
+    shares = 0.25 + 0.7 * np.clip(ages / TRAIL, 0.0, 1.0)[:, None]
     faded: Array = np.round(own + (np.array(palette.FLOOR, np.float32) - own) * shares)
     return faded
 
 
 class Trails:
-    """The trails in a scene: one node. Four times a second is enough; a stretch is 36 bytes."""
+    """The trails in a scene, as one node. A segment takes 36 bytes."""
 
     def __init__(self, scene: viser.SceneApi) -> None:
         self._scene = scene
@@ -119,9 +117,9 @@ class Trails:
         """Show the trails of some agents.
 
         Args:
-            histories: Their samples, oldest first.
+            histories: Their samples by agent, oldest first.
             now: The simulated time, in seconds.
-            colours: Whose colour is which.
+            colours: The colours of the agents.
         """
         for name in self._trails.keys() - histories.keys():
             del self._trails[name]

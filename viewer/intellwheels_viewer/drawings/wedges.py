@@ -1,7 +1,7 @@
-"""What the distance sensors see: a fan as far as the reading, with a solid arc where the reading is.
+"""Readings of proximity sensors: a fan up to the measured range, with a solid arc at its end.
 
-Five states that differ in shape as well as in hue: near, middle and far have an arc, "nothing seen" is a pale fan
-without one, "failed" a dashed outline without a fan. A sensor that is mounted on `start` stands where its body joined.
+The five states differ in shape as well as in colour: near, middle and far have an arc, "nothing seen" is a pale fan
+without one, and "failed" is a dashed outline without a fan. Sensors mounted on `start` stay where the body joined.
 """
 
 from __future__ import annotations
@@ -15,6 +15,7 @@ import numpy as np
 import numpy.typing as npt
 import viser
 
+from intellwheels_schemas.agent_colours import css
 from intellwheels_schemas.messages import (
     Body,
     Entity,
@@ -29,6 +30,7 @@ from intellwheels_viewer import palette
 from intellwheels_viewer.drawings import floor_heights
 from intellwheels_viewer.drawings.instance_batch import InstanceBatch, quaternions
 from intellwheels_viewer.drawings.solids import Array, Solid, band, sheet
+from intellwheels_viewer.range_bands import MIDDLE, NEAR
 
 Rows: TypeAlias = npt.NDArray[np.float64]
 Column: TypeAlias = npt.NDArray[np.float64]
@@ -36,10 +38,6 @@ Indices: TypeAlias = npt.NDArray[np.int8]
 Flags: TypeAlias = npt.NDArray[np.bool_]
 State: TypeAlias = Literal["near", "middle", "far", "nothing", "failed"]
 
-NEAR: Final = 0.5
-"""Below so many metres a reading is near: a chair at 1 m/s has half a second."""
-MIDDLE: Final = 1.5
-"""Below so many metres it is in the middle."""
 ARC: Final = 0.03
 """Thickness of the arc, in metres."""
 
@@ -59,28 +57,28 @@ _WORDS: Final[Mapping[State, str]] = {
     "failed": "sensor failed",
 }
 STATES: Final[tuple[State, ...]] = get_args(State)
-"""In this order: those below `nothing` have a reading, the failed one is the last."""
+"""In this order: the states before `nothing` have a range, and `failed` is the last."""
 _NOTHING, _FAILED = STATES.index("nothing"), STATES.index("failed")
-_TOLD: Final[Mapping[Status, int]] = {"ok": -1, "near": 0, "none": _NOTHING, "fault": _FAILED}
+_GIVEN: Final[Mapping[Status, int]] = {"ok": -1, "near": 0, "none": _NOTHING, "fault": _FAILED}
 _TINTS: Final[Rows] = np.array([COLOURS[state] for state in STATES], np.float64)
 _SHARES: Final[Column] = np.array([OPACITIES[state] for state in STATES], np.float64)
 _PIECE: Final = math.radians(10.0)
-# Transparent fans at one height flicker; so many heights are told apart.
+# Transparent fans at the same height flicker, so fans use this many heights in turn.
 _LIFTS: Final = 64
 _LIFT: Final = 0.0002
 
 
 @dataclass(frozen=True, slots=True)
 class Cones:
-    """N sensors' readings on the floor, in the order of the state.
+    """The readings of N sensors on the floor, in the order of the state.
 
     Attributes:
-        x, y: (N,) Where each sensor is, in metres.
-        direction: (N,) Of the middle of its cone, in radians.
-        cone: (N,) The full angle, in radians.
-        reach: (N,) As far as it is drawn, in metres.
-        state: (N,) Which of `STATES`, as its index.
-        edged: (N,) Whether its reading has an arc.
+        x, y: (N,) Position of each sensor, in metres.
+        direction: (N,) Direction of the middle of its field of view, in radians.
+        cone: (N,) Full field of view, in radians.
+        reach: (N,) Drawn range, in metres.
+        state: (N,) Index in `STATES`.
+        edged: (N,) Whether it has an arc.
     """
 
     x: Column
@@ -92,14 +90,21 @@ class Cones:
     edged: Flags
 
     def where(self, chosen: Flags) -> Cones:
-        """Return those that are chosen."""
+        """Return the sensors for which `chosen` is true."""
         return Cones(*(getattr(self, field)[chosen] for field in self.__slots__))
 
 
-def mounted(sensor: Proximity | Lidar, body: Body, entity: Entity | Position) -> tuple[float, float, float]:
-    """Return where a sensor is and its direction, in the world: from its body's pose, or from where that joined."""
-    start = body.robot.position
-    frame = start if sensor.mount == "start" and start is not None else entity
+def mount_frame(sensor: Proximity | Lidar, body: Body, entity: Entity | None) -> Entity | Position | None:
+    """Return the pose of what a sensor is mounted on; None if it is unknown, so the sensor cannot be drawn.
+
+    A sensor with `Mount="start"` stays at the pose where its body joined, which is the `Position` of the body's
+    document.
+    """
+    return body.robot.position if sensor.mount == "start" else entity
+
+
+def mounted(sensor: Proximity | Lidar, frame: Entity | Position) -> tuple[float, float, float]:
+    """Return the position of a sensor and its direction in the world frame, from the pose of what it is mounted on."""
     cos, sin = math.cos(frame.heading), math.sin(frame.heading)
     return (
         frame.x + sensor.x * cos - sensor.y * sin,
@@ -109,7 +114,7 @@ def mounted(sensor: Proximity | Lidar, body: Body, entity: Entity | Position) ->
 
 
 class Mounts:
-    """Where the sensors of bodies sit on them. It is reckoned once for a document and kept."""
+    """The mounts of the sensors of all bodies, computed once per document."""
 
     def __init__(self) -> None:
         self._known: dict[str, tuple[Body, list[str], Rows]] = {}
@@ -122,13 +127,14 @@ class Mounts:
         """
         known = self._known.get(name)
         if known is None or known[0] is not body:
-            sensors = body.robot.proximity
+            start = body.robot.position
+            sensors = [one for one in body.robot.proximity if one.mount != "start" or start is not None]
             known = (body, [sensor.id for sensor in sensors], _mounts(sensors, body))
             self._known[name] = known
         return known[1], known[2]
 
     def keep(self, names: Collection[str]) -> None:
-        """Forget all others."""
+        """Forget all other bodies."""
         for name in self._known.keys() - set(names):
             del self._known[name]
 
@@ -147,7 +153,7 @@ def _mounts(sensors: Sequence[Proximity], body: Body) -> Rows:
             0.0,
         )
         if sensor.mount == "start" and start is not None:
-            row[:3], row[6] = mounted(sensor, body, start), 1.0
+            row[:3], row[6] = mounted(sensor, start), 1.0
     return rows
 
 
@@ -159,44 +165,44 @@ def cones(
     arcs: Collection[str] | None = None,
     mounts: Mounts | None = None,
 ) -> Cones:
-    """Return what the sensors of some agents see, in the order of the state; sensors without a reading have none.
+    """Return the readings of some agents' sensors, in the order of the state. Sensors without a reading are left out.
 
     Args:
         bodies: Documents by agent.
         entities: States.
-        measures: By agent.
-        agents: Whose.
-        arcs: Of those, whose readings have arcs; None for all.
-        mounts: Where sensors sit, kept from tick to tick; None to reckon it anew.
+        measures: Measures by agent.
+        agents: The agents.
+        arcs: The agents whose readings have arcs; None for all.
+        mounts: Cached mounts; None to compute them.
     """
     mounts = Mounts() if mounts is None else mounts
     tables: list[Rows] = [np.zeros((0, 7))]
     poses: list[tuple[float, float, float, bool, int]] = []
-    seen: list[ProximityReading] = []
+    found: list[ProximityReading] = []
     for entity in entities:
         name = entity.name
-        body, said = bodies.get(name), measures.get(name)
-        if name not in agents or body is None or said is None or said.sensors is None:
+        body, measured = bodies.get(name), measures.get(name)
+        if name not in agents or body is None or measured is None or measured.sensors is None:
             continue
         names, table = mounts.of(name, body)
-        readings: Sequence[ProximityReading] = said.sensors.proximity
+        readings: Sequence[ProximityReading] = measured.sensors.proximity
         if [reading.id for reading in readings] != names:
-            found = {reading.id: reading for reading in readings}
-            table = table[[each in found for each in names]]
-            readings = [found[each] for each in names if each in found]
+            by_id = {reading.id: reading for reading in readings}
+            table = table[[each in by_id for each in names]]
+            readings = [by_id[each] for each in names if each in by_id]
         tables.append(table)
-        seen.extend(readings)
+        found.extend(readings)
         poses.append((entity.x, entity.y, entity.heading, arcs is None or name in arcs, len(table)))
-    return _placed(np.concatenate(tables), np.array(poses).reshape(-1, 5), seen)
+    return _placed(np.concatenate(tables), np.array(poses).reshape(-1, 5), found)
 
 
-def _placed(table: Rows, poses: Rows, seen: Sequence[ProximityReading]) -> Cones:
+def _placed(table: Rows, poses: Rows, readings: Sequence[ProximityReading]) -> Cones:
     x, y, heading, edged = np.repeat(poses[:, :4], poses[:, 4].astype(np.intp), axis=0).T
     side, fore, turn, cone, least, most, fixed = table.T[[1, 0, 2, 3, 4, 5, 6]]
     cos, sin = np.cos(heading), np.sin(heading)
     is_fixed = fixed > 0.0
-    value = np.array([reading.value for reading in seen], np.float64)  # None is nan
-    state = _states(value, [reading.status for reading in seen])
+    value = np.array([reading.value for reading in readings], np.float64)  # None becomes nan
+    state = _states(value, [reading.status for reading in readings])
     reach = np.where(state >= _NOTHING, most, np.where(np.isnan(value), least, value))
     return Cones(
         np.where(is_fixed, fore, x + fore * cos - side * sin),
@@ -210,10 +216,10 @@ def _placed(table: Rows, poses: Rows, seen: Sequence[ProximityReading]) -> Cones
 
 
 def _states(value: Column, status: Sequence[Status]) -> Indices:
-    """Return the index of each reading's state; what is nearer than the sensor can measure is near."""
-    told = np.array([_TOLD[each] for each in status], np.int8)
+    """Return the index of each reading's state. An object nearer than the minimum range is near."""
+    given = np.array([_GIVEN[each] for each in status], np.int8)
     measured = np.where(np.isnan(value), _NOTHING, np.digitize(value, (NEAR, MIDDLE)))
-    return np.where(told >= 0, told, measured).astype(np.int8)
+    return np.where(given >= 0, given, measured).astype(np.int8)
 
 
 def fan(cone: float) -> Solid:
@@ -232,9 +238,9 @@ class Bars:
 
 
 def bars(shown: Cones) -> Bars:
-    """Return the arcs of what was seen, `ARC` thick with the reading at their outer edge, and the dashes of failures.
+    """Return the arcs of all readings, with the range at their outer edge, and the dashes of failed sensors.
 
-    An arc is a bar for each ten degrees: at 4 m a bar's middle is 1.5 cm nearer than its ends.
+    An arc has a bar for each ten degrees: at 4 m the middle of a bar is 1.5 cm nearer than its ends.
     """
     rows: list[Rows] = [np.zeros((0, 8))]
     failed = shown.where(shown.state == _FAILED)
@@ -268,7 +274,7 @@ def _arcs(group: Cones, pieces: int) -> Rows:
 
 
 def _dashes(x: float, y: float, direction: float, cone: float, reach: float) -> Rows:
-    """Return a dashed outline: dashes of 12 cm and gaps of 8 along both sides and the arc."""
+    """Return a dashed outline: dashes of 12 cm with gaps of 8 cm along both sides and the arc."""
     rows: list[tuple[float, ...]] = []
     for side in (-cone / 2, cone / 2):
         angle = direction + side
@@ -284,7 +290,7 @@ def _dashes(x: float, y: float, direction: float, cone: float, reach: float) -> 
 
 
 def legend() -> str:
-    """Return the five states as HTML for a panel: a drawing and words for each, the near one first."""
+    """Return a legend of the five states as HTML: a symbol and a description for each."""
     rows = "".join(
         f'<tr data-state="{state}"><td style="width:46px;padding:1px 8px 1px 0">{_icon(state)}</td>'
         f'<td style="padding:1px 0">{words}</td></tr>'
@@ -294,7 +300,7 @@ def legend() -> str:
 
 
 def _icon(state: State) -> str:
-    colour = palette.hexadecimal(COLOURS[state])
+    colour = css(COLOURS[state])
     reach = {"near": 16.0, "middle": 26.0}.get(state, 38.0)
     x, y = 2 + reach * math.cos(math.radians(17)), reach * math.sin(math.radians(17))
     path = f"M2 11 L{x:.1f} {11 - y:.1f} A{reach:g} {reach:g} 0 0 1 {x:.1f} {11 + y:.1f} Z"
@@ -331,9 +337,9 @@ class Wedges:
         Args:
             bodies: Documents by agent.
             entities: States.
-            measures: By agent; those of agents whose measures nobody watches are not there.
-            agents: Whose wedges are shown; a wedge is 35 bytes a tick and its arc 43 for each ten degrees.
-            arcs: Of those, whose readings have arcs; None for all. Failures are dashed for everybody.
+            measures: Measures by agent, for subscribed agents.
+            agents: The agents whose wedges are shown. A wedge takes 35 bytes a tick, its arc 43 for each ten degrees.
+            arcs: The agents whose readings have arcs; None for all. Failed sensors always have a dashed outline.
         """
         self._mounts.keep(bodies)
         shown = cones(bodies, entities, measures, agents, arcs, self._mounts)

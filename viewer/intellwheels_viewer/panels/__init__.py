@@ -1,7 +1,7 @@
-"""Panels: what a browser reads and presses beside the scene.
+"""Panels: the text and the controls beside the scene.
 
-Every file is pure functions (what is seen and chosen in, HTML out) and a thin class that makes the elements in the
-container that is open and assigns what changed (viser itself sends nothing for an equal value). Text of a peer goes
-through `html.escape`; what a page sends is a stranger's and is checked. Callbacks run in viser's event loop, in the
-order of the page's messages: they hand over and return. A panel belongs to one browser: make it on `client.gui`.
+Every file has pure functions that return HTML for a snapshot and a browser's choices, and a thin class that makes
+viser's elements in the open container and assigns what changed (viser sends nothing for an equal value). Text of a peer
+goes through `html.escape`. Values from a page are not trusted and are checked. Callbacks run in viser's event loop, in
+the order of the page's messages, and must return at once. A panel belongs to one browser: make it on `client.gui`.
 """

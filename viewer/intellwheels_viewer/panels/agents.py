@@ -1,4 +1,4 @@
-"""Who is there: a row a body, agents first. A row selects; so does the list below it."""
+"""The table of all bodies, agents first. A click on a row selects its body, and so does the list below."""
 
 from __future__ import annotations
 
@@ -8,26 +8,27 @@ from typing import Final
 
 import viser
 
+from intellwheels_schemas.agent_colours import natural_key
 from intellwheels_schemas.messages import Body, Entity
 from intellwheels_viewer.panels import number_format
 from intellwheels_viewer.panels.callbacks import Pick, assign, updated
 from intellwheels_viewer.panels.choices import Choices
-from intellwheels_viewer.panels.marks import Mark, marks, swatch
+from intellwheels_viewer.panels.marks import Mark, swatch
 from intellwheels_viewer.panels.ranges import nearest, tone
 from intellwheels_viewer.panels.style_sheet import STYLE_SHEET, block, note
 from intellwheels_viewer.snapshot import Snapshot
 
 ROWS: Final = 40
-"""A longer table is not read but searched, in the list."""
+"""Rows of the table; the list below has all bodies."""
 NOBODY: Final = "Nobody"
-"""No agent is called so: names are small."""
+"""No agent can have this name: names are lower case."""
 _STATES: Final = {
     "drive": "",
     "timeout": "no command",
-    "rested": "rests",
+    "rested": "resting",
     "paused": "paused",
     "taken": "taken over",
-    "stale": "stale: pose is old",
+    "stale": "stale: no recent pose",
 }
 _COLUMNS: Final = (
     '<colgroup><col><col style="width:46px"><col style="width:52px"><col style="width:54px"></colgroup>'
@@ -35,37 +36,40 @@ _COLUMNS: Final = (
 )
 
 
-def in_order(seen: Snapshot) -> list[Entity]:
-    """Return the bodies, those of agents before those that an operator put there."""
-    return sorted(seen.entities, key=lambda entity: not _is_agent(seen.bodies.get(entity.name)))
+def agents_first(snapshot: Snapshot) -> list[Entity]:
+    """Return the bodies in natural order of their names, agents before bodies that an operator placed."""
+    return sorted(
+        snapshot.entities,
+        key=lambda entity: (not _is_agent(snapshot.bodies.get(entity.name)), natural_key(entity.name)),
+    )
 
 
-def agents_html(seen: Snapshot, choices: Choices, handler: str = "") -> str:
+def agents_html(snapshot: Snapshot, choices: Choices, handler: str = "") -> str:
     """Return the table of bodies.
 
     Args:
-        seen: The run.
-        choices: Whose row is selected, and the colours.
-        handler: An attribute of the table that makes its `data-agent` rows selectable.
+        snapshot: The run.
+        choices: The selected body and the colours.
+        handler: An HTML attribute of the table that makes its `data-agent` rows selectable.
     """
-    if not seen.entities:
+    if not snapshot.entities:
         return block(
-            "agents", note("No agents yet: `iw-agent waypoints --name chair1`") if seen.phase == "live" else ""
+            "agents", note("No agents yet: `iw-agent waypoints --name chair1`") if snapshot.phase == "live" else ""
         )
-    known = marks(choices.colours)
-    bodies = in_order(seen)
+    known = {name: Mark(*look) for name, look in choices.looks.items()}
+    bodies = agents_first(snapshot)
     shown = bodies[:ROWS]
     if choices.selected not in {entity.name for entity in shown}:
         shown = [*shown, *(entity for entity in bodies[ROWS:] if entity.name == choices.selected)]
-    rows = "".join(_row(seen, entity, known.get(entity.name, Mark()), choices.selected) for entity in shown)
+    rows = "".join(_row(snapshot, entity, known.get(entity.name, Mark()), choices.selected) for entity in shown)
     rest = len(bodies) - len(shown)
-    more = f'<div class="iw-small">and {rest} more: choose below</div>' if rest else ""
-    old = "" if seen.phase == "live" else "iw-old"
+    more = f'<div class="iw-small">and {rest} more: use the list below</div>' if rest else ""
+    old = "" if snapshot.phase == "live" else "iw-old"
     return block("agents", f"<table {handler}>{_COLUMNS}{rows}</table>{more}", classes=old)
 
 
 def words(entity: Entity, body: Body | None) -> str:
-    """Return what kind of body it is and how it fares: real or simulated, its mode, why it does not drive."""
+    """Return the status of a body in words: its kind, real or simulated, its mode, why it does not drive."""
     said = []
     if body is not None:
         said.append(body.robot.type if _is_agent(body) else f"{body.robot.kind}, placed")
@@ -77,21 +81,21 @@ def words(entity: Entity, body: Body | None) -> str:
 
 
 def _is_agent(body: Body | None) -> bool:
-    # A body that an operator put there has no instance that joined as it; in a log that is played nobody owns any.
+    # A body that an operator placed has no instance that joined. In a playback no body has an owner.
     return body is None or body.owner is not None or body.robot.instance is not None
 
 
-def _row(seen: Snapshot, entity: Entity, mark: Mark, selected: str | None) -> str:
+def _row(snapshot: Snapshot, entity: Entity, mark: Mark, selected: str | None) -> str:
     name = html.escape(entity.name)
     classes = " ".join(
         word for word, on in (("chosen", entity.name == selected), ("stale", entity.state == "stale")) if on
     )
-    distance = nearest(seen, entity.name)
+    distance = nearest(snapshot, entity.name)
     near = "\u2013" if distance is None else number_format.decimal(distance)
     return (
         f'<tr class="{classes}" data-agent="{name}" data-testid="agent-{name}" data-state="{entity.state}">'
         f'<td><div class="iw-head">{swatch(mark)}<b class="iw-cut" title="{name}">{name}</b></div>'
-        f'<div class="iw-small iw-wide">{html.escape(words(entity, seen.bodies.get(entity.name)))}</div></td>'
+        f'<div class="iw-small iw-wide">{html.escape(words(entity, snapshot.bodies.get(entity.name)))}</div></td>'
         f"<td><span>{number_format.decimal(entity.speed)}</span></td>"
         f'<td><span class="{"iw-near" if distance is not None and tone(distance) == "near" else ""}">{near}</span></td>'
         f"<td>{_contacts(entity)}</td></tr>"
@@ -100,7 +104,7 @@ def _row(seen: Snapshot, entity: Entity, mark: Mark, selected: str | None) -> st
 
 def _contacts(entity: Entity) -> str:
     if entity.contact or entity.collision:
-        return f'<b class="iw-red">{entity.contacts}</b><div class="iw-small iw-red">touches</div>'
+        return f'<b class="iw-red">{entity.contacts}</b><div class="iw-small iw-red">touching</div>'
     return f"<span>{entity.contacts}</span>"
 
 
@@ -108,8 +112,8 @@ class AgentsPanel:
     """The table, and a list of all names.
 
     Args:
-        gui: Where the elements are made, in the container that is open.
-        on_select: Gets the name of a body that is there, or None for nobody.
+        gui: Makes the elements, in the open container.
+        on_select: Called with the name of a body in the run, or None.
     """
 
     def __init__(self, gui: viser.GuiApi, on_select: Callable[[str | None], None]) -> None:
@@ -121,10 +125,10 @@ class AgentsPanel:
         self._pick = Pick(gui, self._selected)
         updated(self._list, self._selected)
 
-    def show(self, seen: Snapshot, choices: Choices) -> None:
-        """Show who is there."""
-        self._table.content = agents_html(seen, choices, self._pick.attribute)
-        names = tuple(entity.name for entity in in_order(seen))
+    def show(self, snapshot: Snapshot, choices: Choices) -> None:
+        """Show the bodies of a snapshot."""
+        self._table.content = agents_html(snapshot, choices, self._pick.attribute)
+        names = tuple(entity.name for entity in agents_first(snapshot))
         self._known = frozenset(names)
         options = (NOBODY, *names)
         if options != self._list.options:

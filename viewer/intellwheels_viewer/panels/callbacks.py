@@ -1,7 +1,7 @@
-"""From a page's messages to plain callables: in order, own writes left out, and a click in HTML made an event.
+"""Turns a page's messages into calls, in order and without echoes of our own writes, and HTML clicks into events.
 
-The one place that leans on viser's private names: the id of an element, and in the page `__viserMutable.sendMessage`
-(see CONTRIBUTING.md). A page's values are a stranger's: whoever is called checks them.
+It uses private names of viser: the id of an element and, in the page, `__viserMutable.sendMessage` (see
+CONTRIBUTING.md). The values of a page are not trusted: the called function checks them.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ Value = TypeVar("Value")
 
 
 def clicked(button: viser.GuiButtonHandle, call: Callable[[], None]) -> None:
-    """Call at each click. Asynchronous without waiting: the loop keeps the order of the page's messages."""
+    """Call at each click. The callback is a coroutine that does not wait, so the order of the messages is kept."""
 
     async def press(_: viser.GuiEvent[viser.GuiButtonHandle]) -> None:
         call()
@@ -25,7 +25,7 @@ def clicked(button: viser.GuiButtonHandle, call: Callable[[], None]) -> None:
 
 
 def updated(handle: viser.GuiInputHandle[Value], call: Callable[[Value], None]) -> None:
-    """Call with each value that comes from a page; our own writes come back too and are not one."""
+    """Call with each value that a page sends. Echoes of our own writes are left out."""
 
     async def update(event: viser.GuiEvent[viser.GuiInputHandle[Value]]) -> None:
         if event.client_id is not None:
@@ -35,7 +35,7 @@ def updated(handle: viser.GuiInputHandle[Value], call: Callable[[Value], None]) 
 
 
 def chosen(group: viser.GuiButtonGroupHandle, call: Callable[[str], None]) -> None:
-    """Call with the word on the button that was pressed, when the group has such a button."""
+    """Call with the text of the pressed button, if the group has such a button."""
 
     async def press(_: viser.GuiEvent[viser.GuiButtonGroupHandle]) -> None:
         if group.value in group.options:
@@ -45,9 +45,9 @@ def chosen(group: viser.GuiButtonGroupHandle, call: Callable[[str], None]) -> No
 
 
 def disable(group: viser.GuiButtonGroupHandle, disabled: bool) -> None:
-    """Disable a group of buttons or enable it.
+    """Disable or enable a group of buttons.
 
-    The page can, and a group may be made so; the handle's own setter refuses (viser 1.1.1).
+    A group can be created disabled and the page supports it, but the handle's setter refuses (viser 1.1.1).
     """
     props = group._impl.props
     if props.disabled != disabled:  # type: ignore[attr-defined]
@@ -56,22 +56,22 @@ def disable(group: viser.GuiButtonGroupHandle, disabled: bool) -> None:
 
 
 def assign(handle: viser.GuiInputHandle[Value], value: Value) -> None:
-    """Set a value; viser sends nothing for an equal one."""
+    """Set a value. Viser sends nothing for an equal one."""
     # viser's property has a setter that mypy does not find: another method stands between the two.
     handle.value = value  # type: ignore[misc]
 
 
 def element_id(handle: viser.GuiInputHandle[Value]) -> str:
-    """Return the id by which a page's message names an element."""
+    """Return the id of an element in a page's messages."""
     return str(handle._impl.uuid)
 
 
 class Pick:
-    """Makes `data-agent` elements of HTML choose: a press sends their name to a hidden text field.
+    """Makes `data-agent` elements in HTML clickable: a press sends their name to a hidden text field.
 
     Args:
-        gui: Where the field is made, unseen.
-        call: Gets the name, which may be any text.
+        gui: Makes the hidden field.
+        call: Called with the name, which can be any text.
     """
 
     def __init__(self, gui: viser.GuiApi, call: Callable[[str], None]) -> None:
@@ -81,9 +81,9 @@ class Pick:
 
     @property
     def attribute(self) -> str:
-        """The handler, an attribute of an element around the `data-agent` elements.
+        """The HTML attribute for an element around the `data-agent` elements.
 
-        On pointer down: a table that is rewritten between down and up would lose a click.
+        It reacts to pointer down, because a table that is rewritten between down and up would lose a click.
         """
         script = (
             "const r=event.target.closest('[data-agent]');if(r&&event.button===0)"
@@ -93,7 +93,7 @@ class Pick:
         return f'onpointerdown="{html.escape(script)}"'
 
     def _picked(self, name: str) -> None:
-        # Emptied, so that the same name is a change the next time.
+        # Emptied, so that the same name is a change next time.
         assign(self._field, "")
         if name:
             self._call(name)

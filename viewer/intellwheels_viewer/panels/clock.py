@@ -1,4 +1,4 @@
-"""The run's clock and its buttons. A paused run has no real-time factor."""
+"""The clock of the run and its buttons. A paused run has no real-time factor."""
 
 from __future__ import annotations
 
@@ -8,11 +8,12 @@ from typing import Final
 
 import viser
 
+from intellwheels_schemas.agent_colours import natural_key
 from intellwheels_schemas.messages import Clock
 from intellwheels_viewer.panels import number_format
 from intellwheels_viewer.panels.callbacks import chosen, clicked, disable
 from intellwheels_viewer.panels.choices import Choices
-from intellwheels_viewer.panels.style_sheet import STYLE_SHEET, block
+from intellwheels_viewer.panels.style_sheet import STYLE_SHEET, block, note
 from intellwheels_viewer.panels.style_sheet import figures as large
 from intellwheels_viewer.snapshot import Snapshot
 
@@ -32,13 +33,13 @@ _STATES: Final = {
 }
 
 
-def clock_html(seen: Snapshot) -> str:
+def clock_html(snapshot: Snapshot) -> str:
     """Return state, time, tick, real-time factor and late ticks."""
-    clock = seen.clock
+    clock = snapshot.clock
     if clock is None:
         return block("clock", '<span class="iw-soft">No clock yet.</span>')
-    live = seen.phase == "live"
-    tone, word = _STATES[clock.state] if live else ("", "Last heard")
+    live = snapshot.phase == "live"
+    tone, word = _STATES[clock.state] if live else ("", "Last known")
     return block(
         "clock",
         f'<div class="iw-head" data-state="{clock.state}"><i class="iw-dot {tone}"></i>'
@@ -51,8 +52,13 @@ def clock_html(seen: Snapshot) -> str:
             )
         ),
         f'<div class="iw-small">{_late(clock)}, {html.escape(_pace(clock))}</div>',
+        note("The run is over. Run it again, or continue it beyond its end.") if live and _is_over(snapshot) else "",
         classes="" if live else "iw-old",
     )
+
+
+def _is_over(snapshot: Snapshot) -> bool:
+    return snapshot.clock is not None and snapshot.clock.state == "ended" and snapshot.last_tick is None
 
 
 def _awaited(clock: Clock) -> str:
@@ -61,7 +67,9 @@ def _awaited(clock: Clock) -> str:
     if not clock.waiting:
         return " for the first agent"
     more = len(clock.waiting) - _SHOWN
-    return " for " + ", ".join(clock.waiting[:_SHOWN]) + (f" and {more} more" if more > 0 else "")
+    return (
+        " for " + ", ".join(sorted(clock.waiting, key=natural_key)[:_SHOWN]) + (f" and {more} more" if more > 0 else "")
+    )
 
 
 def _factor(clock: Clock) -> str:
@@ -82,12 +90,12 @@ class ClockPanel:
     """The clock, and pause, resume, step, reset and speed.
 
     Args:
-        gui: Where the elements are made, in the container that is open.
-        on_pause: Asks for a pause.
-        on_resume: Asks to go on.
-        on_step: Asks for so many steps.
-        on_reset: Asks to begin anew.
-        on_speed: Asks for a speed, simulated time over wall time.
+        gui: Makes the elements, in the open container.
+        on_pause: Requests a pause.
+        on_resume: Requests to resume.
+        on_step: Requests this many steps.
+        on_reset: Requests a new run.
+        on_speed: Requests a speed, simulated time over wall time.
     """
 
     def __init__(
@@ -102,28 +110,33 @@ class ClockPanel:
     ) -> None:
         gui.add_html(STYLE_SHEET)
         self._clock = gui.add_html("")
+        self._again = gui.add_button("Run again", icon=viser.Icon.REFRESH, visible=False)
         self._pause = gui.add_button("Pause", icon=viser.Icon.PLAYER_PAUSE, disabled=True)
         self._resume = gui.add_button("Resume", icon=viser.Icon.PLAYER_PLAY, visible=False)
         self._step = gui.add_button_group("Step, ticks", STEPS, disabled=True)
         self._speed = gui.add_button_group("Speed, \u00d7", SPEEDS, disabled=True)
-        self._reset = gui.add_button_group("Begin anew", ("Reset",), disabled=True)
+        self._reset = gui.add_button_group("New run", ("Reset",), disabled=True)
+        clicked(self._again, on_reset)
         clicked(self._pause, on_pause)
         clicked(self._resume, on_resume)
         chosen(self._reset, lambda _: on_reset())
         chosen(self._step, lambda word: on_step(int(word)))
         chosen(self._speed, lambda word: on_speed(float(word)))
 
-    def show(self, seen: Snapshot, choices: Choices) -> None:
-        """Show the clock; what cannot act is disabled."""
-        self._clock.content = clock_html(seen)
-        clock = seen.clock
-        able = choices.allowed and seen.phase == "live" and clock is not None
+    def show(self, snapshot: Snapshot, choices: Choices) -> None:
+        """Show the clock, and disable buttons that have no effect now."""
+        self._clock.content = clock_html(snapshot)
+        clock = snapshot.clock
+        enabled = choices.allowed and snapshot.phase == "live" and clock is not None
         halted = clock is not None and clock.state in {"paused", "ended"}
-        # A log has its own, beside its time line.
-        log = seen.last_tick is not None
+        # A playback has buttons of its own, beside its timeline.
+        log = snapshot.last_tick is not None
         self._pause.visible, self._resume.visible = not halted and not log, halted and not log
+        over = _is_over(snapshot)
+        self._again.visible, self._again.disabled = over, not enabled
+        self._resume.label = "Continue this run" if over else "Resume"
         self._speed.visible = self._reset.visible = not log
-        self._pause.disabled = self._resume.disabled = not able
-        disable(self._step, not able)
-        disable(self._reset, not able)
-        disable(self._speed, not (able and clock is not None and clock.pace == "realtime"))
+        self._pause.disabled = self._resume.disabled = not enabled
+        disable(self._step, not enabled)
+        disable(self._reset, not enabled)
+        disable(self._speed, not (enabled and clock is not None and clock.pace == "realtime"))

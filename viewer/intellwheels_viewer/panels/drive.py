@@ -1,8 +1,8 @@
-"""Driving by hand: a stick on the screen and the keys I, J, K, L, both with release; and words to say.
+"""Driving with a stick on the screen or the keys I, J, K, L; and sending messages to agents.
 
-The page sends ten messages a second while the stick is out or a key is down, one of zero at release, lost focus and
-hiding, and none at all otherwise: whoever listens puts each on once and repeats none, so that a page that is closed or
-hangs stops the chair. The handler leans on a private name of viser (see callbacks); without it, four buttons do.
+The page sends ten messages a second while the stick is moved or a key is down, and a zero when it is released, the page
+loses the focus or is hidden. The receiver publishes each message once and repeats none, so a page that is closed or
+hangs stops the chair. The script uses a private name of viser (see callbacks); four buttons work without it.
 """
 
 from __future__ import annotations
@@ -18,14 +18,15 @@ from intellwheels_viewer.panels.callbacks import assign, clicked, element_id, up
 from intellwheels_viewer.panels.choices import Choices
 from intellwheels_viewer.panels.style_sheet import STYLE_SHEET, block, note
 from intellwheels_viewer.snapshot import Snapshot
+from intellwheels_viewer.steering import VIEW_ONLY
 
 RATE: Final = 10.0
-"""Messages a second."""
+"""Stick messages per second."""
 GENTLE: Final = 0.6
-"""Share of full power of a key; with Shift it is full. The stick gives any."""
+"""Share of full power that a key gives; with Shift it gives full power."""
 EVERYBODY: Final = "Everybody"
 SAY_LIMIT: Final = 1000
-"""Characters, the wire's bound; a simulation's own is lower, and its refusal is shown."""
+"""Characters: the limit of the contract. A simulation can have a lower one, and its refusal is shown."""
 
 _SCRIPT: Final = """
 (() => {
@@ -36,7 +37,7 @@ const KEYS = {KeyI: [1, 0], KeyK: [-1, 0], KeyJ: [0, 1], KeyL: [0, -1]};
 const down = new Set();
 let stick = null, pointer = null, shift = false, timer = null, moving = false, n = 0;
 const clamp = v => Math.max(-1, Math.min(1, v));
-const wish = () => {
+const command = () => {
   if (D.getElementById('iw-drive-off')) return [0, 0];
   if (stick) return stick;
   let f = 0, t = 0;
@@ -47,7 +48,7 @@ const wish = () => {
 const send = (f, t) => W.__viserMutable.sendMessage(
   {type: 'GuiUpdateMessage', uuid: '%UUID%', updates: {value: [f, t, ++n]}});
 const beat = () => {
-  const [f, t] = wish(), knob = D.getElementById('iw-knob');
+  const [f, t] = command(), knob = D.getElementById('iw-knob');
   if (knob) knob.style.transform = `translate(${-t * R}px,${-f * R}px)`;
   if (f || t) { send(f, t); moving = true; timer = timer || setInterval(beat, %PERIOD%); return; }
   if (moving) send(0, 0);
@@ -92,51 +93,51 @@ _STICK: Final = (
     '<u style="left:4px;top:50px">J</u><u style="right:4px;top:50px">L</u>'
     '<div class="iw-knob" id="iw-knob"></div></div>'
     "<div>Drag the stick, or hold<br><code>I</code> forward<br><code>K</code> back<br><code>J</code> <code>L</code> "
-    'turn<div class="iw-small">Shift for full power. Let go to stop.</div></div></div>'
-    '<div id="iw-no-keys" class="iw-small" hidden>Keys and stick do not work in this page: tick Buttons.</div>'
+    'turn<div class="iw-small">Shift for full power. Release to stop.</div></div></div>'
+    '<div id="iw-no-keys" class="iw-small" hidden>Keys and stick do not work in this browser: tick Buttons.</div>'
 )
 
 
-def drive_html(seen: Snapshot, choices: Choices) -> str:
-    """Return who would be driven, or why nobody."""
-    if seen.phase != "live":
-        words = note("No world to drive in", "wait")
+def drive_html(snapshot: Snapshot, choices: Choices) -> str:
+    """Return which agent is driven, or why none is."""
+    if snapshot.phase != "live":
+        words = note("No world is running", "wait")
     elif not choices.allowed:
-        words = note("You may look, not steer: this viewer has no right to control", "wait")
+        words = note(f"{VIEW_ONLY}: this viewer is not allowed to control the simulation.", "wait")
     elif choices.selected is None:
-        words = note("Nothing selected: click a chair")
-    elif not able(seen, choices):
-        words = note(f"{choices.selected} has no motors to drive", "wait")
+        words = note("Nothing is selected. Click a chair.")
+    elif not can_drive(snapshot, choices):
+        words = note(f"{choices.selected} has no motors", "wait")
     else:
-        words = note(f"You drive {choices.selected}", "good")
-    # The page's handler looks for it: neither stick nor keys send while it is there.
-    off = "" if able(seen, choices) else '<i id="iw-drive-off" hidden></i>'
+        words = note(f"You are driving {choices.selected}", "good")
+    # The script in the page looks for this element: stick and keys send nothing while it exists.
+    off = "" if can_drive(snapshot, choices) else '<i id="iw-drive-off" hidden></i>'
     return block("drive", words, off)
 
 
-def able(seen: Snapshot, choices: Choices) -> bool:
-    """Return whether the selected body can be driven from here."""
-    if seen.phase != "live" or not choices.allowed or choices.selected is None:
+def can_drive(snapshot: Snapshot, choices: Choices) -> bool:
+    """Return whether the selected body can be driven from this page."""
+    if snapshot.phase != "live" or not choices.allowed or choices.selected is None:
         return False
-    body = seen.bodies.get(choices.selected)
-    return body is not None and seen.entity(choices.selected) is not None and body.robot.top_speed > 0
+    body = snapshot.bodies.get(choices.selected)
+    return body is not None and snapshot.entity(choices.selected) is not None and body.robot.top_speed > 0
 
 
 def page_html(element: str) -> str:
-    """Return the stick with the handler that sends to an element; written once, as a hand may be on it."""
+    """Return the stick and its script. Written once: rewriting it would release a stick that is in use."""
     script = _SCRIPT.replace("%UUID%", element).replace("%GENTLE%", str(GENTLE)).replace("%PERIOD%", str(1000 / RATE))
     handler = f'<img src="x:" alt="" style="display:none" onerror="{html.escape(script)}">'
     return block("stick-area", _STICK, handler)
 
 
 class DrivePanel:
-    """Stick, keys, buttons and words.
+    """Stick, keys, buttons and the message form.
 
     Args:
-        gui: One browser's own elements, in the container that is open.
-        on_stick: Gets forward and turn (positive to the left), each in [-1, 1], and a count that grows by one. Once per
-            message of the page, never by itself; 0, 0 is a release.
-        on_say: Gets what to say, not empty, and to whom: a name, or None for everybody.
+        gui: Makes the elements, in the open container.
+        on_stick: Called with forward and turn (positive to the left), each in [-1, 1], and a message count. Once per
+            message of the page; 0, 0 is a release.
+        on_say: Called with a text, not empty, and its receiver: an agent's name, or None for everybody.
     """
 
     def __init__(
@@ -153,9 +154,11 @@ class DrivePanel:
         self._on_stick, self._on_say = on_stick, on_say
         self._selected: str | None = None
         self._count = 0
-        self._able = self._moving = self._blocked = False
+        self._able = self._drag_move = self._blocked = False
         updated(self._value, self._pulled)
-        self._wanted = gui.add_checkbox("Buttons", False, hint="Four buttons to hold, where keys and stick do not work")
+        self._wanted = gui.add_checkbox(
+            "Buttons", False, hint="Show four buttons to hold, for browsers in which keys and stick do not work"
+        )
         self._buttons = [
             self._hold(gui.add_button(label, icon=icon, color="gray", visible=False), forward, turn)
             for label, icon, forward, turn in (
@@ -173,28 +176,28 @@ class DrivePanel:
         clicked(self._say, self._said)
         form.on_submit(self._submitted)
 
-    def show(self, seen: Snapshot, choices: Choices) -> None:
-        """Show who would be driven; the stick itself is left alone."""
-        self._words.content = drive_html(seen, choices)
+    def show(self, snapshot: Snapshot, choices: Choices) -> None:
+        """Show which agent is driven. The stick itself is not rewritten."""
+        self._words.content = drive_html(snapshot, choices)
         if choices.selected != self._selected:
-            # A key that is still down drove the one before: it does not drive the next one until it was released.
-            self._blocked = self._moving
-        self._able, self._selected = able(seen, choices), choices.selected
+            # A key that is still down drove the previous agent. It must be released before it drives the next one.
+            self._blocked = self._drag_move
+        self._able, self._selected = can_drive(snapshot, choices), choices.selected
         for button in self._buttons:
             button.disabled = not self._able
-        may_say = seen.phase == "live" and choices.allowed
+        may_say = snapshot.phase == "live" and choices.allowed
         self._text.disabled = self._to.disabled = self._say.disabled = not may_say
         to = (EVERYBODY,) if choices.selected is None else (EVERYBODY, choices.selected)
         if to != self._to.options:
-            # Another one selected: words meant for the one before do not go to it.
+            # The selection changed: a message meant for the previous agent must not go to the new one.
             self._to.options = to
             assign(self._to, EVERYBODY)
 
     def _pulled(self, value: tuple[float, float, float]) -> None:
         if len(value) != 3:
             return
-        self._moving = bool(value[0] or value[1])
-        blocked, self._blocked = self._blocked, self._blocked and self._moving
+        self._drag_move = bool(value[0] or value[1])
+        blocked, self._blocked = self._blocked, self._blocked and self._drag_move
         if not blocked:
             self._put(value[0], value[1])
 

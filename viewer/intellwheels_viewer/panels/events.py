@@ -1,9 +1,9 @@
-"""The run's events, newest first, in words with their times. A contact is red; another run begins below a line."""
+"""The events of the run in words with their times, newest first. Contacts are red; a line separates runs."""
 
 from __future__ import annotations
 
 import html
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from typing import Final
 
 import viser
@@ -12,56 +12,67 @@ from intellwheels_schemas.messages import Event
 from intellwheels_viewer.panels import number_format
 from intellwheels_viewer.panels.sentences import sentence
 from intellwheels_viewer.panels.style_sheet import STYLE_SHEET, block
-from intellwheels_viewer.snapshot import Snapshot
+from intellwheels_viewer.snapshot import USER, Snapshot, Words
 
 SHOWN: Final = 100
 
 
-def events_html(seen: Snapshot) -> str:
-    """Return the list of the newest events."""
-    if not seen.events:
+def events_html(snapshot: Snapshot) -> str:
+    """Return the newest events as a list."""
+    speech = [words for words in snapshot.words if words.speaker == USER]
+    if not snapshot.events and not speech:
         return block("events", '<span class="iw-soft">Nothing has happened yet.</span>')
-    newest = seen.events[::-1][:SHOWN]
-    older = len(seen.events) - len(newest)
+    newest = snapshot.events[::-1][:SHOWN]
+    older = len(snapshot.events) - len(newest)
     more = f'<div class="iw-small">and {older} older</div>' if older else ""
     return block(
         "events",
         '<div class="iw-caption">time, s</div>',
-        f'<ul class="iw-log">{"".join(_items(seen, newest))}</ul>',
+        f'<ul class="iw-log">{"".join(_items(snapshot, newest, speech[::-1]))}</ul>',
         more,
     )
 
 
-def event_item(seen: Snapshot, event: Event) -> str:
-    """Return a line of a list: time and sentence."""
+def event_item(snapshot: Snapshot, event: Event) -> str:
+    """Return an event as a list item: its time and its sentence."""
     red = ' class="iw-red"' if event.code == "contact" else ""
     return (
         f'<li data-code="{event.code}" data-number="{event.number}">'
-        f"<span>{number_format.moment(event.tick, seen)}</span>"
+        f"<span>{number_format.moment(event.tick, snapshot)}</span>"
         f"<span{red}>{html.escape(sentence(event))}</span></li>"
     )
 
 
-def _items(seen: Snapshot, newest: Iterable[Event]) -> Iterable[str]:
-    run = None
+def speech_item(words: Words) -> str:
+    """Return what a user said as a list item: its time and a sentence."""
+    to = "everybody" if words.to is None else words.to
+    sentence = html.escape(f"A user said to {to}: \u201c{words.text}\u201d")
+    return f'<li data-code="said"><span>{number_format.decimal(words.time)}</span><span>{sentence}</span></li>'
+
+
+def _items(snapshot: Snapshot, newest: Iterable[Event], speech: Sequence[Words]) -> Iterable[str]:
+    run, period, waiting = None, snapshot.period or 0.0, list(speech)
     for event in newest:
+        while waiting and (event.run != snapshot.run or waiting[0].time >= event.tick * period):
+            yield speech_item(waiting.pop(0))
         if run is not None and event.run != run:
-            yield '<li class="break">the run before</li>'
+            yield '<li class="break">previous run</li>'
         run = event.run
-        yield event_item(seen, event)
+        yield event_item(snapshot, event)
+    yield from (speech_item(words) for words in waiting)
 
 
 class EventsPanel:
     """The list of events.
 
     Args:
-        gui: Where the element is made, in the container that is open.
+        gui: Makes the elements, in the open container.
     """
 
     def __init__(self, gui: viser.GuiApi) -> None:
         gui.add_html(STYLE_SHEET)
         self._list = gui.add_html("")
 
-    def show(self, seen: Snapshot) -> None:
-        """Show the events; costs nothing while none is new."""
-        self._list.content = events_html(seen)
+    def show(self, snapshot: Snapshot) -> None:
+        """Show the events of a snapshot."""
+        self._list.content = events_html(snapshot)

@@ -1,4 +1,4 @@
-"""What of the scene is drawn for one browser, and remembered there."""
+"""The layers that one browser shows. The browser stores its choice."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ class Layers:
     """Which layers are shown.
 
     Attributes:
-        full_walls: Walls at their full height, else half of it.
-        wedges: What the proximity sensors see.
-        lidar: Points of lidars.
-        trails: The way behind each agent.
-        labels: Names and speeds, and what is said: one label each.
-        goals: Where agents want to be.
+        full_walls: Walls at full height instead of half height.
+        wedges: The readings of proximity sensors.
+        lidar: The points of lidars.
+        trails: The path behind each agent.
+        labels: Names, speeds and speech.
+        goals: The goals of agents.
         plan: The small plan in the panel.
     """
 
@@ -36,14 +36,14 @@ class Layers:
     plan: bool = True
 
     def to_json(self) -> str:
-        """Return the layers as a browser keeps them."""
+        """Return the layers as the JSON that a browser stores."""
         return msgspec.json.encode(self).decode()
 
 
 def from_json(text: str | None) -> Layers:
-    """Return the layers that a browser kept; the usual ones where it kept none or what cannot be read.
+    """Return the layers that a browser stored, or the default ones if it stored none or they cannot be read.
 
-    What a page sends is a stranger's: another type is no layer, another name is left out.
+    The values of a page are not trusted: unknown names are ignored, and a wrong type gives the default layers.
     """
     if text is None:
         return Layers()
@@ -65,13 +65,13 @@ LABELS: Final = {
 
 
 class LayersPanel:
-    """A checkbox a layer.
+    """A checkbox for each layer.
 
     Args:
-        gui: Where the elements are made, in the container that is open.
-        layers: What is shown first.
-        on_change: Gets the layers whenever a page changed one.
-        legend: HTML of our own that explains the colours.
+        gui: Makes the elements, in the open container.
+        layers: The layers that are shown first.
+        on_change: Called with the layers when the user changed one.
+        legend: HTML that explains the colours.
     """
 
     def __init__(
@@ -89,11 +89,11 @@ class LayersPanel:
 
     @property
     def layers(self) -> Layers:
-        """What is shown."""
+        """The layers that are shown."""
         return self._layers
 
     def show(self, layers: Layers) -> None:
-        """Tick the boxes as the layers are."""
+        """Tick the boxes of these layers."""
         self._layers = layers
         for name, box in self._boxes.items():
             assign(box, getattr(layers, name))

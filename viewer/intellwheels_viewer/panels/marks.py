@@ -1,70 +1,48 @@
-"""How an agent is told apart: its colour, and a second mark where a colour comes again.
-
-The same mark is in every panel. Colours are few so that everybody tells them apart; the second agent of a colour has a
-stripe, the third two, the fourth and later their number.
-"""
+"""The swatch of an agent in panels: its colour and its stripes, the same as in the scene."""
 
 from __future__ import annotations
 
 import html
-from collections.abc import Mapping
 from typing import Final, NamedTuple
 
-from intellwheels_viewer.panels.choices import RGB
+from intellwheels_schemas.agent_colours import RGB, css
 
 GREY: Final[RGB] = (150, 158, 167)
-"""Of bodies without a colour: tables, doors, obstacles."""
+"""The colour of a body that has no look yet."""
 
 
 class Mark(NamedTuple):
-    """A colour, and how many had it before."""
+    """A colour, and the number of stripes that tells agents of this colour apart."""
 
     colour: RGB = GREY
-    repeat: int = 0
+    stripes: int = 0
 
     @property
     def css(self) -> str:
         """The colour in CSS."""
-        return "#{:02x}{:02x}{:02x}".format(*self.colour)
+        return css(self.colour)
 
     @property
     def ink(self) -> str:
-        """Black or white, whichever is seen better on the colour (relative luminance of WCAG 2)."""
+        """Black or white, whichever has more contrast with the colour (relative luminance of WCAG 2)."""
         red, green, blue = (_linear(channel / 255) for channel in self.colour)
         # Above 0.179 black has the higher contrast: (L + 0.05) / 0.05 > 1.05 / (L + 0.05).
         return "#000" if 0.2126 * red + 0.7152 * green + 0.0722 * blue > 0.179 else "#fff"
 
 
-def marks(colours: Mapping[str, RGB]) -> dict[str, Mark]:
-    """Return the mark of each agent that has a colour."""
-    seen: dict[RGB, int] = {}
-    found = {}
-    for name, colour in colours.items():
-        found[name] = Mark(colour, seen.get(colour, 0))
-        seen[colour] = seen.get(colour, 0) + 1
-    return found
-
-
 def swatch(mark: Mark, title: str = "") -> str:
-    """Return a small square of the mark as inline SVG, 13 px across."""
+    """Return the mark as a small square, inline SVG of 13 px."""
     return (
         '<svg width="13" height="13" viewBox="0 0 13 13" style="flex:none" role="img" '
         f'aria-label="{html.escape(title)}"><rect x=".5" y=".5" width="12" height="12" rx="3" fill="{mark.css}" '
-        f'stroke="currentColor" stroke-opacity=".35"/>{_second(mark)}</svg>'
+        f'stroke="currentColor" stroke-opacity=".35"/>{_stripes(mark)}</svg>'
     )
 
 
-def _second(mark: Mark) -> str:
-    if mark.repeat == 0:
-        return ""
-    if mark.repeat <= 2:
-        heights = (6.5,) if mark.repeat == 1 else (4.5, 8.5)
-        return "".join(f'<path d="M1 {y}h11" stroke="{mark.ink}" stroke-width="2"/>' for y in heights)
-    number = str(mark.repeat + 1)
-    return (
-        f'<text x="6.5" y="10.5" font-size="11" font-weight="700" text-anchor="middle" fill="{mark.ink}" '
-        f'textLength="{min(11, 7 * len(number))}" lengthAdjust="spacingAndGlyphs">{number}</text>'
-    )
+def _stripes(mark: Mark) -> str:
+    heights = {0: (), 1: (6.5,), 2: (4.5, 8.5)}.get(mark.stripes, (3.5, 6.5, 9.5))
+    width = 2 if mark.stripes < 3 else 1.4
+    return "".join(f'<path d="M1 {y}h11" stroke="{mark.ink}" stroke-width="{width}"/>' for y in heights)
 
 
 def _linear(channel: float) -> float:

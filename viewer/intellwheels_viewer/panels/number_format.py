@@ -1,4 +1,4 @@
-"""Numbers as people read them: fixed decimals, a true minus, no negative zero. Units stand in captions only."""
+"""Formats numbers: fixed decimals, a real minus sign, no negative zero. Units are in captions."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ MINUS: Final = "\u2212"
 
 
 def decimal(value: float, places: int = 2) -> str:
-    """Return a number with so many decimals, its minus as wide as a digit."""
+    """Return a number with this many decimals and a minus sign as wide as a digit."""
     text = f"{value:.{places}f}"
     if not text.strip("-0."):
         return text.lstrip("-")
@@ -19,7 +19,7 @@ def decimal(value: float, places: int = 2) -> str:
 
 
 def factor(value: float) -> str:
-    """Return a factor without zeros that say nothing: 1, 0.5, 10."""
+    """Return a factor without trailing zeros: 1, 0.5, 10."""
     return f"{value:g}"
 
 
@@ -28,16 +28,9 @@ def degrees(radians: float) -> str:
     return decimal(math.degrees(radians), 0)
 
 
-def period(seen: Snapshot) -> float | None:
-    """Return the simulated seconds of a tick, None before the first."""
-    if seen.clock is not None and seen.clock.tick:
-        return seen.clock.time / seen.clock.tick
-    return seen.time / seen.tick if seen.tick else None
-
-
-def moment(tick: int, seen: Snapshot) -> str:
-    """Return the simulated seconds at a tick; before a tick's length is known, only tick 0 has a time."""
-    length = period(seen)
+def moment(tick: int, snapshot: Snapshot) -> str:
+    """Return the simulated time of a tick in seconds; `?` while the period is unknown, except for tick 0."""
+    length = snapshot.period
     if length is None:
         return decimal(0.0) if tick == 0 else "?"
     return decimal(tick * length)

@@ -1,7 +1,7 @@
-"""A small plan that is always there: the floor, and over it who is where.
+"""A small plan of the floor with all bodies.
 
-Two drawings of one view box. The floor's is sent once a floor; the bodies' lies over it and is sent at the
-panels' rate. The drawing has no text: the scale is written below it, at a size that does not shrink with the panel.
+It is two drawings with the same view box. The floor is sent once; the bodies lie over it and are sent at the rate of
+the panels. The drawings have no text, which would shrink with the panel: the scale is written below.
 """
 
 from __future__ import annotations
@@ -18,25 +18,23 @@ from intellwheels_maps.check import wall_pieces
 from intellwheels_schemas.messages import Entity, Map
 from intellwheels_viewer.panels.callbacks import Pick
 from intellwheels_viewer.panels.choices import Choices
-from intellwheels_viewer.panels.marks import Mark, marks
+from intellwheels_viewer.panels.marks import Mark
 from intellwheels_viewer.panels.plan_footprints import Point, footprint, outline, placed
 from intellwheels_viewer.panels.style_sheet import STYLE_SHEET
-from intellwheels_viewer.snapshot import Sample, Snapshot
+from intellwheels_viewer.snapshot import TRAIL, Sample, Snapshot
 
-TRAIL: Final = 20.0
-"""Simulated seconds of way shown behind an agent."""
 CROWD: Final = 60
-"""Bodies from which on each is drawn as its outline only."""
-_TRAIL_STEP: Final = 0.5  # s: closer points are not told apart in so small a drawing
+"""Above this many bodies each is drawn as an outline."""
+_TRAIL_STEP: Final = 0.5  # s: closer points cannot be told apart in a small drawing
 _MARGIN: Final = 0.3  # m around the walls
-_WIDEST: Final = 2.6  # a view box is at most so many times wider than high
-_HIGHEST: Final = 1.15  # and at least so many: the panel is for more than the plan
-_ACROSS: Final = 260.0  # px: about what a panel of 280 leaves, for lengths that are meant in pixels
+_WIDEST: Final = 2.6  # greatest width over height of the view box
+_HIGHEST: Final = 1.15  # smallest width over height, as the panel has more than the plan
+_ACROSS: Final = 260.0  # px: about the width of the plan, for lengths given in pixels
 _BARS: Final = (0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0, 500.0, 1000.0)
 
 
 class Frame(NamedTuple):
-    """What of the floor is drawn, in m. SVG's y grows downwards: y is written negated."""
+    """The part of the floor that is drawn, in metres. The y axis of SVG points down, so y is written negated."""
 
     west: float
     north: float
@@ -50,12 +48,12 @@ class Frame(NamedTuple):
 
     @property
     def pixel(self) -> float:
-        """About a pixel, in m."""
+        """The size of about a pixel, in metres."""
         return self.across / _ACROSS
 
 
 def frame(floor: Map) -> Frame:
-    """Return the view box around a floor's walls, obstacles and zones, neither flat nor tall."""
+    """Return the view box around a floor's walls, obstacles and zones, within the limits of its proportions."""
     rings = [one.corner for one in floor.wall]
     rings += [one.corner for one in floor.obstacle]
     rings += [one.corner for one in floor.zone]
@@ -67,12 +65,12 @@ def frame(floor: Map) -> Frame:
 
 
 def floor_svg(floor: Map) -> str:
-    """Return the floor's drawing and its scale."""
+    """Return the drawing of the floor and its scale."""
     view = frame(floor)
     zones = "".join(_polygon([(c.x, c.y) for c in zone.corner]) for zone in floor.zone)
     things = "".join(_polygon([(c.x, c.y) for c in one.corner]) for one in floor.obstacle)
     walls = "".join(_polygon(piece) for wall in floor.wall for piece in wall_pieces(wall))
-    # A thin wall would vanish between two pixels.
+    # A thin wall could vanish between two pixels.
     line = f'stroke="var(--iw-wall)" stroke-width="{_n(view.pixel * 0.8)}" stroke-linejoin="round"'
     return (
         f'<div class="iw-plan" data-testid="plan-floor"><svg viewBox="{view.box}">'
@@ -82,34 +80,36 @@ def floor_svg(floor: Map) -> str:
     )
 
 
-def bodies_svg(seen: Snapshot, choices: Choices, handler: str = "") -> str:
-    """Return the drawing of all bodies with trails, and a ring around the selected one.
+def bodies_svg(snapshot: Snapshot, choices: Choices, handler: str = "") -> str:
+    """Return the drawing of all bodies with their trails, and a ring around the selected one.
 
-    Of more than `CROWD` bodies only the selected one is drawn with all it has; the others are outlines.
+    With more than `CROWD` bodies only the selected one is drawn in full; the others are outlines.
     """
-    if seen.floor is None:
+    if snapshot.floor is None:
         return ""
-    view = frame(seen.floor)
-    known = marks(choices.colours)
-    # The selected one last: it lies above the others.
-    order = sorted(seen.entities, key=lambda entity: (entity.name == choices.selected, entity.name in known))
+    view = frame(snapshot.floor)
+    known = {name: Mark(*look) for name, look in choices.looks.items()}
+    # The selected one is drawn last, above the others.
+    order = sorted(snapshot.entities, key=lambda entity: (entity.name == choices.selected, entity.name in known))
     crowd = order if len(order) > CROWD else []
     drawn = [entity for entity in order if not crowd or entity.name == choices.selected]
     trails = (
-        _trail(seen.history.get(one.name, ()), seen.time, known[one.name], view) for one in drawn if one.name in known
+        _trail(snapshot.history.get(one.name, ()), snapshot.time, known[one.name], view)
+        for one in drawn
+        if one.name in known
     )
-    bodies = (_body(seen, entity, known.get(entity.name), view, choices.selected) for entity in drawn)
+    bodies = (_body(snapshot, entity, known.get(entity.name), view, choices.selected) for entity in drawn)
     return (
         f'<div class="iw-plan over" data-testid="plan" {handler}><svg viewBox="{view.box}">'
-        f"{_crowd(seen, crowd, known)}{''.join(trails)}{''.join(bodies)}</svg></div>"
+        f"{_crowd(snapshot, crowd, known)}{''.join(trails)}{''.join(bodies)}</svg></div>"
     )
 
 
-def _crowd(seen: Snapshot, entities: Sequence[Entity], known: Mapping[str, Mark]) -> str:
-    """Return one path a colour: a thousand bodies are then tens of kilobytes, not hundreds."""
+def _crowd(snapshot: Snapshot, entities: Sequence[Entity], known: Mapping[str, Mark]) -> str:
+    """Return one path for each colour, so a thousand bodies take tens of kilobytes instead of hundreds."""
     paths: dict[str, list[str]] = {}
     for entity in entities:
-        body = seen.bodies.get(entity.name)
+        body = snapshot.bodies.get(entity.name)
         if body is not None:
             fill = known[entity.name].css if entity.name in known else "var(--iw-thing)"
             corners = outline(footprint(body.robot), entity.x, entity.y, entity.heading)
@@ -117,8 +117,8 @@ def _crowd(seen: Snapshot, entities: Sequence[Entity], known: Mapping[str, Mark]
     return "".join(f'<path d="{"".join(parts)}" fill="{fill}"/>' for fill, parts in paths.items())
 
 
-def _body(seen: Snapshot, entity: Entity, mark: Mark | None, view: Frame, selected: str | None) -> str:
-    body = seen.bodies.get(entity.name)
+def _body(snapshot: Snapshot, entity: Entity, mark: Mark | None, view: Frame, selected: str | None) -> str:
+    body = snapshot.bodies.get(entity.name)
     if body is None:
         return ""
     shape = footprint(body.robot)
@@ -143,7 +143,7 @@ def _body(seen: Snapshot, entity: Entity, mark: Mark | None, view: Frame, select
 
 
 def _ring(entity: Entity, radius: float, view: Frame) -> str:
-    # Dark around yellow: seen on light and on dark ground.
+    # A dark edge around the yellow ring, visible on a light and on a dark background.
     at = f'cx="{_n(entity.x)}" cy="{_n(-entity.y)}" r="{_n(radius)}" fill="none"'
     return (
         f'<circle {at} stroke="#4a4200" stroke-width="{_n(view.pixel * 4)}"/>'
@@ -153,7 +153,7 @@ def _ring(entity: Entity, radius: float, view: Frame) -> str:
 
 def _trail(samples: Sequence[Sample], now: float, mark: Mark, view: Frame) -> str:
     points = []
-    # Beats of the clock, not of now: a corner of the line then stays where it is.
+    # Times are multiples of the step, so that a corner of the line does not move while it grows.
     beat = math.floor(max(now - TRAIL, samples[0].time) / _TRAIL_STEP) + 1 if samples else 0
     while samples and beat * _TRAIL_STEP <= samples[-1].time:
         sample = samples[bisect_left(samples, beat * _TRAIL_STEP, key=lambda one: one.time)]
@@ -164,7 +164,7 @@ def _trail(samples: Sequence[Sample], now: float, mark: Mark, view: Frame) -> st
     if len(points) < 2:
         return ""
     line = f'<polyline points="{_points(points)}" fill="none" stroke-linecap="round" stroke-linejoin="round" '
-    # Black on dark ground, white on light: a thin edge of ink shows either.
+    # A thin edge in the text colour keeps black visible on dark and white on light.
     return (
         f'{line}stroke="var(--iw-ink)" stroke-opacity=".3" stroke-width="{_n(view.pixel * 2.6)}"/>'
         f'{line}stroke="{mark.css}" stroke-width="{_n(view.pixel * 1.6)}"/>'
@@ -188,16 +188,16 @@ def _points(points: Iterable[Point]) -> str:
 
 
 def _n(value: float) -> str:
-    """Return a length in m to the centimetre, below a pixel of any plan."""
+    """Return a length in metres with two decimals, less than a pixel of any plan."""
     return f"{value:.2f}".rstrip("0").rstrip(".")
 
 
 class PlanPanel:
-    """The plan; a press on a body selects it.
+    """The plan. A click on a body selects it.
 
     Args:
-        gui: Where the elements are made, in the container that is open.
-        on_select: Gets the name of a body that is there.
+        gui: Makes the elements, in the open container.
+        on_select: Called with the name of a body in the run.
     """
 
     def __init__(self, gui: viser.GuiApi, on_select: Callable[[str], None]) -> None:
@@ -209,16 +209,16 @@ class PlanPanel:
         self._on_select = on_select
         self._pick = Pick(gui, self._picked)
 
-    def show(self, seen: Snapshot, choices: Choices, *, visible: bool = True) -> None:
-        """Show who is where; nothing while there is no floor."""
-        visible = visible and seen.floor is not None
+    def show(self, snapshot: Snapshot, choices: Choices, *, visible: bool = True) -> None:
+        """Show the bodies of a snapshot; nothing without a floor."""
+        visible = visible and snapshot.floor is not None
         self._bodies.visible = self._floor.visible = visible
-        if not visible or seen.floor is None:
+        if not visible or snapshot.floor is None:
             return
-        self._known = frozenset(entity.name for entity in seen.entities)
-        self._bodies.content = bodies_svg(seen, choices, self._pick.attribute)
-        if seen.floor is not self._drawn:
-            self._floor.content, self._drawn = floor_svg(seen.floor), seen.floor
+        self._known = frozenset(entity.name for entity in snapshot.entities)
+        self._bodies.content = bodies_svg(snapshot, choices, self._pick.attribute)
+        if snapshot.floor is not self._drawn:
+            self._floor.content, self._drawn = floor_svg(snapshot.floor), snapshot.floor
 
     def _picked(self, name: str) -> None:
         if name in self._known:

@@ -1,4 +1,4 @@
-"""The time line of a world that plays a log. There is none where the world is simulated as one looks."""
+"""The timeline of a playback. A live run has none."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from typing import Final
 
 import viser
 
+from intellwheels_schemas.agent_colours import natural_key
 from intellwheels_viewer.panels import number_format
 from intellwheels_viewer.panels.callbacks import assign, chosen, clicked, disable, updated
 from intellwheels_viewer.panels.choices import Choices
@@ -17,43 +18,44 @@ from intellwheels_viewer.panels.clock import SPEEDS
 from intellwheels_viewer.panels.style_sheet import STYLE_SHEET, block
 from intellwheels_viewer.snapshot import Snapshot
 
-HANDS_ON: Final = 1.0
-"""Wall seconds after a page moved the time line in which the run does not move it: it would jump under the hand."""
+HOLD_AFTER_DRAG: Final = 1.0
+"""Seconds of wall time after the user moved the timeline in which the run does not move it."""
 
 
-def playback_html(seen: Snapshot) -> str:
-    """Return how far the log is played; nothing without one."""
-    if seen.last_tick is None:
+def playback_html(snapshot: Snapshot) -> str:
+    """Return the position in the log; empty in a live run."""
+    if snapshot.last_tick is None:
         return ""
-    times = f"{number_format.moment(seen.tick, seen)} of {number_format.moment(seen.last_tick, seen)} s"
+    times = f"{number_format.moment(snapshot.tick, snapshot)} of {number_format.moment(snapshot.last_tick, snapshot)} s"
     return block(
         "playback",
-        f'<b>Playing a log</b><div class="iw-small">{times}, tick {seen.tick} of {seen.last_tick}</div>{_off(seen)}',
+        f'<b>Playing a log</b><div class="iw-small">{times}, tick {snapshot.tick} of {snapshot.last_tick}</div>',
+        _report_errors(snapshot),
     )
 
 
-def _off(seen: Snapshot) -> str:
-    """Return how far real chairs were from where they said that they were: what the ghosts show, in words."""
+def _report_errors(snapshot: Snapshot) -> str:
+    """Return the error of each pose that a real chair reported, as the ghosts show it, in words."""
     words = []
-    for name, pose in sorted(seen.reported.items()):
-        entity = seen.entity(name)
+    for name, pose in sorted(snapshot.reported.items(), key=lambda one: natural_key(one[0])):
+        entity = snapshot.entity(name)
         if entity is not None:
             far = math.hypot(pose.x - entity.x, pose.y - entity.y)
             turned = abs(math.degrees(math.remainder(pose.heading - entity.heading, math.tau)))
-            words.append(f"See-through: where {html.escape(name)} said it was, {far:.2f} m and {turned:.1f}\u00b0 off")
+            words.append(f"Ghost: pose reported by {html.escape(name)}, off by {far:.2f} m and {turned:.1f}\u00b0")
     return "".join(f'<div class="iw-small">{word}</div>' for word in words)
 
 
 class PlaybackPanel:
-    """Time line, pause and speed of a log; unseen without one.
+    """Timeline, pause and speed of a playback; hidden in a live run.
 
     Args:
-        gui: Where the elements are made, in the container that is open.
-        on_seek: Gets a tick of the log, often while the time line is dragged: only the newest counts.
-        on_pause: Asks for a pause.
-        on_resume: Asks to go on.
-        on_speed: Asks for a speed, time of the log over wall time.
-        now: Returns wall seconds that never go back.
+        gui: Makes the elements, in the open container.
+        on_seek: Called with a tick of the log, often while the user drags the timeline.
+        on_pause: Requests a pause.
+        on_resume: Requests to resume.
+        on_speed: Requests a speed, time in the log over wall time.
+        now: A monotonic clock, in seconds.
     """
 
     def __init__(
@@ -73,7 +75,7 @@ class PlaybackPanel:
         self._resume = gui.add_button("Play", icon=viser.Icon.PLAYER_PLAY, visible=False)
         self._speed = gui.add_button_group("Speed, \u00d7", SPEEDS, visible=False)
         self._now = now
-        self._touched = -HANDS_ON
+        self._touched = -HOLD_AFTER_DRAG
         self._last = 0
         self._on_seek = on_seek
         clicked(self._pause, on_pause)
@@ -81,22 +83,22 @@ class PlaybackPanel:
         chosen(self._speed, lambda word: on_speed(float(word)))
         updated(self._line, self._moved)
 
-    def show(self, seen: Snapshot, choices: Choices) -> None:
-        """Show how far the log is; nothing when there is none."""
-        playing = seen.last_tick is not None
-        halted = seen.clock is not None and seen.clock.state in {"paused", "ended"}
-        self._words.content = playback_html(seen)
+    def show(self, snapshot: Snapshot, choices: Choices) -> None:
+        """Show the position in the log; nothing in a live run."""
+        playing = snapshot.last_tick is not None
+        halted = snapshot.clock is not None and snapshot.clock.state in {"paused", "ended"}
+        self._words.content = playback_html(snapshot)
         self._words.visible = self._line.visible = self._speed.visible = playing
         self._pause.visible, self._resume.visible = playing and not halted, playing and halted
-        able = choices.allowed and seen.phase == "live"
+        enabled = choices.allowed and snapshot.phase == "live"
         for one in (self._line, self._pause, self._resume):
-            one.disabled = not able
-        disable(self._speed, not able)
-        if seen.last_tick is not None:
-            self._last = seen.last_tick
-            self._line.max = max(1, seen.last_tick)
-            if self._now() - self._touched >= HANDS_ON:
-                assign(self._line, min(seen.tick, seen.last_tick))
+            one.disabled = not enabled
+        disable(self._speed, not enabled)
+        if snapshot.last_tick is not None:
+            self._last = snapshot.last_tick
+            self._line.max = max(1, snapshot.last_tick)
+            if self._now() - self._touched >= HOLD_AFTER_DRAG:
+                assign(self._line, min(snapshot.tick, snapshot.last_tick))
 
     def _moved(self, tick: int) -> None:
         self._touched = self._now()

@@ -1,6 +1,6 @@
-"""Distances and speed of an agent over the last seconds, as arrays for uPlot, and the labels at their lines' ends.
+"""Distances and speed of an agent over the last seconds, as arrays for uPlot, with a label at the end of each line.
 
-uPlot draws no labels of its own: they are HTML over its right margin, placed by the same figures that place its lines.
+uPlot has no labels at lines, so they are HTML over its right margin, positioned with the same scale as the lines.
 """
 
 from __future__ import annotations
@@ -20,19 +20,19 @@ from intellwheels_viewer.panels.ranges import tone
 from intellwheels_viewer.snapshot import HISTORY, Sample
 
 LINES: Final = 8
-"""A plot has always so many lines, so that another agent is other data only; more could not be told apart."""
-HEIGHT: Final = 138  # px, of the whole plot
-_TOP, _RIGHT, _AXIS = 8, 90, 26  # px: padding above, for the labels, and below for the axis of time
-_ABOVE: Final = 11  # px from a plot's place to its canvas: viser's margin and border
-_LABEL: Final = 12  # px a label is high
-_RATE: Final = 5.0  # samples a second: about a pixel apart in a panel
-# On white and on viser's dark ground 3 : 1 or more: a canvas knows no theme.
+"""Lines of a plot. The number is fixed, so another agent only changes the data; more could not be told apart."""
+HEIGHT: Final = 138  # px, the whole plot
+_TOP, _RIGHT, _AXIS = 8, 90, 26  # px: padding above, on the right for labels, and below for the time axis
+_ABOVE: Final = 11  # px from the plot to its canvas: viser's margin and border
+_LABEL: Final = 12  # px, the height of a label
+_RATE: Final = 5.0  # samples per second: about one per pixel
+# Contrast of 3 : 1 or more on white and on viser's dark background: the canvas has no theme.
 STROKES: Final = {"near": "#d23a6b", "middle": "#c2701a", "far": "#5488b0", "": "#5488b0"}
 
 
 @dataclass(frozen=True)
 class Line:
-    """A line: its label, its newest value in words, its tone, and its values; above `top` where there is none."""
+    """A line: its label, its newest value as text, its tone and its values. A missing value is above `top`."""
 
     label: str
     text: str
@@ -42,7 +42,7 @@ class Line:
 
 @dataclass(frozen=True)
 class Plot:
-    """What is drawn: times (n,) in s before now, the lines, and the range of the vertical axis."""
+    """A plot: times (n,) in s before now, the lines, and the range of the vertical axis."""
 
     times: npt.NDArray[np.float64]
     lines: tuple[Line, ...]
@@ -50,13 +50,13 @@ class Plot:
     top: float
 
     def data(self) -> tuple[npt.NDArray[np.float64], ...]:
-        """Return uPlot's data: the times and always `LINES` lines, those too many outside the picture."""
+        """Return uPlot's data: the times and `LINES` lines. Unused lines are outside the picture."""
         outside = np.full_like(self.times, 2.0 * self.top)
         values = [line.values for line in self.lines]
         return (self.times, *values, *[outside] * (LINES - len(values)))
 
     def series(self) -> tuple[uplot.Series, ...]:
-        """Return uPlot's series: their colours are the tones of the newest values."""
+        """Return uPlot's series, coloured by the tones of the newest values."""
         strokes = [STROKES[line.tone] for line in self.lines]
         strokes += [STROKES[""]] * (LINES - len(strokes))
         return ({}, *(_series(stroke) for stroke in strokes))
@@ -67,13 +67,14 @@ class Plot:
 
 
 NOTHING: Final = Plot(np.array([-1.0, 0.0]), (), 0.0, 1.0)
-"""Before there is something to plot."""
+"""An empty plot."""
 
 
 def distances(samples: Sequence[Sample], body: Body | None) -> Plot | None:
-    """Return the proximity sensors' distances; None without two samples or without a sensor.
+    """Return the distances of the proximity sensors; None without two samples or without a sensor.
 
-    The nearest of now are shown when there are more than `LINES`. A sensor that sees nothing leaves the picture.
+    With more than `LINES` sensors the nearest ones are shown. The line of a sensor that sees nothing is outside the
+    plot.
     """
     times, kept = _thinned(samples)
     sensors = [(one.id, one.max_range) for one in body.robot.proximity] if body else []
@@ -87,7 +88,7 @@ def distances(samples: Sequence[Sample], body: Body | None) -> Plot | None:
 
 
 def speeds(samples: Sequence[Sample], body: Body | None) -> Plot | None:
-    """Return the speed forward; None without two samples."""
+    """Return the forward speed; None without two samples."""
     times, kept = _thinned(samples)
     if len(kept) < 2:
         return None
@@ -98,7 +99,7 @@ def speeds(samples: Sequence[Sample], body: Body | None) -> Plot | None:
 
 
 def labels_html(plot: Plot) -> str:
-    """Return the labels at the ends of the lines, moved apart where they would cover each other."""
+    """Return the labels at the ends of the lines, moved apart so that they do not overlap."""
     inner = HEIGHT - _TOP - _AXIS
     wanted = [_ABOVE + _TOP + (1.0 - _share(line, plot)) * inner - _LABEL / 2 for line in plot.lines]
     lowest = float(_ABOVE + _TOP + inner - _LABEL)
@@ -111,7 +112,7 @@ def labels_html(plot: Plot) -> str:
 
 
 def apart(wanted: Sequence[float], size: float, least: float, most: float) -> list[float]:
-    """Return places near those wanted, at least a size from each other, within bounds as far as they all fit."""
+    """Return positions near the wanted ones, at least `size` apart, and within the bounds if they all fit."""
     order = sorted(range(len(wanted)), key=lambda index: wanted[index])
     places = list(wanted)
     floor = least
@@ -126,7 +127,7 @@ def apart(wanted: Sequence[float], size: float, least: float, most: float) -> li
 
 
 def axes() -> tuple[Any, ...]:
-    """Return uPlot's axes: 11 px figures, time in s before now, five values at most."""
+    """Return uPlot's axes: 11 px figures, time in s before now, at most five values."""
     font = "11px system-ui, sans-serif"
     return (
         {"font": font, "size": _AXIS, "gap": 8, "space": 40, "ticks": {"show": False}},
@@ -140,7 +141,7 @@ def padding() -> tuple[int, int, int, int]:
 
 
 def _thinned(samples: Sequence[Sample]) -> tuple[npt.NDArray[np.float64], list[Sample]]:
-    """Return the first sample of each fifth of a second and the newest, with their times before the newest."""
+    """Return the first sample of each fifth of a second and the newest, and their times relative to the newest."""
     kept: list[Sample] = []
     for sample in samples:
         if not kept or int(sample.time * _RATE) != int(kept[-1].time * _RATE):

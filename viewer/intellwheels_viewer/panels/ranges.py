@@ -1,6 +1,6 @@
-"""Distances in words and tones: near, middle, far, as the wedges in the scene have them.
+"""Ranges in words and tones: near, middle and far, with the same bands as the wedges in the scene.
 
-Nothing seen is not a distance, and neither is a failure: both are words.
+"Nothing seen" and a failure are not ranges, so they are shown as words.
 """
 
 from __future__ import annotations
@@ -8,36 +8,32 @@ from __future__ import annotations
 from typing import Final, Literal, TypeAlias
 
 from intellwheels_schemas.messages import Body, Measures, Status
+from intellwheels_viewer.range_bands import MIDDLE, NEAR
 from intellwheels_viewer.snapshot import Snapshot
 
 Tone: TypeAlias = Literal["near", "middle", "far"]
-
-NEAR: Final = 0.6
-"""m: about a footrest's swing; what is nearer is met by turning on the spot."""
-MIDDLE: Final = 1.5
-"""m: what a chair at a walking pace reaches in about a second."""
 
 WORDS: Final[dict[Status, str]] = {"ok": "", "none": "nothing seen", "near": "too near", "fault": "failed"}
 
 
 def tone(distance: float) -> Tone:
-    """Return how near a distance in m is."""
+    """Return the band of a range in metres."""
     if distance < NEAR:
         return "near"
     return "middle" if distance < MIDDLE else "far"
 
 
-def nearest(seen: Snapshot, name: str) -> float | None:
-    """Return the smallest distance in m that an agent's sensors see; None: they see nothing, or there are none.
+def nearest(snapshot: Snapshot, name: str) -> float | None:
+    """Return the smallest range of an agent's sensors in metres; None if they see nothing or there are none.
 
-    What is nearer than a sensor's range counts as its least. The newest measures where they are watched, else the
-    newest that were kept for plots.
+    An object below the minimum range of a sensor counts as that range. Agents without subscribed measures use the
+    newest sample of their history.
     """
-    measures = seen.measures.get(name)
+    measures = snapshot.measures.get(name)
     if measures is not None and measures.sensors is not None:
-        found = _distances(measures, seen.bodies.get(name))
+        found = _distances(measures, snapshot.bodies.get(name))
     else:
-        history = seen.history.get(name, ())
+        history = snapshot.history.get(name, ())
         found = [value for value in history[-1].ranges if value is not None] if history else []
     return min(found, default=None)
 

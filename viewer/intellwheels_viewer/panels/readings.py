@@ -1,4 +1,8 @@
-"""Every kind of reading as numbers for people: a group a kind, its unit in the caption, a row a sensor."""
+"""All sensor readings as text: a group for each kind of sensor with its units in the caption, a row for each sensor.
+
+A kind without a reader in `_READERS` is shown by the fields and the units that its record declares, so a new sensor
+needs no change here.
+"""
 
 from __future__ import annotations
 
@@ -20,17 +24,22 @@ from intellwheels_schemas.messages import (
     ProximityReading,
     Record,
     Sensors,
-    Status,
     TruthReading,
 )
-from intellwheels_schemas.rules import SENSOR_KINDS, SENSOR_RECORDS
 from intellwheels_schemas.shapes import Member, shape_of
 from intellwheels_viewer.panels.number_format import decimal, degrees
 from intellwheels_viewer.panels.ranges import WORDS, tone
 
+LIST_LIMIT: Final = 6
+"""Values of a list that a generic row shows; of a longer list it shows the length."""
+_COMMON: Final = frozenset({"id", "tick", "stamp", "status"})
+"""Fields of any reading that are not measured values."""
+_UNITS: Final = {"rad": "\u00b0", "deg": "\u00b0", "1": "", "m/s2": "m/s\u00b2", "rad/s": "\u00b0/s"}
+"""How units of the contract are shown; others are shown as they are. Angles are converted to degrees."""
+
 
 class Row(NamedTuple):
-    """A sensor: its id, what it reads, how near that is (a tone or nothing), and the reading's age in ticks."""
+    """A sensor: its id, its reading as text, the tone of its range (or nothing), and the reading's age in ticks."""
 
     id: str
     text: str
@@ -39,29 +48,86 @@ class Row(NamedTuple):
 
 
 class Group(NamedTuple):
-    """The sensors of a kind under their caption."""
+    """The sensors of one kind."""
 
     caption: str
     rows: tuple[Row, ...]
 
 
 def groups(measures: Measures) -> list[Group]:
-    """Return the readings of an agent by kind, in the order of the contract; kinds without a reading are left out."""
+    """Return the readings of an agent by kind, in the order of the contract. Kinds without a reading are left out."""
     sensors = measures.sensors
     return [] if sensors is None else list(_groups(sensors, measures.tick))
 
 
 def _groups(sensors: Sensors, tick: int) -> Iterator[Group]:
-    for field in SENSOR_KINDS:
+    for field in sensors.__struct_fields__:
         readings: Sequence[Any] = getattr(sensors, field)
         if readings:
-            caption, read = _PANELS.get(field) or (_caption(field), _plain)
+            caption, read = _READERS.get(field) or (_caption(field, type(readings[0])), _generic)
             yield Group(caption, tuple(_row(one, read, tick) for one in readings))
 
 
 def _row(reading: Any, read: Callable[[Any], tuple[str, str]], tick: int) -> Row:
     text, how_near = read(reading)
     return Row(reading.id, text, how_near, 0 if reading.tick is None else max(0, tick - reading.tick))
+
+
+# ---------------------------------------------------------------- a kind that is not known here
+
+
+def _values(kind: type[Record]) -> list[Member]:
+    return [member for member in shape_of(kind).members if member.name not in _COMMON]
+
+
+def _caption(field: str, kind: type[Record]) -> str:
+    """Return the name of a kind and of its values, each with its unit."""
+    names = []
+    for member in _values(kind):
+        unit = (
+            ""
+            if member.scalar is None
+            else {"rad": "\u00b0", "deg": "\u00b0"}.get(member.scalar.unit, member.scalar.unit)
+        )
+        names.append(f"{_spaced(member.name)}, {unit}" if unit not in ("", "1") else _spaced(member.name))
+    return f"{_spaced(field)}: {'; '.join(names)}" if names else _spaced(field)
+
+
+def _spaced(field: str) -> str:
+    return field.replace("_", " ")
+
+
+def _generic(reading: Record) -> tuple[str, str]:
+    status = getattr(reading, "status", "ok")
+    if status != "ok":
+        return WORDS[status] if status in WORDS else str(status), ""
+    values = (_text(getattr(reading, member.name), _unit(member)) for member in _values(type(reading)))
+    return ", ".join(values), ""
+
+
+def _unit(member: Member) -> str:
+    return "" if member.scalar is None else member.scalar.unit
+
+
+def _text(value: object, unit: str) -> str:
+    match value:
+        case None:
+            return "\u2013"
+        case bool():
+            return "yes" if value else "no"
+        case int() | float():
+            if unit in ("rad", "rad/s"):
+                return degrees(value)
+            return decimal(value, 0 if isinstance(value, int) or unit == "deg" else 2)
+        case tuple():
+            if len(value) > LIST_LIMIT:
+                return f"{len(value)} values"
+            return f"[{' '.join(_text(each, unit) for each in value)}]"
+        case _:
+            return str(value)
+
+
+# ---------------------------------------------------------------- the kinds of the contract
 
 
 def _proximity(one: ProximityReading) -> tuple[str, str]:
@@ -73,7 +139,7 @@ def _proximity(one: ProximityReading) -> tuple[str, str]:
 def _lidar(one: LidarReading) -> tuple[str, str]:
     found = [(value, index) for index, value in enumerate(one.ranges) if value is not None]
     if not found:
-        return "nothing seen", ""
+        return WORDS["none"], ""
     value, index = min(found)
     bearing = math.remainder(one.start_deg + index * one.step_deg, 360.0)
     return f"{decimal(value)} at {decimal(bearing, 0)}\u00b0, {len(found)} of {len(one.ranges)} rays", tone(value)
@@ -83,7 +149,7 @@ def _encoders(one: EncodersReading) -> tuple[str, str]:
     return f"{decimal(one.left, 0)} and {decimal(one.right, 0)}", ""
 
 
-def _odometry(one: OdometryReading) -> tuple[str, str]:
+def _pose(one: OdometryReading | TruthReading) -> tuple[str, str]:
     return f"{decimal(one.x)}, {decimal(one.y)}, {degrees(one.heading)}", ""
 
 
@@ -106,57 +172,20 @@ def _ground(one: GroundReading) -> tuple[str, str]:
 
 
 def _bumper(one: BumperReading) -> tuple[str, str]:
-    return ("touches", "near") if one.value else ("free", "")
+    return ("touching", "near") if one.value else ("free", "")
 
 
-def _truth(one: TruthReading) -> tuple[str, str]:
-    return f"{decimal(one.x)}, {decimal(one.y)}, {degrees(one.heading)}", ""
-
-
-def _caption(field: str) -> str:
-    """Return the caption of a kind without one of its own: its name, then its values with their units."""
-    values = []
-    for member in _values(SENSOR_RECORDS[field].reading):
-        unit = member.scalar.unit if member.scalar is not None else ""
-        values.append(f"{_words(member.name)}, {unit}" if unit not in {"", "1"} else _words(member.name))
-    return f"{_words(field)}: {'; '.join(values)}"
-
-
-def _plain(one: Any) -> tuple[str, str]:
-    """Return the values of a reading of a kind without a text of its own, in the order of the contract."""
-    status: Status = getattr(one, "status", "ok")
-    values = [getattr(one, member.name) for member in _values(type(one))]
-    texts = [_value(value) for value in values if value is not None]
-    return ", ".join(texts if status == "ok" else [WORDS[status], *texts]) or "nothing", ""
-
-
-def _values(reading: type[Record]) -> tuple[Member, ...]:
-    return tuple(member for member in shape_of(reading).members if member.name not in {"id", "tick", "status"})
-
-
-def _words(name: str) -> str:
-    return name.replace("_", " ")
-
-
-def _value(value: Any) -> str:
-    if isinstance(value, bool):
-        return "yes" if value else "no"
-    if isinstance(value, tuple):
-        return f"{len(value)} values"
-    return decimal(value, 2 if isinstance(value, float) else 0) if isinstance(value, int | float) else str(value)
-
-
-_PANELS: Final[dict[str, tuple[str, Callable[[Any], tuple[str, str]]]]] = {
+_READERS: Final[dict[str, tuple[str, Callable[[Any], tuple[str, str]]]]] = {
     "proximity": ("proximity, m", _proximity),
     "lidar": ("lidar, nearest, m", _lidar),
     "encoders": ("encoders, ticks left and right", _encoders),
-    "odometry": ("odometry: x, y, m; heading, \u00b0", _odometry),
+    "odometry": ("odometry: x, y, m; heading, \u00b0", _pose),
     "compass": ("compass, \u00b0", _angle),
     "gps": ("GPS: x, y, m", _gps),
-    "imu": ("IMU: ahead, left, m/s\u00b2; turn, \u00b0/s", _imu),
+    "imu": ("IMU: forward, left, m/s\u00b2; turn, \u00b0/s", _imu),
     "beacon": ("beacon, bearing, \u00b0", _angle),
     "ground": ("ground", _ground),
     "bumper": ("bumper", _bumper),
-    "truth": ("truth: x, y, m; heading, \u00b0", _truth),
+    "truth": ("truth: x, y, m; heading, \u00b0", _pose),
 }
-"""Captions and texts that say more than `_caption` and `_plain`, by kind."""
+"""Captions and readers by field of `Sensors`, for kinds that need more than their fields."""

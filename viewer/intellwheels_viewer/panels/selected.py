@@ -1,4 +1,4 @@
-"""The selected body: how it moves, what it senses as numbers and over time, what it said and what befell it."""
+"""The selected body: its motion, its sensor readings now and over time, its messages and events."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from intellwheels_viewer.panels import number_format, plots
 from intellwheels_viewer.panels.agents import words
 from intellwheels_viewer.panels.choices import Choices
 from intellwheels_viewer.panels.events import event_item
-from intellwheels_viewer.panels.marks import Mark, marks, swatch
+from intellwheels_viewer.panels.marks import Mark, swatch
 from intellwheels_viewer.panels.ranges import nearest
 from intellwheels_viewer.panels.readings import Group, groups
 from intellwheels_viewer.panels.style_sheet import STYLE_SHEET, block, note
@@ -20,23 +20,23 @@ from intellwheels_viewer.panels.style_sheet import figures as large
 from intellwheels_viewer.snapshot import Snapshot
 
 LOG: Final = 8
-"""Lines of what was said and what happened, newest first."""
+"""Lines of the list of messages and events."""
 
 
-def head_html(seen: Snapshot, choices: Choices) -> str:
-    """Return who is selected and how it moves; in words when nobody is, or it has gone."""
+def head_html(snapshot: Snapshot, choices: Choices) -> str:
+    """Return the name and the motion of the selected body, or a note if there is none or it has left."""
     if choices.selected is None:
-        return block("selected", note("Nothing selected: click a chair"))
-    entity = seen.entity(choices.selected)
+        return block("selected", note("Nothing is selected. Click a chair."))
+    entity = snapshot.entity(choices.selected)
     name = html.escape(choices.selected)
     if entity is None:
-        return block("selected", note(f"{choices.selected} is not here any more", "wait"))
-    mark = marks(choices.colours).get(choices.selected, Mark())
-    distance = nearest(seen, choices.selected)
+        return block("selected", note(f"{choices.selected} has left", "wait"))
+    mark = Mark(*choices.looks.get(choices.selected, Mark()))
+    distance = nearest(snapshot, choices.selected)
     return block(
         "selected",
         f'<div class="iw-head" data-selected="{name}">{swatch(mark)}<b class="iw-cut">{name}</b></div>'
-        f'<div class="iw-small">{html.escape(words(entity, seen.bodies.get(entity.name)))}</div>',
+        f'<div class="iw-small">{html.escape(words(entity, snapshot.bodies.get(entity.name)))}</div>',
         large(
             (
                 (number_format.decimal(entity.speed), "speed, m/s"),
@@ -48,26 +48,28 @@ def head_html(seen: Snapshot, choices: Choices) -> str:
     )
 
 
-def sensors_html(seen: Snapshot, name: str) -> str:
-    """Return every reading as a number, by kind of sensor."""
-    measures = seen.measures.get(name)
+def sensors_html(snapshot: Snapshot, name: str) -> str:
+    """Return all readings as numbers, grouped by kind of sensor."""
+    measures = snapshot.measures.get(name)
     found = groups(measures) if measures is not None else []
     if not found:
-        return block("sensors", '<span class="iw-soft">No sensor has reported yet.</span>')
+        return block("sensors", '<span class="iw-soft">No sensor readings yet.</span>')
     return block("sensors", "".join(_group(group) for group in found))
 
 
-def log_html(seen: Snapshot, name: str) -> str:
-    """Return what a body said and what befell it, newest first, at most `LOG` lines."""
-    length = number_format.period(seen) or 0.0
-    lines = [(one.tick * length, event_item(seen, one)) for one in seen.events if name in {one.agent, one.other}]
-    lines += [(said.time, _said(said.time, said.text)) for said in seen.words if said.speaker == name]
+def log_html(snapshot: Snapshot, name: str) -> str:
+    """Return a body's messages and events, newest first, at most `LOG` lines."""
+    length = snapshot.period or 0.0
+    lines = [
+        (one.tick * length, event_item(snapshot, one)) for one in snapshot.events if name in {one.agent, one.other}
+    ]
+    lines += [(said.time, _said(said.time, said.text)) for said in snapshot.words if said.speaker == name]
     if not lines:
-        return block("selected-log", f'<span class="iw-soft">{html.escape(name)} has said nothing yet.</span>')
+        return block("selected-log", f'<span class="iw-soft">No messages or events of {html.escape(name)} yet.</span>')
     newest = sorted(lines, key=lambda line: line[0], reverse=True)[:LOG]
     return block(
         "selected-log",
-        '<div class="iw-caption">said and happened, time in s</div>',
+        '<div class="iw-caption">messages and events, time in s</div>',
         f'<ul class="iw-log">{"".join(line for _, line in newest)}</ul>',
     )
 
@@ -86,7 +88,7 @@ def _group(group: Group) -> str:
         f"{_age(row.age)}</td></tr>"
         for row in group.rows
     )
-    # Short readings leave the ids room; long ones take it.
+    # Short readings leave more room for the ids.
     share = 34 if max(len(row.text) for row in group.rows) > 12 else 55
     return (
         f'<div class="iw-group"><div class="iw-caption">{html.escape(group.caption)}</div>'
@@ -106,7 +108,7 @@ class SelectedPanel:
     """The selected body.
 
     Args:
-        gui: Where the elements are made, in the container that is open.
+        gui: Makes the elements, in the open container.
     """
 
     def __init__(self, gui: viser.GuiApi) -> None:
@@ -117,25 +119,25 @@ class SelectedPanel:
         self._sensors = gui.add_html("", visible=False)
         self._log = gui.add_html("", visible=False)
 
-    def show(self, seen: Snapshot, choices: Choices) -> None:
+    def show(self, snapshot: Snapshot, choices: Choices) -> None:
         """Show the selected body."""
-        self._head.content = head_html(seen, choices)
+        self._head.content = head_html(snapshot, choices)
         name = choices.selected
-        here = name is not None and seen.entity(name) is not None
+        here = name is not None and snapshot.entity(name) is not None
         self._sensors.visible = self._log.visible = here
         if name is None or not here:
             self._distances.show(None)
             self._speeds.show(None)
             return
-        samples, body = seen.history.get(name, ()), seen.bodies.get(name)
+        samples, body = snapshot.history.get(name, ()), snapshot.bodies.get(name)
         self._distances.show(plots.distances(samples, body))
         self._speeds.show(plots.speeds(samples, body))
-        self._sensors.content = sensors_html(seen, name)
-        self._log.content = log_html(seen, name)
+        self._sensors.content = sensors_html(snapshot, name)
+        self._log.content = log_html(snapshot, name)
 
 
 class _Chart:
-    """A plot under its caption, gone while there is nothing to plot."""
+    """A plot under its caption, hidden if there is nothing to plot."""
 
     def __init__(self, gui: viser.GuiApi, caption: str) -> None:
         self._caption = caption
@@ -159,7 +161,7 @@ class _Chart:
             f'<div class="iw" style="padding-bottom:0"><div class="iw-caption">{self._caption}</div></div>'
             f"{plots.labels_html(plot)}"
         )
-        # A chart is rebuilt when series or scales are assigned, and loses its zoom: only when they are other ones.
+        # Assigning series or scales rebuilds the chart and resets its zoom, so assign only changes.
         if self._plot.series != plot.series():
             self._plot.series = plot.series()
         if self._plot.scales != plot.scales():

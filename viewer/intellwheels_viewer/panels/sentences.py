@@ -1,4 +1,4 @@
-"""Events as sentences. A table: a code, and its sentence with the event's own words in it. Plain text, not yet HTML."""
+"""Events as sentences: a table of templates by event code. The result is plain text, not HTML."""
 
 from __future__ import annotations
 
@@ -10,32 +10,32 @@ from intellwheels_viewer.panels import number_format
 SENTENCES: Final[dict[EventCode, str]] = {
     "joined": "{agent} joined{role}",
     "left": "{agent} left{role}",
-    "lost": "{agent} was lost{role}: its connection went",
-    "returned": "{agent} came back in time",
+    "lost": "{agent} was lost{role}: its connection broke",
+    "returned": "{agent} reconnected in time",
     "contact": "{agent} hit {other}{speed}",
     "parted": "{agent} is clear of {other}",
-    "stale": "{agent} is stale: its pose is too old",
-    "fresh": "{agent} reports its pose again",
+    "stale": "{agent} is stale: no recent pose",
+    "fresh": "{agent} is reporting its pose again",
     "late": "{agent} missed a deadline",
-    "rested": "{agent} rests: it missed three deadlines",
-    "back": "{agent} answers again",
-    "timeout": "{agent} got no command in time: power 0",
-    "taken": "An operator took {agent} over",
-    "released": "{agent} was given back",
-    "spawned": "An operator placed {agent}",
-    "deleted": "An operator removed {agent}",
-    "teleported": "An operator moved {agent}",
+    "rested": "{agent} is resting: it missed three deadlines",
+    "back": "{agent} is answering again",
+    "timeout": "{agent} got no command in time, power is 0",
+    "taken": "A user took over {agent}",
+    "released": "The user released {agent}",
+    "spawned": "A user placed {agent}",
+    "deleted": "A user removed {agent}",
+    "teleported": "A user moved {agent}",
     "paused": "Paused",
     "resumed": "Resumed",
     "speed": "Speed {factor} \u00d7",
-    "reset": "The run began anew",
-    "loaded": "Another floor: {text}",
+    "reset": "A new run started",
+    "loaded": "Floor loaded: {text}",
     "ended": "The run ended",
 }
 
 
 def sentence(event: Event) -> str:
-    """Return what happened, without its time."""
+    """Return an event as a sentence, without its time."""
     template = SENTENCES[event.code]
     said = template.format(
         agent=event.agent or "Somebody",

@@ -1,7 +1,7 @@
-"""How panels look: one style sheet, three sizes of type (11 captions, 13 text, 19 figures), two themes.
+"""The style sheet of all panels: three font sizes (11 px captions, 13 text, 19 figures) and two themes.
 
-Each panel puts the sheet in beside its own elements, because viser mounts only what an open tab shows. Colours are
-variables, so that a theme is a matter of the page alone.
+Each panel includes the sheet, because viser mounts only the elements of an open tab. Colours are CSS variables, so the
+page alone decides on the theme.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ _DARK: Final = (
     "--iw-red:#ff7b78;--iw-amber:#f0ad4e;--iw-green:#62c98d;--iw-near:#ff83a6;--iw-middle:#f3a35c;--iw-far:#92bddd;"
     "--iw-wall:#b4bdc8;--iw-floor:#2a2e34;--iw-thing:#6b7682"
 )
-# Contrast of every text colour with its ground is 4.5 : 1 or more (tests/viewer/panels/test_style_sheet.py).
+# The contrast of every text colour with its background is 4.5 : 1 or more (tests/viewer/panels/test_style_sheet.py).
 _RULES: Final = """
 .iw{box-sizing:border-box;padding:2px 10px 8px;font-size:13px;line-height:18px;color:var(--iw-ink);
 font-variant-numeric:tabular-nums;overflow-wrap:anywhere}
@@ -78,36 +78,36 @@ STYLE_SHEET: Final = (
     f"<style>.iw,.iw-over,.iw-plan{{{_LIGHT}}}"
     f"[data-mantine-color-scheme=dark] :is(.iw,.iw-over,.iw-plan){{{_DARK}}}{_RULES}</style>"
 )
-"""The style element; it takes no room."""
+"""The style element. It has no size."""
 
 
 def block(name: str, *content: str, classes: str = "") -> str:
-    """Return a panel's piece; tests and hands find it by `data-testid`."""
+    """Return a block of a panel. Tests find it by `data-testid`."""
     return f'<div class="iw {classes}" data-testid="{name}">{"".join(content)}</div>'
 
 
 def prose(text: str) -> str:
-    """Return our own words as HTML, whatever a peer's part of them holds; `so` is a command."""
+    """Return text as HTML. It is escaped; a part in backquotes becomes code."""
     parts = html.escape(text).split("`")
     return "".join(f"<code>{part}</code>" if index % 2 else part for index, part in enumerate(parts))
 
 
 def note(text: str, tone: str = "") -> str:
-    """Return words that stand out; tone is good, wait, bad or nothing."""
+    """Return a highlighted note. The tone is good, wait, bad or empty."""
     return f'<div class="iw-note {tone}">{prose(text)}</div>'
 
 
 def figures(cells: Iterable[tuple[str, str]]) -> str:
-    """Return large figures over their captions.
+    """Return large figures above their captions.
 
     Args:
-        cells: The figure, or a word in place of one, and its caption with its unit.
+        cells: Each figure, or a word instead, and its caption with the unit.
     """
     return f'<div class="iw-figures">{"".join(_figure(*cell) for cell in cells)}</div>'
 
 
 def _figure(figure: str, caption: str) -> str:
-    # A word is no number, and a long number does not fit its third of a panel.
+    # Words and long numbers are set smaller, as they must fit a third of the panel.
     word = " word" if figure.isalpha() or len(figure) > 8 else ""
     return (
         f'<div><div class="iw-figure{word}">{html.escape(figure)}</div>'

@@ -1,0 +1,30 @@
+"""The tabs Drive and Place: in a live run, and not in a playback."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+
+from tests.viewer.opened import SEEN, Opened
+
+pytestmark = pytest.mark.filterwarnings("ignore::DeprecationWarning")
+
+
+def labels(here: Opened) -> list[str]:
+    groups = [each["_tab_labels"] for each in here.browser.gui.values() if "_tab_labels" in each]
+    return [label for group in groups for label in group]
+
+
+def test_a_playback_has_no_drive_and_no_place(here: Opened) -> None:
+    here.browser.wait(lambda: "Drive" in labels(here) and "Place" in labels(here))
+    here.show(replace(SEEN, last_tick=3400))
+    here.browser.wait(lambda: "Drive" not in labels(here) and "Place" not in labels(here))
+    assert "Agents" in labels(here)
+    assert "Layers" in labels(here)
+
+
+def test_a_live_run_has_them_again(here: Opened) -> None:
+    here.show(replace(SEEN, last_tick=3400))
+    here.show(SEEN)
+    here.browser.wait(lambda: "Drive" in labels(here) and "Place" in labels(here))

@@ -1,0 +1,33 @@
+"""The title of the browser tab."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import msgspec
+import pytest
+
+from intellwheels_viewer.page_title import script, title_of
+from tests.viewer.opened import SEEN, Opened
+from tests.viewer.panels import made_up
+
+pytestmark = pytest.mark.filterwarnings("ignore::DeprecationWarning")
+
+
+def test_a_title_names_the_floor_and_the_world() -> None:
+    floor = made_up.seen().floor
+    assert floor is not None
+    assert title_of(made_up.seen()) == f"{floor.title} \u2013 main \u2013 IntellWheels"
+    assert title_of(replace(made_up.seen(), floor=msgspec.structs.replace(floor, title=None))).startswith(floor.name)
+    assert title_of(made_up.nothing("no-world")) == "IntellWheels"
+
+
+def test_the_title_of_a_peer_is_text() -> None:
+    page = script("\"</script><img src=x: onerror=alert(1)>\u2028'")
+    assert page.count("<") == 1
+    assert "&quot;\\&quot;&lt;/script&gt;&lt;img" in page
+
+
+def test_the_page_sets_its_title(here: Opened) -> None:
+    here.show(SEEN)
+    here.browser.wait(lambda: "document.title=" in here.browser.text() and "IntellWheels" in here.browser.text())

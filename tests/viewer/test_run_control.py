@@ -1,0 +1,62 @@
+"""Pause, resume, run again and play, by what the run is doing."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+
+from intellwheels_schemas.messages import Pause, Record, Reset, Resume, Seek
+from intellwheels_viewer.run_control import RunControl
+from intellwheels_viewer.snapshot import Snapshot
+from tests.viewer.opened import SEEN, Network
+from tests.viewer.panels.made_up import clock
+from tests.viewer.steering_queue import requests_of
+from tests.viewer.wire import until
+
+LOG = replace(SEEN, last_tick=3400, tick=100)
+
+
+def sent(call: str, snapshot: Snapshot, count: int = 1) -> list[Record]:
+    network = Network()
+    with requests_of(network) as requests:
+        getattr(RunControl(requests), call)(snapshot)
+        until(lambda: len(network.asked) >= count)
+    return [message for _, message in network.asked]
+
+
+@pytest.mark.parametrize(
+    ("state", "message"), [("running", Pause()), ("waiting", Pause()), ("paused", Resume()), ("ended", Reset())]
+)
+def test_the_main_key_does_what_the_state_of_the_run_asks_for(state: str, message: Record) -> None:
+    assert sent("toggle", replace(SEEN, clock=clock(state))) == [message]
+
+
+def test_the_main_key_pauses_and_plays_a_log() -> None:
+    assert sent("toggle", replace(LOG, clock=clock("running"))) == [Pause()]
+    assert sent("toggle", replace(LOG, clock=clock("paused"))) == [Resume()]
+
+
+def test_play_at_the_end_of_a_log_starts_again() -> None:
+    at_end = replace(LOG, tick=3400, clock=clock("ended"))
+    for call in ("play", "toggle"):
+        assert sent(call, at_end, 2) == [Seek(tick=0), Resume()]
+
+
+def test_a_playback_that_waits_at_its_beginning_is_started_once_for_a_page() -> None:
+    network = Network()
+    waiting = replace(LOG, tick=0, clock=clock("paused"))
+    with requests_of(network) as requests:
+        control = RunControl(requests)
+        control.start_playback(replace(waiting, last_tick=None))  # a live run that somebody paused
+        control.start_playback(waiting)
+        control.start_playback(waiting)
+        control.start_playback(replace(waiting, tick=5))
+    assert network.asked == [("resume", Resume())]
+
+
+def test_a_playback_that_somebody_paused_later_stays_paused() -> None:
+    network = Network()
+    with requests_of(network) as requests:
+        RunControl(requests).start_playback(replace(LOG, clock=clock("paused")))
+    assert network.asked == []

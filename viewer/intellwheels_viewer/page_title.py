@@ -1,0 +1,45 @@
+"""The title of the browser tab: the floor and the world, so that tabs can be told apart."""
+
+from __future__ import annotations
+
+import html
+import json
+from typing import TYPE_CHECKING, Final
+
+import viser
+
+if TYPE_CHECKING:
+    from intellwheels_viewer.snapshot import Snapshot
+
+APPLICATION: Final = "IntellWheels"
+
+
+def title_of(snapshot: Snapshot) -> str:
+    """Return the title for a snapshot: floor, world and application, as far as they are known."""
+    parts = []
+    if snapshot.floor is not None and snapshot.phase in ("live", "silent", "gone"):
+        parts.append(snapshot.floor.title or snapshot.floor.name)
+    if snapshot.world:
+        parts.append(snapshot.world)
+    return " \u2013 ".join([*parts, APPLICATION])
+
+
+def script(title: str) -> str:
+    """Return HTML that sets the title. The text of a peer is a JSON string in an escaped attribute."""
+    code = f"document.title={json.dumps(title)}"
+    return f'<img src="x:" alt="" style="display:none" onerror="{html.escape(code)}">'
+
+
+class PageTitle:
+    """The title of one browser's tab.
+
+    Args:
+        gui: Makes the element, in the open container.
+    """
+
+    def __init__(self, gui: viser.GuiApi) -> None:
+        self._element = gui.add_html(script(APPLICATION))
+
+    def show(self, snapshot: Snapshot) -> None:
+        """Show the title of a snapshot; nothing is sent for an equal one."""
+        self._element.content = script(title_of(snapshot))

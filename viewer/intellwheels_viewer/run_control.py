@@ -1,0 +1,87 @@
+"""Requests that control the run: pause, resume, step, speed, run again and the playback's position."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from intellwheels_schemas.messages import Pause, Reset, Result, Resume, Seek, Speed, Step
+
+if TYPE_CHECKING:
+    from intellwheels_viewer.snapshot import Snapshot
+    from intellwheels_viewer.steering import RequestQueue
+
+
+class RunControl:
+    """The controls of one page. Nothing here blocks.
+
+    Args:
+        requests: Takes the requests.
+    """
+
+    def __init__(self, requests: RequestQueue) -> None:
+        self._requests = requests
+        self._started = ""
+
+    def pause(self) -> None:
+        """Pause the run."""
+        self._requests.ask("Not paused", "pause", Pause())
+
+    def resume(self) -> None:
+        """Resume the run; a run that has ended goes on."""
+        self._requests.ask("Not resumed", "resume", Resume())
+
+    def step(self, count: int) -> None:
+        """Step a paused run by this many ticks."""
+        self._requests.ask("Not stepped", "step", Step(count=count))
+
+    def reset(self) -> None:
+        """Start a new run."""
+        # A run that was reset while paused stays paused, which is not what `Run again` means.
+        self._requests.ask("Not reset", "reset", Reset())
+
+    def speed(self, factor: float) -> None:
+        """Change the speed, simulated time over wall time."""
+        self._requests.ask("Speed not changed", "speed", Speed(factor=factor))
+
+    def seek(self, tick: int) -> None:
+        """Move a playback to a tick."""
+        self._requests.ask("Not moved in time", "seek", Seek(tick=tick))
+
+    def play(self, snapshot: Snapshot) -> None:
+        """Play a log; from the beginning if it is at its end."""
+
+        def sought(_: Result) -> None:
+            self.resume()
+
+        if is_at_end(snapshot):
+            self._requests.ask("Not moved in time", "seek", Seek(tick=0), sought)
+        else:
+            self.resume()
+
+    def toggle(self, snapshot: Snapshot) -> None:
+        """Do what the main button shows: pause, resume, play, or run again after the end."""
+        state = None if snapshot.clock is None else snapshot.clock.state
+        if snapshot.last_tick is not None:
+            if state == "paused" or is_at_end(snapshot):
+                self.play(snapshot)
+            else:
+                self.pause()
+        elif state == "ended":
+            self.reset()
+        elif state == "paused":
+            self.resume()
+        else:
+            self.pause()
+
+    def start_playback(self, snapshot: Snapshot) -> None:
+        """Start a playback that waits at its beginning for a page; once for each run."""
+        waits = snapshot.clock is not None and snapshot.clock.state == "paused" and snapshot.tick == 0
+        if snapshot.phase == "live" and snapshot.last_tick is not None and self._started != snapshot.run:
+            self._started = snapshot.run
+            if waits:
+                self._requests.ask(None, "resume", Resume())
+
+
+def is_at_end(snapshot: Snapshot) -> bool:
+    """Return whether a playback has reached the end of its log."""
+    return snapshot.last_tick is not None and snapshot.tick >= snapshot.last_tick
