@@ -59,7 +59,7 @@ class Keys:
         map, event, clock, alive: The keys that have no further part.
         every_join, every_leave, every_in, every_user, every_ctl: What the simulator listens to.
         every_token: Presence of all agents.
-        every_out, every_body, every_state: What recorders and viewers listen to.
+        every_body, every_state: What recorders and viewers listen to.
 
     Raises:
         WireError: `value`, when the world's name is none.
@@ -78,10 +78,8 @@ class Keys:
         self.every_user = f"{p}user/*"
         self.every_ctl = f"{p}ctl/*"
         self.every_token = f"{p}in/*/alive/*/*"
-        self.every_out = f"{p}out/*/*"
         self.every_body = f"{p}body/*"
         self.every_state = f"{p}state/*"
-        self.every_crew_actions = f"{p}crew/*/actions"
 
     # ------------------------------------------------------------ made
 

@@ -13,7 +13,7 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from intellwheels_experiments.run.verdict import Row, Verdict
+from intellwheels_experiments.run.verdict import Row
 
 Finish: TypeAlias = Literal["ended", "missed", "died", "interrupted", "overtime"]
 
@@ -107,11 +107,6 @@ def versions() -> dict[str, str]:
         except PackageNotFoundError:
             continue
     return found
-
-
-def verdict_fields(verdict: Verdict) -> dict[str, object]:
-    """Return the fields of a result that are the verdict's."""
-    return {name: getattr(verdict, name) for name in verdict.__struct_fields__}
 
 
 _KEYS: Final = ("name", "mind", "robot", "place", "reached", "distance", "contacts", "path", "turned_deg")

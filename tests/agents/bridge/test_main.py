@@ -5,6 +5,8 @@ import sys
 
 import pytest
 
+pytestmark = pytest.mark.process
+
 
 def iw_bridge(*words: str) -> subprocess.CompletedProcess[str]:
     return subprocess.run(

@@ -47,6 +47,7 @@ def parent(tmp_path: Path) -> tuple[Batch, Path]:
     return batch, place_of(out, "equal", "2") / "input.jsonl"
 
 
+@pytest.mark.process
 def test_branch_is_its_parent_up_to_the_tick_and_another_after_it(parent: tuple[Batch, Path]) -> None:
     batch, log = parent
     other = changed(batch.rows[0], [], ["chair.left=0.1"])
@@ -59,6 +60,7 @@ def test_branch_is_its_parent_up_to_the_tick_and_another_after_it(parent: tuple[
     assert abs(branch[-1, 3] - was[-1, 3]) > 0.1
 
 
+@pytest.mark.process
 def test_branch_with_the_same_mind_is_the_same_run_to_the_hash(parent: tuple[Batch, Path]) -> None:
     batch, log = parent
     perform_branch(batch, scene(batch.source), batch.rows[0], log, 20, threading.Event())
@@ -70,6 +72,7 @@ def test_branch_with_the_same_mind_is_the_same_run_to_the_hash(parent: tuple[Bat
     )
 
 
+@pytest.mark.process
 def test_branch_of_a_chair_in_a_laboratory_is_its_parent_in_both_worlds_up_to_the_tick(tmp_path: Path) -> None:
     path = write_scene(tmp_path, laboratory=True)
     row = rows_of(scene(str(path)))[2]
@@ -96,6 +99,7 @@ def test_branch_of_a_chair_in_a_laboratory_is_its_parent_in_both_worlds_up_to_th
         perform_branch(batch, scene(batch.source), row, log, 20, threading.Event())
 
 
+@pytest.mark.process
 def test_tick_that_the_log_has_not_is_told(parent: tuple[Batch, Path]) -> None:
     batch, log = parent
     with pytest.raises(ParentError, match="expected a tick in"):

@@ -14,10 +14,12 @@ import pytest
 
 from intellwheels_experiments.run.child_processes import ChildProcesses, Exited, Line, News
 
+pytestmark = pytest.mark.process
+
 DEADLINE = 20.0
-STUBBORN = (
-    "import signal,time; signal.signal(signal.SIGTERM, signal.SIG_IGN); print('here', flush=True); time.sleep(60)"
-)
+UNTIL_KILLED = "import signal; signal.alarm(60); signal.pause()"
+"""Waits for a signal; the alarm ends it when none comes."""
+STUBBORN = f"import signal; signal.signal(signal.SIGTERM, signal.SIG_IGN); print('here', flush=True); {UNTIL_KILLED}"
 PATIENT = """
 import sys
 from intellwheels_schemas.process import SLICE, stop_on_signals
@@ -99,7 +101,7 @@ def test_child_that_is_stopped_still_leaves_in_words(tmp_path: Path) -> None:
 
 def test_what_a_child_started_ends_with_it(tmp_path: Path) -> None:
     program = (
-        "import subprocess,sys; p = subprocess.Popen([sys.executable, '-c', 'import time; time.sleep(60)']); "
+        f"import subprocess,sys; p = subprocess.Popen([sys.executable, '-c', {UNTIL_KILLED!r}]); "
         "print(p.pid, flush=True)"
     )
     with ChildProcesses(tmp_path) as children:
@@ -128,10 +130,11 @@ def test_leaving_ends_children_also_after_an_error(tmp_path: Path) -> None:
 def test_kill_of_the_parent_ends_the_children(tmp_path: Path, stuck: bool) -> None:
     child = PATIENT.replace("while not stop.wait(SLICE):", "while True:") if stuck else PATIENT
     parent = (
-        "import sys, time\nfrom pathlib import Path\nfrom intellwheels_experiments.run.child_processes import Children\n"
+        "import sys\nfrom pathlib import Path\nfrom intellwheels_experiments.run.child_processes import Children\n"
         f"children = Children(Path({str(tmp_path)!r}))\n"
         f"children.start('a', lambda lifeline: [sys.executable, '-c', {child!r}, str(lifeline)])\n"
-        "children.news(20)\nprint(children.pid('a'), flush=True)\ntime.sleep(60)\n"
+        "children.news(20)\nprint(children.pid('a'), flush=True)\n"
+        f"{UNTIL_KILLED}\n"
     )
     with subprocess.Popen([sys.executable, "-c", parent], stdout=subprocess.PIPE, text=True) as process:
         assert process.stdout is not None

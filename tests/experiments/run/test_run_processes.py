@@ -11,7 +11,9 @@ import pytest
 
 from intellwheels_experiments.run.run_processes import AwaitedError, RunProcesses
 
-WAITS = "print('ready port=7 name=a', flush=True); import time; time.sleep(60)"
+pytestmark = pytest.mark.process
+
+WAITS = "print('ready port=7 name=a', flush=True); import signal; signal.alarm(60); signal.pause()"
 SAYS_AND_FAILS = "print('ready name=b'); print('no such wheel'); raise SystemExit(3)"
 
 

@@ -43,6 +43,7 @@ def router(address: str) -> Iterator["subprocess.Popen[str]"]:
         child.stdout.close()
 
 
+@pytest.mark.process
 def test_two_clients_meet_at_the_router_and_it_ends_when_told() -> None:
     address = endpoint()
     heard: list[bytes] = []
@@ -72,6 +73,7 @@ def test_printed_configuration_is_one_that_zenoh_takes(capsys: pytest.CaptureFix
     assert json.loads(zenoh.Config.from_json5(text).get_json("listen/endpoints")) == ["tcp/0.0.0.0:7000"]
 
 
+@pytest.mark.process
 def test_taken_port_is_said_in_words(capsys: pytest.CaptureFixture[str]) -> None:
     with socket.socket() as taken:
         taken.bind(("127.0.0.1", 0))
@@ -81,6 +83,7 @@ def test_taken_port_is_said_in_words(capsys: pytest.CaptureFixture[str]) -> None
     assert f"iw-router: cannot listen at {address}: it is taken" in capsys.readouterr().err
 
 
+@pytest.mark.process
 def test_router_is_present_and_nobody_else() -> None:
     address = endpoint()
     with router(address):

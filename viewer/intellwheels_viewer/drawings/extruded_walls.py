@@ -96,9 +96,3 @@ class Walls:
                 )
             elif name in self._nodes:
                 self._nodes[name].visible = False
-
-    def hide(self) -> None:
-        """Take them away: in a browser's own scene, those of all browsers are seen again."""
-        for node in self._nodes.values():
-            node.remove()
-        self._nodes.clear()

@@ -44,17 +44,3 @@ def due_slot(timetable: Ints, sensor: int, tick: int, width: int) -> int:
     if timetable[sensor, DEPTH] == 1:
         return int(timetable[sensor, FIRST])
     return int(timetable[sensor, FIRST] + age % timetable[sensor, DEPTH] * width)
-
-
-@njit(cache=True, error_model="numpy")
-def reading_slot(timetable: Ints, sensor: int, tick: int, width: int) -> tuple[int, int]:
-    """Return the place of the sample a reading at a tick shows and its tick, or (-1, -1) before the first.
-
-    Takes what `due_slot` takes.
-    """
-    age = tick - timetable[sensor, LATENCY] - timetable[sensor, JOINED]
-    if age < 0:
-        return -1, -1
-    number = age // timetable[sensor, EVERY]
-    place = timetable[sensor, FIRST] + number % timetable[sensor, DEPTH] * width
-    return int(place), int(timetable[sensor, JOINED] + number * timetable[sensor, EVERY])

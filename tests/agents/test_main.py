@@ -22,6 +22,7 @@ def iw_agent(*arguments: str) -> subprocess.CompletedProcess[str]:
     )
 
 
+@pytest.mark.process
 def test_help_shows_examples_and_the_minds() -> None:
     shown = iw_agent("--help")
     assert shown.returncode == 0
@@ -31,6 +32,7 @@ def test_help_shows_examples_and_the_minds() -> None:
     )
 
 
+@pytest.mark.process
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
@@ -56,6 +58,7 @@ def test_wrong_usage_is_refused_in_words_with_exit_2(arguments: list[str], words
     assert ended.stdout == ""
 
 
+@pytest.mark.process
 def test_no_simulator_is_said_and_given_up_with_exit_1() -> None:
     ended = iw_agent("drive", "--connect", "tcp/127.0.0.1:1", "--retry-for", "0.5")
     assert ended.returncode == 1
