@@ -29,6 +29,7 @@ MAY_IMPORT = {
 }
 KNOWS_ZENOH = {
     "schemas/intellwheels_schemas/link.py",
+    "schemas/intellwheels_schemas/zenoh_inbox.py",
     "server/intellwheels_server/service/simulator_peer.py",
     "agents/intellwheels_agents/agent_peer.py",
     "agents/intellwheels_agents/joystick/joystick_peer.py",
@@ -64,7 +65,7 @@ def imported(path: Path) -> Iterator[str]:
 FILES = list(sources())
 COMMANDS = {
     "intellwheels_schemas.present",
-    "intellwheels_server.command_line",
+    "intellwheels_server.server_options",
     "intellwheels_server.service.router",
     "intellwheels_experiments.conformance.__main__",
     "intellwheels_agents.joystick.__main__",

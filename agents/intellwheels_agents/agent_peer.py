@@ -29,7 +29,7 @@ from intellwheels_agents.harness import (
     RequestLeave,
 )
 from intellwheels_agents.mind import Make
-from intellwheels_schemas import link
+from intellwheels_schemas import link, zenoh_inbox
 from intellwheels_schemas.channels import CHANNELS
 from intellwheels_schemas.codec import Encoding, decode, encoding_of
 from intellwheels_schemas.errors import WireError
@@ -119,7 +119,7 @@ class _AgentPeer:
         self._error_key = keys.error(agent)
         self._power_key = keys.power(agent)
         self._exit: int | None = None
-        self._arrivals: queue.SimpleQueue[zenoh.Sample | link.Presence | list[link.Answer]] = queue.SimpleQueue()
+        self._arrivals: queue.SimpleQueue[zenoh.Sample | zenoh_inbox.Presence | list[link.Answer]] = queue.SimpleQueue()
         self._dropped = 0
         self._harness = Harness(
             robot,
@@ -167,7 +167,7 @@ class _AgentPeer:
             self._dropped += 1
 
     def _notice(self, token: zenoh.Sample) -> None:
-        self._arrivals.put(link.Presence(str(token.key_expr), token.kind == zenoh.SampleKind.PUT))
+        self._arrivals.put(zenoh_inbox.Presence(str(token.key_expr), token.kind == zenoh.SampleKind.PUT))
 
     def _turn(self) -> None:
         """Wait for arrivals or the harness's deadline, and handle what came."""
@@ -185,7 +185,7 @@ class _AgentPeer:
             while True:
                 if isinstance(arrival, zenoh.Sample):
                     self._take(arrival, batch)
-                elif isinstance(arrival, link.Presence):
+                elif isinstance(arrival, zenoh_inbox.Presence):
                     now = time.monotonic()
                     self._do(harness.present(now) if arrival.alive else harness.absent(now))
                 else:

@@ -50,3 +50,8 @@ REFUSED_FOR: Final[dict[ErrorCode, RefusedCode]] = {
     "too-many": "limit",
 }
 """Code of the refusal, for each error in the bytes of a join."""
+
+
+def wrong_value(where: str, expected: str, got: object, code: ErrorCode = "value") -> WireError:
+    """Return the error of a field: where it is in the wire's names, what was expected and what came."""
+    return WireError(code, f"{where}: expected {expected}, got {got}", where)

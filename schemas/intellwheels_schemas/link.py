@@ -1,7 +1,7 @@
-"""The connection to other processes: sessions, publishers, queries, tokens and the inbox.
+"""The connection to other processes: sessions, publishers, queries and tokens.
 
-No other module of the contract knows Zenoh. Zenoh calls back on threads of its own, and every callback only puts what
-arrived into an `Inbox`. Every wait has a deadline and watches the stop event. A put never fails and never waits.
+Only this module and `zenoh_inbox` know Zenoh here. Every wait has a deadline and watches the stop event. A put never
+fails and never waits.
 """
 
 from __future__ import annotations
@@ -22,6 +22,7 @@ from intellwheels_schemas import defaults
 from intellwheels_schemas.channels import Channel
 from intellwheels_schemas.codec import MAX_BYTES, Encoding
 from intellwheels_schemas.names import check_name
+from intellwheels_schemas.zenoh_inbox import Inbox
 
 DEFAULT_WORLD: Final = defaults.WORLD
 DEFAULT_ENDPOINT: Final = "tcp/127.0.0.1:7447"
@@ -320,137 +321,6 @@ def query(
     if not answers:
         raise ConnectionError(f"no simulator at {selector.partition('?')[0]}, or not allowed")
     return list(answers)
-
-
-# ---------------------------------------------------------------- in
-
-
-class Put(NamedTuple):
-    """A sample that arrived."""
-
-    key: str
-    data: bytes
-    encoding: str
-
-
-class TooLong(NamedTuple):
-    """A sample or query that was too long for the inbox; its bytes were not kept."""
-
-    key: str
-    length: int
-
-
-class Ask(NamedTuple):
-    """A query that arrived. It ends when this object is deleted, so answer it soon."""
-
-    key: str
-    parameters: str
-    data: bytes
-    encoding: str
-    query: zenoh.Query
-
-    def reply(self, data: bytes, encoding: Encoding, key: str | None = None) -> None:
-        """Answer with a payload, on the key of the query or on one that it matches."""
-        self.query.reply(key or self.key, data, encoding=zenoh.Encoding(encoding.value))
-
-    def refuse(self, data: bytes, encoding: Encoding) -> None:
-        """Answer with an error reply."""
-        self.query.reply_err(data, encoding=zenoh.Encoding(encoding.value))
-
-    def close(self) -> None:
-        """End the query after the last reply."""
-        self.query.drop()  # type: ignore[no-untyped-call]
-
-
-class Presence(NamedTuple):
-    """A liveliness token that appeared or disappeared."""
-
-    key: str
-    alive: bool
-
-
-Arrival = Put | TooLong | Ask | Presence
-
-
-class Inbox:
-    """A bounded queue of what arrived, filled by Zenoh's threads and emptied by one other thread.
-
-    Attributes:
-        dropped: Number of samples and queries dropped because the inbox was full; tokens are never dropped.
-        deleted: Number of samples dropped because they were not a put.
-    """
-
-    def __init__(self, room: int = 16_384, max_bytes: int = MAX_BYTES, total_bytes: int = 16 * MAX_BYTES) -> None:
-        """Make an empty inbox.
-
-        Args:
-            room: Largest number of arrivals kept.
-            max_bytes: Longest payload kept.
-            total_bytes: Largest number of bytes kept.
-        """
-        self.dropped = 0
-        self.deleted = 0
-        self._room = room
-        self._max_bytes = max_bytes
-        self._total_bytes = total_bytes
-        self._bytes = 0
-        self._kept: deque[Arrival] = deque()
-        self._some = threading.Condition()
-
-    def _keep(self, arrival: Arrival, length: int) -> None:
-        with self._some:
-            if length and (len(self._kept) >= self._room or self._bytes + length > self._total_bytes):
-                self.dropped += 1
-                return
-            self._bytes += length
-            self._kept.append(arrival)
-            self._some.notify()
-
-    def on_sample(self, sample: zenoh.Sample) -> None:
-        """Keep a sample. For `declare_subscriber`."""
-        if sample.kind != zenoh.SampleKind.PUT:
-            self.deleted += 1
-            return
-        length = len(sample.payload)
-        key = str(sample.key_expr)
-        if length > self._max_bytes:
-            self._keep(TooLong(key, length), 1)
-        else:
-            self._keep(Put(key, sample.payload.to_bytes(), str(sample.encoding)), length + len(key) + 1)
-
-    def on_query(self, query: zenoh.Query) -> None:
-        """Keep a query. For `declare_queryable`."""
-        payload = query.payload
-        length = 0 if payload is None else len(payload)
-        key = str(query.key_expr)
-        if length > self._max_bytes:
-            self._keep(TooLong(key, length), 1)
-            return
-        data = b"" if payload is None else payload.to_bytes()
-        encoding = "" if query.encoding is None else str(query.encoding)
-        self._keep(Ask(key, str(query.parameters), data, encoding, query), length + len(key) + 1)
-
-    def on_token(self, sample: zenoh.Sample) -> None:
-        """Keep the appearance or disappearance of a token. For a liveliness subscriber."""
-        self._keep(Presence(str(sample.key_expr), sample.kind == zenoh.SampleKind.PUT), 0)
-
-    def take(self) -> list[Arrival]:
-        """Remove and return everything that arrived, in order of arrival."""
-        with self._some:
-            taken = list(self._kept)
-            self._kept.clear()
-            self._bytes = 0
-        return taken
-
-    def wait(self, seconds: float) -> bool:
-        """Wait until something is there or the time is up; return whether something is there."""
-        with self._some:
-            return bool(self._kept) or self._some.wait(max(seconds, 0.0))
-
-    def wake(self) -> None:
-        """End a wait from another thread."""
-        with self._some:
-            self._some.notify_all()
 
 
 # ---------------------------------------------------------------- presence

@@ -7,18 +7,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator
-from itertools import product
 from typing import Any, Final, NamedTuple, Protocol
 
-from intellwheels_schemas.errors import WireError
+from intellwheels_schemas.errors import wrong_value
 from intellwheels_schemas.explain import shown, too_long
 from intellwheels_schemas.messages import (
     AgentMeasures,
     Body,
     CrewActions,
     CrewMeasures,
-    ErrorCode,
-    Experiment,
     Joined,
     LidarReading,
     Load,
@@ -33,6 +30,7 @@ from intellwheels_schemas.messages import (
     Source,
     Spawn,
 )
+from intellwheels_schemas.scene_rules import check_map, check_scene
 from intellwheels_schemas.shapes import shape_of
 
 MAX_PARTS: Final = 32
@@ -88,10 +86,6 @@ SENSOR_KINDS: Final = tuple(SENSOR_RECORDS)
 # The only fields of a mind whose body belongs to another process.
 _MIND_FIELDS: Final = frozenset({"role", "instance", "barrier", "crew", "user_input", "name"})
 _FILE_LACKS: Final = ("name", "role", "instance", "place")
-
-
-def _wrong(where: str, expected: str, got: object, code: ErrorCode = "value") -> WireError:
-    return WireError(code, f"{where}: expected {expected}, got {got}", where)
 
 
 def _wire(cls: type[Record], name: str) -> str:
@@ -153,24 +147,24 @@ def _check_form(robot: Robot, where: str) -> None:
             value = getattr(robot, name)
             if value is not None and value != "both":
                 wire = _wire(Robot, name)
-                raise _wrong(f"{where}.{wire}", f"no {wire} in a file (it has Format)", shown(value), "field")
+                raise wrong_value(f"{where}.{wire}", f"no {wire} in a file (it has Format)", shown(value), "field")
     if robot.role == "mind":
         for member in shape_of(Robot).members:
             if member.name not in _MIND_FIELDS and getattr(robot, member.name) != member.default:
                 place = f"{where}.{member.wire}"
                 text = "only Name, Role, Instance, Barrier, Crew and UserInput of a mind"
-                raise _wrong(place, text, member.wire, "field")
+                raise wrong_value(place, text, member.wire, "field")
         return
     one_part = {name: getattr(robot, name) for name in ("length", "width", "center", "top")}
     given = [name for name, value in one_part.items() if value is not None]
     if robot.part and given:
         wire = _wire(Robot, given[0])
-        raise _wrong(f"{where}.{wire}", f"either Part or {wire}", "both", "field")
+        raise wrong_value(f"{where}.{wire}", f"either Part or {wire}", "both", "field")
     if not robot.part:
         for name in ("length", "width"):
             if one_part[name] is None:
                 wire = _wire(Robot, name)
-                raise _wrong(f"{where}.{wire}", "Part, or Length and Width", f"no {wire}", "field")
+                raise wrong_value(f"{where}.{wire}", "Part, or Length and Width", f"no {wire}", "field")
 
 
 def check_robot(robot: Robot, where: str = "Robot") -> None:
@@ -182,7 +176,7 @@ def check_robot(robot: Robot, where: str = "Robot") -> None:
     _check_form(robot, where)
     for index, part in enumerate(robot.part):
         if not part.bottom < part.top:
-            raise _wrong(f"{where}.Part[{index}].Top", f"more than Bottom {shown(part.bottom)}", shown(part.top))
+            raise wrong_value(f"{where}.Part[{index}].Top", f"more than Bottom {shown(part.bottom)}", shown(part.top))
     ids: set[str] = set()
     sensors = list(sensors_of(robot))
     if len(sensors) > MAX_SENSORS:
@@ -190,13 +184,13 @@ def check_robot(robot: Robot, where: str = "Robot") -> None:
     for kind, index, sensor in sensors:
         place = f"{where}.{kind}[{index}]"
         if sensor.id in ids:
-            raise _wrong(f"{place}.Id", "an id no other sensor has", shown(sensor.id))
+            raise wrong_value(f"{place}.Id", "an id no other sensor has", shown(sensor.id))
         ids.add(sensor.id)
         low, high = getattr(sensor, "min_range", None), getattr(sensor, "max_range", None)
         if low is not None and high is not None and not low < high:
-            raise _wrong(f"{place}.MaxRange", f"more than MinRange {shown(low)}", shown(high))
+            raise wrong_value(f"{place}.MaxRange", f"more than MinRange {shown(low)}", shown(high))
         if robot.type != "real" and sensor.source == "real":
-            raise _wrong(f"{place}.Source", "simulated for a simulated robot", shown("real"))
+            raise wrong_value(f"{place}.Source", "simulated for a simulated robot", shown("real"))
 
 
 # ---------------------------------------------------------------- readings
@@ -204,11 +198,11 @@ def check_robot(robot: Robot, where: str = "Robot") -> None:
 
 def _check_lidar(reading: LidarReading, place: str) -> None:
     if len(reading.ranges) != len(reading.statuses):
-        raise _wrong(f"{place}.Statuses", f"as many as Ranges ({len(reading.ranges)})", len(reading.statuses))
+        raise wrong_value(f"{place}.Statuses", f"as many as Ranges ({len(reading.ranges)})", len(reading.statuses))
     for index, (value, status) in enumerate(zip(reading.ranges, reading.statuses, strict=True)):
         if (value is not None) != (status == "ok"):
             wanted = "a number where Status is ok" if status == "ok" else f"null where Status is {status}"
-            raise _wrong(f"{place}.Ranges[{index}]", wanted, shown(value))
+            raise wrong_value(f"{place}.Ranges[{index}]", wanted, shown(value))
 
 
 def _values_of(reading: type[Record]) -> tuple[tuple[str, str], ...]:
@@ -248,7 +242,7 @@ def check_sensors(sensors: Sensors, where: str) -> None:
 
 def _raise_value(place: str, status: str, value: object) -> None:
     wanted = "a value where Status is ok" if status == "ok" else f"no value where Status is {status}"
-    raise _wrong(place, wanted, "nothing" if value is None else shown(value), "field")
+    raise wrong_value(place, wanted, "nothing" if value is None else shown(value), "field")
 
 
 def _check_measures(measures: Measures | AgentMeasures, where: str) -> None:
@@ -258,16 +252,16 @@ def _check_measures(measures: Measures | AgentMeasures, where: str) -> None:
 
 def _check_pose(pose: Pose, where: str) -> None:
     if len(pose.covariance) not in {0, 6}:
-        raise _wrong(f"{where}.Covariance", "6 numbers (xx xy xh yy yh hh)", len(pose.covariance))
+        raise wrong_value(f"{where}.Covariance", "6 numbers (xx xy xh yy yh hh)", len(pose.covariance))
     if pose.covariance and min(pose.covariance[0], pose.covariance[3], pose.covariance[5]) < 0.0:
-        raise _wrong(f"{where}.Covariance", "xx, yy and hh of at least 0", "a negative one")
+        raise wrong_value(f"{where}.Covariance", "xx, yy and hh of at least 0", "a negative one")
     if pose.sensors is not None:
         check_sensors(pose.sensors, f"{where}.Sensors")
 
 
 def _check_part(message: Any, where: str) -> None:
     if not message.part < message.parts:
-        raise _wrong(f"{where}.Part", f"less than Parts {message.parts}", message.part)
+        raise wrong_value(f"{where}.Part", f"less than Parts {message.parts}", message.part)
 
 
 def _check_crew_measures(crew: CrewMeasures, where: str) -> None:
@@ -281,47 +275,23 @@ def _check_crew_actions(crew: CrewActions, where: str) -> None:
     agents: set[str] = set()
     for index, actions in enumerate(crew.actions):
         if actions.agent in agents:
-            raise _wrong(f"{where}.Actions[{index}].Agent", "each agent once", f"{shown(actions.agent)} twice")
+            raise wrong_value(f"{where}.Actions[{index}].Agent", "each agent once", f"{shown(actions.agent)} twice")
         agents.add(actions.agent)
 
 
 # ---------------------------------------------------------------- maps and scenes
 
 
-def check_map(floor: Map, where: str = "Map") -> None:
-    """Check the counts and heights of a map; `intellwheels_maps` checks its geometry.
-
-    Raises:
-        WireError: `value`.
-    """
-    for index, wall in enumerate(floor.wall):
-        place = f"{where}.Wall[{index}]"
-        least = 3 if wall.thickness is None else 2
-        if len(wall.corner) < least:
-            raise _wrong(place, f"at least {least} corners", len(wall.corner))
-        if not wall.bottom < wall.height:
-            raise _wrong(f"{place}.Height", f"more than Bottom {shown(wall.bottom)}", shown(wall.height))
-    for index, obstacle in enumerate(floor.obstacle):
-        place = f"{where}.Obstacle[{index}]"
-        if len(obstacle.corner) < 3:
-            raise _wrong(place, "at least 3 corners", len(obstacle.corner))
-        if not obstacle.bottom < obstacle.top:
-            raise _wrong(f"{place}.Top", f"more than Bottom {shown(obstacle.bottom)}", shown(obstacle.top))
-    for index, zone in enumerate(floor.zone):
-        if len(zone.corner) < 3:
-            raise _wrong(f"{where}.Zone[{index}]", "at least 3 corners", len(zone.corner))
-
-
 def _check_load(load: Load, where: str) -> None:
     if (load.name is None) == (load.map is None):
-        raise _wrong(where, "either Name or Map", "neither" if load.map is None else "both", "field")
+        raise wrong_value(where, "either Name or Map", "neither" if load.map is None else "both", "field")
     if load.map is not None:
         check_map(load.map, f"{where}.Map")
 
 
 def _check_spawn(spawn: Spawn, where: str) -> None:
     if spawn.robot.role != "both" or spawn.robot.type == "real":
-        raise _wrong(f"{where}.Robot", "a simulated robot of role both", f"{spawn.robot.type} {spawn.robot.role}")
+        raise wrong_value(f"{where}.Robot", "a simulated robot of role both", f"{spawn.robot.type} {spawn.robot.role}")
     check_robot(spawn.robot, f"{where}.Robot")
 
 
@@ -331,78 +301,6 @@ def _check_joined(joined: Joined, where: str) -> None:
 
 def _check_body(body: Body, where: str) -> None:
     check_robot(body.robot, f"{where}.Robot")
-
-
-def _check_scene(scene: Scene, where: str) -> None:
-    names: set[str] = set()
-    for index, cast in enumerate(scene.cast):
-        if cast.name in names:
-            raise _wrong(f"{where}.Cast[{index}].Name", "each name once", f"{shown(cast.name)} twice")
-        names.add(cast.name)
-        options = [option.name for option in cast.option]
-        for at, name in enumerate(options):
-            if name in options[:at]:
-                place = f"{where}.Cast[{index}].Option[{at}].Name"
-                raise _wrong(place, "each option once", f"{shown(name)} twice")
-    for index, bridge in enumerate(scene.bridge):
-        if bridge.agent not in names:
-            raise _wrong(f"{where}.Bridge[{index}].Agent", "an agent of the cast", shown(bridge.agent))
-        if bridge.agent in [other.agent for other in scene.bridge[:index]]:
-            raise _wrong(f"{where}.Bridge[{index}].Agent", "each agent once", f"{shown(bridge.agent)} twice")
-    for index, reach in enumerate(scene.end.reach if scene.end is not None else ()):
-        if reach.agent not in names:
-            raise _wrong(f"{where}.End.Reach[{index}].Agent", "an agent of the cast", shown(reach.agent))
-    if scene.experiment is not None:
-        _check_experiment(scene.experiment, names, f"{where}.Experiment")
-
-
-def _check_experiment(experiment: Experiment, cast: set[str], where: str) -> None:
-    here = cast | {one.name for factor in experiment.factor for level in factor.level for one in level.cast}
-    if experiment.subject not in here:
-        raise _wrong(f"{where}.Subject", "an agent of the cast", shown(experiment.subject))
-    _check_once([factor.name for factor in experiment.factor], f"{where}.Factor")
-    for index, factor in enumerate(experiment.factor):
-        place = f"{where}.Factor[{index}]"
-        if not factor.level:
-            raise _wrong(place, "at least one Level", "none")
-        _check_once([level.name for level in factor.level], f"{place}.Level")
-        for at, level in enumerate(factor.level):
-            for number, bridge in enumerate(level.bridge):
-                if bridge.agent not in here:
-                    where_bridge = f"{place}.Level[{at}].Bridge[{number}].Agent"
-                    raise _wrong(where_bridge, "an agent of the cast", shown(bridge.agent))
-            for number, setting in enumerate(level.setting):
-                if setting.agent is not None and setting.agent not in here:
-                    raise _wrong(
-                        f"{place}.Level[{at}].Setting[{number}].Agent", "an agent of the cast", shown(setting.agent)
-                    )
-    rows = {"+".join(level.name for level in levels) for levels in product(*(one.level for one in experiment.factor))}
-    for index, compare in enumerate(experiment.compare):
-        for side, row in (("First", compare.first), ("Second", compare.second)):
-            if row is not None:
-                _check_row(row, rows, f"{where}.Compare[{index}].{side}")
-        if (compare.second is None) != (compare.expect == "collision-free"):
-            raise _wrong(
-                f"{where}.Compare[{index}]",
-                "a Second, except for collision-free",
-                "no Second" if compare.second is None else "a Second",
-            )
-    if experiment.umbmark is not None:
-        _check_row(experiment.umbmark.left, rows, f"{where}.Umbmark.Left")
-        _check_row(experiment.umbmark.right, rows, f"{where}.Umbmark.Right")
-        if experiment.umbmark.left == experiment.umbmark.right:
-            raise _wrong(f"{where}.Umbmark.Right", "another row than Left", shown(experiment.umbmark.right))
-
-
-def _check_row(row: str, rows: set[str], where: str) -> None:
-    if row not in rows:
-        raise _wrong(where, f"a row ({', '.join(sorted(rows)[:20])})", shown(row))
-
-
-def _check_once(names: list[str], where: str) -> None:
-    for index, name in enumerate(names):
-        if name in names[:index]:
-            raise _wrong(f"{where}[{index}].Name", "each name once", f"{shown(name)} twice")
 
 
 _RULES: Final[dict[type[Record], Callable[[Any, str], None]]] = {
@@ -416,7 +314,7 @@ _RULES: Final[dict[type[Record], Callable[[Any, str], None]]] = {
     Map: check_map,
     Load: _check_load,
     Spawn: _check_spawn,
-    Scene: _check_scene,
+    Scene: check_scene,
 }
 
 

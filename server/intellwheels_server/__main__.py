@@ -12,9 +12,9 @@ from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.link import link_of
 from intellwheels_schemas.names import check_name
 from intellwheels_schemas.process import stop_on_signals
-from intellwheels_server.command_line import PLAY_SUFFIX, options_of, parser
 from intellwheels_server.log.input_log import LogError, read_header
 from intellwheels_server.log.resimulate import resimulate
+from intellwheels_server.server_options import PLAY_SUFFIX, options_of, parser
 from intellwheels_server.service.service_state import Options
 
 LIVE_OPTIONS = (

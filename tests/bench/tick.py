@@ -14,7 +14,7 @@ import time
 from collections.abc import Callable
 
 from intellwheels_maps.hospital import hospital
-from intellwheels_schemas import link
+from intellwheels_schemas import link, zenoh_inbox
 from intellwheels_schemas.channels import CHANNELS
 from intellwheels_schemas.codec import Encoding, decode, encode
 from intellwheels_schemas.keys import Keys
@@ -143,7 +143,7 @@ def _network(state: State, packed: list[bytes], times: int) -> tuple[float, floa
     keys = Keys("bench")
     stop = threading.Event()
     address = endpoint()
-    inbox = link.Inbox(room=1 << 20)
+    inbox = zenoh_inbox.Inbox(room=1 << 20)
     session = link.open_session(link.Link(listen=(address,)), stop)
     assert session is not None
     with session, session.declare_subscriber(keys.every_in, inbox.on_sample):

@@ -6,7 +6,7 @@ from intellwheels_schemas import defaults
 from intellwheels_schemas.keys import Keys
 from intellwheels_schemas.link import DEFAULT_WORLD
 from intellwheels_schemas.messages import Scene
-from intellwheels_server.command_line import options_of, parser
+from intellwheels_server.server_options import options_of, parser
 from intellwheels_server.world import Setup
 from tests.server.worlds import floor_of
 

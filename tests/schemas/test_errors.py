@@ -1,6 +1,6 @@
 from __future__ import annotations
 
-from intellwheels_schemas.errors import RequestRefusedError, WireError
+from intellwheels_schemas.errors import RequestRefusedError, WireError, wrong_value
 
 
 def test_errors_carry_code_words_and_place() -> None:
@@ -8,3 +8,9 @@ def test_errors_carry_code_words_and_place() -> None:
     assert (wrong.code, wrong.where, str(wrong)) == ("value", "Actions.Tick", wrong.text)
     refused = RequestRefusedError("overlaps", "place 'bed1' is taken")
     assert (refused.code, str(refused)) == ("overlaps", refused.text)
+
+
+def test_wrong_value_says_where_what_was_expected_and_what_came() -> None:
+    error = wrong_value("Actions.LeftMotor", "a number in [-1, 1]", "'fast'")
+    assert (error.code, error.where) == ("value", "Actions.LeftMotor")
+    assert error.text == "Actions.LeftMotor: expected a number in [-1, 1], got 'fast'"

@@ -16,13 +16,7 @@ from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.keys import EVERY_ALIVE, Keys
 from intellwheels_schemas.link import (
     DEFAULT_ENDPOINT,
-    Arrival,
-    Ask,
-    Inbox,
     Link,
-    Presence,
-    Put,
-    TooLong,
     add_link_options,
     config_of,
     declare,
@@ -33,6 +27,7 @@ from intellwheels_schemas.link import (
     tokens,
     watch_tokens,
 )
+from intellwheels_schemas.zenoh_inbox import Arrival, Ask, Inbox, Presence, Put, TooLong
 
 KEYS = Keys("main")
 HEX = "5f0c2a9be1d84377"
@@ -305,14 +300,3 @@ def test_full_inbox_counts_what_it_does_not_keep(pair: tuple[zenoh.Session, zeno
     while len(kept) + inbox.dropped < 10 and time.monotonic() < deadline:
         kept += inbox.take()
     assert len(kept) + inbox.dropped == 10
-
-
-def test_wait_ends_in_time_and_when_woken() -> None:
-    inbox = Inbox()
-    assert not inbox.wait(0.0)
-    assert not inbox.wait(-1.0)
-    thread = threading.Thread(target=inbox.wake)
-    thread.start()
-    inbox.wait(0.01)
-    thread.join()
-    assert inbox.take() == []

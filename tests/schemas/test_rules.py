@@ -2,20 +2,15 @@ from __future__ import annotations
 
 import math
 
-import msgspec
 import pytest
 
 from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.messages import (
-    Bridge,
     Bumper,
-    Cast,
     Compass,
     Encoders,
     End,
-    Experiment,
     GPSReading,
-    Level,
     Part,
     Proximity,
     Reach,
@@ -23,8 +18,6 @@ from intellwheels_schemas.messages import (
     Robot,
     Scene,
     Sensors,
-    Umbmark,
-    Varied,
 )
 from intellwheels_schemas.rules import (
     check,
@@ -112,27 +105,3 @@ def test_broken_rules_are_told_in_words() -> None:
 def test_fix_without_ok_has_no_place() -> None:
     with pytest.raises(WireError, match=r"S\.GPS\[0\]\.Y: expected no value where Status is fault, got 1"):
         check_sensors(Sensors(gps=(GPSReading(id="g", y=1.0, status="fault"),)), "S")
-
-
-def test_bridge_and_squares_are_of_what_the_scene_has() -> None:
-    chair = Cast(name="a", robot="r", mind="m")
-    lab = Scene(format="iw.v1", name="s", map="m", cast=(chair,), bridge=(Bridge(agent="b"),))
-    assert refusal(lab) == "Scene.Bridge[0].Agent: expected an agent of the cast, got 'b'"
-    twice = msgspec.structs.replace(lab, bridge=(Bridge(agent="a"), Bridge(agent="a")))
-    assert refusal(twice) == "Scene.Bridge[1].Agent: expected each agent once, got 'a' twice"
-    level = Level(name="x", bridge=(Bridge(agent="b"),))
-    experiment = Experiment(subject="a", factor=(Varied(name="f", level=(level,)),))
-    varied = msgspec.structs.replace(lab, bridge=(), experiment=experiment)
-    assert (
-        refusal(varied) == "Scene.Experiment.Factor[0].Level[0].Bridge[0].Agent: expected an agent of the cast, got 'b'"
-    )
-    squares = Experiment(
-        subject="a",
-        factor=(Varied(name="f", level=(Level(name="x"),)),),
-        umbmark=Umbmark(left="x", right="y", side=4.0),
-    )
-    asked = msgspec.structs.replace(lab, bridge=(), experiment=squares)
-    assert refusal(asked) == "Scene.Experiment.Umbmark.Right: expected a row (x), got 'y'"
-    same = msgspec.structs.replace(squares, umbmark=Umbmark(left="x", right="x", side=4.0))
-    asked = msgspec.structs.replace(lab, bridge=(), experiment=same)
-    assert refusal(asked) == "Scene.Experiment.Umbmark.Right: expected another row than Left, got 'x'"

@@ -8,7 +8,7 @@ from typing import NamedTuple
 from intellwheels_schemas.messages import Leave, Reset, Restore, Result
 from intellwheels_server.log.reported_poses import ReportedPoses
 from intellwheels_server.log.seekable_log import SeekableLog
-from intellwheels_server.service.playback import Playback
+from intellwheels_server.service.log_playback import Playback
 from intellwheels_server.service.service_state import Options
 from tests.server.stage import Stage
 

@@ -11,7 +11,7 @@ import viser
 from intellwheels_viewer.goal_click import takes_goals
 from intellwheels_viewer.panels.callbacks import clicked
 from intellwheels_viewer.panels.choices import Choices
-from intellwheels_viewer.panels.drive import DrivePanel
+from intellwheels_viewer.panels.drive_panel import DrivePanel
 from intellwheels_viewer.panels.place import PlacePanel
 
 if TYPE_CHECKING:

@@ -21,17 +21,7 @@ from intellwheels_schemas.channels import CHANNELS
 from intellwheels_schemas.codec import decode, encode, encoding_of
 from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.keys import EVERY_ALIVE, Keys, Verb, parse_alive
-from intellwheels_schemas.link import (
-    Answer,
-    Inbox,
-    Link,
-    Presence,
-    Put,
-    declare,
-    open_session,
-    query,
-    watch_tokens,
-)
+from intellwheels_schemas.link import Answer, Link, declare, open_session, query, watch_tokens
 from intellwheels_schemas.messages import (
     Body,
     Clock,
@@ -47,6 +37,7 @@ from intellwheels_schemas.messages import (
     WorldState,
 )
 from intellwheels_schemas.names import is_name
+from intellwheels_schemas.zenoh_inbox import Inbox, Presence, Put
 from intellwheels_viewer.snapshot import Phase, Snapshot
 from intellwheels_viewer.state_store import StateStore
 from intellwheels_viewer.steering import VIEW_ONLY, Refusal

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from typing import Literal
 
 from intellwheels_agents.agent_peer import run_agent
-from intellwheels_agents.bridge import command_line
+from intellwheels_agents.bridge import bridge_options
 from intellwheels_agents.bridge.chair_joystick import ChairJoystick
 from intellwheels_agents.bridge.event_notices import EventNotices
 from intellwheels_agents.bridge.hardware_driver import Driver
@@ -31,25 +31,16 @@ from intellwheels_maps import robot as robot_file
 from intellwheels_schemas.codec import Encoding, decode, encoding_of
 from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.keys import Keys
-from intellwheels_schemas.link import (
-    Arrival,
-    Inbox,
-    Link,
-    Presence,
-    Put,
-    add_link_options,
-    link_of,
-    open_session,
-    watch_tokens,
-)
+from intellwheels_schemas.link import Link, add_link_options, link_of, open_session, watch_tokens
 from intellwheels_schemas.messages import Body, Event, Robot
 from intellwheels_schemas.names import check_agent, check_name, new_hex
 from intellwheels_schemas.process import SLICE, add_process_options, stop_on_signals
+from intellwheels_schemas.zenoh_inbox import Arrival, Inbox, Presence, Put
 
 
 def parser() -> argparse.ArgumentParser:
     """Return the command line."""
-    result = command_line.parser()
+    result = bridge_options.parser()
     add_link_options(result)
     add_process_options(result)
     return result

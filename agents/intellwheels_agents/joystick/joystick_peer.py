@@ -19,7 +19,7 @@ import zenoh
 from intellwheels_agents.joystick.input_state import Source
 from intellwheels_agents.joystick.input_timing import REPEAT_PERIOD, InputTiming
 from intellwheels_agents.joystick.lease_client import LeaseClient
-from intellwheels_schemas import link
+from intellwheels_schemas import link, zenoh_inbox
 from intellwheels_schemas.channels import CHANNELS
 from intellwheels_schemas.codec import Encoding, decode, encode, encoding_of
 from intellwheels_schemas.errors import WireError
@@ -54,7 +54,7 @@ def operate(
         return 0
     with session:
         keys = Keys(where.world)
-        inbox = link.Inbox()
+        inbox = zenoh_inbox.Inbox()
         clock = session.declare_subscriber(keys.clock, inbox.on_sample)
         publisher = link.declare(session, keys.user(agent), CHANNELS["user"], Encoding.JSON)
         with publisher, clock:
@@ -93,7 +93,7 @@ class _Loop:
         agent: str,
         source: Source,
         requests: _LeaseRequests,
-        inbox: link.Inbox,
+        inbox: zenoh_inbox.Inbox,
         publisher: zenoh.Publisher,
         *,
         take: bool,
@@ -163,7 +163,7 @@ class _Loop:
 
     def _read_clock(self) -> None:
         for arrival in self._inbox.take():
-            if isinstance(arrival, link.Put):
+            if isinstance(arrival, zenoh_inbox.Put):
                 try:
                     encoding = encoding_of(arrival.encoding, arrival.data)
                     self._time = decode(Clock, arrival.data, encoding, strict=False).time

@@ -31,19 +31,9 @@ from intellwheels_schemas.channels import CHANNELS
 from intellwheels_schemas.codec import Encoding, encode, encoding_of
 from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.keys import Keys
-from intellwheels_schemas.link import (
-    Arrival,
-    Ask,
-    Inbox,
-    Link,
-    Presence,
-    Put,
-    declare,
-    declare_token,
-    open_session,
-    watch_tokens,
-)
+from intellwheels_schemas.link import Link, declare, declare_token, open_session, watch_tokens
 from intellwheels_schemas.messages import Map, Result
+from intellwheels_schemas.zenoh_inbox import Arrival, Ask, Inbox, Presence, Put
 
 SLICE: Final = 0.05
 """Seconds of one wait for the network. Between two waits the check looks at the process."""

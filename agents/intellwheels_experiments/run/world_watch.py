@@ -15,9 +15,10 @@ from intellwheels_experiments.run.run_record import RunRecord
 from intellwheels_schemas.codec import decode, encode, encoding_of
 from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.keys import Keys, Verb
-from intellwheels_schemas.link import Answer, Inbox, Link, Put, open_session, query
+from intellwheels_schemas.link import Answer, Link, open_session, query
 from intellwheels_schemas.messages import Clock, Event, Events, Result, WorldState
 from intellwheels_schemas.messages import Record as Message
+from intellwheels_schemas.zenoh_inbox import Inbox, Put
 
 if TYPE_CHECKING:
     import zenoh

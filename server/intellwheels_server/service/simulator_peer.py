@@ -15,7 +15,7 @@ from typing import Any, Final, Protocol, get_args
 
 import zenoh
 
-from intellwheels_schemas import link
+from intellwheels_schemas import link, zenoh_inbox
 from intellwheels_schemas.channels import CHANNELS
 from intellwheels_schemas.codec import Encoding, encode
 from intellwheels_schemas.keys import Keys, OutKind
@@ -29,7 +29,7 @@ from intellwheels_server.service import console
 from intellwheels_server.service.arrival import Arrival, Put, PutKind, Query, Token, Topic
 from intellwheels_server.service.live_run import LiveRun
 from intellwheels_server.service.load_floor import load_floor
-from intellwheels_server.service.playback import Playback
+from intellwheels_server.service.log_playback import Playback
 from intellwheels_server.service.roster import new_hex
 from intellwheels_server.service.run_state import Recorder
 from intellwheels_server.service.service_state import Options
@@ -151,14 +151,14 @@ class ArrivalReader:
         # The same keys come again and again, so their parts are remembered, up to a limit, as strangers choose keys.
         self._known: dict[str, tuple[str, PutKind]] = {}
 
-    def read(self, arrival: link.Arrival) -> Arrival | None:
+    def read(self, arrival: zenoh_inbox.Arrival) -> Arrival | None:
         """Return what an arrival is, or None if it is to be ignored."""
-        if isinstance(arrival, link.Put):
+        if isinstance(arrival, zenoh_inbox.Put):
             target = self._put_target(arrival.key)
             return Put(target[0], target[1], arrival.data, arrival.encoding) if target else None
-        if isinstance(arrival, link.Ask):
+        if isinstance(arrival, zenoh_inbox.Ask):
             return self._query(arrival)
-        if isinstance(arrival, link.Presence):
+        if isinstance(arrival, zenoh_inbox.Presence):
             token = self._keys.parse_token(arrival.key)
             return Token(token.agent, token.role, token.instance, arrival.alive) if token else None
         target = self._put_target(arrival.key)
@@ -182,7 +182,7 @@ class ArrivalReader:
         self._known[key] = found
         return found
 
-    def _query(self, arrival: link.Ask) -> Query | None:
+    def _query(self, arrival: zenoh_inbox.Ask) -> Query | None:
         keys = self._keys
         chunk = arrival.key.removeprefix(keys.prefix).partition("/")[0]
         topic = TOPICS.get(chunk) if arrival.key.startswith(keys.prefix) else None
@@ -212,7 +212,7 @@ class ArrivalReader:
         return expression.intersects(zenoh.KeyExpr(f"{self._keys.prefix}{topic}/{name}"))
 
     def _send(
-        self, arrival: link.Ask, topic: Topic, message: Record, encoding: Encoding, ok: bool, name: str | None
+        self, arrival: zenoh_inbox.Ask, topic: Topic, message: Record, encoding: Encoding, ok: bool, name: str | None
     ) -> None:
         data = encode(message, encoding)
         with contextlib.suppress(zenoh.ZError):  # the asker may be gone
@@ -320,7 +320,7 @@ def _serve(
     service: Service,
 ) -> int:
     service.begin()
-    inbox = link.Inbox()
+    inbox = zenoh_inbox.Inbox()
     with contextlib.ExitStack() as stack:
         for key in (keys.every_in, keys.every_user):
             stack.enter_context(session.declare_subscriber(key, inbox.on_sample))
@@ -355,7 +355,7 @@ def _recorder(log: Log | None, files: RunFiles | None) -> Recorder | None:
     return record
 
 
-def _loop(service: Service, reader: ArrivalReader, inbox: link.Inbox, stop: threading.Event) -> None:
+def _loop(service: Service, reader: ArrivalReader, inbox: zenoh_inbox.Inbox, stop: threading.Event) -> None:
     """Wait until something arrives or is due, take what arrived, and do what is due, until the service is over."""
     dropped = 0
     while service.exit is None and not stop.is_set():

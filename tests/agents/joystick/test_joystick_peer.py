@@ -10,8 +10,8 @@ import pytest
 
 from intellwheels_agents.joystick.input_state import NEUTRAL, InputState
 from intellwheels_agents.joystick.joystick_peer import _Loop
-from intellwheels_schemas.link import Inbox
 from intellwheels_schemas.messages import Result, Take
+from intellwheels_schemas.zenoh_inbox import Inbox
 
 LEASE = "a" * 16
 

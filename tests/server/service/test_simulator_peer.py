@@ -19,7 +19,7 @@ import pytest
 import zenoh
 
 from intellwheels_maps import robot
-from intellwheels_schemas import link
+from intellwheels_schemas import link, zenoh_inbox
 from intellwheels_schemas.codec import Encoding, decode, encode
 from intellwheels_schemas.keys import Keys
 from intellwheels_schemas.messages import (
@@ -99,7 +99,7 @@ class Client:
         self.session = session
         self.agent = agent
         self.instance = instance
-        self.inbox = link.Inbox()
+        self.inbox = zenoh_inbox.Inbox()
         self.subscriber: Any = session.declare_subscriber(KEYS.outs(agent), self.inbox.on_sample)
         self.token: Any = link.declare_token(session, KEYS.token(agent, "both", instance))
         self.publisher: Any = session.declare_publisher(KEYS.actions(agent))
@@ -126,7 +126,7 @@ class Client:
             self.inbox.wait(0.2)
             newest = None
             for arrival in self.inbox.take():
-                assert isinstance(arrival, link.Put)
+                assert isinstance(arrival, zenoh_inbox.Put)
                 encoding = Encoding(arrival.encoding)
                 if arrival.key == KEYS.measures(self.agent):
                     newest = decode(Measures, arrival.data, encoding, strict=False)
@@ -142,7 +142,7 @@ class Client:
         while not self.errors and time.monotonic() < deadline:
             self.inbox.wait(0.2)
             for arrival in self.inbox.take():
-                assert isinstance(arrival, link.Put)
+                assert isinstance(arrival, zenoh_inbox.Put)
                 if arrival.key == KEYS.error(self.agent):
                     self.errors.append(decode(Error, arrival.data, Encoding(arrival.encoding), strict=False))
         return self.errors.pop()
@@ -334,6 +334,8 @@ def test_help_has_examples(capsys: pytest.CaptureFixture[str]) -> None:
 def test_unknown_keys_are_not_remembered() -> None:
     reader = ArrivalReader(Keys("main"))
     for number in range(10):
-        assert reader.read(link.Put(f"iw/v1/main/in/{'x' * 60_000}{number}/actions", b"{}", "")) is None
-    assert reader.read(link.Put("iw/v1/main/in/chair1/actions", b"{}", "")) == Put("chair1", "actions", b"{}", "")
+        assert reader.read(zenoh_inbox.Put(f"iw/v1/main/in/{'x' * 60_000}{number}/actions", b"{}", "")) is None
+    assert reader.read(zenoh_inbox.Put("iw/v1/main/in/chair1/actions", b"{}", "")) == Put(
+        "chair1", "actions", b"{}", ""
+    )
     assert list(reader._known) == ["iw/v1/main/in/chair1/actions"]

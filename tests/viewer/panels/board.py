@@ -16,7 +16,7 @@ from intellwheels_viewer.panels.agents import AgentsPanel
 from intellwheels_viewer.panels.choices import Choices
 from intellwheels_viewer.panels.clock import ClockPanel
 from intellwheels_viewer.panels.connection import ConnectionPanel
-from intellwheels_viewer.panels.drive import DrivePanel
+from intellwheels_viewer.panels.drive_panel import DrivePanel
 from intellwheels_viewer.panels.events import EventsPanel
 from intellwheels_viewer.panels.layers_panel import Layers, LayersPanel
 from intellwheels_viewer.panels.place import PlacePanel

@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 from playwright.sync_api import Page
 
-from intellwheels_viewer.panels.drive import GENTLE
+from intellwheels_viewer.panels.drive_panel import GENTLE
 from tests.viewer.panels import made_up
 from tests.viewer.panels.board import FAULTS, Board, opened, served
 

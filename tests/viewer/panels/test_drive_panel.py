@@ -9,7 +9,15 @@ import pytest
 import viser
 
 from intellwheels_viewer.panels.choices import Choices
-from intellwheels_viewer.panels.drive import EVERYBODY, GENTLE, SAY_LIMIT, DrivePanel, can_drive, drive_html, page_html
+from intellwheels_viewer.panels.drive_panel import (
+    EVERYBODY,
+    GENTLE,
+    SAY_LIMIT,
+    DrivePanel,
+    can_drive,
+    drive_html,
+    page_html,
+)
 from tests.viewer.panels import made_up
 from tests.viewer.panels.panel import Calls, enter, hold, press
 

@@ -5,7 +5,7 @@ from importlib.metadata import entry_points
 
 import pytest
 
-from intellwheels_agents.command_line import COMMANDS, main
+from intellwheels_agents.iw_command import COMMANDS, main
 from intellwheels_maps import names
 
 

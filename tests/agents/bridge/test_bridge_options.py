@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import pytest
 
-from intellwheels_agents.bridge.command_line import parser
+from intellwheels_agents.bridge.bridge_options import parser
 
 
 def test_help_has_examples() -> None:

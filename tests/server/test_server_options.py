@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from intellwheels_server.__main__ import main
-from intellwheels_server.command_line import options_of, parser
+from intellwheels_server.server_options import options_of, parser
 
 
 def test_rules_of_speech_are_options_without_a_default_of_their_own() -> None:
