@@ -19,8 +19,8 @@ Symbols:
     allowed penetration of what was put into something, or `penetration.TOLERANCE`.
 
 Why it terminates, and why the result may stand:
-    1. A tick has at most `MOST_STEPS` sub-steps. A sub-step moves nobody farther than half the thinnest thing in the
-       island, so nothing passes through anything.
+    1. A tick has at most `contact_steps.MOST_STEPS` sub-steps. A sub-step moves nobody farther than half the thinnest
+       thing in the island, so nothing passes through anything.
     2. Who stays is found in rounds. A body that was found to stay does so for the rest of the sub-step, and every round
        but the last finds at least one more. So there are at most as many rounds as members, and one.
     3. Doing the best alone is 4 attempts and 12 bisections, each with at most 8 pushes out. The place at the start of
@@ -52,11 +52,7 @@ from intellwheels_server.world.kernels.arrays import (
 )
 from intellwheels_server.world.kernels.contact_hits import Outcomes
 from intellwheels_server.world.kernels.contact_islands import (
-    ISLAND_MOTION,
-    ISLAND_THICKNESS,
     ISLAND_TIGHT,
-    MEMBER_COUNT,
-    NEXT_MEMBER,
     REACH_MOTION,
     Neighbours,
     find_islands,
@@ -68,15 +64,6 @@ from intellwheels_server.world.kernels.contact_islands import (
 from intellwheels_server.world.kernels.contact_steps import STATUS_ROWS, STAYS, Motions, Spots, Work, settle
 from intellwheels_server.world.kernels.geometry import arc
 from intellwheels_server.world.kernels.penetration import TOLERANCE, spots_of
-
-# Longest sub-step, m.
-_LONGEST_STEP = 0.02
-
-MOST_STEPS = 1023
-"""Sub-steps a tick at most, since lots are drawn by 1024 tick + sub-step.
-
-No body of sensible size reaches it: at 3 m/s and 20 Hz it would need parts of 0.3 mm.
-"""
 
 
 @njit(cache=True, error_model="numpy", inline="always")
@@ -107,7 +94,7 @@ def _settle_all(
     bodies: Bodies, walls: Walls, neighbours: Neighbours, motions: Motions, reach: Floats, allowed: Floats,
     parent: Ints, island: Floats, tick: int, outcomes: Outcomes, used: int,
 ) -> int:  # fmt: skip
-    """Settle the tight islands one after the other; return how many hits there are now."""
+    """Settle the tight islands; return how many hits there are now."""
     n = parent.shape[0]
     partners = partners_of(bodies.part_start, bodies.marks, neighbours)
     old = spots_of(motions.pose, bodies.shape, allowed)
@@ -117,21 +104,7 @@ def _settle_all(
     # What does not move stays in every sub-step; the members of an island say in each whether they do.
     for i in range(n):
         work.status[STAYS, i] = 1
-    members = np.empty(n, dtype=np.int64)
-    for root in range(n):
-        count = listed[MEMBER_COUNT, root]
-        if count == 0:
-            continue
-        i = root
-        for k in range(count):
-            members[k] = i
-            i = listed[NEXT_MEMBER, i]
-        steps = np.ceil(island[ISLAND_MOTION, root] / min(_LONGEST_STEP, 0.5 * island[ISLAND_THICKNESS, root]))
-        used = settle(
-            bodies, walls, partners, motions, spots, work, outcomes,
-            members[:count], int(min(steps, float(MOST_STEPS))), tick, used,
-        )  # fmt: skip
-    return used
+    return settle(bodies, walls, partners, motions, spots, work, outcomes, island, listed, tick, used)
 
 
 @njit(cache=True, error_model="numpy")

@@ -28,8 +28,9 @@ from intellwheels_server.world.kernels.spatial_query import (
     SLACK,
     WIDE,
     Found,
-    Nearby,
-    gather,
+    Place,
+    gather_bodies,
+    gather_walls,
     place_bodies,
     room_for,
 )
@@ -97,13 +98,12 @@ def _incidence_cos(
     return float(abs(c * dx + s * dy) if from_end < from_side else abs(c * dy - s * dx))
 
 
-@njit(cache=True, error_model="numpy", inline="always")
+@njit(cache=True, error_model="numpy")
 def _sweep(
-    nearby: Nearby, found: Found, walls: Walls, x: float, y: float, z: float, farthest: float, rays: Floats,
-    ranges: Floats, met: Ints, met_edge: Ints,
+    around: Floats, polygons: Ints, solids: Floats, links: Ints, edges: Floats, found: Found, x: float, y: float,
+    z: float, farthest: float, rays: Floats, ranges: Floats, met: Ints, met_edge: Ints,
 ) -> None:  # fmt: skip
     """Shorten ranges to where rays enter what was gathered; note which box or which edge of a wall piece."""
-    (around, polygons, solids, _), (_, links, edges, _, _) = nearby, walls
     _sweep_boxes(around, found.boxes, x, y, z, farthest, rays, ranges, met)
     for at in range(found.polygons):
         piece = polygons[at]
@@ -117,7 +117,7 @@ def _sweep(
                 met_edge[ray] = edge
 
 
-@njit(cache=True, error_model="numpy", inline="always")
+@njit(cache=True, error_model="numpy")
 def _measure(
     around: Floats, edges: Floats, x: float, y: float, rays: Floats, ranges: Floats, met: Ints, met_edge: Ints,
     lidars: Floats, schedule: Ints, sensor: int, tick: int, slot: int, samples: Floats,
@@ -191,6 +191,8 @@ def scan(
         return
     placed, walls = place_bodies(pose, parts, part_start), Walls(pieces, links, edges, cells, frame)
     nearby = room_for(placed, walls)
+    _, boxes, extents, cell_start, cell_bodies, grid = placed
+    around, polygons, solids, gathered_for = nearby
     for sensor in range(scans.shape[0]):
         first_ray = scans[sensor, FIRST_RAY]
         count = scans[sensor, END_RAY] - first_ray
@@ -208,7 +210,12 @@ def scan(
             y + (s * lidars[sensor, LIDAR_X] + c * lidars[sensor, LIDAR_Y]),
         )
         farthest = lidars[sensor, LIDAR_FARTHEST]
-        found = gather(x, y, farthest + SLACK, owner, sensor, placed, walls, nearby)
+        place = Place(x, y, farthest + SLACK, owner, sensor)
+        of_bodies = gather_bodies(place, part_start, boxes, extents, cell_start, cell_bodies, grid, around)
+        near, polygon_count = gather_walls(
+            place, pieces, links, edges, cells, frame, of_bodies, around, polygons, solids, gathered_for
+        )
+        found = Found(of_bodies, near, polygon_count)
         rays = np.empty((2, count))
         for ray in range(count):
             a, b = directions[first_ray + ray, 0], directions[first_ray + ray, 1]
@@ -216,8 +223,9 @@ def scan(
             rays[1, ray] = s * a + c * b
         ranges = np.full(count, np.inf)
         met, met_edge = np.full(count, -1, np.int64), np.full(count, -1, np.int64)
-        _sweep(nearby, found, walls, x, y, lidars[sensor, LIDAR_Z], farthest, rays, ranges, met, met_edge)
+        _sweep(
+            around, polygons, solids, links, edges, found, x, y, lidars[sensor, LIDAR_Z], farthest, rays, ranges, met,
+            met_edge,
+        )  # fmt: skip
         samples[slot] = tick * period
-        _measure(
-            nearby.around, edges, x, y, rays, ranges, met, met_edge, lidars, schedule, sensor, tick, slot + 1, samples
-        )
+        _measure(around, edges, x, y, rays, ranges, met, met_edge, lidars, schedule, sensor, tick, slot + 1, samples)

@@ -29,9 +29,9 @@ from intellwheels_server.world.kernels.spatial_query import (
     SIN,
     SLACK,
     WIDE,
-    Found,
-    Nearby,
-    gather,
+    Place,
+    gather_bodies,
+    gather_walls,
     place_bodies,
     room_for,
 )
@@ -136,7 +136,7 @@ class Beam(NamedTuple):
     farthest: float
 
 
-@njit(cache=True, error_model="numpy", inline="always")
+@njit(cache=True, error_model="numpy")
 def mount_pose(mounts: Floats, groups: Ints, pose: Floats, mount: int) -> tuple[float, float, float, float]:
     """Return where a mount is, m, and the cosine and sine of its heading.
 
@@ -154,7 +154,7 @@ def mount_pose(mounts: Floats, groups: Ints, pose: Floats, mount: int) -> tuple[
     return x, y, c, s
 
 
-@njit(cache=True, error_model="numpy", inline="always")
+@njit(cache=True, error_model="numpy")
 def beam_at(beams: Floats, sensor: int, x: float, y: float, c: float, s: float) -> Beam:
     """Return a sensor's wedge in the world, given where its mount is."""
     return Beam(
@@ -167,26 +167,6 @@ def beam_at(beams: Floats, sensor: int, x: float, y: float, c: float, s: float) 
         beams[sensor, BEAM_HALF_SIN],
         beams[sensor, BEAM_FARTHEST],
     )
-
-
-@njit(cache=True, error_model="numpy", inline="always")
-def _nearest_in(nearby: Nearby, found: Found, walls: Walls, beam: Beam, squares: Floats) -> float:
-    """Return the square of the distance of the nearest thing gathered that a wedge sees, inf if it sees none."""
-    (around, polygons, solids, _), (_, links, edges, _, _) = nearby, walls
-    x, y, z, direction_x, direction_y, half_cos, half_sin, farthest = beam
-    square = _nearest_box(around, found.boxes, x, y, z, direction_x, direction_y, half_cos, half_sin, squares)
-    limit = min(square, farthest * farthest) + SLACK
-    for at in range(found.polygons):
-        piece = polygons[at]
-        gap_x = max(abs(solids[piece, CENTRE_X] - x) - solids[piece, EXTENT_X], 0.0)
-        gap_y = max(abs(solids[piece, CENTRE_Y] - y) - solids[piece, EXTENT_Y], 0.0)
-        if gap_x * gap_x + gap_y * gap_y > limit or not solids[piece, LOW] <= z < solids[piece, HIGH]:
-            continue
-        first, end = links[piece, FIRST_EDGE], links[piece, END_EDGE]
-        other = polygon_in_wedge(edges, first, end, x, y, direction_x, direction_y, half_cos, half_sin)
-        square = min(square, other)
-        limit = min(limit, square + SLACK)
-    return square
 
 
 @njit(cache=True, error_model="numpy")
@@ -228,7 +208,9 @@ def sense_proximity(
         return
     placed, walls = place_bodies(pose, parts, part_start), Walls(pieces, links, edges, cells, frame)
     nearby = room_for(placed, walls)
-    squares = np.empty(nearby.around.shape[1])
+    _, boxes, extents, cell_start, cell_bodies, grid = placed
+    around, polygons, solids, gathered_for = nearby
+    squares = np.empty(around.shape[1])
     for mount in range(groups.shape[0]):
         begin, end = groups[mount, GROUP_BEGIN], groups[mount, GROUP_END]
         any_due = False
@@ -239,14 +221,37 @@ def sense_proximity(
         if not any_due:
             continue
         x, y, c, s = mount_pose(mounts, groups, pose, mount)
-        reach = mounts[mount, MOUNT_REACH] + SLACK
-        found = gather(x, y, reach, groups[mount, GROUP_OWNER], mount, placed, walls, nearby)
+        place = Place(x, y, mounts[mount, MOUNT_REACH] + SLACK, groups[mount, GROUP_OWNER], mount)
+        of_bodies = gather_bodies(place, part_start, boxes, extents, cell_start, cell_bodies, grid, around)
+        near, polygon_count = gather_walls(
+            place, pieces, links, edges, cells, frame, of_bodies, around, polygons, solids, gathered_for
+        )
+        # The loop over sensors calls nothing that takes many arrays: passing them costs as much as a sensor.
         for sensor in range(begin, end):
             slot = due_slot(schedule, sensor, tick, SAMPLE_WIDTH)
             if slot < 0:
                 continue
             beam = beam_at(beams, sensor, x, y, c, s)
-            nearest = math.sqrt(_nearest_in(nearby, found, walls, beam, squares))
+            square = _nearest_box(
+                around, near, beam.x, beam.y, beam.z, beam.direction_x, beam.direction_y, beam.half_cos, beam.half_sin,
+                squares,
+            )  # fmt: skip
+            limit = min(square, beam.farthest * beam.farthest) + SLACK
+            for at in range(polygon_count):
+                piece = polygons[at]
+                gap_x = max(abs(solids[piece, CENTRE_X] - beam.x) - solids[piece, EXTENT_X], 0.0)
+                gap_y = max(abs(solids[piece, CENTRE_Y] - beam.y) - solids[piece, EXTENT_Y], 0.0)
+                if gap_x * gap_x + gap_y * gap_y > limit or not solids[piece, LOW] <= beam.z < solids[piece, HIGH]:
+                    continue
+                square = min(
+                    square,
+                    polygon_in_wedge(
+                        edges, links[piece, FIRST_EDGE], links[piece, END_EDGE], beam.x, beam.y,
+                        beam.direction_x, beam.direction_y, beam.half_cos, beam.half_sin,
+                    ),
+                )  # fmt: skip
+                limit = min(limit, square + SLACK)
+            nearest = math.sqrt(square)
             samples[slot + 1] = 0.0
             if nearest > beam.farthest:
                 samples[slot] = STATUS_NONE

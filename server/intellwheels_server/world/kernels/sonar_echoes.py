@@ -60,8 +60,9 @@ from intellwheels_server.world.kernels.spatial_query import (
     SLACK,
     WIDE,
     Found,
-    Nearby,
-    gather,
+    Place,
+    gather_bodies,
+    gather_walls,
     place_bodies,
     room_for,
 )
@@ -79,10 +80,11 @@ COMB = 0.00865
 _DROPOUT_DRAW = 0
 
 
-@njit(cache=True, error_model="numpy", inline="always")
-def _nearest_echo(nearby: Nearby, found: Found, walls: Walls, beam: Beam, faces: Floats) -> float:
+@njit(cache=True, error_model="numpy")
+def _nearest_echo(
+    around: Floats, polygons: Ints, solids: Floats, links: Ints, edges: Floats, found: Found, beam: Beam, faces: Floats
+) -> float:
     """Return the distance of the nearest echo, m, 0 from inside a thing, inf where none comes back."""
-    (around, polygons, solids, _), (_, links, edges, _, _) = nearby, walls
     x, y, z, direction_x, direction_y, half_cos, half_sin, farthest = beam
     best = farthest * farthest * (1.0 + SLACK)
     answered = False
@@ -144,7 +146,7 @@ def _most_edges(links: Ints) -> int:
     return int(most)
 
 
-@njit(cache=True, error_model="numpy", inline="always")
+@njit(cache=True, error_model="numpy")
 def _store(
     tick: int, beams: Floats, errors: Floats, schedule: Ints, due: Ints, slots: Ints, heard: Floats, samples: Floats
 ) -> None:
@@ -211,6 +213,8 @@ def sense_sonars(
         return
     placed, walls = place_bodies(pose, parts, part_start), Walls(pieces, links, edges, cells, frame)
     nearby = room_for(placed, walls)
+    _, boxes, extents, cell_start, cell_bodies, grid = placed
+    around, polygons, solids, gathered_for = nearby
     faces = np.empty((_most_edges(links), FACE_COLUMNS))
     heard = np.full(count, np.inf)
     owners = np.empty(count, np.int64)
@@ -219,7 +223,12 @@ def sense_sonars(
     for mount in range(groups.shape[0]):
         owner = groups[mount, GROUP_OWNER]
         x, y, c, s = mount_pose(mounts, groups, pose, mount)
-        found = gather(x, y, mounts[mount, MOUNT_REACH] + SLACK, owner, mount, placed, walls, nearby)
+        place = Place(x, y, mounts[mount, MOUNT_REACH] + SLACK, owner, mount)
+        of_bodies = gather_bodies(place, part_start, boxes, extents, cell_start, cell_bodies, grid, around)
+        near, polygon_count = gather_walls(
+            place, pieces, links, edges, cells, frame, of_bodies, around, polygons, solids, gathered_for
+        )
+        found = Found(of_bodies, near, polygon_count)
         for sensor in range(groups[mount, GROUP_BEGIN], groups[mount, GROUP_END]):
             owners[sensor] = owner
             if slots[sensor] < 0:
@@ -228,7 +237,7 @@ def sense_sonars(
             beam = beam_at(beams, sensor, x, y, c, s)
             poses[sensor, 0], poses[sensor, 1] = beam.x, beam.y
             poses[sensor, 2], poses[sensor, 3] = beam.direction_x, beam.direction_y
-            heard[sensor] = _nearest_echo(nearby, found, walls, beam, faces)
+            heard[sensor] = _nearest_echo(around, polygons, solids, links, edges, found, beam, faces)
     if prone:
         hear_others(tick, Sonars(beams, errors, schedule, owners, poses, due), placed, walls, heard)
     _store(tick, beams, errors, schedule, due, slots, heard, samples)

@@ -57,36 +57,46 @@ LANES = 8
 _SQUARE = 1e-14
 
 
-class PlacedBodies(NamedTuple):
-    """All bodies as boxes in the world, in a grid over the centres of their extents.
+class BodyGrid(NamedTuple):
+    """A grid over the centres of bodies.
 
     Attributes:
-        part_start: int64[n + 1], the first part of each body and the end.
-        boxes: float64[parts, 10], columns `CENTRE_X` to `WIDE`.
-        extents: float64[n, 4], centre and half extents in x and y, m.
-        low_x: Left edge of the grid, m.
-        low_y: Lower edge of the grid, m.
+        low_x: Left edge, m.
+        low_y: Lower edge, m.
         size: Edge of a cell, m.
         column_count: Cells along x.
         row_count: Cells along y.
-        cell_start: int64[cells + 1], where the bodies of each cell begin; the cells of a row follow one another.
-        cell_bodies: int64[n], bodies by cell.
         widest_x: Largest half extent of a body in x, m.
         widest_y: The same in y.
     """
 
-    part_start: Ints
-    boxes: Floats
-    extents: Floats
     low_x: float
     low_y: float
     size: float
     column_count: int
     row_count: int
-    cell_start: Ints
-    cell_bodies: Ints
     widest_x: float
     widest_y: float
+
+
+class PlacedBodies(NamedTuple):
+    """All bodies as boxes in the world, in a grid.
+
+    Attributes:
+        part_start: int64[n + 1], the first part of each body and the end.
+        boxes: float64[parts, 10], columns `CENTRE_X` to `WIDE`.
+        extents: float64[n, 4], centre and half extents in x and y, m.
+        cell_start: int64[cells + 1], where the bodies of each cell begin; the cells of a row follow one another.
+        cell_bodies: int64[n], bodies by cell.
+        grid: The grid.
+    """
+
+    part_start: Ints
+    boxes: Floats
+    extents: Floats
+    cell_start: Ints
+    cell_bodies: Ints
+    grid: BodyGrid
 
 
 class Nearby(NamedTuple):
@@ -103,6 +113,24 @@ class Nearby(NamedTuple):
     polygons: Ints
     solids: Floats
     gathered_for: Ints
+
+
+class Place(NamedTuple):
+    """A place to gather about.
+
+    Attributes:
+        x: m.
+        y: m.
+        reach: How far, m.
+        owner: Body that is left out.
+        number: Another one for each place with the same `Nearby`.
+    """
+
+    x: float
+    y: float
+    reach: float
+    owner: int
+    number: int
 
 
 class Found(NamedTuple):
@@ -246,13 +274,12 @@ def place_bodies(pose: Floats, parts: Floats, part_start: Ints) -> PlacedBodies:
     """
     boxes, extents = place_boxes(pose, parts, part_start)
     low_x, low_y, size, column_count, row_count, cell_start, cell_bodies = grid_of(extents)
-    return PlacedBodies(
-        part_start, boxes, extents, low_x, low_y, size, column_count, row_count, cell_start, cell_bodies,
-        extents[:, 2].max(), extents[:, 3].max(),
-    )  # fmt: skip
+    grid = BodyGrid(low_x, low_y, size, column_count, row_count, extents[:, 2].max(), extents[:, 3].max())
+    return PlacedBodies(part_start, boxes, extents, cell_start, cell_bodies, grid)
 
 
-@njit(cache=True, error_model="numpy")
+# Inlined, so that the compiler sees that these arrays do not overlap: loops over them then run on vectors.
+@njit(cache=True, error_model="numpy", inline="always")
 def room_for(placed: PlacedBodies, walls: Walls) -> Nearby:
     """Return room for all that can be gathered about a place."""
     count = walls.pieces.shape[0]
@@ -261,30 +288,32 @@ def room_for(placed: PlacedBodies, walls: Walls) -> Nearby:
 
 
 @njit(cache=True, error_model="numpy", inline="always")
-def gather(
-    x: float, y: float, reach: float, owner: int, place: int, placed: PlacedBodies, walls: Walls, nearby: Nearby
-) -> Found:
-    """Gather what lies within reach of a place.
+def gather_bodies(
+    place: Place, part_start: Ints, boxes: Floats, extents: Floats, cell_start: Ints, cell_bodies: Ints, grid: BodyGrid,
+    around: Floats,
+) -> int:  # fmt: skip
+    """Gather the parts of bodies within reach of a place; return how many.
+
+    Called for every place, so it takes the arrays of `PlacedBodies` and `Nearby` one by one, as `gather_walls` does.
 
     Args:
-        x: The place, m.
-        y: The place, m.
-        reach: How far, m.
-        owner: Body that is left out.
-        place: Number of the place, another for each call with the same `nearby`.
-        placed: The bodies.
-        walls: The walls.
-        nearby: In and out.
+        place: The place.
+        part_start: Of the bodies, as the next five.
+        boxes: Of the bodies.
+        extents: Of the bodies.
+        cell_start: Of the bodies.
+        cell_bodies: Of the bodies.
+        grid: Of the bodies.
+        around: Out.
     """
-    part_start, boxes, extents, low_x, low_y, size, columns, row_count, cell_start, cell_bodies, wide_x, wide_y = placed
-    (pieces, links, edges, cells, frame), (around, polygons, solids, gathered_for) = walls, nearby
+    x, y, reach, owner, _ = place
+    low_x, low_y, size, columns, row_count, widest_x, widest_y = grid
     reach_square = reach * reach
     near = 0
-    polygon_count = 0
-    first_column = cell_of(x - reach - wide_x, low_x, size, columns)
-    last_column = cell_of(x + reach + wide_x, low_x, size, columns)
-    first_row = cell_of(y - reach - wide_y, low_y, size, row_count)
-    last_row = cell_of(y + reach + wide_y, low_y, size, row_count)
+    first_column = cell_of(x - reach - widest_x, low_x, size, columns)
+    last_column = cell_of(x + reach + widest_x, low_x, size, columns)
+    first_row = cell_of(y - reach - widest_y, low_y, size, row_count)
+    last_row = cell_of(y + reach + widest_y, low_y, size, row_count)
     for row in range(first_row, last_row + 1):
         first = cell_start[row * columns + first_column]
         last = cell_start[row * columns + last_column + 1]
@@ -297,8 +326,35 @@ def gather(
                     for column in range(10):
                         around[column, near] = boxes[part, column]
                     near += 1
+    return near
 
-    of_bodies = near
+
+@njit(cache=True, error_model="numpy", inline="always")
+def gather_walls(
+    place: Place, pieces: Floats, links: Ints, edges: Floats, cells: Ints, frame: Floats, near: int, around: Floats,
+    polygons: Ints, solids: Floats, gathered_for: Ints,
+) -> tuple[int, int]:  # fmt: skip
+    """Gather the wall pieces within reach of a place, behind the bodies.
+
+    Args:
+        place: The place.
+        pieces: Of the walls, as the next four.
+        links: Of the walls.
+        edges: Of the walls.
+        cells: Of the walls.
+        frame: Of the walls.
+        near: How many boxes there are.
+        around: Of what is nearby, as the next three; in and out.
+        polygons: Of what is nearby.
+        solids: Of what is nearby.
+        gathered_for: Of what is nearby.
+
+    Returns:
+        How many boxes there are then, and how many polygons.
+    """
+    x, y, reach, _, number = place
+    reach_square = reach * reach
+    polygon_count = 0
     first_column = cell_of(x - reach, frame[ORIGIN_X], frame[CELL], cells[0])
     last_column = cell_of(x + reach, frame[ORIGIN_X], frame[CELL], cells[0])
     first_row = cell_of(y - reach, frame[ORIGIN_Y], frame[CELL], cells[1])
@@ -308,11 +364,11 @@ def gather(
         last = cells[2 + row * cells[0] + last_column + 1]
         for at in range(first, last):
             piece = cells[at]
-            if gathered_for[piece] == place:
+            if gathered_for[piece] == number:
                 continue
             if gathered_for[piece] < 0:
                 _fill_solid(piece, pieces, links, edges, solids)
-            gathered_for[piece] = place
+            gathered_for[piece] = number
             gap_x = max(abs(solids[piece, CENTRE_X] - x) - solids[piece, EXTENT_X], 0.0)
             gap_y = max(abs(solids[piece, CENTRE_Y] - y) - solids[piece, EXTENT_Y], 0.0)
             if gap_x * gap_x + gap_y * gap_y > reach_square:
@@ -329,4 +385,4 @@ def gather(
         for column in range(10):
             around[column, near] = 0.0
         near += 1
-    return Found(of_bodies, near, polygon_count)
+    return near, polygon_count
