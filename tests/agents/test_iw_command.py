@@ -78,6 +78,7 @@ def test_places_of_an_unknown_floor_are_refused(capsys: pytest.CaptureFixture[st
     assert "wrad" in capsys.readouterr().err
 
 
+@pytest.mark.process
 def test_completion_is_a_script_that_knows_every_command(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["completion", "bash"]) == 0
     script = capsys.readouterr().out
