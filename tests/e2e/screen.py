@@ -40,7 +40,8 @@ _BODIES = """() => {
 }"""
 
 _INSTANCES = """pattern => {
-  const plain = value => [...new Float32Array(value.buffer.slice(value.byteOffset, value.byteOffset + value.byteLength))];
+  const bytes = value => value.buffer.slice(value.byteOffset, value.byteOffset + value.byteLength);
+  const plain = value => [...new Float32Array(bytes(value))];
   const numbers = value => value instanceof Uint8Array ? plain(value) : [...value];
   return Object.entries(window.__viserSceneTree.getState())
     .filter(([name, node]) => new RegExp(pattern).test(name) && node.message && node.message.props.batched_positions)
