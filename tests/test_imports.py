@@ -36,7 +36,7 @@ KNOWS_ZENOH = {
     "agents/intellwheels_experiments/conformance/scripted_simulator.py",
     "viewer/intellwheels_viewer/viewer_peer.py",
 }
-"""The files that talk to the network, one a room, the stand of `iw-check-agent` and the joystick."""
+"""The files that talk to the network: one per room, the probe of `iw-check-agent` and the joystick."""
 
 # The entries of the checkout that a user sees; papers and dot files beside the rooms.
 TOP_LEVEL = {
@@ -64,6 +64,7 @@ def imported(path: Path) -> Iterator[str]:
 FILES = list(sources())
 COMMANDS = {
     "intellwheels_schemas.present",
+    "intellwheels_server.command_line",
     "intellwheels_server.service.router",
     "intellwheels_experiments.conformance.__main__",
     "intellwheels_agents.joystick.__main__",

@@ -1,6 +1,7 @@
-"""Agents: the harness that keeps one at the simulator, and minds that decide.
+"""Agents: the harness that connects an agent to the simulator, and minds that decide what it does.
 
-A user's own mind is a Python file that defines `make(context)` or a class `Mind`; `mind` shows one.
+Your own mind is a Python file that defines a class `Mind` or a function `make(context)`. The docstring of `mind`
+shows one, and `agents/examples` in the repository is a course.
 """
 
 from intellwheels_agents.mind import Bridge, Context, Mind

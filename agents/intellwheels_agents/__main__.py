@@ -1,4 +1,4 @@
-"""`iw-agent`: one agent, in a process of its own."""
+"""`iw-agent`: runs one agent as a process of its own."""
 
 from __future__ import annotations
 
@@ -23,73 +23,78 @@ from intellwheels_schemas.process import add_process_options, stop_on_signals
 
 EXAMPLES = """\
 examples:
-  a chair that drives to a place of the map, beside an iw-server that runs on this machine
+  a chair that drives to a place of the map, in an iw-server on this machine
       iw-agent waypoints --name chair1 --robot rear-wheel --option to=goal1
-  a chair that is told its powers: straight on, then a turn to the left, then a stop
+  a chair with scripted motor powers: straight on, a turn to the left, a stop
       iw-agent drive --name chair1 --option script="0:0.5,0.5; 2:0.1,0.4; 4:0,0"
-  an automatic door with a noisy compass (capital letters: a field of the robot document)
+  an automatic door with a noisy compass; a name with a capital letter sets a field of the robot document
       iw-agent door --name door --robot door --place hinge --option swing=right --option Compass.NoiseDeg=1
-  your own mind, a Python file with a class Mind, for a body that another process joined
+  your own mind, a Python file with a class Mind, for a body that another process provides
       iw-agent ./my_mind.py --name chair1 --role mind
-  a folder to start from: a mind, a robot, a scene and a test that pass as they are
+  a folder to start your own project from: a mind, a robot, a scene and a test, ready to run
       iw-agent new my-chair
 
-On standard output: `joined agent=chair1 run=... tick=...`, `run agent=chair1 run=...` when a new run begins,
-`left agent=chair1`. Exit code 0: done; 1: refused or failed; 2: wrong usage.
+The options of a mind are in its docstring: python -m pydoc intellwheels_agents.minds.waypoints
+
+On standard output: `joined agent=chair1 run=... tick=...`; `run agent=chair1 run=...` when a new run begins;
+`left agent=chair1`. Exit codes: 0 done, 1 refused or failed, 2 wrong usage.
 """
 DEFAULT_ROBOTS = {"door": "door", "table": "table"}
 DEFAULT_ROBOT = "intellwheels"
-MOST_COPIES = 99
+NUMBERED_COPIES = 99
+"""Most names that --numbered tries."""
 
 
 def parser() -> argparse.ArgumentParser:
     """Return the command line."""
     result = argparse.ArgumentParser(
         prog="iw-agent",
-        description="Join a simulation with a body and let a mind drive it.",
+        description="Join a simulation with a body, and let a mind drive it.",
         epilog=EXAMPLES,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     result.add_argument(
-        "mind", metavar="MIND", help=f"{', '.join(minds.names())}; or a Python file that defines make(context) or Mind"
+        "mind",
+        metavar="MIND",
+        help=f"{', '.join(minds.names())}; or a Python file that defines a class Mind or make(context)",
     )
-    result.add_argument("--name", metavar="NAME", help="the agent's name (default: the mind's)")
+    result.add_argument("--name", metavar="NAME", help="the agent's name (default: the mind's name)")
     result.add_argument(
         "--robot",
         metavar="NAME|FILE",
-        help=f"the body: a shipped robot or a robot file (default: {DEFAULT_ROBOT}; for a door or table its own)",
+        help=f"the body: a shipped robot or a robot file (default: {DEFAULT_ROBOT}; door and table have their own)",
     )
     result.add_argument(
         "--numbered",
         action="store_true",
-        help="when the name is taken, be NAME-2, NAME-3 and so on: for several copies of one command",
+        help="if the name is taken, try NAME-2, NAME-3 and so on: for several copies of one command",
     )
     result.add_argument(
         "--place",
         action="append",
         metavar="PLACE",
-        help="a place of the map to start at; of several the first that is free (default: any that is free)",
+        help="a place of the map to start at; may be repeated, the first free one is used (default: any free place)",
     )
     result.add_argument(
-        "--role", choices=("both", "body", "mind"), default="both", help="what this process is (default: both)"
+        "--role", choices=("both", "body", "mind"), default="both", help="what this process provides (default: both)"
     )
     result.add_argument(
         "--option",
         action="append",
         default=[],
         metavar="NAME=VALUE",
-        help="an option of the mind, or with a capital letter a field of the robot document; may be repeated",
+        help="an option of the mind or, with a capital letter, a field of the robot document; may be repeated",
     )
     result.add_argument(
-        "--encoding", choices=("json", "xml"), default="json", help="how messages are written (default: json)"
+        "--encoding", choices=("json", "xml"), default="json", help="the encoding of messages (default: json)"
     )
-    result.add_argument("--no-barrier", action="store_true", help="lockstep does not wait for this agent")
+    result.add_argument("--no-barrier", action="store_true", help="a lockstep does not wait for this agent")
     result.add_argument(
         "--retry-for",
         type=_seconds,
         default=math.inf,
         metavar="S",
-        help="give up when no simulator is there for so many seconds (default: never)",
+        help="give up after S seconds without a simulator (default: never)",
     )
     add_link_options(result)
     add_process_options(result)
@@ -97,19 +102,19 @@ def parser() -> argparse.ArgumentParser:
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run an agent, or write a starter, and return the exit code: 0 done, 1 refused or failed, 2 wrong usage."""
+    """Run an agent, or write a starter project; return 0 when done, 1 if refused or failed, 2 for wrong usage."""
     words = sys.argv[1:] if arguments is None else list(arguments)
     if words[:1] == ["new"]:
         return _write_starter(words[1:])
     options = parser().parse_args(words)
-    # First of all: a signal may come while the rest is still read.
+    # Before anything else: a signal may arrive while the arguments are still being checked.
     stop = stop_on_signals(options.lifeline)
     try:
         source = minds.find(options.mind)
-        of_robot, of_mind = split_options(_pairs(options.option))
+        robot_options, mind_options = split_options(_pairs(options.option))
         where = link_of(options)
         name = check_agent(options.name or _name_of(options.mind), "--name")
-        body = _body(options, source, of_robot, of_mind)
+        body = _body(options, source, robot_options, mind_options)
         encoding = Encoding.XML if options.encoding == "xml" else Encoding.JSON
 
         def run(agent: str, place: str | None) -> int:
@@ -122,7 +127,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
                 barrier=False if options.no_barrier else None,
             )
             return run_agent(
-                robot, source.make, of_mind, where=where, encoding=encoding, retry_for=options.retry_for, stop=stop
+                robot, source.make, mind_options, where=where, encoding=encoding, retry_for=options.retry_for, stop=stop
             )
 
         return _run_where_free(run, _names(name, options.numbered), iter(options.place or [None]))
@@ -135,11 +140,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _write_starter(words: list[str]) -> int:
-    wanted = argparse.ArgumentParser(
-        prog="iw-agent new", description="Write a mind, a robot, a scene and a test that pass as they are."
+    new_parser = argparse.ArgumentParser(
+        prog="iw-agent new", description="Write a mind, a robot, a scene and a test that are ready to run."
     )
-    wanted.add_argument("folder", type=Path, metavar="DIR", help="where; made if it is not there")
-    folder: Path = wanted.parse_args(words).folder
+    new_parser.add_argument("folder", type=Path, metavar="DIR", help="the folder to write to; created if needed")
+    folder: Path = new_parser.parse_args(words).folder
     try:
         written = starter.write(folder)
     except OSError as error:
@@ -151,15 +156,15 @@ def _write_starter(words: list[str]) -> int:
 
 
 def _body(
-    options: argparse.Namespace, source: minds.Source, of_robot: dict[str, str], of_mind: dict[str, str]
+    options: argparse.Namespace, source: minds.Source, robot_options: dict[str, str], mind_options: dict[str, str]
 ) -> Robot:
     if options.role == "mind":
-        if of_robot:
-            raise OptionError(f"option {next(iter(of_robot))}: expected none of a body for --role mind")
-        # What a mind may say of itself, such as that it takes user input, it says in either role.
-        return source.equip(Robot(), Options(of_mind))
+        if robot_options:
+            raise OptionError(f"option {next(iter(robot_options))}: expected no option of the body for --role mind")
+        # `equip` also declares what the mind itself accepts, such as user input; that counts in every role.
+        return source.equip(Robot(), Options(mind_options))
     name = options.robot or DEFAULT_ROBOTS.get(options.mind, DEFAULT_ROBOT)
-    return source.equip(equipped(robot_file(name), of_robot), Options(of_mind))
+    return source.equip(equipped(robot_file(name), robot_options), Options(mind_options))
 
 
 def _pairs(given: Sequence[str]) -> dict[str, str]:
@@ -175,7 +180,7 @@ def _pairs(given: Sequence[str]) -> dict[str, str]:
 
 
 def _run_where_free(run: Callable[[str, str | None], int], names: Iterator[str], places: Iterator[str | None]) -> int:
-    """Run under the first name and at the first place that nobody has, and return the exit code."""
+    """Run with the first free name and at the first free place, and return the exit code."""
     name, place = next(names), next(places)
     while True:
         code = run(name, place)
@@ -194,7 +199,7 @@ def _names(name: str, numbered: bool) -> Iterator[str]:
     """Yield the names to try."""
     yield name
     if numbered:
-        for number in range(2, MOST_COPIES + 1):
+        for number in range(2, NUMBERED_COPIES + 1):
             yield f"{name}-{number}"
 
 

@@ -1,10 +1,10 @@
 """An agent on the network. The only file of the agents that knows zenoh.
 
-Zenoh calls back on its own threads; a callback keeps what arrived and returns. The main loop alone
-touches the harness and its mind. No wait is longer than a slice, so that a signal is seen.
+Zenoh calls back on its own threads. A callback stores the arrival and returns; only the main loop calls the harness
+and its mind. No single wait is longer than `SLICE`, so that a signal is noticed.
 
-What arrives is kept in a `SimpleQueue`: 25 µs a tick less than a condition and a deque (a round trip of 128 µs
-instead of 152, an echo of measures on loopback), and a lockstep waits for every one of them.
+Arrivals wait in a `SimpleQueue`. It saves 25 µs a tick against a condition and a deque (measured round trip 128 µs
+instead of 152 µs, echo of measures on loopback), and in lockstep every tick waits for every agent.
 """
 
 from __future__ import annotations
@@ -17,7 +17,17 @@ from collections.abc import Callable, Mapping
 
 import zenoh
 
-from intellwheels_agents.harness import Ask, Depart, End, Harness, Note, Output, Payload, Put, Tell
+from intellwheels_agents.harness import (
+    Exit,
+    Harness,
+    Log,
+    Output,
+    Payload,
+    Print,
+    Publish,
+    RequestJoin,
+    RequestLeave,
+)
 from intellwheels_agents.mind import Make
 from intellwheels_schemas import link
 from intellwheels_schemas.channels import CHANNELS
@@ -27,15 +37,15 @@ from intellwheels_schemas.keys import Keys
 from intellwheels_schemas.messages import Map, Robot
 
 SLICE = 0.2
-"""Seconds of one wait: an untimed one can miss a signal."""
+"""Longest single wait, s: a wait without a timeout can miss a signal."""
 JOIN_TIMEOUT = 12.0
-"""Seconds to wait for the reply to a join: a strict lockstep may wait ten for somebody else first."""
+"""Seconds to wait for the reply to a join: a strict lockstep may first wait ten seconds for another agent."""
 LEAVE_TIMEOUT = 2.0
-"""Seconds to wait for the reply to a leave; the token goes with the session in any case."""
-ROOM = 1024
-"""Arrivals kept while the mind thinks: a minute at 20 Hz."""
-MOST_BYTES = 1 << 18
-"""Bytes of an arrival that is kept: four times what one put of the contract may have."""
+"""Seconds to wait for the reply to a leave. Without a reply, the simulator still sees the liveliness token go."""
+QUEUE_LIMIT = 1024
+"""Arrivals that may wait while the mind computes: a minute at 20 Hz."""
+ARRIVAL_LIMIT = 1 << 18
+"""Largest arrival that is accepted, in bytes: four times the contract's limit for one message."""
 
 
 def run_agent(
@@ -49,23 +59,23 @@ def run_agent(
     stop: threading.Event,
     tell: Callable[[str], None] | None = None,
 ) -> int:
-    """Join, decide until told to stop, leave, and return the exit code.
+    """Join, run the mind until `stop` is set, leave, and return the exit code.
 
     Args:
-        robot: As `equipment.joining` makes it.
-        make: Makes a mind at each run.
-        options: The mind's.
-        where: The link.
-        encoding: Of what is written, and so of what comes back.
+        robot: A document made by `robot_document.joining`.
+        make: Makes a mind for each run.
+        options: The mind's options.
+        where: Which simulator to connect to, and how.
+        encoding: The encoding of messages to the simulator, which answers in the same one.
         retry_for: Seconds to look for a simulator before giving up; may be infinite.
         stop: Set when the process must end.
-        tell: Takes the lines that scripts wait for; default: standard output.
+        tell: Prints the lines that scripts wait for; default: to standard output.
 
     Raises:
-        OptionError: The mind takes other options.
-        ConnectionError: The link's options make no sense.
+        OptionError: The mind does not accept an option.
+        ConnectionError: The options of `where` contradict each other.
     """
-    began = time.monotonic()
+    started = time.monotonic()
     try:
         session = link.open_session(
             where,
@@ -79,12 +89,12 @@ def run_agent(
     if session is None:
         return 0
     with session:
-        left = max(0.0, retry_for - (time.monotonic() - began))
-        return _Process(session, robot, make, options, where, encoding, left, tell or _print).run(stop)
+        remaining = max(0.0, retry_for - (time.monotonic() - started))
+        return _AgentPeer(session, robot, make, options, where, encoding, remaining, tell or _print).run(stop)
 
 
-class _Process:
-    """One agent's session: subscriptions, token, publisher and the loop."""
+class _AgentPeer:
+    """One agent's subscriptions, liveliness token and publisher, and its loop."""
 
     def __init__(
         self,
@@ -109,8 +119,8 @@ class _Process:
         self._error_key = keys.error(agent)
         self._power_key = keys.power(agent)
         self._exit: int | None = None
-        self._arrived: queue.SimpleQueue[zenoh.Sample | link.Presence | list[link.Answer]] = queue.SimpleQueue()
-        self._overflown = 0
+        self._arrivals: queue.SimpleQueue[zenoh.Sample | link.Presence | list[link.Answer]] = queue.SimpleQueue()
+        self._dropped = 0
         self._harness = Harness(
             robot,
             make,
@@ -123,43 +133,44 @@ class _Process:
         role, instance = robot.role, robot.instance or ""
         channel = "pose" if role == "body" else "actions"
         put_key = keys.pose(agent) if role == "body" else keys.actions(agent)
-        # In this order a join has no race: hear, be seen, ask.
-        self._subscriber = session.declare_subscriber(keys.outs(agent), self._keep)
+        # The order prevents a race at joining: subscribe first, then declare the token, then ask.
+        self._subscriber = session.declare_subscriber(keys.outs(agent), self._store)
         self._publisher = link.declare(session, put_key, CHANNELS[channel], encoding)
         self._token = link.declare_token(session, keys.token(agent, role, instance))
-        self._watch = session.liveliness().declare_subscriber(keys.alive, self._notice, history=True)
+        self._simulator_token = session.liveliness().declare_subscriber(keys.alive, self._notice, history=True)
 
     def run(self, stop: threading.Event) -> int:
-        """Loop until it is over and return the exit code."""
+        """Run until `stop` is set or the harness ends, and return the exit code."""
         harness = self._harness
-        broken = True
-        # Closed in order, not at exit: a subscriber left to the end hangs Python.
-        with self._publisher, self._token, self._subscriber, self._watch:
+        failed = True
+        # Closed here and in order: a subscriber that is still open when Python exits makes it hang.
+        with self._publisher, self._token, self._subscriber, self._simulator_token:
             try:
                 self._do(harness.start(time.monotonic()))
                 while self._exit is None and not stop.is_set():
                     self._turn()
-                broken = False
+                failed = False
             finally:
                 outputs = harness.stop()
-                if broken:
-                    # The body must not wait for a time-out; but who died does not say that it left.
-                    outputs = [output for output in outputs if isinstance(output, Depart)]
+                if failed:
+                    # Remove the body at once instead of after the timeout, but print no "left" line: this is a crash.
+                    outputs = [output for output in outputs if isinstance(output, RequestLeave)]
                 self._do(outputs)
-                if self._overflown:
-                    _log(f"overflown arrivals={self._overflown}")
+                if self._dropped:
+                    _log(f"overflown arrivals={self._dropped}")
         return self._exit or 0
 
-    def _keep(self, sample: zenoh.Sample) -> None:
-        if self._arrived.qsize() < ROOM and len(sample.payload) <= MOST_BYTES:
-            self._arrived.put(sample)
+    def _store(self, sample: zenoh.Sample) -> None:
+        if self._arrivals.qsize() < QUEUE_LIMIT and len(sample.payload) <= ARRIVAL_LIMIT:
+            self._arrivals.put(sample)
         else:
-            self._overflown += 1
+            self._dropped += 1
 
     def _notice(self, token: zenoh.Sample) -> None:
-        self._arrived.put(link.Presence(str(token.key_expr), token.kind == zenoh.SampleKind.PUT))
+        self._arrivals.put(link.Presence(str(token.key_expr), token.kind == zenoh.SampleKind.PUT))
 
     def _turn(self) -> None:
+        """Wait for arrivals or the harness's deadline, and handle what came."""
         harness = self._harness
         pause = SLICE
         if harness.deadline is not None:
@@ -168,25 +179,25 @@ class _Process:
                 self._do(harness.wake(now))
                 return
             pause = min(SLICE, harness.deadline - now)
-        came: list[Payload] = []
+        batch: list[Payload] = []
         try:
-            arrival = self._arrived.get(timeout=pause)
+            arrival = self._arrivals.get(timeout=pause)
             while True:
                 if isinstance(arrival, zenoh.Sample):
-                    self._take(arrival, came)
+                    self._take(arrival, batch)
                 elif isinstance(arrival, link.Presence):
                     now = time.monotonic()
                     self._do(harness.present(now) if arrival.alive else harness.absent(now))
                 else:
                     self._do(self._replied(arrival, time.monotonic()))
-                arrival = self._arrived.get_nowait()
+                arrival = self._arrivals.get_nowait()
         except queue.Empty:
             pass
-        if came:
-            self._do(harness.measured(came))
+        if batch:
+            self._do(harness.measured(batch))
 
-    def _take(self, sample: zenoh.Sample, came: list[Payload]) -> None:
-        """Hand a sample on, `Measures` to `came`: of those that wait only the newest is answered."""
+    def _take(self, sample: zenoh.Sample, batch: list[Payload]) -> None:
+        """Handle a sample; append `Measures` to `batch`, since only the newest of those waiting is answered."""
         if sample.kind != zenoh.SampleKind.PUT:
             return
         key = str(sample.key_expr)
@@ -197,7 +208,7 @@ class _Process:
             _log(f"dropped key={key} why={error.text!r}")
             return
         if key == self._measures_key:
-            came.append(payload)
+            batch.append(payload)
         elif key == self._error_key:
             self._do(self._harness.erred(payload, time.monotonic()))
         elif key == self._power_key:
@@ -205,28 +216,28 @@ class _Process:
 
     def _do(self, outputs: list[Output]) -> None:
         for output in outputs:
-            if isinstance(output, Put):
+            if isinstance(output, Publish):
                 self._publisher.put(output.payload)
-            elif isinstance(output, Ask):
-                # Beside the loop: who joins again is still awaited at the barrier meanwhile.
-                threading.Thread(target=self._ask, args=(output.payload,), name="join", daemon=True).start()
-            elif isinstance(output, Depart):
-                self._depart(output.payload)
-            elif isinstance(output, Tell):
+            elif isinstance(output, RequestJoin):
+                # In a thread of its own: an agent that joins again must go on answering ticks meanwhile.
+                threading.Thread(target=self._join, args=(output.payload,), name="join", daemon=True).start()
+            elif isinstance(output, RequestLeave):
+                self._leave(output.payload)
+            elif isinstance(output, Print):
                 self._tell(output.line)
-            elif isinstance(output, Note):
+            elif isinstance(output, Log):
                 _log(output.line)
-            elif isinstance(output, End):
+            elif isinstance(output, Exit):
                 self._exit = output.code
                 if output.text:
                     _log(output.text)
 
-    def _ask(self, payload: bytes) -> None:
+    def _join(self, payload: bytes) -> None:
         try:
             answers = link.query(self._session, self._join_key, payload, self._encoding, timeout=JOIN_TIMEOUT)
         except (ConnectionError, zenoh.ZError):
             answers = []
-        self._arrived.put(answers)
+        self._arrivals.put(answers)
 
     def _replied(self, answers: list[link.Answer], now: float) -> list[Output]:
         if not answers:
@@ -239,7 +250,7 @@ class _Process:
             return self._harness.unanswered(now)
         return self._harness.accepted(payload) if answer.ok else self._harness.refused(payload, now)
 
-    def _depart(self, payload: bytes) -> None:
+    def _leave(self, payload: bytes) -> None:
         try:
             link.query(self._session, self._leave_key, payload, self._encoding, timeout=LEAVE_TIMEOUT)
         except (ConnectionError, zenoh.ZError) as error:
@@ -248,12 +259,12 @@ class _Process:
     def _fetch_map(self) -> Map:
         answer = link.query(self._session, self._map_key, encoding=Encoding.JSON, timeout=JOIN_TIMEOUT)[0]
         if not answer.ok:
-            raise ConnectionError(f"the simulator gives no map: {answer.data[:200]!r}")
+            raise ConnectionError(f"map: expected the simulator's map, got an error: {answer.data[:200]!r}")
         return decode(Map, answer.data, encoding_of(answer.encoding, answer.data), strict=False)
 
 
 def _print(line: str) -> None:
-    print(line, flush=True)  # noqa: T201 - what a script waits for
+    print(line, flush=True)  # noqa: T201 - scripts wait for these lines
 
 
 def _log(line: str) -> None:

@@ -1,10 +1,10 @@
-"""A chair as its controller sees it: speeds to wheel powers, encoders and compass to a pose.
+"""Differential drive, as a chair's controller sees it: speeds to motor powers, encoders and compass to a pose.
 
 With v the forward speed (m/s), w the turn rate (rad/s, anticlockwise) and b the track (m):
 
     left = v - w b / 2,  right = v + w b / 2,  power = wheel speed / top speed
 
-Nothing here knows the truth; a pose is what the chair believes.
+A pose here is an estimate. The true pose is known to the simulator only.
 """
 
 from __future__ import annotations
@@ -21,9 +21,9 @@ def wrapped(angle: float) -> float:
 
 
 def powers(robot: Robot, speed: float, turn_rate: float) -> tuple[float, float]:
-    """Return the left and right power, both in [-1, 1], that give these speeds.
+    """Return the left and right motor powers, both in [-1, 1], for a speed and a turn rate.
 
-    When a wheel cannot turn that fast both are slowed, so that the curvature is kept.
+    If a wheel cannot turn that fast, both are scaled down, which keeps the curvature.
 
     Args:
         robot: Gives the track and the top speed.
@@ -34,12 +34,12 @@ def powers(robot: Robot, speed: float, turn_rate: float) -> tuple[float, float]:
         return 0.0, 0.0
     half = turn_rate * robot.track / 2.0
     left, right = (speed - half) / robot.top_speed, (speed + half) / robot.top_speed
-    most = max(1.0, abs(left), abs(right))
-    return left / most, right / most
+    largest = max(1.0, abs(left), abs(right))
+    return left / largest, right / largest
 
 
 class Odometry:
-    """A pose kept by encoders, its heading corrected by a compass.
+    """A pose estimate from encoders, with the heading corrected by a compass.
 
     Attributes:
         x, y: Metres, in the map's frame.
@@ -48,14 +48,15 @@ class Odometry:
     """
 
     def __init__(self, robot: Robot, start: Position, compass_share: float = 0.05) -> None:
-        """Start at a pose, with the wheel figures of `robot`.
+        """Start at a pose.
 
         Args:
-            robot: Gives track, wheel diameter and ticks of a turn.
+            robot: Gives the track, the wheel diameter and the encoder ticks per turn.
             start: The pose before the first reading.
-            compass_share: Share k of the compass' difference taken over each tick. The encoders' heading is right
-                from tick to tick and drifts over minutes, the compass is wrong by its noise at every tick and never
-                drifts: k leaves sqrt(k / (2 - k)) of the noise, 0.16 for 0.05, and forgets a drift within 1 / k ticks.
+            compass_share: Gain k of the complementary filter, in [0, 1]: the share of the difference to the compass
+                that is taken over each tick. The heading from encoders is accurate from tick to tick but drifts over
+                minutes; the compass is noisy at every tick but never drifts. A gain k keeps sqrt(k / (2 - k)) of the
+                noise, 0.16 for k = 0.05, and corrects a drift within about 1 / k ticks.
         """
         self.x = start.x
         self.y = start.y
@@ -68,19 +69,19 @@ class Odometry:
         self._last: tuple[int, int] | None = None
 
     def update(self, sensors: Sensors | None) -> None:
-        """Take the readings of a tick; those that are absent change nothing.
+        """Update with the readings of a tick; absent readings change nothing.
 
-        A body with an odometry sensor is told its pose since it joined: of a real chair that is what its bridge
-        reports, calibrated or corrected, which this chair's own counts are not.
+        An odometry sensor takes precedence over encoders and compass. It measures the pose since joining; for a real
+        chair that is the calibrated or corrected pose from its bridge, which is better than the raw encoder counts.
         """
         if sensors is None:
             return
         if sensors.odometry:
-            self._take_told(sensors.odometry[0])
+            self._take_odometry(sensors.odometry[0])
             return
         if sensors.encoders:
             reading = sensors.encoders[0]
-            # Counts began when the body joined, maybe long before this mind; the first is where we begin.
+            # The body may have joined, and counted, long before this mind: the first reading is the reference.
             last_left, last_right = self._last or (reading.left, reading.right)
             self._move(
                 (reading.left - last_left) * self._metres_per_tick, (reading.right - last_right) * self._metres_per_tick
@@ -91,20 +92,20 @@ class Odometry:
             if value is not None:
                 self.heading = wrapped(self.heading + self._compass_share * wrapped(value - self.heading))
 
-    def _take_told(self, told: OdometryReading) -> None:
-        """Take a pose since joining."""
+    def _take_odometry(self, reading: OdometryReading) -> None:
+        """Take over a pose relative to the start."""
         start = self._start
         c, s = math.cos(start.heading), math.sin(start.heading)
-        heading = wrapped(start.heading + told.heading)
+        heading = wrapped(start.heading + reading.heading)
         self.turned += wrapped(heading - self.heading)
-        self.x, self.y = start.x + c * told.x - s * told.y, start.y + s * told.x + c * told.y
+        self.x, self.y = start.x + c * reading.x - s * reading.y, start.y + s * reading.x + c * reading.y
         self.heading = heading
 
     def _move(self, left: float, right: float) -> None:
-        """Advance along the arc both wheels rolled, in metres."""
+        """Advance along the arc given by the distances that the wheels rolled, in m."""
         travel = (left + right) / 2.0
         turn = (right - left) / self._track
-        # The chord of the arc: 2 R sin(turn / 2), along the heading of its middle.
+        # The chord of the arc, 2 R sin(turn / 2), points along the heading at the middle of the arc.
         half = turn / 2.0
         chord = travel * (math.sin(half) / half if abs(half) > 1e-6 else 1.0 - half * half / 6.0)
         self.x += chord * math.cos(self.heading + half)

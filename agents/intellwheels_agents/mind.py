@@ -1,7 +1,7 @@
-"""What a mind is, and what it is told when it is made.
+"""The interface of a mind, and the context it is made with.
 
-A mind is pure: what it perceives goes in, what it does comes out. It knows no network, no clock and
-no tick it was not told of. It is made anew at each run, so it needs no reset.
+A mind is pure: `Measures` go in, `Actions` come out. It knows no network and no clock, and sees only the ticks it is
+given. A new one is made for each run, so it needs no reset.
 
     from intellwheels_agents import Actions, Context, Measures
 
@@ -28,36 +28,36 @@ from intellwheels_schemas.messages import Actions, Map, Measures, Parameters, Po
 
 
 class Mind(Protocol):
-    """What decides."""
+    """Decides what an agent does."""
 
     def decide(self, measures: Measures) -> Actions:
-        """Return what to do now that this is perceived.
+        """Return the actions for the measures of a tick.
 
-        Of the actions only powers, mode, goal, say and leave are the mind's; the harness fills in the rest.
+        A mind sets powers, mode, goal, say and leave; the harness fills in all other fields.
         """
         ...
 
 
 class Bridge(Protocol):
-    """What stands for the body of a real chair: role `body`."""
+    """Stands for the body of a real chair, in the role `body`."""
 
     def decide(self, measures: Measures) -> Pose | None:
-        """Return where the chair is, or None when that is not known: then nothing is reported."""
+        """Return the chair's pose; None if it is unknown, and then nothing is reported."""
         ...
 
 
 @dataclass(frozen=True)
 class Context:
-    """What a mind is told when a run begins.
+    """What a mind knows when a run begins.
 
     Attributes:
-        agent: The name of its body.
-        robot: The body as the simulator accepted it.
-        position: Where the body stood when it joined.
-        parameters: The simulation's.
-        options: What the user gave, text by name.
-        fetch_map: Asks the simulator for its map; `map` and `places` do so when first read.
-        run: Which run it is.
+        agent: The agent's name.
+        robot: The body, as the simulator accepted it.
+        position: Where the body was when it joined.
+        parameters: The simulation's parameters.
+        options: The options that the user gave, text by name.
+        fetch_map: Asks the simulator for its map; `map` and `places` call it when they are first read.
+        run: The identifier of the run.
     """
 
     agent: str
@@ -70,12 +70,12 @@ class Context:
 
     @cached_property
     def map(self) -> Map:
-        """The floor, fetched when first read."""
+        """The map, fetched when first read."""
         return self.fetch_map()
 
     @cached_property
     def places(self) -> Mapping[str, Position]:
-        """The named places of the floor."""
+        """The named places of the map."""
         places = self.map.grid.position if self.map.grid else ()
         return {p.name: Position(x=p.x, y=p.y, heading=math.radians(p.heading_deg)) for p in places}
 
@@ -84,7 +84,7 @@ class Context:
 
         Args:
             name: The place's name.
-            option: The option that names it, for the error.
+            option: The option that gave the name, for the error text.
 
         Raises:
             OptionError: The map has no such place.
@@ -94,11 +94,11 @@ class Context:
             raise OptionError(f"option {option}: expected a place of the map ({known}), got {name!r}")
         return self.places[name]
 
-    def way(self) -> list[tuple[float, float]]:
-        """Return the points that the options `points`, `via` and `to` name, in this order; none of them is the start.
+    def route(self) -> list[tuple[float, float]]:
+        """Return the points named by the options `points`, `via` and `to`, in this order, without the start; m.
 
         Raises:
-            OptionError: A place is not in the map, or points are no numbers.
+            OptionError: The map has no such place, or `points` does not hold pairs of numbers.
         """
         points = list(self.options.points("points"))
         for option in ("via", "to"):

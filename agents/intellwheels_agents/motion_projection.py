@@ -1,8 +1,8 @@
-"""Where a body's footprint will go, and whether that leads into something.
+"""Projects a body's footprint along its motion, and says whether it comes too near to an obstacle.
 
-The wheels lag behind their command as the motors do (equation (1) of the IntellWheels simulator paper, s' = a s +
-(1 - a) s*, a the `AccelerationCurve`); the body follows the arcs they roll. A way is free when no point comes
-nearer than it may.
+The wheel speeds lag behind their command, s' = a s + (1 - a) s* with a the `AccelerationCurve` (equation (1) of the
+IntellWheels simulator paper), and the body follows the arcs that the wheels roll. A motion is free if no obstacle
+point comes nearer than its own limit.
 """
 
 from __future__ import annotations
@@ -12,17 +12,16 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Final
 
+from intellwheels_agents.footprint import STEP
+from intellwheels_agents.pure_pursuit import Point
 from intellwheels_agents.range_scan import Outline
 
-STRIDE: Final = 0.03
-"""Metres any place of the footprint moves at most between two looks."""
-CREEP: Final = 0.1
-"""Share of the room that is left which a way may cost; where it is short of the margin. Whoever rests beside a wall
-can so drive along it, and never comes to touch it."""
+CLEARANCE_SHARE: Final = 0.1
+"""Where the clearance is already below the margin, a motion may use up this share of it. A chair that rests beside a
+wall can then drive along it, and never touches it."""
 
-Point = tuple[float, float]
-Watched = tuple[float, float, float, float]
-"""A point, x and y, and the least room it may come to: to the footprint, and to the longer one."""
+WatchedPoint = tuple[float, float, float, float]
+"""x and y of a point, and its least clearances (m): to the footprint, and to the lengthened footprint."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,7 +32,7 @@ class Wheels:
     right: float
 
     def lagged(self, wanted: Wheels, inertia: float) -> Wheels:
-        """Return the speeds a tick later."""
+        """Return the speeds one tick later; `inertia` is the share of the old speed that remains."""
         return Wheels(
             inertia * self.left + (1.0 - inertia) * wanted.left, inertia * self.right + (1.0 - inertia) * wanted.right
         )
@@ -41,7 +40,7 @@ class Wheels:
 
 @dataclass(frozen=True, slots=True)
 class MotionProjection:
-    """A body's outline, its track (m), its inertia and the simulation's period (s)."""
+    """Projects the motion of one body, from its outline, track (m), inertia and the simulation's period (s)."""
 
     outline: Outline
     track: float
@@ -49,7 +48,7 @@ class MotionProjection:
     period: float
 
     def clearance(self, x: float, y: float, swing: float) -> float:
-        """Return metres from the footprint, made longer by `swing` at both ends, to a point; inside negative."""
+        """Return the distance from the footprint to a point in m, negative inside; `swing` lengthens both ends."""
         body = self.outline
         middle, half = (body.front - body.back) / 2.0, (body.front + body.back) / 2.0 + swing
         dx, dy = abs(x - middle) - half, abs(y) - body.side
@@ -59,15 +58,18 @@ class MotionProjection:
 
     @property
     def radius(self) -> float:
-        """Metres from the centre of movement to the furthest corner."""
+        """Distance from the centre of movement to the farthest corner, m."""
         return math.hypot(max(self.outline.front, self.outline.back), self.outline.side)
 
     def poses(self, now: Wheels, wanted: Wheels, seconds: float) -> list[tuple[float, float, float, float]]:
-        """Return where the body will be: x, y, heading in its frame of now, and metres that any place of it moved.
+        """Return the poses of the coming motion, as x, y, heading and path length.
+
+        Positions are in the body's present frame. The path length (m) is an upper bound for how far any point of the
+        body has moved.
 
         Args:
-            now: Its wheels.
-            wanted: What they are told from now on.
+            now: The present wheel speeds.
+            wanted: The commanded wheel speeds from now on.
             seconds: How far to look ahead.
         """
         found = []
@@ -76,7 +78,7 @@ class MotionProjection:
             now = now.lagged(wanted, self.inertia)
             travel, turn = (now.left + now.right) / 2.0 * self.period, (now.right - now.left) / self.track * self.period
             reach = abs(travel) + abs(turn) * self.radius
-            pieces = max(1, math.ceil(reach / STRIDE))
+            pieces = max(1, math.ceil(reach / STEP))
             travel, turn, reach = travel / pieces, turn / pieces, reach / pieces
             for _ in range(pieces):
                 x += travel * math.cos(heading + turn / 2.0)
@@ -86,52 +88,54 @@ class MotionProjection:
                 found.append((x, y, heading, moved))
         return found
 
-    def watched(self, points: Iterable[Point], margin: float, swing: float, longest: float) -> list[Watched]:
-        """Return which points matter to a way, with their room now and the least that it may come to.
+    def watched(self, points: Iterable[Point], margin: float, swing: float, longest: float) -> list[WatchedPoint]:
+        """Return the points that matter to a motion, each with the clearances it must keep.
 
         Args:
-            points: What stands there, in the body's frame of now.
-            margin: Metres to keep; where there is less now, about that.
-            swing: Metres by which the footprint counts as longer at both ends, to have room to turn by later.
-            longest: Metres that any place of the body moves at most.
+            points: Obstacle points, in the body's present frame.
+            margin: The clearance to keep, m; where there is less now, `CLEARANCE_SHARE` of it may be used up.
+            swing: Metres added to both ends of the footprint, to keep room for a later turn in place.
+            longest: The farthest that any point of the body moves, m.
         """
         found = []
         for x, y in points:
-            room = self.clearance(x, y, 0.0)
-            wide = self.clearance(x, y, swing)
-            if wide - margin <= longest:
-                spent = CREEP * max(0.0, room)
-                found.append((x, y, min(margin, room - spent), min(margin, wide - spent)))
+            clearance = self.clearance(x, y, 0.0)
+            lengthened = self.clearance(x, y, swing)
+            if lengthened - margin <= longest:
+                spent = CLEARANCE_SHARE * max(0.0, clearance)
+                found.append((x, y, min(margin, clearance - spent), min(margin, lengthened - spent)))
         return found
 
     def is_free(
-        self, poses: Sequence[tuple[float, float, float, float]], watched: Sequence[Watched], swing: float
+        self, poses: Sequence[tuple[float, float, float, float]], watched: Sequence[WatchedPoint], swing: float
     ) -> bool:
-        """Return whether no point comes nearer than it may.
+        """Return whether every point keeps its clearances along a motion.
 
         Args:
-            poses: As `poses` returns them.
-            watched: As `watched` returns them, for at least as long a way.
-            swing: As there.
+            poses: The motion, from `poses`.
+            watched: The points, from `watched` with a `longest` no shorter than this motion.
+            swing: The same as there.
         """
-        looked = slack = 0.0
+        checked = slack = 0.0
         body = self.outline
         middle, half, side = (body.front - body.back) / 2.0, (body.front + body.back) / 2.0, body.side
         for px, py, heading, moved in poses:
-            # No point can have come nearer by more than the body moved.
-            if moved - looked < slack:
+            # No point can have come nearer than the body has moved since the last check.
+            if moved - checked < slack:
                 continue
-            looked, slack = moved, math.inf
+            checked, slack = moved, math.inf
             c, s = math.cos(heading), math.sin(heading)
-            for x, y, least, least_wide in watched:
-                # As `clearance`, twice, written out: most of a tick is spent here.
+            for x, y, least, least_long in watched:
+                # `clearance` twice, inlined: most of a tick's time is spent here.
                 dx, dy = x - px, y - py
                 along = abs(c * dx + s * dy - middle) - half
                 across = abs(c * dy - s * dx) - side
-                room = (max(along, across) if along <= 0.0 or across <= 0.0 else math.hypot(along, across)) - least
+                spare = (max(along, across) if along <= 0.0 or across <= 0.0 else math.hypot(along, across)) - least
                 along -= swing
-                wide = (max(along, across) if along <= 0.0 or across <= 0.0 else math.hypot(along, across)) - least_wide
-                if room < 0.0 or wide < 0.0:
+                spare_long = (
+                    max(along, across) if along <= 0.0 or across <= 0.0 else math.hypot(along, across)
+                ) - least_long
+                if spare < 0.0 or spare_long < 0.0:
                     return False
-                slack = min(slack, room, wide)
+                slack = min(slack, spare, spare_long)
         return True

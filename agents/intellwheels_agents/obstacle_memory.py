@@ -1,12 +1,13 @@
-"""Where something may stand around a body, remembered from its proximity sensors.
+"""Remembers where obstacles may be around a body, from its proximity sensors and odometry.
 
-A reading says how near something is inside a cone, not where in it: every point of the arc at that distance may be it.
-The arc is kept as points, carried along by odometry, until a later cone proves a point free by seeing past it, the body
-itself stands there, or it is left behind. So what slips between two cones is still known, once one of them saw it.
-Of an arc only those points count that were not proven free a moment ago, if there are others. Between two cones
-beside one another that both see something near, a wall may stand: the straight line between them counts while they do.
+A reading says how near an obstacle is inside a cone, but not where in the cone: it may be anywhere on the arc at that
+distance. The arc is stored as points. A point is removed when a later beam sees past it, when the body itself stands
+there, or when it is left far behind. So an obstacle stays known while it is between two beams.
+Points of an arc that were seen free a moment ago do not count, as long as others of the same arc remain. If two
+neighbouring beams both see something near, a wall may connect the two: the straight line between their arcs counts
+too, for that tick.
 
-What no cone ever saw is not known: a thin thing that appears between two cones, or above or below their height.
+Never seen means unknown: a thin obstacle that appears between two beams, or one above or below their height.
 """
 
 from __future__ import annotations
@@ -17,41 +18,45 @@ from collections.abc import Iterable, Iterator
 from typing import Final, NamedTuple
 
 from intellwheels_agents.differential_drive import Odometry
+from intellwheels_agents.pure_pursuit import Point
 from intellwheels_agents.range_scan import Outline, distance, outline
 from intellwheels_schemas.messages import Measures, Proximity, ProximityReading, Robot
 
 CELL: Final = 0.04
-"""Metres of the raster in which one point is kept, unless it is made finer."""
+"""Default cell size of the grid, m; a cell holds one point."""
 SPACING: Final = 1.5
-"""Cells between the points of an arc."""
-PROOF: Final = 1.5
-"""Cells by which a cone must see past a point, and hold it within its edges, to prove it free: whatever stood in the
-point's cell, whose diagonal is less, or between it and the next of its arc, would have been seen."""
+"""Cells between two points of an arc."""
+CLEARING: Final = 1.5
+"""Cells by which a beam must see past a point, and contain it within its edges, to clear it. That is more than the
+diagonal of a cell, so an obstacle in the point's cell, or between it and the next point of its arc, would be seen."""
 REACH: Final = 1.5
-"""Metres up to which a reading is kept: what is further is seen again, nearer, before it matters."""
-FORGOTTEN: Final = 8.0
-"""Metres of driving, a radian of turning counted as one, after which odometry is trusted no more."""
-FREE: Final = 5.0
-"""Seconds for which what was proven free counts as free: a person who walks in is believed later than that."""
+"""Longest reading that is stored, m: what is farther is seen again, nearer, before it matters."""
+MAX_AGE: Final = 8.0
+"""Age at which a point is dropped, in m of driving (1 rad of turning counts as 1 m): odometry has drifted too far."""
+FREE_TIME: Final = 5.0
+"""Seconds for which a cell that was seen free counts as free: a person who enters it is not assumed there at once."""
 JUMP: Final = 0.03
-"""Metres by which a reading may shrink in a tick beyond what the body moved; by more, something came."""
-LOOK: Final = 0.1
-"""Metres of driving, a radian of turning counted as one, between two looks at what is free."""
-LONE: Final = 0.3
-"""Metres of driving, a radian of turning counted as one, after which a point without a neighbour is forgotten: what
-is really there is seen from several places, and each leaves a point a little beside the last."""
-BRIDGE: Final = 0.8
-"""Metres between two cones' arcs that a wall may bridge."""
-_PAST: Final = 40
-_BESIDE: Final = tuple((i, j) for i in (-1, 0, 1) for j in (-1, 0, 1) if i or j)
+"""Metres by which a reading may shrink in a tick beyond the body's own motion; a larger step is a new obstacle."""
+LOOK_INTERVAL: Final = 0.1
+"""Distance between two updates of the free cells, in m of driving (1 rad of turning counts as 1 m)."""
+LONE_AGE: Final = 0.3
+"""Age at which a point without neighbours is dropped, in m of driving (1 rad of turning counts as 1 m). A real
+obstacle is seen from several places, and each leaves a point beside the last."""
+WALL_GAP: Final = 0.8
+"""Longest gap between two beams' arcs that a wall is assumed to close, m."""
+_POSES_KEPT: Final = 40
+_NEIGHBOURS: Final = tuple((i, j) for i in (-1, 0, 1) for j in (-1, 0, 1) if i or j)
 
 Pose = tuple[float, float, float]
 Cell = tuple[int, int]
-Point = tuple[float, float]
 
 
 class _Beam(NamedTuple):
-    """A sensor on the body: place, direction, and its cone's half angle as tangent and lengths of the proof."""
+    """A sensor on the body: its position (m), bearing and half cone angle (rad), and what clearing needs.
+
+    `tangent` is that of the half angle, `slack` the margin to the edge of the cone (m), `lattice` the cells in the cone
+    as x, y and distance (m).
+    """
 
     sensor: Proximity
     x: float
@@ -63,39 +68,39 @@ class _Beam(NamedTuple):
     lattice: tuple[tuple[float, float, float], ...]
 
     def at(self, angle: float, metres: float) -> Point:
-        """Return the place at an angle from its middle and a distance from it, in the body's frame."""
+        """Return the point at an angle from the beam's axis (rad) and a distance (m), in the body frame."""
         return self.x + metres * math.cos(self.bearing + angle), self.y + metres * math.sin(self.bearing + angle)
 
 
 class ObstacleMemory:
-    """What may stand around a body.
+    """Where obstacles may be around a body.
 
     Attributes:
-        points: (x, y) in the body's own frame, metres, of all that may be something within `REACH` of the body.
+        points: Possible obstacle points (x, y) within `REACH` of the body, in the body frame, m.
     """
 
     def __init__(self, robot: Robot, cell: float = CELL) -> None:
-        """Take the sensors of `robot` that ride on it, and the raster's cell, m."""
-        self._cell, self._spacing, self._proof = cell, SPACING * cell, PROOF * cell
+        """Take the sensors of `robot` that move with it, and the cell size of the grid, m."""
+        self._cell, self._spacing, self._clearing = cell, SPACING * cell, CLEARING * cell
         self.points: list[Point] = []
         self._outline = outline(robot)
-        self._eyes = {sensor.id: _eye(sensor, cell) for sensor in robot.proximity if sensor.mount == "body"}
+        self._beams = {sensor.id: _beam(sensor, cell) for sensor in robot.proximity if sensor.mount == "body"}
         self._cells: dict[Cell, tuple[float, float, float]] = {}
-        self._poses: deque[tuple[int, Pose]] = deque(maxlen=_PAST)
+        self._poses: deque[tuple[int, Pose]] = deque(maxlen=_POSES_KEPT)
         self._travel = 0.0
         self._step = 0.0
-        self._looked = -math.inf
+        self._looked_at = -math.inf
         self._free: dict[Cell, float] = {}
         self._last: dict[str, float] = {}
-        self._stand = _lattice_of(self._outline, cell)
-        self._ring = sorted(self._eyes, key=lambda name: math.remainder(self._eyes[name].bearing, math.tau))
+        self._covered = _lattice_of(self._outline, cell)
+        self._ring = sorted(self._beams, key=lambda name: math.remainder(self._beams[name].bearing, math.tau))
 
     def update(self, measures: Measures, odometry: Odometry) -> None:
-        """Take the readings of a tick.
+        """Update with the readings of a tick.
 
         Args:
-            measures: A reading that says an older tick is put where the body was then.
-            odometry: Updated with the same measures.
+            measures: The measures; a reading of an older tick is placed where the body was at that tick.
+            odometry: The pose estimate, already updated with the same measures.
         """
         pose = odometry.x, odometry.y, odometry.heading
         if self._poses:
@@ -105,32 +110,32 @@ class ObstacleMemory:
             self._travel += self._step
         self._poses.append((measures.tick, pose))
         local = self._around(pose)
-        looks = self._travel - self._looked >= LOOK
+        looks = self._travel - self._looked_at >= LOOK_INTERVAL
         if looks:
-            self._looked = self._travel
-            self._free = {cell: time for cell, time in self._free.items() if measures.time - time <= FREE}
-            self._set_free(pose, self._stand, measures.time)
-            self._forget_lone(local)
+            self._looked_at = self._travel
+            self._free = {cell: time for cell, time in self._free.items() if measures.time - time <= FREE_TIME}
+            self._set_free(pose, self._covered, measures.time)
+            self._drop_lone(local)
         ranges: dict[str, float] = {}
         for reading in measures.sensors.proximity if measures.sensors else ():
-            eye = self._eyes.get(reading.id)
-            metres = None if eye is None else distance(reading, eye.sensor)
-            if eye is None or metres is None:
+            beam = self._beams.get(reading.id)
+            metres = None if beam is None else distance(reading, beam.sensor)
+            if beam is None or metres is None:
                 continue
             then = self._pose_at(reading.tick)
             if then is None:
                 continue
-            # An old look proves nothing of what was seen since.
+            # A delayed reading must not clear points that were seen after it.
             if then == pose:
                 ranges[reading.id] = metres
-                self._prove_free(eye, min(metres, eye.sensor.max_range), local)
+                self._clear(beam, min(metres, beam.sensor.max_range), local)
                 if looks:
-                    clear = metres - self._proof
-                    self._set_free(pose, [(x, y) for x, y, far in eye.lattice if far < clear], measures.time)
-            came = metres < self._last.get(reading.id, math.inf) - JUMP - self._step
-            self._mark(eye, reading, metres, then, local, came)
+                    clear = metres - self._clearing
+                    self._set_free(pose, [(x, y) for x, y, far in beam.lattice if far < clear], measures.time)
+            appeared = metres < self._last.get(reading.id, math.inf) - JUMP - self._step
+            self._mark(beam, reading, metres, then, local, appeared)
         self._last = ranges
-        self.points = [*local.values(), *self._bridges(ranges)]
+        self.points = [*local.values(), *self._walls_between(ranges)]
 
     def _pose_at(self, tick: int | None) -> Pose | None:
         if tick is None:
@@ -138,49 +143,50 @@ class ObstacleMemory:
         return next((pose for at, pose in self._poses if at == tick), None)
 
     def _around(self, pose: Pose) -> dict[Cell, Point]:
-        """Return what is near in the body's frame; forget what is far, old, or where the body stands."""
+        """Return the near points in the body frame; drop those that are far, old, or covered by the body."""
         px, py, heading = pose
         c, s = math.cos(heading), math.sin(heading)
         body = self._outline
         reach = REACH + max(body.front, body.back)
-        oldest = self._travel - FORGOTTEN
+        oldest = self._travel - MAX_AGE
         near: dict[Cell, Point] = {}
-        gone = []
+        dropped = []
         for cell, (wx, wy, travel) in self._cells.items():
             dx, dy = wx - px, wy - py
             x, y = c * dx + s * dy, c * dy - s * dx
             if travel < oldest or not (-reach < x < reach and -reach < y < reach) or _within(body, x, y):
-                gone.append(cell)
+                dropped.append(cell)
             else:
                 near[cell] = x, y
-        for cell in gone:
+        for cell in dropped:
             del self._cells[cell]
         return near
 
-    def _prove_free(self, eye: _Beam, metres: float, local: dict[Cell, Point]) -> None:
-        c, s = math.cos(eye.bearing), math.sin(eye.bearing)
-        clear = metres - self._proof
+    def _clear(self, beam: _Beam, metres: float, local: dict[Cell, Point]) -> None:
+        """Drop the points that a beam sees past."""
+        c, s = math.cos(beam.bearing), math.sin(beam.bearing)
+        clear = metres - self._clearing
         if clear <= 0.0:
             return
-        behind, tangent, slack = c * eye.x + s * eye.y, eye.tangent, eye.slack
-        aside = c * eye.y - s * eye.x
-        proved = []
+        behind, tangent, slack = c * beam.x + s * beam.y, beam.tangent, beam.slack
+        aside = c * beam.y - s * beam.x
+        cleared = []
         for cell, (x, y) in local.items():
             along = c * x + s * y - behind
             if not 0.0 < along < clear:
                 continue
             across = abs(c * y - s * x - aside)
             if across < along * tangent - slack and along * along + across * across < clear * clear:
-                proved.append(cell)
-        for cell in proved:
+                cleared.append(cell)
+        for cell in cleared:
             del local[cell], self._cells[cell]
 
-    def _forget_lone(self, local: dict[Cell, Point]) -> None:
+    def _drop_lone(self, local: dict[Cell, Point]) -> None:
         cells = self._cells
         lone = [
             (i, j)
             for i, j in local
-            if cells[i, j][2] < self._travel - LONE and not any((i + di, j + dj) in cells for di, dj in _BESIDE)
+            if cells[i, j][2] < self._travel - LONE_AGE and not any((i + di, j + dj) in cells for di, dj in _NEIGHBOURS)
         ]
         for cell in lone:
             del local[cell], cells[cell]
@@ -193,50 +199,57 @@ class ObstacleMemory:
             self._free[at] = time
 
     def _mark(
-        self, eye: _Beam, reading: ProximityReading, metres: float, then: Pose, local: dict[Cell, Point], came: bool
+        self,
+        beam: _Beam,
+        reading: ProximityReading,
+        metres: float,
+        then: Pose,
+        local: dict[Cell, Point],
+        appeared: bool,
     ) -> None:
-        if metres > min(REACH, eye.sensor.max_range):
+        """Store the arc of a reading; `appeared` says that the obstacle is new, so cells seen free may hold it."""
+        if metres > min(REACH, beam.sensor.max_range):
             return
-        # Nearer than a sensor can tell: the arc halfway is never further than the thing by more than that half.
+        # Nearer than the sensor's minimum range: an arc at half of it is wrong by at most that half.
         radius = metres / 2.0 if reading.status == "near" else metres
         x, y, heading = self._poses[-1][1]
         c, s = math.cos(heading), math.sin(heading)
         then_x, then_y, turned = then
         then_c, then_s = math.cos(turned), math.sin(turned)
-        steps = max(1, math.ceil(2.0 * eye.half * radius / self._spacing))
+        steps = max(1, math.ceil(2.0 * beam.half * radius / self._spacing))
         arc: list[tuple[Cell, Point, Point]] = []
         for k in range(steps + 1):
-            angle = eye.bearing - eye.half + 2.0 * eye.half * k / steps
-            bx, by = eye.x + radius * math.cos(angle), eye.y + radius * math.sin(angle)
+            angle = beam.bearing - beam.half + 2.0 * beam.half * k / steps
+            bx, by = beam.x + radius * math.cos(angle), beam.y + radius * math.sin(angle)
             wx, wy = then_x + then_c * bx - then_s * by, then_y + then_s * bx + then_c * by
             dx, dy = wx - x, wy - y
             here = c * dx + s * dy, c * dy - s * dx
             if not _within(self._outline, *here):
                 arc.append(((math.floor(wx / self._cell), math.floor(wy / self._cell)), (wx, wy), here))
-        doubtful = arc if came else [entry for entry in arc if entry[0] not in self._free]
-        for cell, (wx, wy), here in doubtful or arc:
+        possible = arc if appeared else [entry for entry in arc if entry[0] not in self._free]
+        for cell, (wx, wy), here in possible or arc:
             self._cells[cell] = (wx, wy, self._travel)
             local[cell] = here
             self._free.pop(cell, None)
 
-    def _bridges(self, ranges: dict[str, float]) -> Iterator[Point]:
-        """Yield points of the walls that may stand between cones beside one another."""
+    def _walls_between(self, ranges: dict[str, float]) -> Iterator[Point]:
+        """Yield points of the walls that may connect the arcs of neighbouring beams."""
         for first, second in zip(self._ring, self._ring[1:] + self._ring[:1], strict=True):
-            one, other = self._eyes[first], self._eyes[second]
+            one, other = self._beams[first], self._beams[second]
             near, far = ranges.get(first, math.inf), ranges.get(second, math.inf)
             if first == second or max(near, far) > REACH:
                 continue
             a, b = one.at(one.half, near), other.at(-other.half, far)
             length = math.dist(a, b)
-            if length < BRIDGE:
+            if length < WALL_GAP:
                 pieces = max(1, math.ceil(length / self._spacing))
                 for k in range(1, pieces):
                     yield a[0] + (b[0] - a[0]) * k / pieces, a[1] + (b[1] - a[1]) * k / pieces
 
 
-def _eye(sensor: Proximity, cell: float) -> _Beam:
+def _beam(sensor: Proximity, cell: float) -> _Beam:
     half = min(math.radians(sensor.cone_deg) / 2.0, math.radians(89.0))
-    bearing, tangent, slack = math.radians(sensor.direction_deg), math.tan(half), PROOF * cell / math.cos(half)
+    bearing, tangent, slack = math.radians(sensor.direction_deg), math.tan(half), CLEARING * cell / math.cos(half)
     c, s = math.cos(bearing), math.sin(bearing)
     count = math.ceil(REACH / cell)
     lattice = tuple(
@@ -249,8 +262,8 @@ def _eye(sensor: Proximity, cell: float) -> _Beam:
 
 
 def _lattice_of(body: Outline, cell: float) -> tuple[Point, ...]:
-    """Return places all over a body, far enough within that all of their cells are."""
-    edge = PROOF * cell
+    """Return points that cover a body, far enough inside that all their cells are inside too."""
+    edge = CLEARING * cell
     inside = Outline(body.front - edge, body.back - edge, body.side - edge)
     return tuple(
         (x, y)

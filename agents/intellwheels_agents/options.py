@@ -1,7 +1,7 @@
-"""Options of a mind: text by name, read as what they mean.
+"""The options of a mind: text by name, with readers that convert and check.
 
-Whatever was read is known; whatever was given and never read is a typing error of the user and is
-refused by name. Names that begin with a capital letter belong to the robot document (`equipment`).
+An option that was given but never read is a typing error of the user, and is refused by name. Names that begin with
+a capital letter are not options of the mind: they set fields of the robot document (`robot_document`).
 """
 
 from __future__ import annotations
@@ -11,13 +11,13 @@ from collections.abc import Iterator, Mapping
 
 
 class OptionError(ValueError):
-    """An option that cannot be used; the sentence says which, what was expected and what came."""
+    """An option that cannot be used; the text says which option, what was expected and what came."""
 
 
 class Options(Mapping[str, str]):
-    """Options by name, with readers that check.
+    """Options by name, with readers that check them.
 
-    Every reader takes the name and what to return when the option is absent.
+    Every reader takes the option's name and, where there is one, the default for an absent option.
     """
 
     def __init__(self, given: Mapping[str, str] | None = None) -> None:
@@ -39,14 +39,14 @@ class Options(Mapping[str, str]):
         return name in self._given
 
     def text(self, name: str, default: str = "") -> str:
-        """Return the option as it stands."""
+        """Return the option as text."""
         return self.get(name, default)
 
     def number(self, name: str, default: float, low: float = -math.inf, high: float = math.inf) -> float:
         """Return the option as a number in [low, high].
 
         Raises:
-            OptionError: It is none, or is out of that range.
+            OptionError: It is not a number, or is out of range.
         """
         text = self.get(name)
         if text is None:
@@ -81,10 +81,10 @@ class Options(Mapping[str, str]):
         return tuple(self.get(name, "").replace(",", " ").split())
 
     def points(self, name: str) -> tuple[tuple[float, float], ...]:
-        """Return the option as points: x y x y, in metres, separated by spaces or commas.
+        """Return the option as points (x, y) in m, written x y x y with spaces or commas between.
 
         Raises:
-            OptionError: Something is no number, or a y is missing.
+            OptionError: A word is not a number, or the last y is missing.
         """
         words = self.words(name)
         numbers = [_number(word) for word in words]
@@ -94,7 +94,7 @@ class Options(Mapping[str, str]):
         return tuple(zip(values[::2], values[1::2], strict=True))
 
     def check_all_read(self) -> None:
-        """Refuse what was given and never asked for.
+        """Refuse options that no reader asked for.
 
         Raises:
             OptionError: There is such an option.

@@ -1,4 +1,4 @@
-"""Pure pursuit: a chair is steered at a point of its path that lies a look-ahead before it.
+"""Paths for pure pursuit: a chair steers towards the point of its path that lies a look-ahead distance in front of it.
 
     (x, y): that point in the body frame, L: its distance; the arc through it has curvature 2 y / L^2
 
@@ -18,38 +18,38 @@ Point = tuple[float, float]
 
 
 class Path:
-    """A line through points, followed forwards only.
+    """A polyline that is followed forwards only.
 
     Attributes:
-        length: Metres from the first point to the last.
-        done: Metres along it that lie behind.
+        length: Length from the first point to the last, m.
+        done: Length of the part that is already driven, m.
     """
 
-    # Metres ahead of `done` where the nearest point is looked for: not so far that a path
-    # that comes back along itself is cut short.
+    # The nearest point is looked for at most this far beyond `done`, in m, so that a path which returns along itself
+    # is not cut short.
     WINDOW = 1.0
 
     def __init__(self, points: Sequence[Point]) -> None:
-        """Take two or more points; equal neighbours are joined.
+        """Take two or more points, m; of equal neighbours only one is kept.
 
         Raises:
-            ValueError: Fewer than two different points are left.
+            ValueError: There are fewer than two different points.
         """
-        kept: list[Point] = []
+        distinct: list[Point] = []
         for point in points:
-            if not kept or math.dist(point, kept[-1]) > 1e-6:
-                kept.append(point)
-        if len(kept) < 2:
+            if not distinct or math.dist(point, distinct[-1]) > 1e-6:
+                distinct.append(point)
+        if len(distinct) < 2:
             raise ValueError("path: expected at least 2 different points")
-        self._points = kept
+        self._points = distinct
         self._starts = [0.0]
-        for a, b in pairwise(kept):
+        for a, b in pairwise(distinct):
             self._starts.append(self._starts[-1] + math.dist(a, b))
         self.length = self._starts[-1]
         self.done = 0.0
 
     def extend(self, point: Point) -> None:
-        """Add a point at the end, unless it is the last one."""
+        """Add a point at the end, unless it equals the last one."""
         if math.dist(point, self._points[-1]) > 1e-6:
             self._starts.append(self._starts[-1] + math.dist(point, self._points[-1]))
             self._points.append(point)
@@ -61,12 +61,12 @@ class Path:
         return self._points[-1]
 
     @property
-    def left(self) -> float:
-        """Metres that still lie ahead."""
+    def remaining(self) -> float:
+        """Length that still lies ahead, m."""
         return self.length - self.done
 
     def update(self, x: float, y: float) -> None:
-        """Move `done` on to the point nearest to (x, y), never back."""
+        """Move `done` forward to the point of the path nearest to (x, y); it never moves back."""
         best, done = math.inf, self.done
         for i, (a, b) in enumerate(pairwise(self._points)):
             start, end = self._starts[i], self._starts[i + 1]
@@ -82,7 +82,7 @@ class Path:
         self.done = done
 
     def ahead(self, distance: float) -> Point:
-        """Return the point so many metres on from `done`; beyond the end, straight on."""
+        """Return the point `distance` m beyond `done`; past the end, on the extension of the last leg."""
         target = self.done + distance
         i = 0
         while i < len(self._points) - 2 and self._starts[i + 1] < target:
@@ -90,7 +90,7 @@ class Path:
         return self._on(i, target - self._starts[i])
 
     def to_corner(self, angle: float) -> float:
-        """Return metres to the next corner sharper than `angle` radians, or to the end."""
+        """Return the length in m to the next corner sharper than `angle` (rad), or to the end."""
         for i in range(1, len(self._points) - 1):
             if self._starts[i] <= self.done:
                 continue
@@ -98,7 +98,7 @@ class Path:
             turn = math.atan2(c[1] - b[1], c[0] - b[0]) - math.atan2(b[1] - a[1], b[0] - a[0])
             if abs(math.remainder(turn, 2.0 * math.pi)) > angle:
                 return self._starts[i] - self.done
-        return self.left
+        return self.remaining
 
     def _on(self, i: int, along: float) -> Point:
         (ax, ay), (bx, by) = self._points[i], self._points[i + 1]
@@ -107,12 +107,12 @@ class Path:
 
 
 def path_of(context: Context) -> Path | None:
-    """Return the path from where a body stands through the points its options name; None when it is there already.
+    """Return the path from a body's start through the points of its options; None if it is already at the end.
 
     Raises:
-        OptionError: The options name none, or some that are not there.
+        OptionError: The options name no point, or a place that the map does not have.
     """
-    points = context.way()
+    points = context.route()
     if not points:
         raise OptionError("option points: expected points, via or to, got none")
     try:

@@ -1,7 +1,7 @@
-"""A ring of proximity cones all round a body, and the things that stand or move in it.
+"""A ring of proximity cones all round a body, and the objects that it sees.
 
-A thing is where the ring is nearer than on either side; how it moves is how its nearest point moved, smoothed. The
-ring cannot tell a person from a chair or a wall, and who walks needs no more.
+An object is a local minimum of the ring's ranges. Its velocity is the smoothed velocity of its nearest point. The ring
+cannot tell a person from a chair or a wall; a pedestrian model does not need that.
 """
 
 from __future__ import annotations
@@ -12,33 +12,32 @@ from typing import NamedTuple
 import msgspec
 
 from intellwheels_agents.differential_drive import Odometry, wrapped
-from intellwheels_agents.footprint import Moving
-from intellwheels_agents.range_scan import distance, outline
+from intellwheels_agents.footprint import MovingPoint
+from intellwheels_agents.range_scan import SENSOR_HEIGHT, distance, outline
 from intellwheels_schemas.messages import Proximity, Robot, Sensors
 
 CONES = 48
-"""Cones all round. With half as many, people beside each other seem to stand in each other's way."""
+"""Number of cones. With half as many, people who walk side by side seem to block each other."""
 WIDTH = math.tau / CONES
-SIGHT = 5.0
-"""Metres it looks."""
-EYE = 0.4
-"""Metres over the floor it looks at: legs, footrests, bumpers."""
-TRACKING = 0.3
-"""Seconds over which the motion of a thing is smoothed."""
-BESIDE = 0.1
-"""Metres a way out is wider than the body on either side."""
-SAME = 0.3
-"""Metres by which a thing may seem to move in a cycle."""
+"""Angle of a cone, rad."""
+RANGE = 5.0
+"""Range of the cones, m."""
+SMOOTHING = 0.3
+"""Time constant of an object's velocity, s."""
+SIDE_MARGIN = 0.1
+"""Metres by which a way out must be wider than the body, on either side."""
+SAME_OBJECT = 0.3
+"""Farthest that an object may move in a tick and still be recognised as the same, m."""
 
 
-class Thing(NamedTuple):
-    """Somebody or something near, in the map's frame.
+class NearObject(NamedTuple):
+    """An object that the ring sees, in the map frame.
 
     Attributes:
         x, y: Its nearest point, m.
-        metres: To that point.
-        bearing: Of that point, rad.
-        velocity_x, velocity_y: Of that point, m/s.
+        metres: Distance to that point, m.
+        bearing: Direction of that point, rad.
+        velocity_x, velocity_y: Velocity of that point, m/s.
     """
 
     x: float
@@ -48,24 +47,24 @@ class Thing(NamedTuple):
     velocity_x: float = 0.0
     velocity_y: float = 0.0
 
-    def off(self, other: Thing) -> float:
-        """Return how far the nearest point moved, m; a point on the next cone moved by nothing."""
+    def moved_from(self, other: NearObject) -> float:
+        """Return how far the nearest point is from another's, m; a step to the next cone counts as 0."""
         turned = max(abs(wrapped(self.bearing - other.bearing)) - WIDTH, 0.0)
         return abs(self.metres - other.metres) + self.metres * turned
 
 
 def with_ring(robot: Robot) -> Robot:
-    """Return the robot with the ring of cones in place of its own proximity sensors."""
+    """Return the robot with the ring of cones instead of its own proximity sensors."""
     width = 360.0 / CONES
     ring = tuple(
         Proximity(
             id=f"ring-{i}",
             x=0.0,
             y=0.0,
-            z=EYE,
+            z=SENSOR_HEIGHT,
             direction_deg=math.remainder(i * width, 360.0),
             cone_deg=width,
-            max_range=SIGHT,
+            max_range=RANGE,
         )
         for i in range(CONES)
     )
@@ -76,11 +75,11 @@ class RangeRing:
     """What a body sees around it.
 
     Attributes:
-        things: In it at the last update, none nearer than its neighbours left out.
+        objects: The objects seen at the last update.
     """
 
     def __init__(self, robot: Robot, period: float) -> None:
-        """Take a robot `with_ring`, and the seconds between two updates."""
+        """Take a robot made by `with_ring`, and the time between two updates, s."""
         body = outline(robot)
         self._side = body.side
         self._period = period
@@ -88,42 +87,42 @@ class RangeRing:
         self._bearings = [math.radians(sensor.direction_deg) for sensor in robot.proximity]
         self._extents = [_extent(body.front, body.side, bearing) for bearing in self._bearings]
         self._ranges = [math.inf] * len(self._bearings)
-        self.things: list[Thing] = []
+        self.objects: list[NearObject] = []
 
     def update(self, sensors: Sensors | None, pose: Odometry) -> None:
-        """Take the readings of a tick, seen from a pose. A cone that failed keeps what it saw."""
+        """Update with the readings of a tick, taken at a pose. A cone that failed keeps its last range."""
         for reading in sensors.proximity if sensors else ():
             entry = self._sensors.get(reading.id)
             metres = None if entry is None else distance(reading, entry[1])
             if entry is not None and metres is not None:
                 self._ranges[entry[0]] = metres
-        known, self.things = self.things, []
+        known, self.objects = self.objects, []
         count = len(self._ranges)
         for i, metres in enumerate(self._ranges):
             after = self._ranges[(i + 1) % count]
-            # Of two cones that see one thing at their common edge the first is it.
-            if metres < self._ranges[i - 1] and metres <= after and metres <= SIGHT:
+            # Two cones that see one object at their common edge have equal ranges: take the first.
+            if metres < self._ranges[i - 1] and metres <= after and metres <= RANGE:
                 bearing = pose.heading + self._bearings[i] + (WIDTH / 2.0 if metres == after else 0.0)
-                self.things.append(self._followed(metres, wrapped(bearing), pose, known))
+                self.objects.append(self._tracked(metres, wrapped(bearing), pose, known))
 
-    def _followed(self, metres: float, bearing: float, pose: Odometry, known: list[Thing]) -> Thing:
-        """Return a thing with the velocity that follows from the one it was."""
+    def _tracked(self, metres: float, bearing: float, pose: Odometry, known: list[NearObject]) -> NearObject:
+        """Return an object, with a velocity if it is one of the known ones."""
         x, y = pose.x + metres * math.cos(bearing), pose.y + metres * math.sin(bearing)
-        thing = Thing(x, y, metres, bearing)
-        last = min(known, key=thing.off, default=None)
-        if last is None or thing.off(last) >= SAME:
-            return thing
-        share = self._period / TRACKING
-        vx = (1.0 - share) * last.velocity_x + (x - last.x) / TRACKING
-        vy = (1.0 - share) * last.velocity_y + (y - last.y) / TRACKING
-        return thing._replace(velocity_x=vx, velocity_y=vy)
+        found = NearObject(x, y, metres, bearing)
+        last = min(known, key=found.moved_from, default=None)
+        if last is None or found.moved_from(last) >= SAME_OBJECT:
+            return found
+        share = self._period / SMOOTHING
+        vx = (1.0 - share) * last.velocity_x + (x - last.x) / SMOOTHING
+        vy = (1.0 - share) * last.velocity_y + (y - last.y) / SMOOTHING
+        return found._replace(velocity_x=vx, velocity_y=vy)
 
     def gap(self, turned: int = 0, beside: float = 0.0) -> float:
-        """Return metres from the body to what it would walk into; infinite if there is nothing.
+        """Return the free distance in front of the body, m; infinite if nothing is in the way.
 
         Args:
-            turned: Cones to the left of straight on that it would turn to first.
-            beside: Metres it keeps on either side.
+            turned: Number of cones to the left by which the body turns first.
+            beside: Clearance to keep on either side, m.
         """
         gap, count = math.inf, len(self._ranges)
         for i, (bearing, extent) in enumerate(zip(self._bearings, self._extents, strict=True)):
@@ -132,27 +131,30 @@ class RangeRing:
                 gap = min(gap, (metres - extent) * math.cos(bearing))
         return max(gap, 0.0)
 
-    def way_out(self, direction: float, room: float) -> float:
-        """Return the direction nearest to one, rad from straight on, in which there are so many metres of room."""
+    def way_out(self, direction: float, free: float) -> float:
+        """Return the direction nearest to `direction` with more than `free` m ahead; `direction` if there is none.
+
+        Directions are in rad from straight ahead.
+        """
         middle, count = round(direction / WIDTH), len(self._ranges)
         turns = sorted(range(middle - count // 2, middle + count // 2), key=lambda turn: abs(turn - middle))
-        return next((wrapped(turn * WIDTH) for turn in turns if self.gap(turn, BESIDE) > room), direction)
+        return next((wrapped(turn * WIDTH) for turn in turns if self.gap(turn, SIDE_MARGIN) > free), direction)
 
-    def near(self, reach: float, heading: float) -> list[Moving]:
-        """Return the points within so many metres, in the body's frame, each with the velocity of its thing."""
+    def near(self, reach: float, heading: float) -> list[MovingPoint]:
+        """Return the points within `reach` m, in the body frame, each with the velocity of the object nearest to it."""
         c, s = math.cos(heading), math.sin(heading)
-        found: list[Moving] = []
+        found: list[MovingPoint] = []
         for bearing, metres in zip(self._bearings, self._ranges, strict=True):
             if metres > reach:
                 continue
             in_map = bearing + heading
-            thing = min(self.things, key=lambda thing: abs(wrapped(thing.bearing - in_map)), default=None)
-            vx, vy = (0.0, 0.0) if thing is None else (thing.velocity_x, thing.velocity_y)
+            owner = min(self.objects, key=lambda each: abs(wrapped(each.bearing - in_map)), default=None)
+            vx, vy = (0.0, 0.0) if owner is None else (owner.velocity_x, owner.velocity_y)
             found.append((metres * math.cos(bearing), metres * math.sin(bearing), c * vx + s * vy, c * vy - s * vx))
         return found
 
 
 def _extent(front: float, side: float, bearing: float) -> float:
-    """Return metres from the middle of a box to its edge in a direction."""
+    """Return the distance from the centre of a box to its edge in a direction, m."""
     c, s = abs(math.cos(bearing)), abs(math.sin(bearing))
     return min(front / c if c > 1e-9 else math.inf, side / s if s > 1e-9 else math.inf)

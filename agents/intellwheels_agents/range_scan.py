@@ -1,7 +1,7 @@
-"""What proximity sensors tell of the room around a body.
+"""The clearances around a body, from its proximity sensors.
 
-A reading says how near something is inside a cone, not where in it. What matters here is the
-nearest place where it could stand: it blocks the way when it could be in the strip the body sweeps.
+A reading says how near an obstacle is inside a cone, but not where in the cone. What counts here is the nearest place
+where it could be: it blocks the way if it could be in the strip that the body sweeps.
 """
 
 from __future__ import annotations
@@ -13,12 +13,14 @@ from intellwheels_schemas.messages import Proximity, ProximityReading, Robot, Se
 from intellwheels_schemas.rules import parts_of
 
 BESIDE = math.pi / 2.0
-"""Radians: straight to the side."""
+"""Straight to the side, rad."""
+SENSOR_HEIGHT = 0.4
+"""Height above the floor of added proximity sensors, m: legs, footrests and bumpers are there."""
 
 
 @dataclass(frozen=True, slots=True)
 class Outline:
-    """How far a body reaches from its centre of movement, in metres, all positive."""
+    """How far a body extends from its centre of movement, m, all positive."""
 
     front: float
     back: float
@@ -26,7 +28,7 @@ class Outline:
 
 
 def outline(robot: Robot) -> Outline:
-    """Return the outline of a robot document's parts, whichever form it has."""
+    """Return the outline of a robot document, whether it has parts or one box."""
     parts = parts_of(robot)
     return Outline(
         front=max(part.x + part.length / 2.0 for part in parts),
@@ -36,7 +38,7 @@ def outline(robot: Robot) -> Outline:
 
 
 def distance(reading: ProximityReading, sensor: Proximity) -> float | None:
-    """Return metres to what the sensor sees; infinite when there is nothing, None when it failed."""
+    """Return the range of a reading in m: infinite if nothing is in range, None if the sensor failed."""
     if reading.status == "ok":
         return reading.value
     if reading.status == "near":
@@ -45,20 +47,20 @@ def distance(reading: ProximityReading, sensor: Proximity) -> float | None:
 
 
 class RangeScan:
-    """The proximity readings of a body that drives.
+    """The clearances of a body, from the readings of one tick; m, infinite where nothing is seen.
 
     Attributes:
-        left, right: Metres of room to each side, beside and ahead, infinite where nothing is seen.
-        front_left, front_right: Metres of room before each front corner.
-        back_left, back_right: Metres of room for the back to swing to, beside and behind.
-        back: Metres of room behind.
+        left, right: To each side, beside and ahead.
+        front_left, front_right: In front of each front corner.
+        back_left, back_right: Where the back swings in a turn, beside and behind.
+        back: Behind.
     """
 
-    # Beside the body, in metres: what passes nearer than this could be touched.
+    # Added to each side of the body's strip, in m: an obstacle that passes nearer than this could be touched.
     MARGIN = 0.05
 
     def __init__(self, robot: Robot) -> None:
-        """Take the sensors of `robot` that ride on it."""
+        """Take the sensors of `robot` that move with it."""
         self._body = outline(robot)
         self._looking = {
             sensor.id: (sensor, math.radians(sensor.direction_deg), math.radians(sensor.cone_deg) / 2.0)
@@ -69,7 +71,7 @@ class RangeScan:
         self.front_left = self.front_right = self.back_left = self.back_right = math.inf
 
     def update(self, sensors: Sensors | None) -> None:
-        """Take the readings of a tick. A sensor that failed, or is not there yet, is left out."""
+        """Update with the readings of a tick. A sensor that failed, or has not measured yet, is ignored."""
         self._clear()
         if sensors is None:
             return
@@ -90,7 +92,7 @@ class RangeScan:
         self.front_left = self.front_right = self.back_left = self.back_right = math.inf
 
     def _sort(self, bearing: float, half_cone: float, metres: float) -> None:
-        """Note the room a cone tells of, by where it looks."""
+        """Store a range in the clearances that belong to the cone's direction."""
         off = abs(bearing)
         if off >= math.pi - half_cone:
             self.back = min(self.back, metres)
@@ -100,7 +102,7 @@ class RangeScan:
                 self.front_left = min(self.front_left, metres)
             else:
                 self.front_right = min(self.front_right, metres)
-        # A quarter turn to the side is both: the side ahead and the side the back swings to.
+        # A cone straight to the side counts twice: as the side, and as where the back swings.
         if half_cone < off <= BESIDE + half_cone:
             if bearing > 0.0:
                 self.left = min(self.left, metres)
@@ -114,15 +116,15 @@ class RangeScan:
 
     @property
     def gap(self) -> float:
-        """Metres from the body's front to the nearest thing that could be in its way, infinite if none."""
+        """Distance from the body's front to the nearest obstacle that could be in its way, m; infinite if none."""
         return self._gap
 
     def _gap_of(self, sensor: Proximity, direction: float, half_cone: float, metres: float) -> float:
         if math.isinf(metres):
             return math.inf
-        # The ray of the cone nearest to straight ahead is where it would be most in the way.
+        # Assume the obstacle on the cone's ray nearest to straight ahead, where it would be most in the way.
         bearing = math.copysign(max(abs(direction) - half_cone, 0.0), direction)
-        # A cone wholly beside the body tells nothing of what is ahead.
+        # A cone that is entirely beside the body says nothing about what is ahead.
         if abs(bearing) > math.radians(60.0):
             return math.inf
         across = sensor.y + metres * math.sin(bearing)

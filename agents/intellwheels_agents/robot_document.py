@@ -1,7 +1,7 @@
-"""The robot document of an agent: a file's, changed by options that name its fields.
+"""The robot document that an agent joins with: a robot file, changed by options that name its fields.
 
-`MotorNoise=0.015` sets a field of the robot, `Compass.NoiseDeg=0.5` one of every sensor of a kind.
-The names are the wire's, so they begin with a capital letter; a mind's own options do not.
+`MotorNoise=0.015` sets a field of the robot, `Compass.NoiseDeg=0.5` sets a field of all its compasses. The names are
+those of the contract, so they begin with a capital letter; the options of a mind do not.
 """
 
 from __future__ import annotations
@@ -20,21 +20,21 @@ _NUMBER = re.compile(r"-?\d+(\.\d+)?([eE][-+]?\d+)?")
 
 
 def split_options(given: Mapping[str, str]) -> tuple[dict[str, str], dict[str, str]]:
-    """Return the options of the robot document and those of the mind."""
-    of_robot = {name: value for name, value in given.items() if name[:1].isupper()}
-    return of_robot, {name: value for name, value in given.items() if name not in of_robot}
+    """Return the options that set fields of the robot document, and the options of the mind."""
+    robot_options = {name: value for name, value in given.items() if name[:1].isupper()}
+    return robot_options, {name: value for name, value in given.items() if name not in robot_options}
 
 
 def equipped(robot: Robot, changes: Mapping[str, str]) -> Robot:
-    """Return `robot` with fields changed.
+    """Return `robot` with changed fields.
 
     Args:
         robot: A robot document.
-        changes: Values by wire name, `Field` or `Kind.Field`.
+        changes: Values by field name, `Field` for the robot or `Kind.Field` for all its sensors of a kind.
 
     Raises:
-        OptionError: There is no such field or sensor, or it cannot have that value.
-        WireError: The fields do not go together.
+        OptionError: The robot has no such field or sensor, or the field cannot have that value.
+        WireError: The fields contradict each other.
     """
     if not changes:
         return robot
@@ -49,7 +49,7 @@ def equipped(robot: Robot, changes: Mapping[str, str]) -> Robot:
         try:
             robot = msgspec.convert(plain, Robot)
         except msgspec.ValidationError as error:
-            raise OptionError(f"option {name}: expected what the robot document takes, got {text!r}: {error}") from None
+            raise OptionError(f"option {name}: expected a value of the robot document, got {text!r}: {error}") from None
     check_robot(robot)
     return robot
 
@@ -63,15 +63,15 @@ def _plain(text: str) -> Any:
 
 
 def joining(robot: Robot, *, agent: str, role: Role, instance: str, place: str | None, barrier: bool | None) -> Robot:
-    """Return the document an agent joins with.
+    """Return the document that an agent joins with.
 
     Args:
-        robot: The body; of role `mind` only what a mind may say is taken.
+        robot: The body; for the role `mind`, only the fields that a mind may set are used.
         agent: The agent's name.
-        role: What joins: a whole agent, a body, or the mind of a body that is there.
+        role: What joins: a whole agent, a body alone, or the mind of a body that another process provides.
         instance: 16 hex digits, new for each process.
-        place: A place of the map to start at, or None for the simulator's choice.
-        barrier: Whether a lockstep awaits this agent, or None for the robot's word.
+        place: A place of the map to start at; None leaves the choice to the simulator.
+        barrier: Whether a lockstep waits for this agent; None keeps the robot's own value.
     """
     awaited = robot.barrier if barrier is None else barrier
     if role == "mind":

@@ -1,8 +1,8 @@
-"""What a person wants of a chair: a `UserInput` to forward and turn, and on to powers.
+"""What a user wants of a chair: from a `UserInput` to forward and turn, and to motor powers.
 
-The simulator lets a silent user want nothing (dead-man), so what stands in `Measures` is what is wanted now. A voice
-recogniser may send a word alone; a word counts only where forward and turn are both 0. A goal outlives the user's
-silence, so a mind takes it once: when it is another than before.
+The simulator clears the input of a silent user (dead-man), so `Measures` hold what the user wants now. A voice
+recogniser may send a word alone; a word counts only if forward and turn are both 0. A goal is not cleared by silence,
+so a mind acts on it once, when it changes.
 """
 
 from __future__ import annotations
@@ -21,15 +21,15 @@ WORDS: Final[dict[str, tuple[float, float]]] = {
     "right": (0.0, -1.0),
     "stop": (0.0, 0.0),
 }
-"""Forward and turn that a word asks for, as signs."""
+"""The signs of forward and turn for each word."""
 
 
 def wanted(user: UserInput | None, word_share: float) -> tuple[float, float]:
     """Return forward and turn, both in [-1, 1], turn positive to the left.
 
     Args:
-        user: As it stands in `Measures`; None is nobody.
-        word_share: How much of full forward or turn a word alone asks for, in [0, 1].
+        user: The user input of `Measures`; None without a user.
+        word_share: The deflection that a word alone stands for, in [0, 1].
     """
     if user is None:
         return 0.0, 0.0
@@ -40,30 +40,36 @@ def wanted(user: UserInput | None, word_share: float) -> tuple[float, float]:
 
 
 def mixed(forward: float, turn: float) -> tuple[float, float]:
-    """Return the left and right power of a wish, as the simulator itself obeys one under a lease.
+    """Return the left and right motor power, in [-1, 1], for forward and turn.
 
-    left = F - T and right = F + T, both divided by max(1, |left|, |right|).
+    left = F - T and right = F + T, both divided by max(1, |left|, |right|). The simulator mixes the input of a user who
+    holds the chair's lease in the same way.
     """
     left, right = forward - turn, forward + turn
-    most = max(1.0, abs(left), abs(right))
-    return left / most, right / most
+    largest = max(1.0, abs(left), abs(right))
+    return left / largest, right / largest
 
 
-def takes_goals(robot: Robot, options: Options) -> Robot:  # noqa: ARG001 - as `Equip` has it
-    """Return the robot with goals of its user declared: a page then offers to send it somewhere."""
+def takes_drive(robot: Robot, options: Options) -> Robot:  # noqa: ARG001 - the signature of `Equip`
+    """Return the robot with driving and words declared as user input."""
+    return msgspec.structs.replace(robot, user_input=("drive", "words"))
+
+
+def takes_goals(robot: Robot, options: Options) -> Robot:  # noqa: ARG001 - the signature of `Equip`
+    """Return the robot with goals declared as user input, so that the viewer offers to set one."""
     return msgspec.structs.replace(robot, user_input=("goal",))
 
 
 class Goals:
-    """What a user says of where to go, as it stands in the measures of one tick after the other."""
+    """Notices when the goal in the user input changes from one tick to the next."""
 
     def __init__(self) -> None:
-        self._told: Goal | None = None
+        self._last: Goal | None = None
 
-    def news(self, user: UserInput | None) -> Goal | None:
-        """Return a goal that was not told at the tick before, else None."""
+    def changed(self, user: UserInput | None) -> Goal | None:
+        """Return the goal if it differs from the one at the last call, else None."""
         goal = None if user is None else user.goal
-        if goal == self._told:
+        if goal == self._last:
             return None
-        self._told = goal
+        self._last = goal
         return goal

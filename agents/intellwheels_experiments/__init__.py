@@ -1,1 +1,1 @@
-"""Experiments: scenes run as processes, watched, judged and reported. They meet the other rooms on the wire."""
+"""Experiments: run scenes as processes, watch, judge and report them, and test agents in simulated worlds."""

@@ -1,10 +1,9 @@
-"""`iw-run`: a scene from one command, as processes of their own that end with it."""
+"""`iw-run`: runs a scene with one command. It starts the processes of the scene and ends them."""
 
 from __future__ import annotations
 
 import argparse
 import shutil
-import socket
 import sys
 import tempfile
 from collections.abc import Sequence
@@ -15,6 +14,7 @@ import msgspec
 from rich.console import Console
 
 from intellwheels_experiments.batch.experiment_rows import Row, rows_of
+from intellwheels_experiments.run.endpoints import free_endpoint
 from intellwheels_experiments.run.launch_spec import WALL_LIMIT, LaunchSpec, wall_limit
 from intellwheels_experiments.run.progress import Progress
 from intellwheels_experiments.run.run_report import show, to_json
@@ -22,7 +22,7 @@ from intellwheels_experiments.run.scene_run import perform
 from intellwheels_experiments.run.world_watch import watching
 from intellwheels_maps import floor, names, scene
 from intellwheels_schemas.errors import WireError
-from intellwheels_schemas.link import Link
+from intellwheels_schemas.link import DEFAULT_WORLD, Link
 from intellwheels_schemas.messages import Map, Pace, Scene
 from intellwheels_schemas.names import check_name
 from intellwheels_schemas.process import stop_on_signals
@@ -30,14 +30,15 @@ from intellwheels_schemas.process import stop_on_signals
 _EPILOG = """\
 examples:
   iw-run figure6 --view                      three chairs, a table and a door, on a page in your browser
-  iw-run figure6                             the same, as fast as it goes
+  iw-run figure6                             the same without a page, as fast as possible
   iw-run figure6 --seed 7 --json result.json
   iw-run my/scene.xml --encoding xml --logs logs
-  iw-run table1 --seeds 40 --jobs 2 --out t1 an experiment: every row with 40 seeds, and a report; again, it goes on
+  iw-run table1 --seeds 40 --jobs 2 --out t1 an experiment: every row with 40 seeds, and a report;
+                                             after an interruption the same command resumes it
   iw-run table1 --row real-autonomous --branch t1/runs/real-autonomous/3/input.jsonl --at 200 \\
-      --option chair.speed=0.3 --out what-if      that run once more, slower from tick 200 on
+      --option chair.speed=0.3 --out what-if      what if: that run again, but slower from tick 200 on
 
-exit: 0 what must hold held, 1 it did not, 2 wrong usage
+exit code: 0 the conditions of the scene held (of a batch: every run reached its end), 1 not so, 2 wrong usage
 """
 
 
@@ -45,53 +46,77 @@ def parser() -> argparse.ArgumentParser:
     """Return the parser of the command line."""
     found = argparse.ArgumentParser(
         prog="iw-run",
-        description="Run a scene: starts the simulator and every agent of the cast, shows how they go on, ends them "
-        "all, and says whether what must hold held.",
+        description="Run a scene: start the simulator and all agents of the scene, show the progress, end all "
+        "processes, and report whether the conditions of the scene held.",
         epilog=_EPILOG,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     found.add_argument("scene", metavar="SCENE", help=f"a shipped scene ({', '.join(names('scenes'))}) or an XML file")
     found.add_argument(
         "--view", action="store_true",
-        help="serve a page that shows the run and steers it; in real time where no pace is given, and until Ctrl-C",
+        help="serve a page that shows and controls the run, until Ctrl-C; the pace is then realtime by default",
     )  # fmt: skip
-    found.add_argument("--view-port", type=_port, metavar="N", default=8080, help="the page's port, 0: any (8080)")
-    found.add_argument("--pace", choices=get_args(Pace), help="instead of the scene's")
-    found.add_argument("--speed", type=_factor, metavar="F", default=1.0, help="times real time, at pace realtime (1)")
-    found.add_argument("--seed", metavar="TEXT", help="instead of the scene's")
-    found.add_argument("--encoding", choices=("json", "xml"), default="json", help="what the agents speak (json)")
-    found.add_argument("--json", type=Path, metavar="FILE", help="write the result there, the final hash as 'hash'")
+    found.add_argument(
+        "--view-port", type=_port, metavar="N", default=8080, help="port of the page, 0 for any free one (8080)"
+    )
+    found.add_argument("--pace", choices=get_args(Pace), help="pace of the run (the scene's)")
+    found.add_argument(
+        "--speed", type=_factor, metavar="F", default=1.0, help="multiple of real time, at pace realtime (1)"
+    )
+    found.add_argument("--seed", metavar="TEXT", help="seed of all noise (the scene's)")
+    found.add_argument(
+        "--encoding", choices=("json", "xml"), default="json", help="encoding of the agents' messages (json)"
+    )
+    found.add_argument(
+        "--json", type=Path, metavar="FILE", help="write the result to this file, with the final state hash as 'hash'"
+    )
     found.add_argument(
         "--log",
         type=Path,
         metavar="FILE",
-        help="write the input log, for iw-server --resimulate; a laboratory's beside it, -lab behind its name",
+        help="write the input log, for iw-server --resimulate and --play; a laboratory's log gets '-lab' in its name",
     )
-    found.add_argument("--logs", type=Path, metavar="DIR", help="keep what the processes print there")
-    found.add_argument("--timeout", type=_factor, metavar="S", help="wall time to break the run off after (600)")
+    found.add_argument("--logs", type=Path, metavar="DIR", help="keep the logs of the processes in this folder")
+    found.add_argument(
+        "--timeout",
+        type=_factor,
+        metavar="S",
+        help=f"seconds of wall time after which the run is aborted ({WALL_LIMIT:g}, plus what its pace needs)",
+    )
     batch = found.add_argument_group(
-        "batch", "every row of the scene's experiment with every seed; needs the extra `experiments`"
+        "batch", "run every row of the scene's experiment with every seed; needs the extra `experiments`"
     )
-    batch.add_argument("--seeds", type=_count, metavar="N", help="run with the seeds 1 to N, and write a report")
-    batch.add_argument("--jobs", type=_count, metavar="N", default=1, help="runs at a time (1)")
-    batch.add_argument("--row", metavar="ROW", action="append", help="only this row; may be repeated")
+    batch.add_argument("--seeds", type=_count, metavar="N", help="run with the seeds 1 to N and write a report")
+    batch.add_argument("--jobs", type=_count, metavar="N", default=1, help="number of runs at a time (1)")
+    batch.add_argument("--row", metavar="ROW", action="append", help="run only this row; may be repeated")
     batch.add_argument(
-        "--out", type=Path, metavar="DIR", help="its folder; what is done there is not done again (SCENE-runs)"
+        "--out", type=Path, metavar="DIR", help="folder of the batch; finished runs in it are not repeated (SCENE-runs)"
     )
     branch = found.add_argument_group(
-        "branch", "what if: a run that begins as another went; writes a report of both to --out"
+        "branch",
+        "what if: repeat a recorded run up to a tick, continue differently, and write a report of both to --out",
     )
-    branch.add_argument("--branch", type=Path, metavar="LOG", help="the input log of a run of this scene (and --row)")
-    branch.add_argument("--at", type=_tick, metavar="TICK", default=0, help="until when it goes as that one (0)")
+    branch.add_argument("--branch", type=Path, metavar="LOG", help="input log of a run of this scene (and of --row)")
+    branch.add_argument("--at", type=_tick, metavar="TICK", default=0, help="tick up to which the log is followed (0)")
     branch.add_argument(
-        "--mind", action="append", default=[], metavar="AGENT=MIND", help="another mind from the start on"
+        "--mind", action="append", default=[], metavar="AGENT=MIND", help="use another mind; may be repeated"
     )
-    branch.add_argument("--option", action="append", default=[], metavar="AGENT.NAME=VALUE", help="an option of a mind")
-    link = found.add_argument_group("link", "default: the simulator listens at a free port of this machine")
-    link.add_argument("--world", type=_world, metavar="NAME", default="main", help="the world's name (main)")
+    branch.add_argument(
+        "--option",
+        action="append",
+        default=[],
+        metavar="AGENT.NAME=VALUE",
+        help="change an option of a mind; may be repeated",
+    )
+    link = found.add_argument_group("link", "by default the simulator listens at a free port of this machine")
+    link.add_argument(
+        "--world", type=_world, metavar="NAME", default=DEFAULT_WORLD, help=f"name of the world ({DEFAULT_WORLD})"
+    )
     link.add_argument("--listen", action="append", default=[], metavar="ENDPOINT", help="where the simulator listens")
-    link.add_argument("--connect", action="append", default=[], metavar="ENDPOINT", help="a router that all go through")
-    link.add_argument("--config", type=Path, metavar="FILE", help="a Zenoh configuration (JSON5) for all the rest")
+    link.add_argument(
+        "--connect", action="append", default=[], metavar="ENDPOINT", help="router to which all processes connect"
+    )
+    link.add_argument("--config", type=Path, metavar="FILE", help="Zenoh configuration (JSON5) of all processes")
     return found
 
 
@@ -100,40 +125,40 @@ def main(arguments: Sequence[str] | None = None) -> int:
     options = parser().parse_args(arguments)
     is_path = "/" in options.scene or options.scene.endswith(".xml")
     try:
-        wanted = scene(options.scene)
+        chosen = scene(options.scene)
         folder = Path(options.scene).absolute().parent if is_path else None
-        plan_floor = floor(wanted.map, beside=folder)
+        chosen_floor = floor(chosen.map, beside=folder)
     except WireError as error:
         print(f"iw-run: {error.text}", file=sys.stderr)
         return 2
     if options.seeds is not None or options.branch is not None:
-        return _batch(options, wanted, plan_floor, folder)
+        return _batch(options, chosen, chosen_floor, folder)
     pace = options.pace or ("realtime" if options.view else None)
     changes = {"pace": pace, "seed": options.seed}
-    wanted = msgspec.structs.replace(wanted, **{name: value for name, value in changes.items() if value is not None})
+    chosen = msgspec.structs.replace(chosen, **{name: value for name, value in changes.items() if value is not None})
     logs = options.logs or Path(tempfile.mkdtemp(prefix="iw-run-"))
-    is_led = options.connect or options.config is not None
-    plan = LaunchSpec(
-        scene=wanted,
+    meets_elsewhere = options.connect or options.config is not None
+    spec = LaunchSpec(
+        scene=chosen,
         source=str(Path(options.scene).absolute()) if is_path else options.scene,
         folder=folder,
-        floor=plan_floor,
+        floor=chosen_floor,
         world=options.world,
-        listen=tuple(options.listen) or (() if is_led else (f"tcp/127.0.0.1:{_free_port()}",)),
+        listen=tuple(options.listen) or (() if meets_elsewhere else (free_endpoint(),)),
         connect=tuple(options.connect),
         config=options.config,
         logs=logs,
         speed=options.speed,
         encoding=options.encoding,
         log=options.log,
-        timeout=options.timeout or wall_limit(wanted, options.speed),
+        timeout=options.timeout or wall_limit(chosen, options.speed),
         view=options.view_port if options.view else None,
-        laboratory=f"tcp/127.0.0.1:{_free_port()}" if wanted.bridge else "",
+        laboratory=free_endpoint() if chosen.bridge else "",
     )
-    link = Link(plan.world, (), plan.meeting, plan.config)
+    link = Link(spec.world, (), spec.meeting, spec.config)
     stop = stop_on_signals()
-    with Progress(Console(stderr=True), wanted, plan_floor) as progress:
-        result = perform(plan, lambda until: watching(link, until), progress, stop)
+    with Progress(Console(stderr=True), chosen, chosen_floor) as progress:
+        result = perform(spec, lambda until: watching(link, until), progress, stop)
     show(result, Console())
     if options.json is not None:
         options.json.write_bytes(to_json(result))
@@ -141,52 +166,52 @@ def main(arguments: Sequence[str] | None = None) -> int:
         if result.held:
             shutil.rmtree(logs, ignore_errors=True)
         else:
-            print(f"logs kept in {logs}", file=sys.stderr)
+            print(f"the logs are in {logs}", file=sys.stderr)
     return 0 if result.held else 1
 
 
-def _batch(options: argparse.Namespace, wanted: Scene, plan_floor: Map, folder: Path | None) -> int:
+def _batch(options: argparse.Namespace, chosen: Scene, chosen_floor: Map, folder: Path | None) -> int:
     try:
         # These import numpy, scipy, shapely and matplotlib: a single run needs none of them.
         from intellwheels_experiments.batch.batch_command import OtherBatchError, perform_batch  # noqa: PLC0415
         from intellwheels_experiments.batch.batch_command import show as show_batch  # noqa: PLC0415
         from intellwheels_experiments.batch.run_batch import Batch  # noqa: PLC0415
-        from intellwheels_experiments.batch.what_if import ParentError, changed, perform_branch  # noqa: PLC0415
+        from intellwheels_experiments.batch.what_if import BranchError, perform_branch, with_changes  # noqa: PLC0415
     except ModuleNotFoundError as error:
-        print(f"iw-run: --seeds: {error.name} is missing: pip install 'intellwheels[experiments]'", file=sys.stderr)
+        print(f"iw-run: --seeds: needs {error.name}; pip install 'intellwheels[experiments]'", file=sys.stderr)
         return 2
-    subject = wanted.experiment.subject if wanted.experiment else wanted.cast[0].name
+    subject = chosen.experiment.subject if chosen.experiment else chosen.cast[0].name
     try:
-        rows = _rows(rows_of(wanted), options.row)
+        rows = _rows(rows_of(chosen), options.row)
         batch = Batch(
             rows=rows,
             seeds=tuple(str(seed) for seed in range(1, (options.seeds or 1) + 1)),
             subject=subject,
-            floor=plan_floor,
+            floor=chosen_floor,
             source=options.scene if folder is None else str(Path(options.scene).absolute()),
             folder=folder,
-            out=options.out or Path(f"{wanted.name}-runs"),
+            out=options.out or Path(f"{chosen.name}-runs"),
             jobs=options.jobs,
             timeout=options.timeout or WALL_LIMIT,
         )
         stop = stop_on_signals()
         if options.branch is not None:
-            other = changed(rows[0], options.mind, options.option)
-            summary = perform_branch(batch, wanted, other, options.branch, options.at, stop)
+            changed = with_changes(rows[0], options.mind, options.option)
+            summary = perform_branch(batch, chosen, changed, options.branch, options.at, stop)
         else:
-            summary = perform_batch(batch, wanted, Console(stderr=True), stop)
+            summary = perform_batch(batch, chosen, Console(stderr=True), stop)
     except WireError as error:
         print(f"iw-run: {error.text}", file=sys.stderr)
         return 2
     except OtherBatchError as error:
         print(f"iw-run: --out: {error}", file=sys.stderr)
         return 2
-    except ParentError as error:
+    except BranchError as error:
         print(f"iw-run: --branch: {error}", file=sys.stderr)
         return 1
-    show_batch(summary, Console(), wanted.experiment)
+    show_batch(summary, Console(), chosen.experiment)
     print(f"report={batch.out / 'report.html'} csv={batch.out / 'batch.csv'}")
-    return 1 if stop.is_set() or any(line.died for line in summary.lines) else 0
+    return 1 if stop.is_set() or any(row.died for row in summary.lines) else 0
 
 
 def _rows(rows: tuple[Row, ...], names: Sequence[str] | None) -> tuple[Row, ...]:
@@ -195,12 +220,6 @@ def _rows(rows: tuple[Row, ...], names: Sequence[str] | None) -> tuple[Row, ...]
         if name not in known:
             raise WireError("value", f"--row: expected a row ({', '.join(known)}), got {name!r}", "--row")
     return tuple(row for row in rows if not names or row.name in names)
-
-
-def _free_port() -> int:
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        return int(probe.getsockname()[1])
 
 
 def _factor(text: str) -> float:
@@ -227,7 +246,7 @@ def _tick(text: str) -> int:
 
 def _count(text: str) -> int:
     if not text.isdecimal() or not 1 <= int(text) <= 100_000:
-        raise argparse.ArgumentTypeError(f"expected a number from 1 on, got {text!r}")
+        raise argparse.ArgumentTypeError(f"expected a whole number from 1 to 100000, got {text!r}")
     return int(text)
 
 

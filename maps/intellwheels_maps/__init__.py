@@ -1,11 +1,11 @@
-"""Floors, robots and scenes as XML files, and what reads, checks and draws them.
+"""Floors (maps), robots and scenes as XML files, and the code that reads, checks and draws them.
 
-Shipped files are found by name, a user's own by path. Whatever `floor`, `robot` and `scene` return has
-passed its schema and the checks of `check`.
+Shipped files are found by name, your own by path. Documents that `floor`, `robot` and `scene` return have passed their
+schema and the checks of `check`.
 
     >>> from intellwheels_maps import floor, names
     >>> names("floors")
-    ['corner', 'corridor15m', 'door', 'room', 'ward']
+    ['corner', 'corridor15m', 'crossing', 'door', 'lounge', 'room', 'square', 'ward']
     >>> floor("corridor15m").doorway
     ()
 """

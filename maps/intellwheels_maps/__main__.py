@@ -1,4 +1,4 @@
-"""The maps on the command line: what is shipped, is a file right, how does a floor look."""
+"""List the shipped floors, robots and scenes, check files, and draw floors."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from intellwheels_schemas.files import write_file
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run one command and return the exit code: 0 done, 1 a file is wrong; wrong usage exits with 2."""
+    """Run a command and return the exit code: 0 done, 1 for an invalid file. Wrong usage exits with 2."""
     parsed = _parser().parse_args(arguments)
     try:
         return int(parsed.run(parsed))
@@ -32,17 +32,19 @@ def _parser() -> argparse.ArgumentParser:
     listing = commands.add_parser("list", help="print the shipped floors, robots and scenes")
     listing.set_defaults(run=_list)
 
-    checking = commands.add_parser("check", help="say whether a floor, robot or scene file is right, and where not")
+    checking = commands.add_parser(
+        "check", help="check a floor, robot or scene file, and print what is wrong in which line"
+    )
     checking.add_argument("file", metavar="FILE", type=Path)
     checking.set_defaults(run=_check)
 
-    drawing = commands.add_parser("draw", help="draw a floor's plan as SVG")
-    drawing.add_argument("floor", metavar="FLOOR", help="a shipped floor's name, a path, or hospital")
+    drawing = commands.add_parser("draw", help="draw the plan of a floor as SVG")
+    drawing.add_argument("floor", metavar="FLOOR", help="the name of a shipped floor, a path, or `hospital`")
     drawing.add_argument("file", metavar="FILE.svg", type=Path, help="where to write the plan")
     drawing.set_defaults(run=_draw)
 
-    making = commands.add_parser("hospital", help="print a floor of 120 rooms, made from a seed, as XML")
-    making.add_argument("--seed", metavar="N", type=int, default=1, help="default: %(default)s")
+    making = commands.add_parser("hospital", help="print a generated hospital floor with 120 rooms as XML")
+    making.add_argument("--seed", metavar="N", type=int, default=1, help="seed of the generator (default: %(default)s)")
     making.set_defaults(run=_hospital)
     return parser
 

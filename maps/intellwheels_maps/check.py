@@ -1,9 +1,9 @@
-"""What only geometry, or another file, says of a floor, a robot or a scene. Pure: messages in, findings out.
+"""Checks of floors, robots and scenes that need geometry or another file. Pure: messages in, findings out.
 
-What fields may be, alone and together, is the contract's business (`intellwheels_schemas.rules`) and has passed.
+The rules for fields, alone and together, belong to the contract (`intellwheels_schemas.rules`) and come first.
 
-A finding names its element by the path of the wire's names (`Map.Wall[3]`); who has the file adds
-its name and line. A check reports what makes the document useless or surely mistaken, never taste.
+A finding names its element by the path of the contract's names (`Map.Wall[3]`); `library` adds the file and the line.
+A check reports only what makes a document unusable or is certainly a mistake.
 """
 
 from __future__ import annotations
@@ -13,13 +13,14 @@ from collections.abc import Iterable, Iterator, Sequence
 from itertools import pairwise
 from typing import NamedTuple, TypeAlias
 
+from intellwheels_schemas.codec import VERSION
 from intellwheels_schemas.messages import Corner, Doorway, Map, Robot, Scene, Wall
 
 Point: TypeAlias = tuple[float, float]
 
-# A doorway is drawn by hand, its walls too: a centimetre is the accuracy of a plan.
+# m: doorways and walls are drawn by hand, and a plan is accurate to a centimetre.
 _WIDTH_TOLERANCE = 0.01
-# A jamb farther away than this belongs to another opening.
+# m: a jamb farther away than this belongs to another opening.
 _JAMB_REACH = 5.0
 
 
@@ -27,8 +28,8 @@ class Finding(NamedTuple):
     """Something wrong in a document.
 
     Attributes:
-        element: The path from the root, lists by index from 0: `Map.Wall[3]`.
-        text: What is wrong, what was expected, what came.
+        element: The path from the root, with list indices from 0: `Map.Wall[3]`.
+        text: What is wrong, what was expected and what came.
     """
 
     element: str
@@ -36,7 +37,7 @@ class Finding(NamedTuple):
 
 
 def check_map(document: Map) -> list[Finding]:
-    """Return what is wrong with a floor, in the order of its elements; empty if nothing is."""
+    """Return what is wrong with a floor; empty if it is valid."""
     findings = list(_check_shapes(document))
     findings += _duplicates("Map.Doorway", "doorway", [doorway.name for doorway in document.doorway])
     findings += _duplicates("Map.Obstacle", "obstacle", [obstacle.name for obstacle in document.obstacle])
@@ -44,24 +45,26 @@ def check_map(document: Map) -> list[Finding]:
     places = document.grid.position if document.grid else ()
     findings += _duplicates("Map.Grid.Position", "place", [place.name for place in places])
     if not findings:
-        # Shapes are sound here, which the geometry below relies on.
+        # The geometry below relies on valid shapes.
         findings += _check_doorways(document)
         findings += _check_places(document)
     return findings
 
 
 def check_robot(document: Robot) -> list[Finding]:
-    """Return what is wrong with a robot file; empty if nothing is."""
+    """Return what is wrong with a robot file; empty if it is valid."""
     findings = []
     if document.format is None:
-        findings.append(Finding("Robot", "robot file needs Format, expected 'iw.v1', got none"))
+        findings.append(Finding("Robot", f"expected Format {VERSION!r} in a robot file, got none"))
     if document.position is not None:
-        findings.append(Finding("Robot.Position", "expected no Position in a file, it is given at joining"))
+        findings.append(
+            Finding("Robot.Position", "expected no Position in a robot file: it is set when an agent joins")
+        )
     return findings
 
 
 def check_scene(document: Scene, floor: Map) -> list[Finding]:
-    """Return what is wrong with a scene on its floor; empty if nothing is.
+    """Return what is wrong with a scene on its floor; empty if it is valid.
 
     Args:
         document: The scene.
@@ -69,7 +72,7 @@ def check_scene(document: Scene, floor: Map) -> list[Finding]:
     """
     findings = []
     known = sorted(place.name for place in floor.grid.position) if floor.grid else []
-    expected = f"expected one of the places of {floor.name!r} ({', '.join(known) or 'it has none'})"
+    expected = f"expected one of the places of {floor.name!r} ({', '.join(known) or 'none'})"
     taken: dict[str, str] = {}
     for index, cast in enumerate(document.cast):
         element = f"Scene.Cast[{index}]"
@@ -78,22 +81,22 @@ def check_scene(document: Scene, floor: Map) -> list[Finding]:
         if cast.place not in known:
             findings.append(Finding(element, f"{expected}, got {cast.place!r}"))
         elif cast.place in taken:
-            findings.append(Finding(element, f"place {cast.place!r} is already that of agent {taken[cast.place]!r}"))
+            findings.append(Finding(element, f"place {cast.place!r} is already taken by agent {taken[cast.place]!r}"))
         taken.setdefault(cast.place, cast.name)
     reaches = document.end.reach if document.end else ()
     for index, reach in enumerate(reaches):
         if reach.place not in known:
             findings.append(Finding(f"Scene.End.Reach[{index}]", f"{expected}, got {reach.place!r}"))
     if document.hold and document.hold.reached and not reaches:
-        findings.append(Finding("Scene.Hold", "Reached needs a Reach in End, got none"))
+        findings.append(Finding("Scene.Hold", "Reached: expected a Reach in End, got none"))
     return findings
 
 
 def opening(document: Map, doorway: Doorway) -> tuple[float, float]:
-    """Return how far the walls are from a doorway's centre, to its left and to its right.
+    """Return the distances from the centre of a doorway to the walls on its left and on its right.
 
     Returns:
-        Two distances in m across the way through, left first; inf where no wall is within 5 m, 0 in a wall.
+        Two distances in m, left first; inf if no wall is within 5 m, both 0 if the centre is inside a wall.
     """
     heading = math.radians(doorway.heading_deg)
     left = (-math.sin(heading), math.cos(heading))
@@ -105,8 +108,8 @@ def opening(document: Map, doorway: Doorway) -> tuple[float, float]:
 
 
 def wall_pieces(wall: Wall) -> list[list[Point]]:
-    """Return a wall's plan: the polygon itself, or one rectangle with flat ends for each stretch of a line."""
-    corners = _points(wall.corner)
+    """Return the polygons of a wall: the polygon itself, or for a line one rectangle with flat ends per segment."""
+    corners = points_of(wall.corner)
     if wall.thickness is None:
         return [corners]
     half = wall.thickness / 2
@@ -116,6 +119,11 @@ def wall_pieces(wall: Wall) -> list[list[Point]]:
         nx, ny = -(by - ay) / length * half, (bx - ax) / length * half
         pieces.append([(ax - nx, ay - ny), (bx - nx, by - ny), (bx + nx, by + ny), (ax + nx, ay + ny)])
     return pieces
+
+
+def points_of(corners: Iterable[Corner]) -> list[Point]:
+    """Return corners as points, m."""
+    return [(corner.x, corner.y) for corner in corners]
 
 
 # ---------------------------------------------------------------- parts of the checks
@@ -131,16 +139,16 @@ def _check_shapes(document: Map) -> Iterator[Finding]:
 
 
 def _check_corners(element: str, what: str, corners: Sequence[Corner], *, closed: bool) -> Iterator[Finding]:
-    points = _points(corners)
+    points = points_of(corners)
     for index, (one, other) in enumerate(_edges(points) if closed else pairwise(points)):
         if one == other:
-            text = f"{what} has the same corner twice running, X {_plain(one[0])} Y {_plain(one[1])}"
+            text = f"{what} has the same corner twice in a row, X {_plain(one[0])} Y {_plain(one[1])}"
             yield Finding(f"{element}.Corner[{(index + 1) % len(points)}]", text)
             return
     if closed and (crossing := _crossing(points)):
-        yield Finding(element, f"{what} crosses itself, edges {crossing[0]} and {crossing[1]} (from 0)")
+        yield Finding(element, f"{what} crosses itself: edges {crossing[0]} and {crossing[1]}, counted from 0")
     elif closed and _twice_area(points) == 0.0:
-        yield Finding(element, f"{what} has no area, expected corners that span one")
+        yield Finding(element, f"{what} has no area: its corners are on one line")
 
 
 def _duplicates(element: str, what: str, names: Sequence[str]) -> list[Finding]:
@@ -148,9 +156,7 @@ def _duplicates(element: str, what: str, names: Sequence[str]) -> list[Finding]:
     seen: set[str] = set()
     for index, name in enumerate(names):
         if name in seen:
-            findings.append(
-                Finding(f"{element}[{index}]", f"{what} {name!r} is there twice, expected names that differ")
-            )
+            findings.append(Finding(f"{element}[{index}]", f"{what} {name!r} exists twice, expected different names"))
         seen.add(name)
     return findings
 
@@ -160,21 +166,21 @@ def _check_doorways(document: Map) -> Iterator[Finding]:
         element = f"Map.Doorway[{index}]"
         left, right = opening(document, doorway)
         if left == 0.0:
-            yield Finding(element, f"doorway {doorway.name!r} is inside a wall, expected an opening")
+            yield Finding(element, f"doorway {doorway.name!r}: expected an opening, got the inside of a wall")
         elif math.inf in (left, right):
-            yield Finding(element, f"doorway {doorway.name!r} needs a wall within {_JAMB_REACH} m on either side")
+            yield Finding(element, f"doorway {doorway.name!r}: expected a wall within {_JAMB_REACH} m on each side")
         elif abs(left + right - doorway.width) > _WIDTH_TOLERANCE:
             width = _plain(round(left + right, 3))
-            text = f"doorway {doorway.name!r}: expected Width {width}, the opening of its walls, got {doorway.width}"
+            text = f"doorway {doorway.name!r}: expected Width {width}, the gap between its walls, got {doorway.width}"
             yield Finding(element, text)
         elif abs(left - right) > _WIDTH_TOLERANCE:
             sides = f"{_plain(round(left, 3))} m left and {_plain(round(right, 3))} m right"
-            yield Finding(element, f"doorway {doorway.name!r}: expected the middle of its opening, got {sides}")
+            yield Finding(element, f"doorway {doorway.name!r}: expected the middle of the opening, got {sides}")
 
 
 def _check_places(document: Map) -> Iterator[Finding]:
     walls = [(f"Wall[{index}]", piece) for index, wall in enumerate(document.wall) for piece in wall_pieces(wall)]
-    walls += [(f"obstacle {obstacle.name!r}", _points(obstacle.corner)) for obstacle in document.obstacle]
+    walls += [(f"obstacle {obstacle.name!r}", points_of(obstacle.corner)) for obstacle in document.obstacle]
     for index, place in enumerate(document.grid.position if document.grid else ()):
         for what, piece in walls:
             if _inside((place.x, place.y), piece):
@@ -187,10 +193,6 @@ def _plain(value: float) -> str:
 
 
 # ---------------------------------------------------------------- plane geometry
-
-
-def _points(corners: Iterable[Corner]) -> list[Point]:
-    return [(corner.x, corner.y) for corner in corners]
 
 
 def _edges(points: Sequence[Point]) -> Iterator[tuple[Point, Point]]:
@@ -211,7 +213,7 @@ def _between(a: Point, b: Point, c: Point) -> bool:
 
 
 def _meet(a: Point, b: Point, c: Point, d: Point) -> bool:
-    """Return whether the closed segments ab and cd have a point in common."""
+    """Return whether the closed segments ab and cd share a point."""
     c_side, d_side, a_side, b_side = _side(a, b, c), _side(a, b, d), _side(c, d, a), _side(c, d, b)
     if c_side * d_side < 0 and a_side * b_side < 0:
         return True
@@ -220,7 +222,7 @@ def _meet(a: Point, b: Point, c: Point, d: Point) -> bool:
 
 
 def _crossing(points: Sequence[Point]) -> tuple[int, int] | None:
-    """Return the first two edges of a ring that touch and are no neighbours, or fold back on each other."""
+    """Return the first two edges of a ring that touch without being neighbours, or that fold back on each other."""
     edges = list(_edges(points))
     count = len(edges)
     for one in range(count):
@@ -228,7 +230,7 @@ def _crossing(points: Sequence[Point]) -> tuple[int, int] | None:
         for other in range(one + 1, count):
             c, d = edges[other]
             if other == one + 1 or (one == 0 and other == count - 1):
-                # Neighbours share a corner; they cross only by running back over each other.
+                # Neighbours share a corner; they cross only if one runs back over the other.
                 shared, before, after = (b, a, d) if other == one + 1 else (a, b, c)
                 back = (before[0] - shared[0]) * (after[0] - shared[0]) + (before[1] - shared[1]) * (
                     after[1] - shared[1]
@@ -241,7 +243,7 @@ def _crossing(points: Sequence[Point]) -> tuple[int, int] | None:
 
 
 def _inside(point: Point, ring: Sequence[Point]) -> bool:
-    """Return whether a point is inside a ring; on its edge either may come out."""
+    """Return whether a point is inside a ring; on an edge the answer may be either."""
     inside = False
     x, y = point
     for (ax, ay), (bx, by) in _edges(ring):
@@ -251,7 +253,7 @@ def _inside(point: Point, ring: Sequence[Point]) -> bool:
 
 
 def _reach(start: Point, direction: Point, pieces: Iterable[Sequence[Point]]) -> float:
-    """Return the distance from a point to the first edge along a unit direction, inf beyond `_JAMB_REACH`."""
+    """Return the distance from a point to the first edge along a unit vector, m; inf beyond `_JAMB_REACH`."""
     end = (start[0] + direction[0] * _JAMB_REACH, start[1] + direction[1] * _JAMB_REACH)
     nearest = math.inf
     for piece in pieces:

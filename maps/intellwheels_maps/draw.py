@@ -1,25 +1,22 @@
-"""A floor as a plan in SVG. Pure: a Map in, text out.
+"""Draws the plan of a floor as SVG. Pure: a `Map` in, text out.
 
-The drawing's units are centimetres, as renderers spoil letters smaller than a unit. SVG's y grows downwards,
-the floor's upwards: `_x`, `_y` and `_cm` alone turn metres into the drawing's numbers.
+The unit of the drawing is 1 cm, because renderers draw letters smaller than one unit badly. The y axis of SVG points
+down and that of a floor points up: only `_x`, `_y` and `_cm` convert metres to units of the drawing.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
-from typing import TypeAlias
 from xml.sax.saxutils import escape
 
-from intellwheels_maps.check import wall_pieces
-from intellwheels_schemas.messages import Corner, Doorway, Map, Place, Wall, Zone
-
-Point: TypeAlias = tuple[float, float]
+from intellwheels_maps.check import Point, points_of, wall_pieces
+from intellwheels_schemas.messages import Doorway, Map, Place, Wall, Zone
 
 _MARGIN = 0.6  # m around the walls
 _PIXELS_A_METRE = 40
-# An SVG of a whole hospital stays under this many pixels across.
-_LARGEST = 4000
+# Largest width and height of a drawing, in pixels: a whole hospital is scaled down to it.
+_MAX_PIXELS = 4000
 _STYLE = """
 .zone{fill:#eef3f8;stroke:none}
 .zone-title{fill:#5a6b7b;font-size:32px;text-anchor:middle}
@@ -38,19 +35,19 @@ _STYLE = """
 def draw(document: Map) -> str:
     """Return the plan of a floor as an SVG document.
 
-    Zones with their titles lie below obstacles, walls and doorways (a line across, a stroke on the way through).
-    A place is a ring with a stroke along its heading, red where a wheelchair may start, blue elsewhere. What hangs
-    above the floor is dashed.
+    Zones and their titles are drawn below obstacles, walls and doorways. A doorway is a line across the opening, with a
+    stroke in its heading. A place is a ring with a stroke in its heading, red if a wheelchair may start there and blue
+    otherwise. Obstacles that do not reach down to the floor are dashed.
     """
-    obstacles = [(obstacle, _points(obstacle.corner)) for obstacle in document.obstacle]
-    zones = [(zone, _points(zone.corner)) for zone in document.zone]
+    obstacles = [(obstacle, points_of(obstacle.corner)) for obstacle in document.obstacle]
+    zones = [(zone, points_of(zone.corner)) for zone in document.zone]
     places = document.grid.position if document.grid else ()
     pieces = [piece for wall in document.wall for piece in wall_pieces(wall)]
     shapes = [*pieces, *(ring for _, ring in obstacles), *(ring for _, ring in zones)]
     west, south, east, north = _bounds([*shapes, [(place.x, place.y) for place in places]])
-    south -= 0.5  # one line below for the scale
+    south -= 0.5  # m: a line below the plan for the scale
     across, up = east - west, north - south
-    pixels = min(_PIXELS_A_METRE, _LARGEST / max(across, up))
+    pixels = min(_PIXELS_A_METRE, _MAX_PIXELS / max(across, up))
     lines = [
         f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="{_x(west)} {_y(north)} {_cm(across)} {_cm(up)}"'
         f' width="{round(across * pixels)}" height="{round(up * pixels)}" font-family="sans-serif">',
@@ -84,10 +81,6 @@ def _y(value: float) -> str:
     return _cm(-value)
 
 
-def _points(corners: Iterable[Corner]) -> list[Point]:
-    return [(corner.x, corner.y) for corner in corners]
-
-
 def _bounds(shapes: Iterable[Sequence[Point]]) -> tuple[float, float, float, float]:
     points = [point for shape in shapes for point in shape] or [(0.0, 0.0)]
     xs, ys = [x for x, _ in points], [y for _, y in points]
@@ -104,10 +97,10 @@ def _polygon(kind: str, ring: Sequence[Point], title: str | None = None) -> str:
 
 
 def _wall(wall: Wall) -> str:
-    points = _points(wall.corner)
+    points = points_of(wall.corner)
     if wall.thickness is None:
         return _polygon("wall", points)
-    # A line that comes back to its first corner is a polygon's outline, mitred there too.
+    # A line that returns to its first corner is drawn as a polygon, so that this corner is mitred too.
     shape, points = ("polygon", points[:-1]) if points[0] == points[-1] else ("polyline", points)
     return f'<{shape} class="line" stroke-width="{_cm(wall.thickness)}" points="{_list(points)}"/>'
 
@@ -121,7 +114,7 @@ def _line(kind: str, x0: float, y0: float, x1: float, y1: float) -> str:
 
 
 def _zone_title(zone: Zone, ring: Sequence[Point]) -> str:
-    # Near the top edge, where beds and places rarely are.
+    # Near the top edge, where there are rarely beds or places.
     middle = (min(x for x, _ in ring) + max(x for x, _ in ring)) / 2
     return _text("zone-title", middle, max(y for _, y in ring) - 0.4, zone.title or zone.name)
 

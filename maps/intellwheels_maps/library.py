@@ -1,7 +1,7 @@
-"""Files by name or by path. The only file of this package that reads any.
+"""Reads floors, robots and scenes by name or by path. Only this file of the package reads files.
 
-A plain word is a shipped file's name; what holds a `/` or ends in `.xml` is a path. What is returned has passed
-its schema and its checks; what has not is a `WireError` that names file, line and what was expected.
+A plain word is the name of a shipped file. Text with a `/`, or that ends in `.xml`, is a path. A returned document has
+passed its schema and its checks; otherwise a `WireError` names the file, the line and what was expected.
 """
 
 from __future__ import annotations
@@ -23,51 +23,51 @@ _Document = TypeVar("_Document", bound=Record)
 
 
 def names(shelf: Shelf) -> list[str]:
-    """Return the names of the shipped files of a shelf, sorted.
+    """Return the sorted names of the shipped floors, robots or scenes.
 
     Raises:
-        ValueError: There is no such shelf.
+        ValueError: `shelf` is none of these three.
     """
     if shelf not in get_args(Shelf):
-        raise ValueError(f"expected a shelf ({', '.join(get_args(Shelf))}), got {shelf!r}")
+        raise ValueError(f"shelf: expected one of {', '.join(get_args(Shelf))}, got {shelf!r}")
     return sorted(entry.name[:-4] for entry in _shelf(shelf).iterdir() if entry.name.endswith(".xml"))
 
 
 def floor(name_or_path: str | Path, *, beside: Path | None = None) -> Map:
-    """Return a floor.
+    """Return the map of a floor.
 
     Args:
         name_or_path: The name of a shipped floor, or a path.
-        beside: The folder relative paths start from; default: the working directory.
+        beside: The folder from which relative paths start; default: the working directory.
 
     Raises:
-        WireError: There is no such floor, or its file is wrong.
+        WireError: There is no such floor, or its file is invalid.
     """
     return _load(Map, _find("floors", name_or_path, beside), check_map)
 
 
 def robot(name_or_path: str | Path, *, beside: Path | None = None) -> Robot:
-    """Return a robot document, without the name, role, instance and place that joining adds.
+    """Return a robot document, without the name, role, instance and place that are added at joining.
 
     Args:
         name_or_path: The name of a shipped robot, or a path.
-        beside: The folder relative paths start from; default: the working directory.
+        beside: The folder from which relative paths start; default: the working directory.
 
     Raises:
-        WireError: There is no such robot, or its file is wrong.
+        WireError: There is no such robot, or its file is invalid.
     """
     return _load(Robot, _find("robots", name_or_path, beside), check_robot)
 
 
 def scene(name_or_path: str | Path, *, beside: Path | None = None) -> Scene:
-    """Return a scene whose floor, robots and places are all there. Minds are the agents' business.
+    """Return a scene whose floor, robots and places all exist. Its minds are not checked.
 
     Args:
         name_or_path: The name of a shipped scene, or a path. Paths in a scene start from its own folder.
-        beside: The folder relative paths start from; default: the working directory.
+        beside: The folder from which relative paths start; default: the working directory.
 
     Raises:
-        WireError: There is no such scene, or its file or one that it names is wrong.
+        WireError: There is no such scene, or its file, or a file that it names, is invalid.
     """
     file = _find("scenes", name_or_path, beside)
     folder = file.parent if isinstance(file, Path) else None
@@ -120,6 +120,6 @@ def _load(
     document, lines = read_with_lines(kind, file)
     findings = check(document)
     if findings:
-        sentences = [f"{file}:{lines.at(finding.element)}: {finding.text}" for finding in findings]
-        raise WireError("value", "\n".join(sentences), f"{file}:{lines.at(findings[0].element)}")
+        texts = [f"{file}:{lines.at(finding.element)}: {finding.text}" for finding in findings]
+        raise WireError("value", "\n".join(texts), f"{file}:{lines.at(findings[0].element)}")
     return document

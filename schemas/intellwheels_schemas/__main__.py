@@ -1,4 +1,4 @@
-"""`python -m intellwheels_schemas`: makes the files beside the package, or says whether a document is valid."""
+"""`python -m intellwheels_schemas`: generates the files beside the package, or checks a document."""
 
 from __future__ import annotations
 
@@ -20,26 +20,31 @@ _SCHEMAS = Path(__file__).resolve().parents[1]
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
         prog="python -m intellwheels_schemas",
-        description="Without a command: make KEYS.md, xsd/, json/ and vectors/ anew, beside the package in a checkout.",
+        description="Without a command: generate KEYS.md, xsd/, json/ and vectors/ beside the package, in a checkout.",
     )
     parser.add_argument(
-        "--release", action="store_true", help="also take the fields as they are for released: they must not change"
+        "--release",
+        action="store_true",
+        help="also record the current fields as released in released.json, so that a test keeps them from changing",
     )
     commands = parser.add_subparsers(dest="command", metavar="COMMAND")
     check = commands.add_parser(
-        "check", help="say whether a document is valid and where not", description="Exit 0: valid; 1: not; 2: usage."
+        "check",
+        help="check whether a document is valid, and say what is wrong and where",
+        description="Check whether a document is valid, and say what is wrong and where. "
+        "Exit code 0: valid; 1: not valid; 2: wrong usage.",
     )
-    check.add_argument("file", metavar="FILE", help="XML or JSON; - for standard input")
+    check.add_argument("file", metavar="FILE", help="XML or JSON file; - for standard input")
     check.add_argument(
         "--as", dest="cls", metavar="CLASS", choices=sorted(NAMES),
-        help="what it should be; default: XML's root, or for JSON the file's name up to the first - or .",
+        help="which message it should be (default: the XML root, or for JSON the file name up to the first - or .)",
     )  # fmt: skip
     return parser
 
 
 def _generate(release: bool) -> int:
     if _SCHEMAS.name != "schemas":
-        print(f"expected the package in a checkout's schemas/, got it in {_SCHEMAS}", file=sys.stderr)
+        print(f"expected to run from a checkout, with the package in schemas/; it is in {_SCHEMAS}", file=sys.stderr)
         return 1
     for name in generate.write(_SCHEMAS):
         print(f"made {name}")
@@ -50,11 +55,11 @@ def _generate(release: bool) -> int:
 
 
 def _class(data: bytes, encoding: Encoding, name: str, said: str | None) -> type[Record]:
-    """Return the class a document should be.
+    """Return the class that a document should be.
 
     Raises:
-        ValueError: Nothing says which.
-        WireError: It is no XML.
+        ValueError: Neither option nor file name says which.
+        WireError: It is not XML, or has an unknown root.
     """
     if said is not None:
         return NAMES[said]
@@ -88,7 +93,7 @@ def _check(file: str, said: str | None) -> int:
         print(f"{text} ({error.code})", file=sys.stderr)
         return 1
     except ValueError as error:
-        print(f"{file}: {error}; say it with --as", file=sys.stderr)
+        print(f"{file}: {error}; give the class with --as", file=sys.stderr)
         return 2
     name = next(name for name, one in NAMES.items() if one is cls)
     print(f"{file}: a valid {name}")

@@ -1,7 +1,7 @@
-"""Who writes what, where, how often and how urgently: the table of the contract, as data.
+"""The table of keys: who writes what, how often and with which priority.
 
-Nothing that fans out may block: one stuck reader would stop everybody. What must not be lost is
-a query, what is periodic is a put.
+Puts never block, since one stuck reader would stop everybody else. What must not be lost is a query; what is periodic
+is a put.
 """
 
 from __future__ import annotations
@@ -57,14 +57,15 @@ class Channel:
     """A key of the contract.
 
     Attributes:
-        key: After `iw/v1/<world>/`.
-        writer: Who puts, asks or holds the token.
-        kind: A put, a query or a liveliness token; `get`: whether a put can be asked for too.
-        carries: What is put, or asked with.
-        replies: What a query, or a `get`, is answered with.
-        errors: What a query is refused with.
-        priority, express: How a put is sent; all are dropped rather than waited for.
+        key: The key after `iw/v1/<world>/`.
+        writer: Who puts, queries or holds the token.
+        kind: A put, a query or a liveliness token.
         often: How often it is written.
+        carries: Messages that are put, or sent with the query.
+        replies: Messages that a query, or a `get`, is answered with.
+        errors: Messages that a query is refused with.
+        get: Whether the latest put can also be queried.
+        priority, express: How a put is sent. Every put is dropped where it would have to wait.
     """
 
     key: str
@@ -79,7 +80,9 @@ class Channel:
     express: bool = False
 
 
-_STATE: Final = "every tick, at most 60 a second, 2 a second while nothing moves, always the last before a stop"
+_STATE: Final = (
+    "every tick, at most 60 per second; always the last tick before a stop; 2 per second while paused or waiting"
+)
 
 CHANNELS: Final[dict[str, Channel]] = {
     "join": Channel("join/<agent>", "agent", "query", "once", (Robot,), (Joined,), (Refused,)),
@@ -89,17 +92,17 @@ CHANNELS: Final[dict[str, Channel]] = {
     ),
     "say": Channel("in/<agent>/say", "agent", "put", "when it speaks", (Say,), priority="data-high"),
     "pose": Channel(
-        "in/<agent>/pose", "bridge of a real chair, player of its log", "put", "every tick", (Pose,),
+        "in/<agent>/pose", "bridge of a real robot, or the player of its log", "put", "every tick", (Pose,),
         priority="interactive-high",
     ),
-    "token": Channel("in/<agent>/alive/<role>/<instance>", "agent", "token", "while it lives"),
+    "token": Channel("in/<agent>/alive/<role>/<instance>", "agent", "token", "while the process runs"),
     "user": Channel(
-        "user/<agent>", "operator, joystick, page", "put", "at least every 0.3 s", (UserInput,),
+        "user/<agent>", "operator, joystick or viewer page", "put", "at least every 0.3 s", (UserInput,),
         priority="interactive-high",
     ),
     "measures": Channel("out/<agent>/measures", "simulator", "put", "every tick", (Measures,), priority="data-high"),
     "power": Channel(
-        "out/<agent>/power", "simulator", "put", "every tick, real chairs only", (PowerInForce,),
+        "out/<agent>/power", "simulator", "put", "every tick, for real robots only", (PowerInForce,),
         priority="interactive-high",
     ),
     "error": Channel("out/<agent>/error", "simulator", "put", "rate-limited", (Error,), priority="data-low"),
@@ -110,7 +113,7 @@ CHANNELS: Final[dict[str, Channel]] = {
     "clock": Channel("clock", "simulator", "put", _STATE, (Clock,), (Clock,), get=True, priority="real-time",
                      express=True),
     "crew_actions": Channel(
-        "crew/<crew>/actions", "process of many bodies", "put", "every tick", (CrewActions,),
+        "crew/<crew>/actions", "process with many agents", "put", "every tick", (CrewActions,),
         priority="interactive-high",
     ),
     "crew_measures": Channel(
@@ -122,7 +125,7 @@ CHANNELS: Final[dict[str, Channel]] = {
          Quit),
         (Result,), (Result,),
     ),
-    "alive": Channel("alive", "simulator", "token", "while it lives"),
+    "alive": Channel("alive", "simulator", "token", "while the process runs"),
 }  # fmt: skip
 """Every key of a world by a short name."""
 

@@ -1,7 +1,7 @@
-"""Bytes to messages and back, in both encodings. `decode` raises nothing but `WireError`.
+"""Messages to bytes and back, in both encodings. `decode` raises only `WireError`.
 
-The common JSON document costs one typed decode and three looks at its bytes; whatever is unusual goes
-the slow way, which tells exactly what is wrong and where.
+An ordinary JSON document costs one typed decode and three searches in its bytes. Anything unusual takes the slow path,
+which finds out exactly what is wrong and where.
 """
 
 from __future__ import annotations
@@ -47,16 +47,16 @@ _M = TypeVar("_M", bound=Record)
 
 
 class Encoding(enum.StrEnum):
-    """The encodings of a payload; the value is what stands in Zenoh's encoding."""
+    """The encodings of a payload; the value is the text of Zenoh's encoding."""
 
     JSON = "application/json;iw.v1"
     XML = "application/xml;iw.v1"
-    TEXT = "text/plain"  # of a Say only
+    TEXT = "text/plain"  # for a Say only
 
 
 VERSION: Final = "iw.v1"
 MAX_BYTES: Final = 1 << 20
-"""The longest message there is, 1 MiB: what the link lets through."""
+"""Longest message of any kind, 1 MiB: the limit of the link."""
 
 SMALL: Final = 4096
 LIMITS: Final[dict[type[Record], int]] = {
@@ -70,7 +70,7 @@ LIMITS: Final[dict[type[Record], int]] = {
     Spawn: 16 * SMALL,
     Load: MAX_BYTES,
 }  # fmt: skip
-"""The most bytes of what the simulator receives; all else is bounded by `MAX_BYTES`."""
+"""Longest message of each class that the simulator receives, in bytes; for all others it is `MAX_BYTES`."""
 
 _TYPES: Final = {"application/json": Encoding.JSON, "application/xml": Encoding.XML, "text/plain": Encoding.TEXT}
 _UNSAID: Final = frozenset({"", "zenoh/bytes", "zenoh/string"})
@@ -82,11 +82,11 @@ def encoding_of(encoding: str, data: bytes = b"") -> Encoding:
     """Return how a payload is to be read.
 
     Args:
-        encoding: Zenoh's encoding as text; nothing, `zenoh/bytes` and `zenoh/string` say nothing.
-        data: The payload; its first byte decides where the encoding says nothing.
+        encoding: Zenoh's encoding as text. Empty, `zenoh/bytes` and `zenoh/string` leave it open.
+        data: The payload; its first byte decides where the encoding leaves it open.
 
     Raises:
-        WireError: `encoding`, or `version` for a version this is not.
+        WireError: `encoding`, or `version` for another version of the contract.
     """
     kind, _, schema = encoding.partition(";")
     found = _TYPES.get(kind)
@@ -99,7 +99,9 @@ def encoding_of(encoding: str, data: bytes = b"") -> Encoding:
             return Encoding.JSON
         if data[:1] == b"<":
             return Encoding.XML
-        raise WireError("encoding", "encoding: expected a payload that begins with { or <, got another", "encoding")
+        raise WireError(
+            "encoding", "encoding: expected a payload that begins with { or <, got another byte", "encoding"
+        )
     text = f"encoding: expected {Encoding.JSON} or {Encoding.XML}, got {shown(encoding)}"
     raise WireError("encoding", text, "encoding")
 
@@ -108,9 +110,9 @@ def encoding_of(encoding: str, data: bytes = b"") -> Encoding:
 
 
 def _canonical(message: _M) -> _M:
-    """Return the message with every value that equals its default replaced by it.
+    """Return the message with every value that equals its default replaced by the default itself.
 
-    msgspec leaves out what *is* the default; a computed 0.0 equals it only.
+    msgspec leaves out a field only if its value is the same object as the default; a computed 0.0 is merely equal.
     """
     shape = shape_of(type(message))
     if not shape.ragged:
@@ -153,7 +155,7 @@ def encode(message: Record, encoding: Encoding = Encoding.JSON) -> bytes:
     """Return the bytes of a message.
 
     Raises:
-        ValueError: A number in it is not finite, or it is no `Say` and to be plain text: our bug.
+        ValueError: A number in it is not finite, or it is to be plain text and is not a `Say`: a bug of ours.
     """
     if encoding is Encoding.JSON:
         data = _write(_canonical(message))
@@ -173,7 +175,7 @@ def encode(message: Record, encoding: Encoding = Encoding.JSON) -> bytes:
 
 @cache
 def decoder_for(cls: type[_M]) -> Callable[[bytes], _M]:
-    """Return the fast typed JSON reader of a class, which lets repeated names and nulls pass."""
+    """Return the fast typed JSON reader of a class, which does not notice repeated names and nulls."""
     return cast("Callable[[bytes], _M]", msgspec.json.Decoder(cls).decode)
 
 
@@ -185,14 +187,16 @@ def _parse_json(data: bytes, where: str) -> Any:
     try:
         return json.loads(data.decode(), object_pairs_hook=object_of_pairs, parse_constant=_no_constant)
     except RecursionError:
-        raise WireError("malformed", f"{where}: expected JSON of sane depth, got it deeper", where) from None
+        raise WireError(
+            "malformed", f"{where}: expected JSON of moderate depth, got it nested too deeply", where
+        ) from None
     except ValueError as error:
         detail = str(error)[:120].encode("ascii", "backslashreplace").decode()
         raise WireError("malformed", f"{where}: expected well-formed JSON, got {detail}", where) from None
 
 
 def from_plain(cls: type[_M], plain: Any, *, strict: bool = True) -> _M:
-    """Return a message of plain data (what JSON gives), checked but for the rules across fields.
+    """Return a message made of plain data (parsed JSON), checked except for the rules that span fields.
 
     Raises:
         WireError: The first place that is wrong.
@@ -211,8 +215,8 @@ def _from_json(cls: type[_M], data: bytes, strict: bool) -> _M:
     except (msgspec.MsgspecError, ValueError, RecursionError):
         pass
     else:
-        # What is written again has no name twice, so as many colons in both means none came twice
-        # (a colon within text counts on both sides, unless it hides in an escape).
+        # Written again, the message has no name twice, so equal numbers of colons mean that no name was repeated.
+        # A colon within text counts on both sides, unless it is escaped.
         if b"null" not in data and b"\\u" not in data and data.count(b":") == _write(message).count(b":"):
             return message
     return from_plain(cls, _parse_json(data, root_of(cls)), strict=strict)
@@ -242,16 +246,16 @@ def _from_text(cls: type[_M], data: bytes) -> _M:
 
 
 def decode(cls: type[_M], data: bytes, encoding: Encoding = Encoding.JSON, *, strict: bool = True) -> _M:
-    """Return the message that bytes are.
+    """Return the message that the bytes encode.
 
     Args:
-        cls: The class the key says it is.
+        cls: The class that belongs to the key.
         data: The payload.
-        encoding: How to read it, by `encoding_of`.
+        encoding: Its encoding, from `encoding_of`.
         strict: Whether unknown fields are refused (the simulator) or ignored (everybody else).
 
     Raises:
-        WireError: With code, place and words; nothing else is raised.
+        WireError: The bytes are wrong; it has code, place and text. Nothing else is raised.
     """
     limit = LIMITS.get(cls, MAX_BYTES)
     if len(data) > limit:

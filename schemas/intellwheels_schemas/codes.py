@@ -1,77 +1,86 @@
-"""What each code means, and which ROS service and code stands for what. Data for KEYS.md and for people."""
+"""The meaning of each code, and the ROS services and codes that correspond. Data for KEYS.md and for people."""
 
 from __future__ import annotations
 
 from typing import Final, NamedTuple
 
-from intellwheels_schemas.messages import ErrorCode, EventCode, RefusedCode, ResultCode
+from intellwheels_schemas.messages import ErrorCode, EventCode, MotorState, RefusedCode, ResultCode
 
 REFUSED: Final[dict[RefusedCode, str]] = {
-    "already-here": "a token of another instance of this role lives, and the old Session was not shown",
-    "no-token": "the instance's own liveliness token is not there: declare it first",
-    "no-body": "a mind came before its body: try again each second",
-    "no-place": "no such place, or no free one for this Kind",
-    "overlaps": "the place is taken",
-    "name": "not a name, reserved, or not the name in the key",
+    "already-here": "another instance holds this role (its token is present), and its Session was not shown",
+    "no-token": "the liveliness token of this instance was not found: declare it first, or try again in a moment",
+    "no-body": "a mind joined before its body did: try again every second",
+    "no-place": "there is no such place, or no free one for this Kind",
+    "overlaps": "the body would overlap something at that place",
+    "name": "the name is invalid, reserved, or not the one in the key",
     "field": "an unknown, missing or misplaced field",
     "value": "a value outside its type or range, or bytes that cannot be read",
     "limit": "too many or too long",
-    "version": "a version or encoding this simulator does not speak",
+    "version": "a version or an encoding that this simulator does not know",
     "truth": "a truth sensor where the simulation does not allow it",
-    "mount": "Mount start on a real robot",
+    "mount": "a sensor with Mount start on a real robot",
     "real-in-lockstep": "real hardware in lockstep or at a speed other than 1",
-    "full": "no room for another body",
+    "full": "there is no room for another body",
 }
 
 ERROR: Final[dict[ErrorCode, str]] = {
-    "malformed": "bytes that are no JSON or XML, another root, or a name that comes twice",
-    "encoding": "an encoding that is none of the contract's",
+    "malformed": "bytes that are not JSON or XML, the wrong root element, or a name that occurs twice",
+    "encoding": "an unknown encoding",
     "version": "a version that is not iw.v1",
     "field": "an unknown, missing or misplaced field",
     "value": "a value outside its type or range",
     "too-long": "more bytes or characters than the limit",
-    "too-many": "more things than the limit, or more messages than the simulator takes",
-    "late": "a tick that is over; dropped",
-    "early": "a tick that has not come; dropped",
-    "answered": "a second and different answer of a barrier member to one tick; dropped",
-    "session": "another's or an old Session; dropped",
-    "lease": "user input without the lease that runs; dropped",
-    "not-joined": "from who has not joined; dropped",
-    "role": "not this role's to send; dropped",
+    "too-many": "more items than the limit, or more messages than the simulator accepts",
+    "late": "the tick is over; the message was dropped",
+    "early": "the tick has not begun; the message was dropped",
+    "answered": "a member of the barrier sent a second, different answer to one tick; the second was dropped",
+    "session": "the Session is old or belongs to another process; the message was dropped",
+    "lease": "user input without the current lease; it was dropped",
+    "not-joined": "the sender has not joined; the message was dropped",
+    "role": "this role may not send that; the message was dropped",
 }
 
 EVENT: Final[dict[EventCode, str]] = {
-    "joined": "an agent joined in a role",
+    "joined": "an agent joined",
     "left": "an agent left",
-    "lost": "an agent's token went and did not return within the grace time",
-    "returned": "an agent's token came back within the grace time",
+    "lost": "the token of an agent disappeared and did not return within the grace time",
+    "returned": "the token of an agent came back within the grace time",
     "contact": "a contact began",
-    "parted": "a contact ended: 0.25 s simulated without it",
-    "stale": "a real chair's pose is older than it may be",
-    "fresh": "a real chair reports again",
-    "late": "a barrier member missed a deadline",
-    "rested": "a barrier member missed three in a row: its body rests",
-    "back": "a rested member answers again",
-    "timeout": "no command for longer than the command time-out: power 0",
-    "taken": "an operator took a body over",
-    "released": "an operator gave a body back, or the lease ran out",
-    "spawned": "a body was put in by an operator",
-    "deleted": "a body was taken out by an operator",
-    "teleported": "a body was put elsewhere by an operator",
-    "paused": "time stands",
-    "resumed": "time goes on",
-    "speed": "another speed",
-    "reset": "the run began anew",
-    "loaded": "another floor",
-    "ended": "the end condition is met",
+    "parted": "a contact ended: no touch for 0.25 s of simulated time",
+    "stale": "the pose of a real robot is too old, so its power is 0",
+    "fresh": "a real robot reports its pose again",
+    "late": "a member of the barrier missed a deadline",
+    "rested": "a member of the barrier missed three deadlines in a row: its body rests",
+    "back": "a rested member of the barrier answers again",
+    "timeout": "no motor command for longer than the command time-out: power 0",
+    "taken": "an operator took control of a body",
+    "released": "an operator gave a body back, or the lease expired",
+    "spawned": "an operator added a body",
+    "deleted": "an operator removed a body",
+    "teleported": "an operator moved a body",
+    "paused": "time was stopped",
+    "resumed": "time continues",
+    "speed": "the speed was changed",
+    "reset": "a new run began on the same map",
+    "loaded": "a new run began on another map",
+    "ended": "the end condition was met",
+}
+
+MOTOR_STATE: Final[dict[MotorState, str]] = {
+    "drive": "the motors obey the mind",
+    "timeout": "no motor command for longer than the command time-out: power 0",
+    "rested": "the mind missed three deadlines in a row in lockstep: power 0 until it answers again",
+    "paused": "a real robot stands still because of a pause, or of a speed other than 1: power 0",
+    "taken": "an operator has taken control: the motors obey `user/<agent>`",
+    "stale": "the pose of a real robot is too old: power 0 until it reports again",
 }
 
 RESULT: Final[dict[ResultCode, str]] = {
     "ok": "done",
     "unsupported": "this simulator cannot do that",
-    "not-found": "no such agent, floor, slot or tick",
-    "incorrect-state": "not now",
-    "failed": "tried, and it did not work; Text says why",
+    "not-found": "there is no such agent, map, slot or tick",
+    "incorrect-state": "not possible in the current state",
+    "failed": "it was tried and did not work; Text says why",
 }
 
 ROS_RESULT: Final[dict[ResultCode, str]] = {
@@ -95,7 +104,7 @@ ROS_VERB: Final[dict[str, Ros]] = {
     "pause": Ros("SetSimulationState", "state PAUSED (2)"),
     "resume": Ros("SetSimulationState", "state PLAYING (1)"),
     "step": Ros("StepSimulation, SimulateSteps", "steps = Count; needs a paused simulation"),
-    "reset": Ros("ResetSimulation", "all of it, simulated time too; joins stay"),
+    "reset": Ros("ResetSimulation", "scope is everything, simulated time included; agents stay joined"),
     "load": Ros("LoadWorld", "uri = Name, or resource_string = the Map as XML"),
     "speed": Ros("", "none"),
     "spawn": Ros("SpawnEntity", "name = Robot.Name, the Robot as its resource, initial_pose = Position"),
@@ -110,7 +119,9 @@ ROS_VERB: Final[dict[str, Ros]] = {
 }
 
 ROS_KEY: Final[dict[str, Ros]] = {
-    "clock": Ros("GetSimulationState", "STOPPED for waiting and ended, PLAYING for running, PAUSED for paused"),
+    "clock": Ros(
+        "GetSimulationState", "STOPPED while waiting and after the end, PLAYING while running, PAUSED while paused"
+    ),
     "state": Ros("GetEntitiesStates", "pose and twist of each Entity"),
     "body": Ros("GetEntities, GetEntityInfo", "category = Kind"),
     "map": Ros("GetCurrentWorld", "world.name = Name"),

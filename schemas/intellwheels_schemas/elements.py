@@ -1,8 +1,7 @@
-"""XML to and from the plain data that JSON gives, by the shape of the class.
+"""Converts between XML and the plain data of JSON, by the shape of the class.
 
-Written XML is one line without declaration or indentation. Read XML comes from strangers: no
-DTD, no entities, no network, bounded depth; numbers have JSON's grammar, so that both encodings
-take and refuse the same.
+XML is written as one line without declaration or indentation. XML that is read may come from anybody: no DTD, no
+entities, no network, bounded depth. Numbers follow the grammar of JSON, so that both encodings accept the same.
 """
 
 from __future__ import annotations
@@ -25,11 +24,11 @@ _Write = Callable[[Any, list[str], str], None]
 # Longer integers are out of every range, and Python refuses to convert those over 4,300 digits.
 _INTEGER: Final = re.compile(r"-?(?:0|[1-9][0-9]{0,18})\Z")
 _NUMBER: Final = re.compile(r"-?(?:0|[1-9][0-9]*)(?:\.[0-9]+)?(?:[eE][+-]?[0-9]+)?\Z")
-# A document type can only stand before the root, so this one look at the start is enough. Nothing is tried
-# twice (possessive), else a megabyte of comment openings would take minutes.
+# A document type can only come before the root, so it is enough to look at the start. The match is possessive: with
+# backtracking, a megabyte of comment openings would take minutes.
 _DOCTYPE: Final = re.compile(rb"(?:\xef\xbb\xbf)?(?>\s+|<\?.*?\?>|<!--.*?-->)*+<!DOCTYPE", re.DOTALL)
 _SPACE: Final = " \t\r\n"
-# What a document may say about its own schema, and we do not read.
+# Attributes by which a document names its schema; they are not read.
 _XSI: Final = "{http://www.w3.org/2001/XMLSchema-instance}"
 
 
@@ -120,7 +119,7 @@ def to_xml(message: Record) -> str:
     """Return a message as one line of XML.
 
     Raises:
-        ValueError: A number in it is not finite: our bug.
+        ValueError: A number in it is not finite: a bug of ours.
     """
     out: list[str] = []
     cls = type(message)
@@ -135,15 +134,15 @@ def parse(data: bytes, where: str) -> etree._Element:
     """Return the root element of a document.
 
     Args:
-        data: UTF-8, at most as long as the caller's limit.
-        where: What the error calls the document.
+        data: UTF-8; the caller has checked the length.
+        where: Name of the document in errors.
 
     Raises:
         WireError: `malformed`.
     """
     if b"<!DOCTYPE" in data and _DOCTYPE.match(data):
         raise WireError("malformed", f"{where}: expected XML without a document type, got one", where)
-    # A parser is made anew each time: it is not to be shared between threads and keeps its last error.
+    # A new parser each time: parsers must not be shared between threads, and keep their last error.
     parser = etree.XMLParser(
         encoding="utf-8", resolve_entities=False, no_network=True, load_dtd=False, huge_tree=False,
         remove_comments=True, remove_pis=True,
@@ -205,7 +204,7 @@ _Reader = Callable[[str], object]
 
 @cache
 def _readers(cls: type[Record]) -> tuple[Shape, dict[str, tuple[_Reader, bool]], dict[str, Member]]:
-    """Return a class's shape, its attributes with what reads each and whether it is a list, and its children."""
+    """Return the shape of a class, its attributes (what reads each, and whether it is a list), and its children."""
     shape = shape_of(cls)
     attributes: dict[str, tuple[_Reader, bool]] = {}
     children: dict[str, Member] = {}
@@ -218,16 +217,16 @@ def _readers(cls: type[Record]) -> tuple[Shape, dict[str, tuple[_Reader, bool]],
 
 
 def to_plain(element: etree._Element, cls: type[Record], where: str, *, strict: bool) -> Plain:
-    """Return the plain data of an element, numbers converted where they are numbers.
+    """Return the plain data of an element, with numbers converted.
 
     Args:
         element: The element.
-        cls: Whose fields it has.
+        cls: The class whose fields it has.
         where: Its place, for errors.
         strict: Whether unknown attributes and elements are refused; else they are left out.
 
     Raises:
-        WireError: `field`, for what does not belong; values are checked later.
+        WireError: `field`, for an attribute, element or text that does not belong there. Values are checked later.
     """
     shape, attributes, children = _readers(cls)
     plain: Plain = {}
@@ -243,7 +242,7 @@ def to_plain(element: etree._Element, cls: type[Record], where: str, *, strict: 
             raise unknown_field(shape, name, where)
     if shape.content is not None:
         text = element.text or ""
-        # An element cannot say whether its text is empty or absent: required text is empty, other absent.
+        # An element cannot tell empty text from none: where text is required it is empty, elsewhere it is absent.
         if text or shape.content.required:
             plain[shape.content.wire] = text
     elif not _blank(element.text):
@@ -273,7 +272,7 @@ def _line(element: etree._Element) -> int:
 
 
 def places(element: etree._Element, cls: type[Record], where: str) -> Iterator[tuple[str, int]]:
-    """Give the place and line of an element and of everything in it that has a place."""
+    """Yield the place and line of an element and of everything in it that has a place."""
     yield where, _line(element)
     counts: dict[str, int] = {}
     children = _readers(cls)[2]

@@ -1,4 +1,7 @@
-"""The two errors that are not ours: their bytes, and their request. Our own bugs crash with their trace."""
+"""The two kinds of error that others cause: wrong bytes, and a request that is refused.
+
+Bugs of our own are no error of these kinds: they crash with their traceback.
+"""
 
 from __future__ import annotations
 
@@ -8,12 +11,12 @@ from intellwheels_schemas.messages import ErrorCode, RefusedCode
 
 
 class WireError(ValueError):
-    """Bytes, or a document, that cannot be read.
+    """Bytes or a document that cannot be read.
 
     Attributes:
-        code: The code an `Error` message carries.
-        where: The place in the wire's own names (`Actions.LeftMotor`, `maps/ward.xml:14`), or empty.
-        text: The whole sentence, place included.
+        code: Code of the `Error` message about it.
+        where: Place, in the names of the wire or as file and line (`Actions.LeftMotor`, `maps/ward.xml:14`), or empty.
+        text: The whole sentence, with the place.
     """
 
     def __init__(self, code: ErrorCode, text: str, where: str = "") -> None:
@@ -24,11 +27,11 @@ class WireError(ValueError):
 
 
 class RequestRefusedError(ValueError):
-    """A request that was understood and is not granted; its text goes back to who asked.
+    """A request that was understood but is refused; the text is sent back to whoever made it.
 
     Attributes:
-        code: The code a `Refused` message carries.
-        text: What is wrong, what was expected, what came.
+        code: Code of the `Refused` message about it.
+        text: What is wrong, what was expected and what came.
     """
 
     def __init__(self, code: RefusedCode, text: str) -> None:
@@ -46,4 +49,4 @@ REFUSED_FOR: Final[dict[ErrorCode, RefusedCode]] = {
     "too-long": "limit",
     "too-many": "limit",
 }
-"""The code of the refusal of a join whose bytes were in error."""
+"""Code of the refusal, for each error in the bytes of a join."""

@@ -1,7 +1,7 @@
-"""Where a document is wrong, in the wire's own names: the slow and exact reader of plain data.
+"""Explains what is wrong with a document: the slow, exact check of plain data.
 
-The fast readers only say that something is wrong. This one walks the plain data (what JSON gives)
-beside the shape of the class and names the first place, what was expected there and what came.
+The fast readers only notice that something is wrong. This check walks the plain data (parsed JSON) along the shape of
+the class. Its error names the first wrong place as the wire does, what was expected there and what came.
 """
 
 from __future__ import annotations
@@ -32,13 +32,13 @@ _HEIGHT_HINTS: Final = {
 
 
 class Repeated(dict[str, Any]):
-    """An object in which a name stood twice; `name` is the first such."""
+    """An object in which a name occurred twice; `name` is the first of them."""
 
     name: str = ""
 
 
 def object_of_pairs(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
-    """Return the object of its pairs, marked where a name comes twice. For `json.loads`."""
+    """Return the object with these pairs, marked if a name occurs twice. For `json.loads`."""
     found = dict(pairs)
     if len(found) == len(pairs):
         return found
@@ -53,7 +53,7 @@ def object_of_pairs(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
 
 
 def shown(value: object) -> str:
-    """Return a stranger's value, short and printable."""
+    """Return a value that came from outside, short and printable."""
     if value is None:
         return "null"
     if isinstance(value, bool):
@@ -72,7 +72,7 @@ def _bound(value: float | None, none: str) -> str:
 
 
 def expected(scalar: Scalar) -> str:
-    """Return what a scalar must be, in words: `degrees in (0, 360]`."""
+    """Return in words what a scalar must be, such as `degrees in (0, 360]`."""
     if scalar.kind == "truth":
         return "true or false"
     if scalar.kind == "word":
@@ -88,7 +88,7 @@ def expected(scalar: Scalar) -> str:
 
 
 def fits(scalar: Scalar, value: object) -> bool:
-    """Return whether plain data is what the scalar must be."""
+    """Return whether a value of plain data is valid for the scalar."""
     match scalar.kind:
         case "truth":
             return isinstance(value, bool)
@@ -114,10 +114,12 @@ def _wrong_scalar(scalar: Scalar, value: object, where: str) -> WireError:
         if scalar.max_length is not None and len(value) > scalar.max_length:
             return too_long(where, scalar.max_length, "characters", len(value))
         if not value and scalar.min_length:
-            return WireError("value", f"{where}: expected text or nothing at all, got ''", where)
+            return WireError("value", f"{where}: expected text of at least one character or no field, got ''", where)
         if not scalar.expected:
             bad = next((c for c in value if scalar.pattern is not None and not scalar.pattern.match(c)), "")
-            return WireError("value", f"{where}: expected characters of XML 1.0 but CR, got {bad!r}", where)
+            return WireError(
+                "value", f"{where}: expected XML 1.0 characters except carriage return, got {bad!r}", where
+            )
     code: Any = "version" if scalar.words == ("iw.v1",) and isinstance(value, str) else "value"
     return WireError(code, f"{where}: expected {expected(scalar)}, got {shown(value)}", where)
 
@@ -142,12 +144,12 @@ def check_scalar(scalar: Scalar, value: object, where: str) -> None:
 
 
 def unknown_field(shape: Shape, name: str, where: str) -> WireError:
-    """Return the error for a field the class does not have, with the nearest one it has."""
+    """Return the error for a field that the class does not have, with the most similar one that it has."""
     hint = _HEIGHT_HINTS.get(shape.cls.__name__, "") if name == "Height" else ""
     if not hint:
         near = difflib.get_close_matches(name, list(shape.by_wire), n=1)
         hint = f"did you mean {near[0]}?" if near else ""
-    # A stranger's name is repeated as a place only when it looks like one of ours.
+    # A name that came from outside is repeated as a place only if it looks like one of ours.
     place = f"{where}.{name}" if name.isidentifier() and name.isascii() and len(name) <= 40 else where
     text = f"{place}: expected a field of {shape.root}, got {shown(name)}"
     return WireError("field", f"{text}; {hint}" if hint else text, place)
@@ -177,16 +179,16 @@ def _check_member(member: Member, value: Any, where: str, strict: bool) -> None:
 
 
 def check_plain(shape: Shape, plain: Any, where: str, *, strict: bool) -> None:
-    """Check plain data against a shape; without `strict`, unknown fields are taken out of it.
+    """Check plain data against a shape; without `strict`, unknown fields are removed from it.
 
     Args:
         shape: What it must be.
-        plain: What JSON gave: dicts, lists, text, numbers. Changed in place when not strict.
-        where: The place of `plain`, in the wire's own names; lists count from 0.
+        plain: Parsed JSON: dicts, lists, text, numbers. Changed in place unless strict.
+        where: Place of `plain`, in the names of the wire; list items count from 0.
         strict: Whether unknown fields are refused.
 
     Raises:
-        WireError: The first place that is wrong, in the order fields are declared.
+        WireError: The first wrong place, in the order in which fields are declared.
     """
     if not isinstance(plain, dict):
         raise WireError("value", f"{where}: expected an object, got {shown(plain)}", where)
@@ -207,5 +209,5 @@ def check_plain(shape: Shape, plain: Any, where: str, *, strict: bool) -> None:
 
 
 def root_of(cls: type[Record]) -> str:
-    """Return the name a document's places begin with."""
+    """Return the name that the places of a document begin with."""
     return shape_of(cls).root

@@ -1,6 +1,6 @@
-"""Documents as files for people: floors, robots, scenes. XML, in which comments and indentation are welcome.
+"""Reads and writes files for people: maps, robots and scenes. XML, where comments and indentation are welcome.
 
-The only file of the contract that reads any. What is wrong is told with file and line.
+No other module of the contract reads files. Errors name file and line.
 """
 
 from __future__ import annotations
@@ -21,13 +21,13 @@ from intellwheels_schemas.messages import Record
 _M = TypeVar("_M", bound=Record)
 
 MAX_FILE_BYTES: Final = 16 << 20
-"""The longest file, 16 MiB; a floor that is sent by `load` is bounded as a message."""
+"""Longest file, 16 MiB. A map that is sent with `load` is limited as a message."""
 
 
 class Lines:
-    """Where each element of a file stands.
+    """The line of each element of a file.
 
-    Places are those of errors: `Map.Wall[3].Corner[0]`, lists counted from 0.
+    Elements are named by place, as in errors: `Map.Wall[3].Corner[0]`, list items counted from 0.
     """
 
     def __init__(self, file: str, lines: dict[str, int]) -> None:
@@ -47,22 +47,22 @@ class Lines:
         return self.at(f"{root}{place}")
 
     def error(self, wrong: WireError) -> WireError:
-        """Return an error with file and line in front of its words."""
+        """Return the same error with file and line in front of its text."""
         place = f"{self.file}:{self.at(wrong.where)}"
         return WireError(wrong.code, f"{place}: {wrong.text}", place)
 
 
 def read_with_lines(cls: type[_M], file: str | Path | Traversable, *, with_rules: bool = True) -> tuple[_M, Lines]:
-    """Return a document and where its elements stand.
+    """Return a document and the lines of its elements.
 
     Args:
-        cls: What it is.
+        cls: The class of the document.
         file: Path, or a resource of a package.
-        with_rules: Whether the rules across fields are checked too; who has checks of its own that find more
+        with_rules: Whether the rules that span fields are checked too. A caller with checks of its own that find more
             than the first fault leaves them out.
 
     Raises:
-        WireError: The file is not there, too long or wrong; place and words begin with file and line.
+        WireError: The file is missing, too long or wrong; place and text begin with file and line.
     """
     path = Path(file) if isinstance(file, str) else file
     try:
@@ -75,7 +75,7 @@ def read_with_lines(cls: type[_M], file: str | Path | Traversable, *, with_rules
 
 
 def read_bytes(cls: type[_M], data: bytes, name: str, *, with_rules: bool = True) -> tuple[_M, Lines]:
-    """Return a document of an XML file's bytes and where its elements stand; `name` is what errors call it.
+    """Return a document from the bytes of an XML file and the lines of its elements; errors call the file `name`.
 
     Raises:
         WireError: As `read_with_lines`.
@@ -113,7 +113,7 @@ def read_file(cls: type[_M], file: str | Path | Traversable, *, with_rules: bool
 
 
 def write_file(message: Record) -> str:
-    """Return a document as XML for people: an element a line, indented by two, a line feed at the end."""
+    """Return a document as XML for people: one element per line, indented by two, a line feed at the end."""
     root = etree.fromstring(elements.to_xml(message).encode(), etree.XMLParser(strip_cdata=False))
     etree.indent(root)
     return etree.tostring(root, encoding="unicode") + "\n"

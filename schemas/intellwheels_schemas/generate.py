@@ -1,4 +1,4 @@
-"""The files made from the message classes, and the promise that a released field does not change."""
+"""Makes the generated files from the message classes, and checks that no released field changes."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from intellwheels_schemas.vectors import GROWN, NAMES, REFUSED, VALID, class_of,
 from intellwheels_schemas.xsd import xsd_files
 
 FOLDERS: Final = ("xsd", "json", "vectors")
-"""Folders that hold generated files only: what is in them and not generated is stale."""
+"""Folders with generated files only: anything else in them is stale."""
 
 RELEASED: Final = "released.json"
 
@@ -33,7 +33,7 @@ def _refusal(name: str, data: bytes) -> str:
         decode(class_of(name), data, encoding_of_file(name))
     except WireError as error:
         return error.text
-    raise ValueError(f"{name}: expected a document that is refused, it was taken")
+    raise ValueError(f"{name}: expected a document that is refused, it was accepted")
 
 
 def generated() -> dict[str, bytes]:
@@ -54,7 +54,7 @@ def generated() -> dict[str, bytes]:
 
 
 def write(folder: Path) -> list[str]:
-    """Write the generated files into `schemas/`, take stale ones out, and return what changed."""
+    """Write the generated files into `schemas/`, remove stale ones, and return the paths of those that changed."""
     changed = stale(folder)
     files = generated()
     for name in changed:
@@ -68,7 +68,7 @@ def write(folder: Path) -> list[str]:
 
 
 def stale(folder: Path) -> list[str]:
-    """Return the paths under `schemas/` that are not as they would be generated, sorted."""
+    """Return the paths under `schemas/` that differ from what would be generated, sorted."""
     files = generated()
     there = {
         path.relative_to(folder).as_posix() for name in FOLDERS for path in (folder / name).rglob("*") if path.is_file()
@@ -100,7 +100,7 @@ def _signature(member: Member) -> dict[str, Any]:
 
 
 def fields() -> dict[str, dict[str, dict[str, Any]]]:
-    """Return what every field of every class is, for comparing with what was released."""
+    """Return the type, bounds, unit and default of every field of every class, to compare with what was released."""
     found: dict[str, dict[str, dict[str, Any]]] = {}
 
     def add(cls: type[Record]) -> None:
@@ -117,14 +117,14 @@ def fields() -> dict[str, dict[str, dict[str, Any]]]:
 
 
 def released_text() -> bytes:
-    """Return the text of `released.json` for the classes as they are."""
+    """Return the text of `released.json` for the current classes."""
     return _pretty(fields())
 
 
 def broken_promises(released: dict[str, dict[str, dict[str, Any]]]) -> list[str]:
-    """Return what a peer of the released version could no longer rely on, in words.
+    """Return in words what a peer of the released version could no longer rely on.
 
-    Classes and optional fields may be added; nothing released may go or change.
+    Classes and optional fields may be added; nothing that was released may be removed or changed.
     """
     now = fields()
     broken = []
@@ -132,7 +132,7 @@ def broken_promises(released: dict[str, dict[str, dict[str, Any]]]) -> list[str]
         for wire, signature in members.items():
             place = f"{name}.{wire}"
             if name not in now or wire not in now[name]:
-                broken.append(f"{place}: expected to stay, it is gone")
+                broken.append(f"{place}: expected to stay, it was removed")
             elif now[name][wire] != signature:
                 broken.append(f"{place}: expected {signature}, got {now[name][wire]}")
     for name, members in now.items():

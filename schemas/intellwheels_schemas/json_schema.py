@@ -1,14 +1,23 @@
-"""JSON Schema (2020-12) of every document, from the shapes."""
+"""JSON Schema (2020-12) of every document, from the shapes, and of the lines of the simulator's files."""
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, Final
 
+import msgspec
+
+from intellwheels_schemas import file_records, messages
+from intellwheels_schemas.field_docs import field_docs
+from intellwheels_schemas.file_records import LINES, FileRecord
 from intellwheels_schemas.messages import Record
 from intellwheels_schemas.shapes import Form, Member, Scalar, shape_of
 from intellwheels_schemas.vectors import NAMES
 
 Schema = dict[str, Any]
+
+_DIALECT: Final = "https://json-schema.org/draft/2020-12/schema"
+# ECMAScript has no \Z, and its $ is the end.
+_END: Final = r"\Z"
 
 
 def _scalar(scalar: Scalar) -> Schema:
@@ -17,8 +26,7 @@ def _scalar(scalar: Scalar) -> Schema:
     if scalar.words:
         schema["enum"] = list(scalar.words)
     if scalar.pattern is not None:
-        # ECMAScript has no \Z, and its $ is the end.
-        schema["pattern"] = scalar.pattern.pattern.removesuffix(r"\Z") + "$"
+        schema["pattern"] = f"{scalar.pattern.pattern.removesuffix(_END)}$"
     if scalar.min_length:
         schema["minLength"] = scalar.min_length
     if scalar.max_length is not None:
@@ -30,7 +38,7 @@ def _scalar(scalar: Scalar) -> Schema:
     return schema
 
 
-def _member(member: Member) -> Schema:
+def _member(member: Member, text: str) -> Schema:
     if member.record is not None:
         item: Schema = {"$ref": f"#/$defs/{member.record.__name__}"}
     elif member.scalar is not None:
@@ -44,22 +52,19 @@ def _member(member: Member) -> Schema:
         schema = {"type": "array", "items": item}
         if member.max_count is not None:
             schema["maxItems"] = member.max_count
-    words = [member.description or (member.scalar.description if member.scalar is not None else "")]
-    if member.scalar is not None and member.scalar.unit:
-        words.append(f"unit: {member.scalar.unit}")
-    if any(words):
-        schema["description"] = "; ".join(word for word in words if word)
+    unit = member.scalar.unit if member.scalar is not None else ""
+    schema["description"] = f"{text} Unit: {unit}." if unit else text
     if not member.required and member.default is not None and member.default != ():
         schema["default"] = member.default
     return schema
 
 
 def _record(cls: type[Record]) -> Schema:
-    shape = shape_of(cls)
+    shape, docs = shape_of(cls), field_docs(cls)
     schema: Schema = {
         "type": "object",
         "description": (cls.__doc__ or "").partition("\n")[0],
-        "properties": {member.wire: _member(member) for member in shape.members},
+        "properties": {member.wire: _member(member, docs[member.name]) for member in shape.members},
         "additionalProperties": False,
     }
     if required := [member.wire for member in shape.members if member.required]:
@@ -74,16 +79,51 @@ def _add(cls: type[Record], definitions: dict[str, Schema]) -> None:
             _add(member.record, definitions)
 
 
-def json_schemas() -> dict[str, Schema]:
-    """Return the schema of each document by its name.
+def _portable(schema: Any) -> Any:
+    """Return a schema with patterns that ECMAScript knows, as those of documents have."""
+    if isinstance(schema, dict):
+        return {
+            key: f"{value.removesuffix(_END)}$" if key == "pattern" else _portable(value)
+            for key, value in schema.items()
+        }
+    return [_portable(item) for item in schema] if isinstance(schema, list) else schema
 
-    As strict as the simulator: unknown fields are refused. Who reads what a later version writes ignores them.
+
+def _line(cls: type[FileRecord]) -> Schema:
+    """Return the schema of a kind of line. Fields that a later version adds are allowed."""
+    _, components = msgspec.json.schema_components([cls], ref_template="#/$defs/{name}")
+    definitions: dict[str, Schema] = {}
+    for name, found in components.items():
+        message = getattr(messages, name, None)
+        definitions[name] = _record(message) if message is not None else _described(name, found)
+    return {**definitions.pop(cls.__name__), "$defs": dict(sorted(definitions.items()))}
+
+
+def _described(name: str, found: Schema) -> Schema:
+    """Return what msgspec says of a record of a file, with what its fields are for."""
+    cls = getattr(file_records, name)
+    schema: Schema = _portable(found)
+    schema["description"] = (cls.__doc__ or "").partition("\n")[0]
+    wires = dict(zip(cls.__struct_encode_fields__, cls.__struct_fields__, strict=True))
+    for wire, member in schema["properties"].items():
+        if wire in wires:
+            member["description"] = field_docs(cls)[wires[wire]]
+    return schema
+
+
+def json_schemas() -> dict[str, Schema]:
+    """Return the schema of each document, and of each kind of line in a file, by its name.
+
+    Documents are as strict as the simulator: unknown fields are refused. A peer that reads what a later version writes
+    ignores them.
     """
     schemas: dict[str, Schema] = {}
     for name, cls in NAMES.items():
         definitions: dict[str, Schema] = {}
         _add(cls, definitions)
-        schemas[name] = {"$schema": "https://json-schema.org/draft/2020-12/schema", "title": name, **_record(cls)}
+        schemas[name] = {"$schema": _DIALECT, "title": name, **_record(cls)}
         if definitions:
             schemas[name]["$defs"] = dict(sorted(definitions.items()))
+    for line in LINES:
+        schemas[line.__name__] = {"$schema": _DIALECT, "title": line.__name__, **_line(line)}
     return schemas

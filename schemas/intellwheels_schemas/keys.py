@@ -1,19 +1,20 @@
-"""Every key there is. Keys are made here and taken apart here, nowhere else.
+"""Makes and parses every key. No other module does.
 
-A key says who writes it, so what a parser returns is who spoke. Parsers are strict: a key with
-a wildcard, a wrong name or one chunk too many is nobody's, and None is returned.
+A key names its writer, so parsing a key tells who sent the sample. Parsers are strict: for a key with a wildcard, an
+invalid name or a chunk too many they return None.
 """
 
 from __future__ import annotations
 
 from typing import Final, Literal, NamedTuple, get_args
 
+from intellwheels_schemas import defaults
 from intellwheels_schemas.messages import Role
 from intellwheels_schemas.names import check_name, is_hex, is_name
 
 ROOT: Final = "iw/v1"
 EVERY_ALIVE: Final = f"{ROOT}/*/alive"
-"""Matches the presence of every simulator: worlds are found with it."""
+"""Matches the liveliness token of every simulator; used to find worlds."""
 
 InKind = Literal["actions", "say", "pose"]
 OutKind = Literal["measures", "power", "error"]
@@ -29,21 +30,21 @@ ROLES: Final[dict[str, Role]] = {role: role for role in get_args(Role)}
 
 
 class In(NamedTuple):
-    """Who wrote `in/<agent>/<kind>`."""
+    """Writer and kind of a key `in/<agent>/<kind>`."""
 
     agent: str
     kind: InKind
 
 
 class Out(NamedTuple):
-    """For whom `out/<agent>/<kind>` is."""
+    """Addressee and kind of a key `out/<agent>/<kind>`."""
 
     agent: str
     kind: OutKind
 
 
 class Token(NamedTuple):
-    """Whose presence `in/<agent>/alive/<role>/<instance>` is."""
+    """Holder of the liveliness token `in/<agent>/alive/<role>/<instance>`."""
 
     agent: str
     role: Role
@@ -55,17 +56,17 @@ class Keys:
 
     Attributes:
         world: Its name.
-        prefix: What all its keys begin with, slash included.
-        map, event, clock, alive: The keys that have no further part.
-        every_join, every_leave, every_in, every_user, every_ctl: What the simulator listens to.
-        every_token: Presence of all agents.
+        prefix: Start of all its keys, with the last slash.
+        map, event, clock, alive: The keys without a further part.
+        every_join, every_leave, every_in, every_user, every_ctl, every_crew_actions: What the simulator listens to.
+        every_token: Liveliness tokens of all agents.
         every_out, every_body, every_state: What recorders and viewers listen to.
 
     Raises:
-        WireError: `value`, when the world's name is none.
+        WireError: `value`, if the name of the world is invalid.
     """
 
-    def __init__(self, world: str = "main") -> None:
+    def __init__(self, world: str = defaults.WORLD) -> None:
         self.world = check_name(world, "world")
         self.prefix = p = f"{ROOT}/{world}/"
         self.map = f"{p}map"
@@ -83,18 +84,18 @@ class Keys:
         self.every_state = f"{p}state/*"
         self.every_crew_actions = f"{p}crew/*/actions"
 
-    # ------------------------------------------------------------ made
+    # ------------------------------------------------------------ make
 
     def join(self, agent: str) -> str:
-        """Return the key an agent joins at."""
+        """Return the key that an agent queries to join."""
         return f"{self.prefix}join/{check_name(agent, 'agent')}"
 
     def leave(self, agent: str) -> str:
-        """Return the key an agent leaves at."""
+        """Return the key that an agent queries to leave."""
         return f"{self.prefix}leave/{check_name(agent, 'agent')}"
 
     def in_(self, agent: str, kind: InKind) -> str:
-        """Return a key an agent writes."""
+        """Return a key that an agent writes."""
         return f"{self.prefix}in/{check_name(agent, 'agent')}/{kind}"
 
     def actions(self, agent: str) -> str:
@@ -106,17 +107,17 @@ class Keys:
         return self.in_(agent, "say")
 
     def pose(self, agent: str) -> str:
-        """Return the key of a real chair's `Pose`."""
+        """Return the key of the `Pose` of a real robot."""
         return self.in_(agent, "pose")
 
     def token(self, agent: str, role: Role, instance: str) -> str:
-        """Return the key of an agent's presence; `instance` is 16 hex digits, new for each process."""
+        """Return the key of an agent's liveliness token; `instance` is 16 hex digits, new in each process."""
         if not is_hex(instance) or role not in ROLES:
             raise ValueError(f"expected a role and 16 hex digits, got {role!r}, {instance!r}")
         return f"{self.prefix}in/{check_name(agent, 'agent')}/alive/{role}/{instance}"
 
     def tokens(self, agent: str) -> str:
-        """Return what matches all presence of one agent."""
+        """Return the key expression that matches all liveliness tokens of one agent."""
         return f"{self.prefix}in/{check_name(agent, 'agent')}/alive/*/*"
 
     def user(self, agent: str) -> str:
@@ -124,11 +125,11 @@ class Keys:
         return f"{self.prefix}user/{check_name(agent, 'agent')}"
 
     def out(self, agent: str, kind: OutKind) -> str:
-        """Return a key the simulator writes for an agent."""
+        """Return a key that the simulator writes for an agent."""
         return f"{self.prefix}out/{check_name(agent, 'agent')}/{kind}"
 
     def outs(self, agent: str) -> str:
-        """Return what matches everything the simulator writes for an agent."""
+        """Return the key expression that matches everything that the simulator writes for an agent."""
         return f"{self.prefix}out/{check_name(agent, 'agent')}/*"
 
     def measures(self, agent: str) -> str:
@@ -136,11 +137,11 @@ class Keys:
         return self.out(agent, "measures")
 
     def power(self, agent: str) -> str:
-        """Return the key of a real chair's `Power`."""
+        """Return the key of the `Power` for a real robot."""
         return self.out(agent, "power")
 
     def error(self, agent: str) -> str:
-        """Return the key of what was wrong with what an agent sent."""
+        """Return the key of an agent's `Error` messages."""
         return self.out(agent, "error")
 
     def body(self, agent: str) -> str:
@@ -163,10 +164,10 @@ class Keys:
         """Return the key of a crew's `CrewMeasures`."""
         return f"{self.prefix}crew/{check_name(crew, 'crew')}/measures"
 
-    # ------------------------------------------------------------ taken apart
+    # ------------------------------------------------------------ parse
 
     def _chunks(self, key: str, count: int) -> list[str]:
-        """Return the chunks after the prefix, or none when they are not so many."""
+        """Return the chunks after the prefix, or an empty list if their number differs."""
         if not key.startswith(self.prefix):
             return []
         chunks = key[len(self.prefix) :].split("/")
@@ -179,58 +180,58 @@ class Keys:
         return None
 
     def parse_in(self, key: str) -> In | None:
-        """Return who wrote the key and what, or None when it is no agent's put."""
+        """Return the writer and the kind of message, or None if no agent may write the key."""
         match self._chunks(key, 3):
             case ["in", agent, kind] if kind in IN_KINDS and is_name(agent):
                 return In(agent, IN_KINDS[kind])
         return None
 
     def parse_out(self, key: str) -> Out | None:
-        """Return for whom the key is and what, or None."""
+        """Return the addressee and the kind of message, or None."""
         match self._chunks(key, 3):
             case ["out", agent, kind] if kind in OUT_KINDS and is_name(agent):
                 return Out(agent, OUT_KINDS[kind])
         return None
 
     def parse_token(self, key: str) -> Token | None:
-        """Return whose presence the key is, or None."""
+        """Return the holder of the token, or None."""
         match self._chunks(key, 5):
             case ["in", agent, "alive", role, instance] if role in ROLES and is_name(agent) and is_hex(instance):
                 return Token(agent, ROLES[role], instance)
         return None
 
     def parse_join(self, key: str) -> str | None:
-        """Return who joins, or None."""
+        """Return the agent that joins, or None."""
         return self._named(key, "join")
 
     def parse_leave(self, key: str) -> str | None:
-        """Return who leaves, or None."""
+        """Return the agent that leaves, or None."""
         return self._named(key, "leave")
 
     def parse_user(self, key: str) -> str | None:
-        """Return for whom a `UserInput` is, or None."""
+        """Return the agent that a `UserInput` is for, or None."""
         return self._named(key, "user")
 
     def parse_body(self, key: str) -> str | None:
-        """Return whose `Body` the key is, or None."""
+        """Return the agent that a `Body` is of, or None."""
         return self._named(key, "body")
 
     def parse_ctl(self, key: str) -> Verb | None:
-        """Return the verb, or None when there is no such."""
+        """Return the control verb, or None if there is no such verb."""
         match self._chunks(key, 2):
             case ["ctl", verb]:
                 return VERBS.get(verb)
         return None
 
     def parse_state(self, key: str) -> int | None:
-        """Return the part of the state, or None."""
+        """Return the number of the part of the `WorldState`, or None."""
         match self._chunks(key, 2):
             case ["state", part] if part.isascii() and part.isdigit() and len(part) <= 6:
                 return int(part)
         return None
 
     def parse_crew(self, key: str) -> str | None:
-        """Return which crew's actions the key is, or None."""
+        """Return the crew whose actions the key carries, or None."""
         match self._chunks(key, 3):
             case ["crew", crew, "actions"] if is_name(crew):
                 return crew
@@ -238,7 +239,7 @@ class Keys:
 
 
 def parse_alive(key: str) -> str | None:
-    """Return the world whose simulator is present, or None when the key is something else."""
+    """Return the world whose simulator is alive, or None if the key is another one."""
     match key.split("/"):
         case ["iw", "v1", world, "alive"] if is_name(world):
             return world

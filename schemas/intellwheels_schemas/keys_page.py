@@ -1,13 +1,18 @@
-"""KEYS.md: what travels on which key, who writes it, every field, limit and code, for people."""
+"""KEYS.md, the reference for people: what travels on which key, who writes it, every field, limit and code."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from typing import Any
 
-from intellwheels_schemas import codes, rules
+from msgspec import NODEFAULT, inspect
+
+from intellwheels_schemas import codes, file_records, rules
 from intellwheels_schemas.channels import CHANNELS, VERB_CLASSES, Channel
 from intellwheels_schemas.codec import LIMITS, MAX_BYTES
 from intellwheels_schemas.explain import expected
+from intellwheels_schemas.field_docs import field_docs
+from intellwheels_schemas.file_records import LINES, FileRecord
 from intellwheels_schemas.messages import (
     Load,
     Map,
@@ -19,61 +24,80 @@ from intellwheels_schemas.messages import (
     UserInput,
 )
 from intellwheels_schemas.names import EXPECTED, RESERVED
-from intellwheels_schemas.shapes import Form, Member, number_text, shape_of
+from intellwheels_schemas.shapes import Form, Member, number_text, scalar_of, shape_of
 from intellwheels_schemas.vectors import NAMES
 
 _HEAD = """<!-- Made by python -m intellwheels_schemas from the message classes; do not edit. -->
 
 # Keys, messages, limits and codes
 
-Every key begins with `iw/v1/<world>/`. `<world>`, `<agent>` and `<crew>` are {name}; reserved: {reserved}. Start
-with [FIRST-AGENT.md](FIRST-AGENT.md); exact bytes are in [vectors](vectors), schemas in [xsd](xsd) and
-[json](json).
+This page is the reference of the protocol; [FIRST-AGENT.md](FIRST-AGENT.md) is the introduction. Exact bytes are in
+[vectors](vectors), schemas in [xsd](xsd) and [json](json).
+
+Every key begins with `iw/v1/<world>/`. `<world>`, `<agent>` and `<crew>` are {name}; the name {reserved} is reserved.
+
+Units are SI, except where a name ends in `Deg`. Two frames are used:
+
+- The *map frame* has the origin and axes of the loaded map; headings count anticlockwise from its x axis.
+- The *body frame* has its origin at the centre of movement, x forward, y to the left.
 
 ## Keys
 """
 
 _NOTES = """
-- Every put is sent with congestion control *drop*: nothing waits for a slow reader, so receivers count gaps in
-  `Tick` and `Seq`.
-- An error reply to a query carries the message in the last column. A query nobody answers comes back empty at once:
-  no simulator there, or not allowed.
-- Order is (`Run`, `Tick`): a new `Run` (start, reset, load) clears what a receiver knew.
-- `join` takes `?session=S`, the `Session` of the last join: who shows it gets its seat and body back though the old
-  process's token is still there; without it the name is `already-here` until that token is gone.
-- An agent says one thing a tick. A `Say` beside `Actions` that speak too is not heard: its sender gets an Error
-  `too-many`.
-- `event` takes `?since=N`; the reply names the oldest event kept. Ask for `state/*` after subscribing to it, and
-  drop what is older.
-- Worlds are found by asking for the liveliness of `iw/v1/*/alive`.
-- A speaker may put a `Say` as `text/plain` too.
+- Every put is sent with congestion control *drop*, so a slow reader delays nobody and loses messages instead: receivers
+  notice gaps in `Tick` and `Seq`.
+- A refused query gets an error reply with the message in the last column. A query without any reply means that there is
+  no simulator, or that access is not allowed.
+- Messages are ordered by (`Run`, `Tick`). A new `Run` (after a start, reset, load or restore) voids everything received
+  before.
+- `join` takes `?session=S`, the `Session` of the last join. A process that shows it gets its place and body back even
+  while the token of the old process is still there; without it, the reply is `already-here` until that token is gone.
+- An agent can say one message per tick. If its `Actions` and a `Say` both carry one for the same tick, the one in the
+  `Say` is dropped and the sender gets an Error `too-many`.
+- `event` takes `?since=N` for the events from number N on; the reply tells the oldest one that is still kept.
+- To follow `state/*`, subscribe first, then `get` the same keys, and drop whatever is older than what you have.
+- To find worlds, query the liveliness of `iw/v1/*/alive`.
+- A `Say` may also be put as `text/plain`.
 
 ## Encodings
 
 | Encoding | Payload |
 |---|---|
 | `application/json;iw.v1` | the bare object |
-| `application/xml;iw.v1` | an element named as the class |
+| `application/xml;iw.v1` | an element with the name of the message |
 | `text/plain` | the text, on `in/<agent>/say` only |
-| none, `zenoh/bytes`, `zenoh/string` | the first byte decides: `{` or `<` |
+| none, `zenoh/bytes`, `zenoh/string` | decided by the first byte: `{` or `<` |
 
-`;iw.v1` may be absent. Every input is taken in either encoding; `out/<agent>/...` comes in that of the role's
-`join`: measures in the mind's, power in the body's. Shared puts (`state`, `clock`, `event`, `map`, `body`) are
-JSON, a `get` is answered in the encoding asked with.
+The suffix `;iw.v1` may be left out. The simulator accepts either encoding everywhere. It writes `out/<agent>/...`
+in the encoding of the `join`: measures in that of the mind, power in that of the body. Shared puts (`state`, `clock`,
+`event`, `map`, `body`) are JSON; a `get` on the same keys is answered in the encoding of the query.
 
-- Fields are attributes in XML, records child elements, lists repeated child elements, lists of scalars one
-  attribute separated by spaces. JSON arrays stand under the same singular name. `Text` is the element's text.
-- Defaults and empty lists are not written. `null` is refused but in a lidar's `Ranges` (`-` in XML). A name stands
-  once.
-- Numbers have JSON's grammar in both: no `+5`, `.5`, `007`, `NaN`, `INF`; no fraction or exponent in a whole
-  number.
-- Text has XML 1.0's characters without carriage return; lengths count code points. XML has no document type and no
-  entities of its own.
-- The simulator refuses unknown fields; everybody else ignores them.
-- Errors name places as here, lists counted from 0: `Robot.Proximity[2].ConeDeg: expected degrees in (0, 360], got
-  0`.
+- In XML, scalars are attributes, records are child elements, a list of records is a repeated child element, and a list
+  of scalars is one attribute separated by spaces. JSON arrays have the same singular name. `Text` is the text of the
+  element.
+- Fields with their default and empty lists are left out. `null` is refused, except in a lidar's `Ranges` (`-` in XML).
+  A name may occur only once.
+- Numbers follow the JSON grammar in both encodings: no `+5`, `.5`, `007`, `NaN` or `INF`, and no fraction or exponent
+  in a whole number.
+- Text consists of XML 1.0 characters without carriage return; its length is counted in code points. XML documents have
+  no document type and define no entities.
+- The simulator refuses unknown fields; all others ignore them.
+- Errors name the place like this, with list items counted from 0: `Robot.Proximity[2].ConeDeg: expected degrees in
+  (0, 360], got 0`.
 
 ## Limits
+"""
+
+
+_LOGS = """## Files for programs
+
+`iw-server` writes two kinds of JSON Lines files. An input log (`input.jsonl`) begins with an
+[InputHeader](#inputheader), and every further line is an [InputTick](#inputtick): running it again
+gives the same hashes. A trace (`trace.jsonl`) begins with a [TraceHeader](#traceheader), and every further line is a
+[TraceTick](#tracetick): what was true at that tick. A reader refuses a header of another `Version`, and
+ignores fields that it does not know.
+
 """
 
 
@@ -103,24 +127,24 @@ def _row(channel: Channel) -> tuple[str, ...]:
 
 def _limits() -> str:
     rows = [(f"bytes of {_name(cls)}", f"{LIMITS[cls]:,}") for cls in (Robot, Pose, UserInput, Load)]
-    rows[2] = (f"bytes of Actions, {_name(UserInput)}, Say, Leave and small verbs", f"{LIMITS[UserInput]:,}")
+    rows[2] = (f"bytes of Actions, {_name(UserInput)}, Say, Leave and the other verbs", f"{LIMITS[UserInput]:,}")
     rows += [
         ("bytes of anything else", f"{MAX_BYTES:,}"),
         ("characters of a name, an id", "32"),
         ("characters of a word, a seed", "64"),
-        ("characters of text", "1,000; a simulation's own `SayLimit` is lower"),
+        ("characters of text", "1,000; the `SayLimit` of a simulation is lower"),
         ("parts of a robot", str(rules.MAX_PARTS)),
         ("sensors of a robot", str(rules.MAX_SENSORS)),
         ("rays of a lidar", f"{rules.MAX_RAYS:,}"),
         ("bodies of a crew", str(rules.MAX_CREW)),
-        ("X and Y", "within 10,000 m"),
-        ("whole numbers", "0 to 2^53 - 1"),
+        ("distance of X and Y from 0", "10,000 m"),
+        ("whole numbers", "2^53 - 1"),
     ]
-    return _table(("What", "At most"), rows)
+    return _table(("What", "Maximum"), rows)
 
 
 def _codes(meanings: Mapping[str, str]) -> str:
-    return _table(("Code", "Means"), ((f"`{code}`", text) for code, text in meanings.items()))
+    return _table(("Code", "Meaning"), ((f"`{code}`", text) for code, text in meanings.items()))
 
 
 def _verbs() -> str:
@@ -130,20 +154,26 @@ def _verbs() -> str:
         rows.append((f"`ctl/{verb}`", _linked((cls,)), f"`{ros.service}`" if ros.service else "", ros.how))
     for key, ros in codes.ROS_KEY.items():
         rows.append((f"`{CHANNELS[key].key}`", "", f"`{ros.service}`", ros.how))
-    return _table(("Key", "Message", "ROS service", "With"), rows)
+    return _table(("Key", "Message", "ROS service", "How"), rows)
 
 
 def _default(member: Member) -> str:
     if member.required:
         return "**required**"
-    if member.default is None or member.default == ():
+    return _default_text(member.default)
+
+
+def _default_text(default: Any) -> str:
+    if default is None or default == () or default is NODEFAULT:
         return ""
-    if isinstance(member.default, bool):
-        return "true" if member.default else "false"
-    return number_text(member.default) if isinstance(member.default, int | float) else str(member.default)
+    if isinstance(default, bool):
+        return "true" if default else "false"
+    if isinstance(default, tuple):
+        return " ".join(number_text(one) for one in default)
+    return number_text(default) if isinstance(default, int | float) else str(default)
 
 
-def _field(member: Member) -> tuple[str, str, str, str]:
+def _field(member: Member, text: str) -> tuple[str, str, str, str]:
     scalar = member.scalar
     kind = f"<{member.wire}>" if member.record is not None else ""
     if member.record is not None:
@@ -154,28 +184,75 @@ def _field(member: Member) -> tuple[str, str, str, str]:
             kind += f" {scalar.unit}"
         if scalar.kind == "text" and not scalar.expected:
             kind = f"text, at most {scalar.max_length} characters"
-    if member.form is Form.LIST:
-        kind = f"list of: {kind}"
-    elif member.form is Form.RECORDS:
-        kind = f"any number of {kind}"
+    if member.form in {Form.LIST, Form.RECORDS}:
+        kind = f"a list of: {kind}"
     elif member.form is Form.CONTENT:
-        kind = f"{kind}; in XML the element's text"
+        kind = f"{kind}; in XML the text of the element"
     elif member.form is Form.ELEMENT:
         kind = f"{kind}; in XML an element"
     if member.max_count is not None:
         kind += f", at most {member.max_count}"
-    description = member.description or (scalar.description if scalar is not None else "")
-    return f"`{member.wire}`", kind.replace("<", "`<").replace(">", ">`"), _default(member), description
+    return f"`{member.wire}`", kind.replace("<", "`<").replace(">", ">`"), _default(member), text
 
 
 def _message(cls: type[Record], title: str) -> str:
     shape = shape_of(cls)
     doc = " ".join((cls.__doc__ or "").split())
     root = f" XML root `<{shape.root}>`." if cls is OperatorSay else ""
-    fields = (
-        _table(("Field", "Is", "Default", "Means"), map(_field, shape.members)) if shape.members else "No fields.\n"
-    )
+    docs = field_docs(cls)
+    rows = [_field(member, docs[member.name]) for member in shape.members]
+    fields = _table(("Field", "Type", "Default", "Meaning"), rows) if rows else "No fields.\n"
     return f"### {title}\n\n{doc}{root}\n\n{fields}\n"
+
+
+def _file_records() -> list[type[FileRecord]]:
+    """Return the records of files, the kinds of line first."""
+    declared = [
+        cls
+        for cls in vars(file_records).values()
+        if isinstance(cls, type) and issubclass(cls, FileRecord) and cls is not FileRecord
+    ]
+    return [*LINES, *(cls for cls in declared if cls not in LINES)]
+
+
+def _kind(kind: inspect.Type) -> str:
+    """Return what a field of a file's record is, in words, with links."""
+    scalar = scalar_of(kind)
+    if scalar is not None:
+        return expected(scalar)
+    match kind:
+        case inspect.Metadata():
+            return _kind(kind.type)
+        case inspect.StructType():
+            name = next((name for name, cls in NAMES.items() if cls is kind.cls), kind.cls.__name__)
+            return f"[{name}](#{name.lower()})"
+        case inspect.DictType():
+            return f"an object, for each name: {_kind(kind.value_type)}"
+        case inspect.VarTupleType():
+            return f"a list of: {_kind(kind.item_type)}"
+        case inspect.TupleType():
+            return f"a list of {len(kind.item_types)}: {_kind(kind.item_types[0])}"
+        case inspect.UnionType():
+            return ", ".join(_kind(one) for one in kind.types if not isinstance(one, inspect.NoneType))
+    raise TypeError(f"no words for {kind}")
+
+
+def _message_of_a_file(cls: type[FileRecord]) -> str:
+    info = inspect.type_info(cls)
+    if not isinstance(info, inspect.StructType):
+        raise TypeError(f"expected a struct, got {cls}")
+    docs = field_docs(cls)
+    rows = [
+        (
+            f"`{field.encode_name}`", _kind(field.type),
+            "**required**" if field.required else _default_text(field.default), docs[field.name],
+        )
+        for field in info.fields
+    ]  # fmt: skip
+    if info.tag_field is not None:
+        rows.insert(0, (f"`{info.tag_field}`", str(info.tag), "**required**", "Which change this is."))
+    fields = _table(("Field", "Type", "Default", "Meaning"), rows) if rows else "No fields.\n"
+    return f"### {cls.__name__}\n\n{' '.join((cls.__doc__ or '').split())}\n\n{fields}\n"
 
 
 def _records() -> list[type[Record]]:
@@ -201,20 +278,23 @@ def keys_page() -> str:
     )
     parts = [
         head, "\n", keys, _NOTES, "\n", _limits(),
-        "\n## Codes\n\n### Of a refused join\n\n", _codes({str(code): text for code, text in codes.REFUSED.items()}),
-        "\n### Of an error\n\n", _codes({str(code): text for code, text in codes.ERROR.items()}),
-        "\n### Of an event\n\n", _codes({str(code): text for code, text in codes.EVENT.items()}),
-        "\n### Of a result\n\n",
+        "\n## Codes\n\n### Codes of Refused\n\n", _codes({str(code): text for code, text in codes.REFUSED.items()}),
+        "\n### Codes of Error\n\n", _codes({str(code): text for code, text in codes.ERROR.items()}),
+        "\n### Codes of Event\n\n", _codes({str(code): text for code, text in codes.EVENT.items()}),
+        "\n### States of the motors\n\n`State` in Measures, Power and Entity.\n\n",
+        _codes({str(code): text for code, text in codes.MOTOR_STATE.items()}),
+        "\n### Codes of Result\n\n",
         _table(
-            ("Code", "Means", "ROS `Result`"),
+            ("Code", "Meaning", "ROS `Result`"),
             ((f"`{code}`", text, codes.ROS_RESULT[code]) for code, text in codes.RESULT.items()),
         ),
-        "\n## Control, and its ROS `simulation_interfaces` counterpart\n\n", _verbs(),
+        "\n## Control verbs and their ROS `simulation_interfaces` counterparts\n\n", _verbs(),
         "\n## Messages\n\n",
         *(_message(cls, name) for name, cls in NAMES.items() if cls not in {Map, Scene}),
-        "## Files\n\nXML for people, comments and indentation welcome. ",
+        "## Files for people\n\nMaps, robots and scenes are XML files; comments and indentation are welcome. ",
         "A robot file is a [Robot](#robot) with `Format`.\n\n",
         *(_message(cls, _name(cls)) for cls in (Map, Scene)),
-        "## Records within messages\n\n", *(_message(cls, cls.__name__) for cls in _records()),
+        _LOGS, *(_message_of_a_file(cls) for cls in _file_records()),
+        "## Records used in messages and files\n\n", *(_message(cls, cls.__name__) for cls in _records()),
     ]  # fmt: skip
     return "".join(parts).rstrip("\n") + "\n"

@@ -1,7 +1,7 @@
-"""The link to the others. The only file of the contract that knows zenoh.
+"""The connection to other processes: sessions, publishers, queries, tokens and the inbox.
 
-Zenoh calls back on threads of its own; every callback does one thing, put what arrived in an
-`Inbox`. Every wait has a deadline and looks at the stop event. A put never fails and never waits.
+No other module of the contract knows Zenoh. Zenoh calls back on threads of its own, and every callback only puts what
+arrived into an `Inbox`. Every wait has a deadline and watches the stop event. A put never fails and never waits.
 """
 
 from __future__ import annotations
@@ -18,17 +18,18 @@ from typing import Any, Final, NamedTuple
 
 import zenoh
 
+from intellwheels_schemas import defaults
 from intellwheels_schemas.channels import Channel
 from intellwheels_schemas.codec import MAX_BYTES, Encoding
 from intellwheels_schemas.names import check_name
 
-DEFAULT_WORLD: Final = "main"
+DEFAULT_WORLD: Final = defaults.WORLD
 DEFAULT_ENDPOINT: Final = "tcp/127.0.0.1:7447"
 QUEUE_ROOM: Final = 16
-"""Batches a transport holds per priority. With 2, Zenoh's default, lockstep of 20 agents loses measures."""
+"""Batches that a transport queues per priority. With Zenoh's default of 2, lockstep of 20 agents loses measures."""
 
 TRY_EVERY: Final = 1.0
-"""Seconds between two tries to open a session."""
+"""Seconds between two attempts to open a session."""
 
 _SLICE: Final = 0.2  # seconds of a wait, so that signals are seen
 _ASKINGS: Final = 3
@@ -42,7 +43,7 @@ _PRIORITIES: Final[dict[str, zenoh.Priority]] = {
     "data-low": zenoh.Priority.DATA_LOW,
 }
 
-# What holds in every session, whoever configures the rest.
+# Settings of every session, whatever else is configured.
 _SETTINGS: Final[dict[str, Any]] = {
     "scouting/multicast/enabled": False,
     # Peers that gossip walk around a router's access control.
@@ -54,20 +55,20 @@ _SETTINGS: Final[dict[str, Any]] = {
         "interactive_low": QUEUE_ROOM, "data_high": QUEUE_ROOM, "data": QUEUE_ROOM, "data_low": QUEUE_ROOM,
         "background": QUEUE_ROOM,
     },
-    # An address that swallows packets must not hold a process that was told to stop.
+    # An address that swallows packets must not delay a process that was told to stop.
     "transport/unicast/open_timeout": 3000,
 }  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True)
 class Link:
-    """How a process reaches the others.
+    """How a process connects to others.
 
     Attributes:
-        world: The simulation it takes part in.
-        listen: Endpoints to be found at; not empty makes it a peer.
-        connect: Endpoints of a router or of a simulator that listens.
-        config: A Zenoh configuration file for the rest, or None.
+        world: Name of the world that it takes part in.
+        listen: Endpoints to listen at; if there are any, the process is a Zenoh peer, else a client.
+        connect: Endpoints of a router, or of a simulator that listens.
+        config: Zenoh configuration file for everything else, or None.
     """
 
     world: str = DEFAULT_WORLD
@@ -76,42 +77,47 @@ class Link:
     config: Path | None = None
 
     def where(self) -> str:
-        """Return where this link leads, for people."""
+        """Return the endpoints of this link, for people."""
         return ", ".join(self.listen + self.connect) or str(self.config or DEFAULT_ENDPOINT)
 
 
 def add_link_options(parser: argparse.ArgumentParser, *, listens: bool = False) -> None:
-    """Give `parser` the options every command shares.
+    """Add the connection options, which all commands share.
 
     Args:
-        parser: Of a command.
-        listens: Whether the command listens where nothing is said (the simulator), or connects.
+        parser: Parser of a command.
+        listens: Whether the command listens by default, as the simulator does; else it connects.
     """
-    group = parser.add_argument_group("link")
+    group = parser.add_argument_group("connection")
     if listens:
         said, unsaid = f" (default: {DEFAULT_ENDPOINT}, unless --connect or --config is given)", ""
     else:
         said, unsaid = "", f" (default: {DEFAULT_ENDPOINT}, unless --listen or --config is given)"
     group.add_argument(
-        "--world", default=DEFAULT_WORLD, metavar="NAME", help="which simulation, of all on this link (default: main)"
+        "--world",
+        default=DEFAULT_WORLD,
+        metavar="NAME",
+        help="name of the world, of those at this endpoint (default: main)",
     )
     group.add_argument(
         "--connect", action="append", default=[], metavar="ENDPOINT",
-        help=f"a router, or a simulator that listens, such as tcp/10.0.0.5:7447; may be repeated{unsaid}",
+        help=f"connect to a router or a simulator, such as tcp/10.0.0.5:7447; may be repeated{unsaid}",
     )  # fmt: skip
     group.add_argument(
         "--listen", action="append", default=[], metavar="ENDPOINT",
-        help=f"be reachable there without a router; may be repeated{said}",
+        help=f"listen there, so that others need no router; may be repeated{said}",
     )  # fmt: skip
-    group.add_argument("--config", type=Path, metavar="FILE", help="a Zenoh configuration (JSON5) for all the rest")
+    group.add_argument(
+        "--config", type=Path, metavar="FILE", help="Zenoh configuration file (JSON5) for everything else"
+    )
     group.set_defaults(link_listens=listens)
 
 
 def link_of(options: argparse.Namespace) -> Link:
-    """Return the link that parsed options ask for.
+    """Return the link that the parsed options describe.
 
     Raises:
-        WireError: `value`, when the world's name is none.
+        WireError: `value`, if the name of the world is invalid.
     """
     listen, connect = tuple(options.listen), tuple(options.connect)
     if not listen and not connect and options.config is None:
@@ -126,7 +132,7 @@ def config_of(link: Link) -> zenoh.Config:
     """Return the Zenoh configuration of a link.
 
     Raises:
-        ConnectionError: The file is not there or is no configuration, or an endpoint is none.
+        ConnectionError: The file is missing or is no configuration, or an endpoint is invalid.
     """
     try:
         config = zenoh.Config() if link.config is None else zenoh.Config.from_file(link.config)
@@ -136,7 +142,7 @@ def config_of(link: Link) -> zenoh.Config:
             settings["listen/endpoints"] = list(link.listen)
             settings["connect/endpoints"] = list(link.connect or (() if link.listen else (DEFAULT_ENDPOINT,)))
         if link.listen:
-            # Without these a taken port is only logged.
+            # Without these a port in use is only logged.
             settings["listen/exit_on_failure"] = True
             settings["listen/timeout_ms"] = 0
         for key, value in settings.items():
@@ -153,18 +159,18 @@ def open_session(
     timeout: float | None = None,
     waiting: Callable[[str], None] | None = None,
 ) -> zenoh.Session | None:
-    """Return a session, or None when `stop` was set before there was one. Close it in a `with`.
+    """Return a session, or None if `stop` was set before one could be opened. Use it in a `with` statement.
 
-    Tries once a second while nobody answers; a port that is taken fails at once.
+    While there is no answer it tries again every second; a port in use fails at once.
 
     Args:
-        link: How.
-        stop: Looked at between tries.
+        link: How to connect.
+        stop: Ends the attempts.
         timeout: Seconds after which to give up; None for never.
-        waiting: Called once with words when the first try fails.
+        waiting: Called once, with the reason, when the first attempt fails.
 
     Raises:
-        ConnectionError: In words: the port is taken, nobody answered in time, the options make no sense.
+        ConnectionError: The port is in use, nobody answered in time, or the options are invalid; the text says which.
     """
     deadline = None if timeout is None else time.monotonic() + timeout
     zenoh.init_log_from_env_or("off")
@@ -177,8 +183,8 @@ def open_session(
             if link.listen and "in use" in str(error):
                 taken = ", ".join(link.listen)
                 raise ConnectionError(
-                    f"cannot listen at {taken}: it is taken, perhaps by another simulator; "
-                    "give another with --listen, or join it with --connect"
+                    f"cannot listen at {taken}: the port is in use, perhaps by another simulator; "
+                    "choose another with --listen, or join that simulator with --connect"
                 ) from None
             if link.listen:
                 raise ConnectionError(f"cannot listen at {', '.join(link.listen)}: {_reason(error)}") from None
@@ -194,10 +200,10 @@ def open_session(
 
 
 def router_settings(listen: Sequence[str]) -> str:
-    """Return the configuration of a router for this contract, as JSON: `iw-router` and `zenohd -c` take it alike.
+    """Return the configuration of a router for this contract, as JSON, for `iw-router` and for `zenohd -c`.
 
     Args:
-        listen: Endpoints, such as `tcp/0.0.0.0:7447`.
+        listen: Endpoints to listen at, such as `tcp/0.0.0.0:7447`.
     """
     nested: dict[str, Any] = {}
     settings = {**_SETTINGS, "mode": "router", "listen/endpoints": list(listen), "scouting/gossip/enabled": False}
@@ -211,10 +217,10 @@ def router_settings(listen: Sequence[str]) -> str:
 
 
 def open_router(listen: Sequence[str]) -> zenoh.Session:
-    """Return a session that is a router: whoever connects to it meets all others that do. Close it in a `with`.
+    """Return a session that is a router: it connects all its clients with each other. Use it in a `with` statement.
 
     Raises:
-        ConnectionError: In words: an endpoint is none, or its port is taken.
+        ConnectionError: An endpoint is invalid, or its port is in use; the text says which.
     """
     zenoh.init_log_from_env_or("off")
     try:
@@ -223,7 +229,7 @@ def open_router(listen: Sequence[str]) -> zenoh.Session:
         config.insert_json5("listen/timeout_ms", "0")
         return zenoh.open(config)
     except (zenoh.ZError, ValueError) as error:
-        why = "it is taken" if "in use" in str(error) else _reason(error)
+        why = "the port is in use" if "in use" in str(error) else _reason(error)
         raise ConnectionError(f"cannot listen at {', '.join(listen)}: {why}") from None
 
 
@@ -232,7 +238,7 @@ def _until(moment: float, deadline: float | None) -> float:
 
 
 def _reason(error: Exception) -> str:
-    # Zenoh's texts end in the place in its own source.
+    # Zenoh's texts end with the position in its own source.
     return str(error).partition(" at ")[0][:200]
 
 
@@ -240,7 +246,7 @@ def _reason(error: Exception) -> str:
 
 
 def declare(session: zenoh.Session, key: str, channel: Channel, encoding: Encoding = Encoding.JSON) -> zenoh.Publisher:
-    """Return a publisher of a key, sent as its channel says. Without one a put costs 65 µs through a router."""
+    """Return a publisher for a key, with the priority of its channel. A put without one costs 65 µs by a router."""
     return session.declare_publisher(
         key,
         encoding=zenoh.Encoding(encoding.value),
@@ -254,10 +260,10 @@ class Answer(NamedTuple):
     """A reply to a query.
 
     Attributes:
-        key: The key it is on; empty for an error reply.
+        key: Key of the reply; empty for an error reply.
         data: The payload.
         encoding: Its encoding, as text.
-        ok: Whether it is a reply, not an error reply.
+        ok: False for an error reply.
     """
 
     key: str
@@ -275,18 +281,18 @@ def query(
     timeout: float = 5.0,
     stop: threading.Event | None = None,
 ) -> list[Answer]:
-    """Ask, and return all replies, at least one.
+    """Send a query, and return all replies, at least one.
 
     Args:
-        session: Where.
-        selector: Key, perhaps with wildcards and parameters (`event?since=7`).
-        data: What is asked with, or None.
-        encoding: Of `data`, and the one wanted for the reply.
+        session: Session to use.
+        selector: Key, possibly with wildcards and parameters (`event?since=7`).
+        data: Payload of the query, or None.
+        encoding: Encoding of `data`, and the one wanted for the replies.
         timeout: Seconds to wait.
         stop: Ends the wait.
 
     Raises:
-        ConnectionError: Nobody replied: no simulator, or not allowed; Zenoh tells no difference.
+        ConnectionError: There was no reply: there is no simulator, or access is not allowed; Zenoh does not say which.
     """
     answers: deque[Answer] = deque()
     done = threading.Event()
@@ -300,14 +306,14 @@ def query(
     session.get(
         selector,
         zenoh.handlers.Callback(on_reply, done.set),
-        # A body's parts are several replies of one writer, and none may stand for another.
+        # The parts of a state are several replies from one writer, and none of them replaces another.
         consolidation=zenoh.ConsolidationMode.NONE,
         target=zenoh.QueryTarget.ALL,
         timeout=timeout,
         payload=data if data is not None else b"",
         encoding=zenoh.Encoding(encoding.value),
     )
-    # Zenoh's own time-out ends the query; the half second more is for its doing so.
+    # Zenoh ends the query at its own time-out; it gets half a second more to do so.
     deadline = time.monotonic() + timeout + 0.5
     while not done.wait(_SLICE) and time.monotonic() < deadline and (stop is None or not stop.is_set()):
         pass
@@ -328,14 +334,14 @@ class Put(NamedTuple):
 
 
 class TooLong(NamedTuple):
-    """A sample or query that was longer than the inbox takes; its bytes were not kept."""
+    """A sample or query that was too long for the inbox; its bytes were not kept."""
 
     key: str
     length: int
 
 
 class Ask(NamedTuple):
-    """A query that arrived. It ends when the object goes; answer it soon."""
+    """A query that arrived. It ends when this object is deleted, so answer it soon."""
 
     key: str
     parameters: str
@@ -344,7 +350,7 @@ class Ask(NamedTuple):
     query: zenoh.Query
 
     def reply(self, data: bytes, encoding: Encoding, key: str | None = None) -> None:
-        """Answer with a payload on the asked key, or on one that it matches."""
+        """Answer with a payload, on the key of the query or on one that it matches."""
         self.query.reply(key or self.key, data, encoding=zenoh.Encoding(encoding.value))
 
     def refuse(self, data: bytes, encoding: Encoding) -> None:
@@ -352,12 +358,12 @@ class Ask(NamedTuple):
         self.query.reply_err(data, encoding=zenoh.Encoding(encoding.value))
 
     def close(self) -> None:
-        """End the query: all replies were given."""
+        """End the query after the last reply."""
         self.query.drop()  # type: ignore[no-untyped-call]
 
 
 class Presence(NamedTuple):
-    """A token that came or went."""
+    """A liveliness token that appeared or disappeared."""
 
     key: str
     alive: bool
@@ -367,20 +373,20 @@ Arrival = Put | TooLong | Ask | Presence
 
 
 class Inbox:
-    """What arrived and was not taken yet. Filled by Zenoh's threads, emptied by one other.
+    """A bounded queue of what arrived, filled by Zenoh's threads and emptied by one other thread.
 
     Attributes:
-        dropped: Samples and queries not kept because the inbox was full; tokens are always kept.
-        deleted: Samples that were no put, not kept.
+        dropped: Number of samples and queries dropped because the inbox was full; tokens are never dropped.
+        deleted: Number of samples dropped because they were not a put.
     """
 
     def __init__(self, room: int = 16_384, max_bytes: int = MAX_BYTES, total_bytes: int = 16 * MAX_BYTES) -> None:
         """Make an empty inbox.
 
         Args:
-            room: Arrivals kept at most.
+            room: Largest number of arrivals kept.
             max_bytes: Longest payload kept.
-            total_bytes: Bytes kept at most.
+            total_bytes: Largest number of bytes kept.
         """
         self.dropped = 0
         self.deleted = 0
@@ -425,11 +431,11 @@ class Inbox:
         self._keep(Ask(key, str(query.parameters), data, encoding, query), length + len(key) + 1)
 
     def on_token(self, sample: zenoh.Sample) -> None:
-        """Keep a token's coming or going. For a liveliness subscriber."""
+        """Keep the appearance or disappearance of a token. For a liveliness subscriber."""
         self._keep(Presence(str(sample.key_expr), sample.kind == zenoh.SampleKind.PUT), 0)
 
     def take(self) -> list[Arrival]:
-        """Return all that arrived, in order of arrival, and forget it."""
+        """Remove and return everything that arrived, in order of arrival."""
         with self._some:
             taken = list(self._kept)
             self._kept.clear()
@@ -437,7 +443,7 @@ class Inbox:
         return taken
 
     def wait(self, seconds: float) -> bool:
-        """Wait until something is there, but not longer; return whether it is."""
+        """Wait until something is there or the time is up; return whether something is there."""
         with self._some:
             return bool(self._kept) or self._some.wait(max(seconds, 0.0))
 
@@ -451,23 +457,23 @@ class Inbox:
 
 
 def declare_token(session: zenoh.Session, key: str) -> zenoh.LivelinessToken:
-    """Return a token: who watches the key sees it come now, and go with the session or `undeclare`."""
+    """Return a new liveliness token. Watchers of the key see it disappear with the session or with `undeclare`."""
     return session.liveliness().declare_token(key)
 
 
 def watch_tokens(session: zenoh.Session, key: str, inbox: Inbox) -> zenoh.Subscriber[None]:
-    """Put every coming and going of tokens into the inbox, those that are there already first."""
+    """Put every token that appears or disappears into the inbox, beginning with those that exist already."""
     return session.liveliness().declare_subscriber(key, inbox.on_token, history=True)
 
 
 def tokens(session: zenoh.Session, key: str, *, timeout: float = 1.0) -> list[str]:
-    """Return the keys of all tokens there are now that match, sorted; those that answer in time.
+    """Return the keys of all matching tokens that answer in time, sorted.
 
-    For a look from outside: who watches the same keys believes the watch, which misses nothing.
+    For a single look. To follow tokens use `watch_tokens`, which misses none.
 
     Args:
-        session: Where.
-        key: Perhaps with wildcards.
+        session: Session to use.
+        key: Key, possibly with wildcards.
         timeout: Seconds to wait.
     """
     found: set[str] = set()
@@ -477,8 +483,8 @@ def tokens(session: zenoh.Session, key: str, *, timeout: float = 1.0) -> list[st
             found.add(str(sample.key_expr))
 
     deadline = time.monotonic() + timeout
-    # In sessions that had just begun to watch the key, 3 of 100 askings missed a token that was there (Zenoh 1.10.2),
-    # with three of them 1 in 450; in sessions that watch nothing, none in 300.
+    # In a session that has just begun to watch the key, 3 of 100 queries missed an existing token (Zenoh 1.10.2), and 1
+    # of 450 triples of queries did; in sessions that watch nothing, none of 300.
     for _ in range(_ASKINGS):
         done = threading.Event()
         left = max(deadline - time.monotonic(), 0.05)

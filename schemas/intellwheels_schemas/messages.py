@@ -1,8 +1,16 @@
-"""Every message, once. XML, JSON, XSD, JSON Schema and KEYS.md are made from these classes.
+"""The contract: every message and every file for people, declared once.
 
-A field's name on the wire is its Python name in PascalCase. Scalars and lists of scalars are
-XML attributes, records are child elements, `Marked` text is an element of its own or the
-element's text. SI units, but where a name ends in Deg. Defaults are not written.
+XML, JSON, XSD, JSON Schema and KEYS.md are made from these classes. A field's name on the wire is its Python name in
+PascalCase. Scalars and lists of scalars are XML attributes, records are child elements, `Marked` text is an element
+of its own or the element's text. Defaults are not written.
+
+Units are SI, except where a name ends in Deg. Two frames are used:
+
+- map frame: the origin and axes of the loaded map, in metres; headings count anticlockwise from its x axis.
+- body frame: the origin is the centre of movement, x points forward, y to the left.
+
+The string below a field says what the field is for; KEYS.md and the schemas repeat it. A type that means the same
+wherever it is used, such as `Run`, says it once for all its fields. A test refuses a field that has neither.
 """
 
 from __future__ import annotations
@@ -13,8 +21,10 @@ from typing import Annotated, Any, Final, Literal, get_args
 import msgspec
 from msgspec import Meta, field
 
+from intellwheels_schemas import defaults
+
 MAX_INTEGER: Final = 2**53 - 1
-"""The largest integer that every language's JSON keeps exactly."""
+"""The largest integer that JSON keeps exactly in every language."""
 
 # XML 1.0's characters without carriage return, which XML readers turn into a line feed.
 TEXT_PATTERN: Final = "^[\t\n\u0020-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]*\\Z"
@@ -28,7 +38,7 @@ _CONTENT = {"xml": "text"}
 
 
 def _expected(words: str) -> dict[str, Any]:
-    """Return what errors call a text that has a form."""
+    """Return what an error calls a text of a given form."""
     return {"expected": words}
 
 
@@ -36,12 +46,14 @@ def _unit(unit: str) -> dict[str, Any]:
     return {"unit": unit}
 
 
+# ---------------------------------------------------------------- types of fields
+
 # Words and text.
 Name = Annotated[
     str,
     Meta(
         pattern=NAME_PATTERN,
-        description="a name in keys",
+        description="a name for use in keys",
         max_length=32,
         extra=_expected("a name of a-z, 0-9, _ and -, a letter first, at most 32 characters"),
     ),
@@ -50,7 +62,7 @@ Id = Annotated[
     str,
     Meta(
         pattern=ID_PATTERN,
-        description="an id, unique in its robot",
+        description="an identifier",
         max_length=32,
         extra=_expected("an id of letters, digits, _, . and -, a letter first, at most 32 characters"),
     ),
@@ -73,22 +85,31 @@ Hex = Annotated[
         extra=_expected("16 lower-case hex digits"),
     ),
 ]
-Seed = Annotated[str, Meta(pattern=TEXT_PATTERN, description="a seed: any text", max_length=64)]
+Seed = Annotated[str, Meta(pattern=TEXT_PATTERN, description="a seed, any text", max_length=64)]
 Title = Annotated[str, Meta(pattern=TEXT_PATTERN, description="text for people", max_length=200)]
-# 1,000 is the wire's bound; a simulation's own say limit is lower.
+# 1,000 is the bound of the wire; the limit of a simulation (SayLimit) is lower.
 ElementText = Annotated[str, Meta(pattern=TEXT_PATTERN, description="text", max_length=1000, extra=_ELEMENT)]
 # An element cannot tell empty text from none, so text that may be absent is not empty.
 OptionalText = Annotated[
     str, Meta(pattern=TEXT_PATTERN, description="text", min_length=1, max_length=1000, extra=_CONTENT)
 ]
 ContentText = Annotated[str, Meta(pattern=TEXT_PATTERN, description="text", max_length=1000, extra=_CONTENT)]
+OptionValue = Annotated[str, Meta(pattern=TEXT_PATTERN, description="Value of the option, as text.", max_length=1000)]
 
 # Whole numbers.
-Tick = Annotated[int, Meta(ge=0, le=MAX_INTEGER, description="a tick: steps since the run began")]
+Tick = Annotated[int, Meta(ge=0, le=MAX_INTEGER, description="a tick")]
 Count = Annotated[int, Meta(ge=0, le=MAX_INTEGER, description="a count")]
 Signed = Annotated[int, Meta(ge=-MAX_INTEGER, le=MAX_INTEGER, description="a signed count")]
-Every = Annotated[int, Meta(ge=1, le=1000, description="sampled once in so many ticks", extra=_unit("ticks"))]
-Button = Annotated[int, Meta(ge=0, le=63, description="numbers of the buttons that are pressed")]
+Every = Annotated[
+    int,
+    Meta(
+        ge=1,
+        le=1000,
+        description="Sampling interval in ticks: 1 samples at every tick, 2 at every other one.",
+        extra=_unit("ticks"),
+    ),
+]
+Button = Annotated[int, Meta(ge=0, le=63, description="the number of a button")]
 Cycles = Annotated[int, Meta(ge=0, le=1000, description="a number of ticks", extra=_unit("ticks"))]
 
 # Quantities.
@@ -96,45 +117,65 @@ Coordinate = Annotated[float, Meta(ge=-10_000.0, le=10_000.0, extra=_unit("m"))]
 Length = Annotated[float, Meta(ge=0.0, le=1000.0, extra=_unit("m"))]
 Size = Annotated[float, Meta(gt=0.0, le=1000.0, extra=_unit("m"))]
 Heading = Annotated[
+    float, Meta(ge=-2 * math.pi, le=2 * math.pi, description="an angle, anticlockwise", extra=_unit("rad"))
+]
+Degrees = Annotated[float, Meta(ge=-360.0, le=360.0, description="an angle, anticlockwise", extra=_unit("deg"))]
+Cone = Annotated[float, Meta(gt=0.0, le=360.0, description="a full opening angle", extra=_unit("deg"))]
+StepDegrees = Annotated[
     float,
-    Meta(ge=-2 * math.pi, le=2 * math.pi, description="anticlockwise from x; written in (-pi, pi]", extra=_unit("rad")),
+    Meta(
+        ge=0.0,
+        le=90.0,
+        description="Quantisation step: the angle is rounded to multiples of it; 0 does not round.",
+        extra=_unit("deg"),
+    ),
 ]
-Degrees = Annotated[float, Meta(ge=-360.0, le=360.0, description="anticlockwise from x", extra=_unit("deg"))]
-Cone = Annotated[float, Meta(gt=0.0, le=360.0, description="the full angle", extra=_unit("deg"))]
-StepDegrees = Annotated[float, Meta(ge=0.0, le=90.0, description="quantisation step; 0: none", extra=_unit("deg"))]
-NoiseDegrees = Annotated[float, Meta(ge=0.0, le=180.0, description="standard deviation", extra=_unit("deg"))]
+NoiseDegrees = Annotated[
+    float,
+    Meta(
+        ge=0.0,
+        le=180.0,
+        description="Standard deviation of the Gaussian noise added to each sample of the angle.",
+        extra=_unit("deg"),
+    ),
+]
+WalkDegrees = Annotated[
+    float,
+    Meta(
+        ge=0.0,
+        le=1000.0,
+        description="Random walk of the bias: the standard deviation of the angle that it gains in one second.",
+        extra=_unit("deg"),
+    ),
+]
 Share = Annotated[float, Meta(ge=0.0, le=1.0, description="a share", extra=_unit("1"))]
-Inertia = Annotated[
-    float, Meta(ge=0.0, lt=1.0, description="share of the last power kept in a cycle of 50 ms", extra=_unit("1"))
-]
-Power = Annotated[float, Meta(ge=-1.0, le=1.0, description="share of full power", extra=_unit("1"))]
+Inertia = Annotated[float, Meta(ge=0.0, lt=1.0, description="a share of the last power", extra=_unit("1"))]
+Power = Annotated[float, Meta(ge=-1.0, le=1.0, description="a share of full power", extra=_unit("1"))]
 Velocity = Annotated[float, Meta(ge=-100.0, le=100.0, extra=_unit("m/s"))]
 TopSpeed = Annotated[float, Meta(ge=0.0, le=50.0, description="speed of a wheel at power 1", extra=_unit("m/s"))]
 TurnRate = Annotated[float, Meta(ge=-1000.0, le=1000.0, description="anticlockwise", extra=_unit("rad/s"))]
-Limit = Annotated[float, Meta(gt=0.0, le=1000.0, description="a limit; absent: none")]
+Limit = Annotated[float, Meta(gt=0.0, le=1000.0, description="an upper limit")]
 Acceleration = Annotated[float, Meta(ge=-1000.0, le=1000.0, extra=_unit("m/s2"))]
 AccelerationNoise = Annotated[float, Meta(ge=0.0, le=100.0, description="standard deviation", extra=_unit("m/s2"))]
 TurnRateNoise = Annotated[float, Meta(ge=0.0, le=100.0, description="standard deviation", extra=_unit("rad/s"))]
-Volts = Annotated[float, Meta(ge=0.0, le=10.0, description="standard deviation of its voltage", extra=_unit("V"))]
-Incidence = Annotated[
-    float, Meta(ge=0.0, le=90.0, description="largest angle between ray and normal that returns", extra=_unit("deg"))
-]
-WayVariance = Annotated[
-    float, Meta(ge=0.0, le=1.0, description="variance of a wheel's way, m2 a metre rolled", extra=_unit("m"))
-]
+Volts = Annotated[float, Meta(ge=0.0, le=10.0, description="standard deviation of a voltage", extra=_unit("V"))]
+Incidence = Annotated[float, Meta(ge=0.0, le=90.0, description="an angle of incidence", extra=_unit("deg"))]
+WayVariance = Annotated[float, Meta(ge=0.0, le=1.0, description="m2 per metre", extra=_unit("m"))]
 Walk = Annotated[float, Meta(ge=0.0, le=1000.0, description="standard deviation that a bias gains in a second")]
-StepSize = Annotated[float, Meta(ge=0.0, le=1000.0, description="quantisation step; 0: none")]
-FigureRatio = Annotated[float, Meta(ge=0.5, le=2.0, extra=_unit("1"))]
+StepSize = Annotated[float, Meta(ge=0.0, le=1000.0, description="a quantisation step; 0 does not round")]
+FigureRatio = Annotated[float, Meta(ge=0.5, le=2.0, description="a ratio to the nominal figure", extra=_unit("1"))]
 Seconds = Annotated[float, Meta(ge=0.0, le=1e9, extra=_unit("s"))]
-Period = Annotated[float, Meta(ge=0.001, le=1.0, description="simulated time of a tick", extra=_unit("s"))]
+Period = Annotated[
+    float, Meta(ge=0.001, le=1.0, description="Simulated time from one tick to the next.", extra=_unit("s"))
+]
 Stamp = Annotated[float, Meta(ge=0.0, le=1e12, description="Unix time", extra=_unit("s"))]
 Factor = Annotated[float, Meta(gt=0.0, le=1000.0, description="simulated time over wall time", extra=_unit("1"))]
-Ratio = Annotated[float, Meta(ge=0.0, le=1e9, extra=_unit("1"))]
+Ratio = Annotated[float, Meta(ge=0.0, le=1e9, description="a ratio", extra=_unit("1"))]
 Range = Annotated[float, Meta(ge=0.0, le=20_000.0, extra=_unit("m"))]
 SayRange = Annotated[float, Meta(gt=0.0, le=20_000.0, extra=_unit("m"))]
 SayDelay = Annotated[float, Meta(ge=0.0, le=3600.0, extra=_unit("s"))]
 Variance = Annotated[float, Meta(ge=-1e9, le=1e9)]
-Normal = Annotated[float, Meta(ge=-1.0, le=1.0, extra=_unit("1"))]
+Normal = Annotated[float, Meta(ge=-1.0, le=1.0, description="a component of a unit vector", extra=_unit("1"))]
 
 # Closed lists.
 RobotType = Literal["real", "simulated"]
@@ -163,11 +204,77 @@ EventCode = Literal[
 ]  # fmt: skip
 ResultCode = Literal["ok", "unsupported", "not-found", "incorrect-state", "failed"]
 
+# Types that mean the same in every message, so their fields need no sentence of their own.
+Run = Annotated[
+    Hex, Meta(description="Id of the run: new at start, reset, load and restore. A new one voids all earlier state.")
+]
+SentRun = Annotated[Hex, Meta(description="Run that the sender believes it is in; absent means the current one.")]
+Session = Annotated[
+    Hex, Meta(description="Session from Joined; a message with another one is dropped. Required of real robots.")
+]
+SentTick = Annotated[Tick, Meta(description="Tick of the Measures that this answers; absent means the current one.")]
+SentSeq = Annotated[
+    Count, Meta(description="Sender's message counter: of several messages for one tick the highest counts.")
+]
+StateTick = Annotated[Tick, Meta(description="Number of steps made since the run began, when this was written.")]
+Time = Annotated[Seconds, Meta(description="Simulated time since the run began: Tick times Period.")]
+PartNumber = Annotated[Count, Meta(description="Number of this part of a message that was split, from 0.")]
+PartCount = Annotated[Count, Meta(description="Number of parts that the message was split into.")]
+MapX = Annotated[Coordinate, Meta(description="X coordinate in the map frame.")]
+MapY = Annotated[Coordinate, Meta(description="Y coordinate in the map frame.")]
+MapHeading = Annotated[
+    Heading,
+    Meta(description="Heading in the map frame: 0 along x, positive anticlockwise; written in (-pi, pi]."),
+]
+SensorId = Annotated[Id, Meta(description="Id of the sensor, unique among all sensors of the robot.")]
+SensorX = Annotated[
+    Coordinate, Meta(description="Position of the sensor ahead of the centre of movement (body frame).")
+]
+SensorY = Annotated[
+    Coordinate, Meta(description="Position of the sensor to the left of the centre of movement (body frame).")
+]
+SensorZ = Annotated[Length, Meta(description="Height of the sensor above the floor.")]
+SensorDirection = Annotated[
+    Degrees, Meta(description="Direction of the sensor's axis in the body frame: 0 is forward, positive to the left.")
+]
+SensorMount = Annotated[
+    Mount,
+    Meta(
+        description="What the sensor is fixed to: body moves with the robot; start stays where the robot joined, "
+        "as on a door frame."
+    ),
+]
+Latency = Annotated[Cycles, Meta(description="Delay in ticks from taking a sample to reporting it.")]
+SensorSource = Annotated[
+    Source,
+    Meta(description="Who takes the samples: the simulator, or the hardware of a real robot, sent in its Pose."),
+]
+Dropout = Annotated[Share, Meta(description="Share of samples that fail and are reported with Status fault.")]
+RangeNoise = Annotated[Length, Meta(description="Standard deviation of the Gaussian noise on each axis.")]
+ReadingId = Annotated[Id, Meta(description="Id of the sensor, as declared in Robot.")]
+SampleTick = Annotated[
+    Tick, Meta(description="Tick at which the sample was taken; absent means the Tick of the message.")
+]
+ReadingStatus = Annotated[
+    Status,
+    Meta(
+        description="Whether there is a value: ok; none, nothing found; near, closer than MinRange; fault, "
+        "the sample failed. Only ok comes with a value."
+    ),
+]
+TimeoutSetting = Annotated[
+    Seconds, Meta(description="Simulated time without a motor command after which both powers become 0.")
+]
+AgentName = Annotated[Name, Meta(description="Name of the agent.")]
+Format = Annotated[FormatTag, Meta(description="Version of the file format.")]
+Kept = Annotated[Hex, Meta(description="Hash of the world's state at that tick.")]
+NewSeed = Annotated[Seed, Meta(description="Seed of the new run's noise; absent keeps the current one.")]
+
 
 class Record(msgspec.Struct, rename="pascal", frozen=True, omit_defaults=True, forbid_unknown_fields=True):
-    """What every document and every part of one is.
+    """Base of every document and every part of one.
 
-    `kw_only` is not inherited and type checkers want `frozen` said again: each class says both.
+    `kw_only` is not inherited, and type checkers want `frozen` repeated: each class states both.
     """
 
 
@@ -175,970 +282,1244 @@ class Record(msgspec.Struct, rename="pascal", frozen=True, omit_defaults=True, f
 
 
 class Corner(Record, frozen=True, kw_only=True):
-    """A corner of a polygon or line on the floor."""
+    """A corner of a polygon or polyline on the floor."""
 
-    x: Coordinate
-    y: Coordinate
+    x: MapX
+    y: MapY
 
 
 class Position(Record, frozen=True, kw_only=True):
-    """A pose on the floor."""
+    """A pose on the floor: where the centre of movement is and where the body points."""
 
-    x: Coordinate
-    y: Coordinate
-    heading: Heading
+    x: MapX
+    y: MapY
+    heading: MapHeading
 
 
 class Goal(Record, frozen=True, kw_only=True):
-    """Where somebody wants to be; without a heading any will do."""
+    """A target pose. Without a heading, any heading will do."""
 
-    x: Coordinate
-    y: Coordinate
-    heading: Heading | None = None
+    x: MapX
+    y: MapY
+    heading: MapHeading | None = None
 
 
 class Part(Record, frozen=True, kw_only=True):
-    """An upright box of a body: the offset of its centre, its size along and across, its z range."""
+    """An upright box that is part of a body."""
 
     x: Coordinate
+    """Centre of the box ahead of the centre of movement (body frame)."""
     y: Coordinate
+    """Centre of the box to the left of the centre of movement (body frame)."""
     length: Size
+    """Size of the box along the body's x axis."""
     width: Size
+    """Size of the box along the body's y axis."""
     bottom: Length
+    """Height of the lower face above the floor."""
     top: Size
+    """Height of the upper face above the floor; must be more than Bottom."""
 
 
-# ---------------------------------------------------------------- sensors, declared
+# ---------------------------------------------------------------- sensors, as declared
 
 
 class Proximity(Record, frozen=True, kw_only=True):
-    """The nearest distance inside a wedge."""
+    """A proximity sensor: the distance to the nearest thing inside a wedge."""
 
-    id: Id
-    x: Coordinate
-    y: Coordinate
-    z: Length
-    direction_deg: Degrees
+    id: SensorId
+    x: SensorX
+    y: SensorY
+    z: SensorZ
+    direction_deg: SensorDirection
     cone_deg: Cone
+    """Full opening angle of the wedge, half of it to each side of DirectionDeg."""
     min_range: Length = 0.0
+    """Shortest distance that can be measured; anything closer is reported as near."""
     max_range: Size
+    """Longest distance that can be measured; if nothing is nearer, the status is none."""
     model: Model = "ideal"
+    """Error model: ideal has none, infrared is noisy with distance, sonar hears only what echoes."""
     noise_volts: Volts = 0.01
-    dropout: Annotated[Share, Meta(description="share of samples that fail; not of ideal")] = 0.0
-    crosstalk: Annotated[Share, Meta(description="sonar: share of others' chirps in sight taken for an echo")] = 0.0
-    group: Annotated[Cycles, Meta(description="ticks that it fires after group 0, less than Every")] = 0
-    mount: Mount = "body"
+    """Infrared only: standard deviation of the sensor's voltage, which is 0.47 V m over the distance."""
+    dropout: Dropout = 0.0
+    """Share of samples that fail and are reported as fault; must be 0 for the ideal model."""
+    crosstalk: Share = 0.0
+    """Sonar only: share of the pulses of other sonars in sight that are taken for an echo."""
+    group: Cycles = 0
+    """Firing group: ticks by which it samples after group 0; must be less than Every."""
+    mount: SensorMount = "body"
     every: Every = 1
-    latency: Cycles = 0
-    source: Source = "simulated"
+    latency: Latency = 0
+    source: SensorSource = "simulated"
 
 
 class Lidar(Record, frozen=True, kw_only=True):
-    """Ranges by angle, from the first ray anticlockwise."""
+    """A scanning range finder: distances by angle, from the first ray anticlockwise."""
 
-    id: Id
-    x: Coordinate
-    y: Coordinate
-    z: Length
-    direction_deg: Degrees
+    id: SensorId
+    x: SensorX
+    y: SensorY
+    z: SensorZ
+    direction_deg: SensorDirection
     fov_deg: Cone
-    rays: Annotated[int, Meta(ge=1, le=1440, description="number of rays")]
+    """Field of view: the first ray is half of it to the right of DirectionDeg."""
+    rays: Annotated[int, Meta(ge=1, le=1440)]
+    """Number of rays in a scan, evenly spaced over the field of view."""
     min_range: Length = 0.0
+    """Shortest distance that can be measured; anything closer is reported as near."""
     max_range: Size
-    noise: Annotated[Length, Meta(description="standard deviation at least")] = 0.0
-    noise_share: Annotated[Share, Meta(description="standard deviation as a share of the range")] = 0.0
+    """Longest distance that can be measured; if nothing is nearer, the status is none."""
+    noise: Length = 0.0
+    """Standard deviation of a range; where NoiseShare gives more, that applies."""
+    noise_share: Share = 0.0
+    """Standard deviation of a range as a share of that range."""
     incidence_deg: Incidence = 90.0
-    dropout: Annotated[Share, Meta(description="share of rays that fail")] = 0.0
-    mount: Mount = "body"
+    """Largest angle between a ray and the surface normal at which the ray still returns."""
+    dropout: Dropout = 0.0
+    mount: SensorMount = "body"
     every: Every = 1
-    latency: Cycles = 0
-    source: Source = "simulated"
+    latency: Latency = 0
+    source: SensorSource = "simulated"
 
 
 class Encoders(Record, frozen=True, kw_only=True):
-    """Ticks of both wheels since joining."""
+    """Wheel encoders: counts of both wheels since joining."""
 
-    id: Id
+    id: SensorId
     drift: WayVariance = 0.0
+    """Variance of the error in a wheel's distance, in m2 per metre rolled; stands for slip and uneven ground."""
     every: Every = 1
-    latency: Cycles = 0
-    source: Source = "simulated"
+    latency: Latency = 0
+    source: SensorSource = "simulated"
 
 
 class Odometry(Record, frozen=True, kw_only=True):
-    """The pose integrated from the robot's first encoders with the nominal figures; without any, from perfect ones."""
+    """The pose since joining, by dead reckoning from the robot's first encoders, or without any from exact counts."""
 
-    id: Id
+    id: SensorId
     every: Every = 1
-    latency: Cycles = 0
-    source: Source = "simulated"
+    latency: Latency = 0
+    source: SensorSource = "simulated"
 
 
 class Compass(Record, frozen=True, kw_only=True):
-    """The heading."""
+    """A compass: the heading of the body."""
 
-    id: Id
+    id: SensorId
     noise_deg: NoiseDegrees = 0.0
     step_deg: StepDegrees = 0.0
-    walk_deg: Annotated[Walk, Meta(extra=_unit("deg"))] = 0.0
+    walk_deg: WalkDegrees = 0.0
     every: Every = 1
-    latency: Cycles = 0
-    source: Source = "simulated"
+    latency: Latency = 0
+    source: SensorSource = "simulated"
 
 
 class GPS(Record, frozen=True, kw_only=True):
-    """The position of a point of the body."""
+    """A positioning sensor: where a point of the body is."""
 
-    id: Id
-    x: Coordinate = 0.0
-    y: Coordinate = 0.0
-    noise: Annotated[Length, Meta(description="standard deviation on each axis")] = 0.0
+    id: SensorId
+    x: SensorX = 0.0
+    y: SensorY = 0.0
+    noise: RangeNoise = 0.0
     walk: Annotated[Walk, Meta(extra=_unit("m"))] = 0.0
+    """Random walk of the bias: the standard deviation that it gains on each axis in one second."""
     step: Annotated[StepSize, Meta(extra=_unit("m"))] = 0.0
+    """Quantisation step of each coordinate; 0 does not round."""
     every: Every = 1
-    latency: Cycles = 0
-    source: Source = "simulated"
+    latency: Latency = 0
+    source: SensorSource = "simulated"
 
 
 class IMU(Record, frozen=True, kw_only=True):
-    """Acceleration along and across, and turn rate."""
+    """An inertial unit: acceleration forward and to the left, and turn rate, at the centre of movement."""
 
-    id: Id
+    id: SensorId
     noise: AccelerationNoise = 0.0
+    """Standard deviation of the Gaussian noise on each acceleration."""
     turn_noise: TurnRateNoise = 0.0
+    """Standard deviation of the Gaussian noise on the turn rate."""
     walk: Annotated[Walk, Meta(extra=_unit("m/s2"))] = 0.0
+    """Random walk of each acceleration's bias: the standard deviation that it gains in one second."""
     turn_walk: Annotated[Walk, Meta(extra=_unit("rad/s"))] = 0.0
+    """Random walk of the turn rate's bias: the standard deviation that it gains in one second."""
     step: Annotated[StepSize, Meta(extra=_unit("m/s2"))] = 0.0
+    """Quantisation step of each acceleration; 0 does not round."""
     turn_step: Annotated[StepSize, Meta(extra=_unit("rad/s"))] = 0.0
+    """Quantisation step of the turn rate; 0 does not round."""
     every: Every = 1
-    latency: Cycles = 0
-    source: Source = "simulated"
+    latency: Latency = 0
+    source: SensorSource = "simulated"
 
 
 class Beacon(Record, frozen=True, kw_only=True):
-    """The bearing of a named place, where it can be seen."""
+    """A beacon sensor: the bearing of a named place of the map, while it is in sight."""
 
-    id: Id
+    id: SensorId
     place: Word
-    x: Coordinate = 0.0
-    y: Coordinate = 0.0
-    z: Length = 0.0
-    direction_deg: Degrees = 0.0
+    """Name of the Position in the map's Grid at which the beacon stands."""
+    x: SensorX = 0.0
+    y: SensorY = 0.0
+    z: SensorZ = 0.0
+    direction_deg: SensorDirection = 0.0
     cone_deg: Cone = 360.0
+    """Full opening angle within which the beacon is seen, half of it to each side of DirectionDeg."""
     max_range: Size = 20.0
+    """Longest distance at which the beacon is seen."""
     noise_deg: NoiseDegrees = 0.0
-    walk_deg: Annotated[Walk, Meta(extra=_unit("deg"))] = 0.0
+    walk_deg: WalkDegrees = 0.0
     step_deg: StepDegrees = 0.0
     every: Every = 1
-    latency: Cycles = 0
-    source: Source = "simulated"
+    latency: Latency = 0
+    source: SensorSource = "simulated"
 
 
 class Ground(Record, frozen=True, kw_only=True):
-    """The zone under a point of the body."""
+    """A ground sensor: the zone of the map under a point of the body."""
 
-    id: Id
-    x: Coordinate = 0.0
-    y: Coordinate = 0.0
+    id: SensorId
+    x: SensorX = 0.0
+    y: SensorY = 0.0
     every: Every = 1
-    latency: Cycles = 0
-    source: Source = "simulated"
+    latency: Latency = 0
+    source: SensorSource = "simulated"
 
 
 class Bumper(Record, frozen=True, kw_only=True):
-    """Whether the body touches something."""
+    """A bumper all around the body: whether it touches something."""
 
-    id: Id
+    id: SensorId
     every: Every = 1
-    latency: Cycles = 0
-    source: Source = "simulated"
+    latency: Latency = 0
+    source: SensorSource = "simulated"
 
 
 class Truth(Record, frozen=True, kw_only=True):
-    """The true pose and speed; only where the simulation allows it."""
+    """The true pose and speed, for agents that may know them; only where the simulation allows it."""
 
-    id: Id
+    id: SensorId
     every: Every = 1
-    latency: Cycles = 0
-    source: Source = "simulated"
-
-
-SensorDeclaration = Proximity | Lidar | Encoders | Odometry | Compass | GPS | IMU | Beacon | Ground | Bumper | Truth
+    latency: Latency = 0
+    source: SensorSource = "simulated"
 
 
 # ---------------------------------------------------------------- joining
 
 
 class Robot(Record, frozen=True, kw_only=True):
-    """A body, its motors and sensors: how an agent joins, and the form of robot files.
+    """A body with its motors and sensors: how an agent joins, and the form of robot files.
 
-    In a file `Format` is there and `Name`, `Role`, `Instance` and `Place` are not. The one-part
-    form gives `Length`, `Width`, `Center` and `Top` in place of `Part`s. A mind that joins the body of
-    another process gives only Role, Instance, Barrier, Crew and UserInput.
+    A file has `Format`, and no `Name`, `Role`, `Instance` or `Place`. A body of one box may give `Length`, `Width`,
+    `Center` and `Top` in place of a `Part`. A mind that joins a body owned by another process gives only Role,
+    Instance, Barrier, Crew and UserInput.
     """
 
-    format: FormatTag | None = None
+    format: Annotated[FormatTag, Meta(description="Version of the file format; only in robot files.")] | None = None
     name: Name | None = None
+    """Name of the agent; if given it must be the one in the key."""
     type: RobotType = "simulated"
-    kind: Annotated[Word, Meta(description="wheelchair, door, table, person or any word")] = "robot"
+    """Who moves the body: the simulator, or a real robot whose bridge sends its Pose."""
+    kind: Word = "robot"
+    """What the body is, for viewers and for choosing a start place: wheelchair, door, table, person or any word."""
     role: Role = "both"
+    """What joins: a body that obeys Power, a mind that answers Measures for a body of another process, or both."""
     instance: Hex | None = None
-    barrier: Annotated[bool, Meta(description="lockstep awaits it; absent: whether it has motors")] | None = None
+    """Id of the joining process, random at each start; the same as in its liveliness token."""
+    barrier: bool | None = None
+    """Whether a lockstep run waits for its answer to each tick; absent means yes for a mind or a body with motors."""
     crew: Name | None = None
+    """Name of the crew whose shared keys carry its Actions and Measures; absent means keys of its own."""
     user_input: Annotated[tuple[InputWord, ...], Meta(max_length=3)] = ()
-    place: (
-        Annotated[Word, Meta(description="where to start; absent: Position, or the first free place of its kind")]
-        | None
-    ) = None
+    """Kinds of UserInput that the mind wants in its Measures: driving, words, goals."""
+    place: Word | None = None
+    """Name of the map's Position to start at; absent means Position, or the first free place of its Kind."""
     hardware: Literal["real", "simulated"] = "real"
+    """Of a real robot: simulated hardware may also run in lockstep and at speeds other than 1."""
     top_speed: TopSpeed = 0.0
+    """Speed of a wheel's rim at power 1; 0 means that the body has no motors."""
     acceleration_curve: Inertia = 0.0
-    track: Annotated[Size, Meta(description="distance between the wheels")] = 0.6
+    """Inertia of the motors: the share of the last power that is kept in each 50 ms; 0 obeys at once."""
+    track: Size = 0.6
+    """Nominal distance between the left and the right wheel."""
     wheel_diameter: Size = 0.35
-    encoder_ticks: Annotated[int, Meta(ge=1, le=1_000_000, description="ticks of a whole turn of a wheel")] = 2000
-    wheel_ratio: Annotated[FigureRatio, Meta(description="true right wheel over true left one, UMBmark's E_d")] = 1.0
-    wheel_scale: Annotated[FigureRatio, Meta(description="true mean wheel over WheelDiameter")] = 1.0
-    track_ratio: Annotated[FigureRatio, Meta(description="true track over Track, UMBmark's E_b")] = 1.0
-    command_timeout: Annotated[Seconds, Meta(description="absent: the simulation's own")] | None = None
-    anchored: Annotated[bool, Meta(description="a hinge holds it: never slides")] = False
+    """Nominal diameter of both driven wheels."""
+    encoder_ticks: Annotated[int, Meta(ge=1, le=1_000_000)] = 2000
+    """Encoder counts in one full turn of a wheel."""
+    wheel_ratio: FigureRatio = 1.0
+    """True diameter of the right wheel over that of the left one (E_d of the UMBmark test)."""
+    wheel_scale: FigureRatio = 1.0
+    """True mean diameter of the wheels over WheelDiameter."""
+    track_ratio: FigureRatio = 1.0
+    """True track over Track (E_b of the UMBmark test)."""
+    command_timeout: Seconds | None = None
+    """Simulated time without a motor command after which both powers become 0; absent means the simulation's."""
+    anchored: bool = False
+    """Whether a hinge holds the body, as it does a door, so that it never slides."""
     acceleration_limit: Annotated[Limit, Meta(extra=_unit("m/s2"))] | None = None
+    """Largest change of a wheel's speed per second; absent means no limit."""
     turn_limit: Annotated[Limit, Meta(extra=_unit("rad/s"))] | None = None
-    motor_noise: Annotated[Share, Meta(description="standard deviation of a motor's output, as a share")] = 0.0
-    slip: Annotated[Share, Meta(description="share by which blocked wheels turn on")] = 0.0
+    """Largest turn rate, either way; above it the difference of the wheels is scaled down. Absent means no limit."""
+    motor_noise: Share = 0.0
+    """Standard deviation of a motor's output, as a share of that output."""
+    slip: Share = 0.0
+    """Share of the wanted motion by which the wheels of a blocked body turn on, and count."""
     length: Size | None = None
+    """Length of a one-box body along its x axis; only without Part."""
     width: Size | None = None
-    center: (
-        Annotated[Share, Meta(description="centre of movement from the rear edge, in lengths; absent: 0.5")] | None
-    ) = None
-    top: Annotated[Size, Meta(description="z of the upper face; absent: 1.3")] | None = None
+    """Width of a one-box body along its y axis; only without Part."""
+    center: Share | None = None
+    """Of a one-box body: distance of the centre of movement from the rear edge, in lengths; absent means 0.5."""
+    top: Size | None = None
+    """Height of the upper face of a one-box body above the floor; absent means 1.3."""
     part: Annotated[tuple[Part, ...], Meta(max_length=32)] = ()
+    """Boxes that make up the body, for contact and for the sensors of others."""
     position: Position | None = None
+    """Pose to start at, if no Place is given."""
     proximity: tuple[Proximity, ...] = ()
+    """Proximity sensors on the body."""
     lidar: tuple[Lidar, ...] = ()
+    """Scanning range finders on the body."""
     encoders: tuple[Encoders, ...] = ()
+    """Wheel encoders; each entry counts both wheels."""
     odometry: tuple[Odometry, ...] = ()
+    """Dead-reckoning sensors, which integrate encoder counts."""
     compass: tuple[Compass, ...] = ()
+    """Compasses, which measure the heading."""
     gps: tuple[GPS, ...] = field(default=(), name="GPS")
+    """Positioning sensors, which measure map coordinates."""
     imu: tuple[IMU, ...] = field(default=(), name="IMU")
+    """Inertial units, which measure acceleration and turn rate."""
     beacon: tuple[Beacon, ...] = ()
+    """Sensors for the bearing of a place."""
     ground: tuple[Ground, ...] = ()
+    """Sensors for the zone under the body."""
     bumper: tuple[Bumper, ...] = ()
+    """Contact sensors all around the body."""
     truth: tuple[Truth, ...] = ()
+    """Sensors for the true pose; refused where the simulation does not allow them."""
 
 
 class Parameters(Record, frozen=True, kw_only=True):
-    """What an agent must know of the simulation it joined."""
+    """Settings of the simulation that an agent needs to know."""
 
     world: Name
+    """Name of the world, as in its keys."""
     period: Period
     pace: Pace
-    say_limit: Annotated[Count, Meta(description="code points of one say")]
+    """How time passes: realtime, free (as fast as possible) or lockstep (waits for every member of the barrier)."""
+    say_limit: Count
+    """Longest message that an agent may say, in Unicode code points."""
     say_range: Range
-    command_timeout: Seconds
-    grace: Annotated[Seconds, Meta(description="wall time a lost token is waited for")]
+    """Distance from the speaker up to which its message is heard."""
+    command_timeout: TimeoutSetting
+    grace: Seconds
+    """Wall time for which a lost liveliness token is waited for before its agent is removed."""
 
 
 class Joined(Record, frozen=True, kw_only=True):
     """The reply to a join that was accepted."""
 
-    run: Hex
+    run: Run
     tick: Tick
+    """First tick at which the agent takes part."""
     session: Hex
+    """Id of this join, to be sent with Actions, Say and Pose, and as ?session= when joining again."""
     parameters: Parameters
+    """Settings of the simulation that was joined."""
     position: Position
+    """Pose at which the body starts."""
     robot: Robot
+    """Robot as the simulator accepted it."""
 
 
 class Refused(Record, frozen=True, kw_only=True):
-    """The reply to a join that was not."""
+    """The reply to a join that was refused."""
 
     code: RefusedCode
+    """Reason, for programs."""
     text: ContentText
+    """Reason, for people: where, what was expected, what came."""
 
 
 class Leave(Record, frozen=True, kw_only=True):
-    """A wish to leave; without a Session, of whoever writes the key."""
+    """A request to leave. Without a Session it counts for whoever writes the key."""
 
-    run: Hex | None = None
-    session: Hex | None = None
+    run: SentRun | None = None
+    session: Session | None = None
 
 
-# ---------------------------------------------------------------- each tick
+# ---------------------------------------------------------------- every tick
 
 
 class Actions(Record, frozen=True, kw_only=True):
-    """What an agent does in one tick. An absent motor keeps its command."""
+    """What an agent does in one tick. An absent motor keeps its last command."""
 
-    run: Hex | None = None
-    session: Hex | None = None
-    tick: Tick | None = None
-    seq: Count | None = None
+    run: SentRun | None = None
+    session: Session | None = None
+    tick: SentTick | None = None
+    seq: SentSeq | None = None
     left_motor: Power | None = None
+    """Power of the left motor, positive forward; absent keeps the last command and does not renew its time-out."""
     right_motor: Power | None = None
+    """Power of the right motor, positive forward; absent keeps the last command and does not renew its time-out."""
     mode: Word | None = None
+    """What the mind is doing, in one word, for viewers and records."""
     leave: bool = False
+    """Whether the agent leaves the simulation after this tick."""
     goal: Goal | None = None
+    """Where the mind is going, for viewers."""
     say: ElementText | None = None
+    """Message to the agents in range, who hear it in their next Measures."""
 
 
-class AgentActions(Record, frozen=True, kw_only=True):
-    """One agent's `Actions` within a crew's."""
+class AgentActions(Actions, frozen=True, kw_only=True):
+    """The `Actions` of one agent of a crew."""
 
     agent: Name
-    run: Hex | None = None
-    session: Hex | None = None
-    tick: Tick | None = None
-    seq: Count | None = None
-    left_motor: Power | None = None
-    right_motor: Power | None = None
-    mode: Word | None = None
-    leave: bool = False
-    goal: Goal | None = None
-    say: ElementText | None = None
+    """Name of the agent that acts."""
 
 
 class CrewActions(Record, frozen=True, kw_only=True):
-    """The `Actions` of many bodies of one process."""
+    """The `Actions` of many agents of one process."""
 
     crew: Name
-    part: Count = 0
-    parts: Count = 1
+    """Name of the crew, as in the key."""
+    part: PartNumber = 0
+    parts: PartCount = 1
     actions: Annotated[tuple[AgentActions, ...], Meta(max_length=250)] = ()
+    """Actions of the crew's agents, each agent once."""
 
 
 class Say(Record, frozen=True, kw_only=True):
-    """Words of an agent that wants to speak only."""
+    """A message to other agents, from an agent that sends it apart from its `Actions`."""
 
-    run: Hex | None = None
-    session: Hex | None = None
-    tick: Tick | None = None
-    seq: Count | None = None
+    run: SentRun | None = None
+    session: Session | None = None
+    tick: SentTick | None = None
+    seq: SentSeq | None = None
     text: ContentText
+    """What is said to the agents in range."""
 
 
 class ProximityReading(Record, frozen=True, kw_only=True):
-    """The nearest distance inside the wedge; a Value with Status ok only."""
+    """A distance from a proximity sensor; `Value` is there only when `Status` is ok."""
 
-    id: Id
-    tick: Tick | None = None
+    id: ReadingId
+    tick: SampleTick | None = None
     value: Range | None = None
-    status: Status = "ok"
+    """Distance from the sensor to the nearest thing inside the wedge."""
+    status: ReadingStatus = "ok"
 
 
 class LidarReading(Record, frozen=True, kw_only=True):
-    """Ranges by angle; `null` (in XML `-`) where the status is not ok."""
+    """A scan. A range is `null` (`-` in XML) where its status is not ok."""
 
-    id: Id
-    tick: Tick | None = None
+    id: ReadingId
+    tick: SampleTick | None = None
     stamp: Seconds | None = None
+    """Simulated time of the scan since the run began."""
     start_deg: Degrees
+    """Angle of the first ray in the body frame: 0 is forward, positive to the left."""
     step_deg: Degrees
+    """Angle from each ray to the next, positive anticlockwise."""
     ranges: Annotated[tuple[Range | None, ...], Meta(max_length=1440)] = ()
+    """Distance along each ray from the sensor, from StartDeg on."""
     statuses: Annotated[tuple[Status, ...], Meta(max_length=1440)] = ()
+    """Status of each ray, as many as Ranges: ok, none (nothing in range), near (too close) or fault."""
 
 
 class EncodersReading(Record, frozen=True, kw_only=True):
-    """Ticks of each wheel since joining, forward positive."""
+    """Counts of both wheels since joining; EncoderTicks counts are one turn."""
 
-    id: Id
-    tick: Tick | None = None
+    id: ReadingId
+    tick: SampleTick | None = None
     left: Signed
+    """Counts of the left wheel since joining, forward positive."""
     right: Signed
+    """Counts of the right wheel since joining, forward positive."""
 
 
 class OdometryReading(Record, frozen=True, kw_only=True):
-    """The pose since joining by the nominal figures."""
+    """The pose by dead reckoning, in the body frame at the moment of joining."""
 
-    id: Id
-    tick: Tick | None = None
+    id: ReadingId
+    tick: SampleTick | None = None
     x: Coordinate
+    """Distance ahead of the start, along the body frame's x axis at joining."""
     y: Coordinate
+    """Distance to the left of the start, along the body frame's y axis at joining."""
     heading: Heading
+    """Angle turned since joining, positive anticlockwise; 0 points as the body frame at joining; in (-pi, pi]."""
 
 
 class CompassReading(Record, frozen=True, kw_only=True):
-    """The heading."""
+    """A heading from a compass; `Value` is there only when `Status` is ok."""
 
-    id: Id
-    tick: Tick | None = None
-    value: Heading | None = None
-    status: Status = "ok"
+    id: ReadingId
+    tick: SampleTick | None = None
+    value: MapHeading | None = None
+    status: ReadingStatus = "ok"
 
 
 class GPSReading(Record, frozen=True, kw_only=True):
-    """A position."""
+    """A position; `X` and `Y` are there only when `Status` is ok."""
 
-    id: Id
-    tick: Tick | None = None
-    x: Coordinate | None = None
-    y: Coordinate | None = None
-    status: Status = "ok"
+    id: ReadingId
+    tick: SampleTick | None = None
+    x: MapX | None = None
+    y: MapY | None = None
+    status: ReadingStatus = "ok"
 
 
 class IMUReading(Record, frozen=True, kw_only=True):
-    """Acceleration forward and to the left, and turn rate."""
+    """Acceleration and turn rate of the body at its centre of movement."""
 
-    id: Id
-    tick: Tick | None = None
+    id: ReadingId
+    tick: SampleTick | None = None
     forward: Acceleration
+    """Acceleration along the body's x axis, forward positive, averaged over the last tick."""
     left: Acceleration
+    """Acceleration along the body's y axis, to the left positive: speed times turn rate."""
     turn_rate: TurnRate
+    """Rate of turn, positive anticlockwise."""
 
 
 class BeaconReading(Record, frozen=True, kw_only=True):
-    """The bearing of the beacon in the body frame."""
+    """The bearing of a beacon; `Value` is there only when `Status` is ok."""
 
-    id: Id
-    tick: Tick | None = None
+    id: ReadingId
+    tick: SampleTick | None = None
     value: Heading | None = None
-    status: Status = "ok"
+    """Direction of the beacon in the body frame: 0 is forward, positive to the left; in (-pi, pi]."""
+    status: ReadingStatus = "ok"
 
 
 class GroundReading(Record, frozen=True, kw_only=True):
-    """The name of the zone; absent where there is none."""
+    """The zone under a ground sensor."""
 
-    id: Id
-    tick: Tick | None = None
+    id: ReadingId
+    tick: SampleTick | None = None
     zone: Word | None = None
+    """Name of the first zone of the map that contains the point; absent means outside all of them."""
 
 
 class BumperReading(Record, frozen=True, kw_only=True):
-    """Whether the body touches something."""
+    """The state of a bumper."""
 
-    id: Id
-    tick: Tick | None = None
+    id: ReadingId
+    tick: SampleTick | None = None
     value: bool
+    """Whether the body touches a wall or another body."""
 
 
 class TruthReading(Record, frozen=True, kw_only=True):
     """The true pose and twist."""
 
-    id: Id
-    tick: Tick | None = None
-    x: Coordinate
-    y: Coordinate
-    heading: Heading
+    id: ReadingId
+    tick: SampleTick | None = None
+    x: MapX
+    y: MapY
+    heading: MapHeading
     speed: Velocity
+    """True speed of the centre of movement, forward positive."""
     turn_rate: TurnRate
+    """True rate of turn, positive anticlockwise."""
 
 
 class Sensors(Record, frozen=True, kw_only=True):
-    """Readings by kind."""
+    """Readings, grouped by the kind of their sensor."""
 
     proximity: tuple[ProximityReading, ...] = ()
+    """Distances from proximity sensors."""
     lidar: tuple[LidarReading, ...] = ()
+    """Scans from range finders."""
     encoders: tuple[EncodersReading, ...] = ()
+    """Counts of the wheels."""
     odometry: tuple[OdometryReading, ...] = ()
+    """Poses by dead reckoning."""
     compass: tuple[CompassReading, ...] = ()
+    """Headings from compasses."""
     gps: tuple[GPSReading, ...] = field(default=(), name="GPS")
+    """Positions in the map frame."""
     imu: tuple[IMUReading, ...] = field(default=(), name="IMU")
+    """Accelerations and turn rates."""
     beacon: tuple[BeaconReading, ...] = ()
+    """Bearings of beacons."""
     ground: tuple[GroundReading, ...] = ()
+    """Zones under ground sensors."""
     bumper: tuple[BumperReading, ...] = ()
+    """States of bumpers."""
     truth: tuple[TruthReading, ...] = ()
+    """True poses and speeds, where the robot may know them."""
 
 
 class Heard(Record, frozen=True, kw_only=True):
-    """What another agent said."""
+    """A message from another agent or an operator, as it was heard."""
 
     sender: Name = field(name="From")
+    """Name of the agent that said it; operator for an operator."""
     tick: Tick
+    """Tick at which it was said."""
     seq: Count | None = None
+    """Seq that the sender gave it, if any."""
     distance: Range
+    """Distance from the speaker, when it spoke, to the listener's centre of movement; 0 for an operator."""
     text: ContentText
+    """What was said."""
 
 
 class UserInput(Record, frozen=True, kw_only=True):
-    """What a person wants, latched by the simulator. Turn is positive to the left."""
+    """What a person wants of a robot, by joystick, word or goal. 0.3 s of wall time without any means stop."""
 
     lease: Hex | None = None
+    """Lease from the Result of take; required while one is running, absent otherwise."""
     seq: Count | None = None
+    """Sender's message counter; an input that is not newer than the last is dropped."""
     forward: Power = 0.0
+    """Stick forward and back: 1 is full speed forward, -1 full speed back."""
     turn: Power = 0.0
+    """Stick sideways: 1 is a full turn to the left (anticlockwise), -1 to the right."""
     buttons: Annotated[tuple[Button, ...], Meta(max_length=64)] = ()
+    """Numbers of the buttons that are held down."""
     word: Word | None = None
+    """A single command word, such as forward, left or stop."""
     goal: Goal | None = None
+    """Where the person wants to go."""
 
 
 class Measures(Record, frozen=True, kw_only=True):
     """What an agent perceives after `Tick` steps."""
 
-    run: Hex
-    tick: Tick
-    time: Seconds
+    run: Run
+    tick: StateTick
+    time: Time
     collision: bool = False
+    """Whether the body could not move as commanded in the last step because something was in the way."""
     contact: bool = False
+    """Whether the body touches a wall or another body."""
+    state: MotorState = "drive"
+    """Whether the motors obey the agent's commands; anything but drive says why they do not."""
     sensors: Sensors | None = None
+    """Readings of the body's sensors that have one at this tick."""
     message: tuple[Heard, ...] = ()
+    """Messages heard at this tick, in the order they were said."""
     user_input: UserInput | None = None
+    """Latest input of the person, if the robot declared UserInput and there is any."""
 
 
-class AgentMeasures(Record, frozen=True, kw_only=True):
-    """One agent's `Measures` within a crew's."""
+class AgentMeasures(Measures, frozen=True, kw_only=True):
+    """The `Measures` of one agent of a crew."""
 
     agent: Name
-    run: Hex
-    tick: Tick
-    time: Seconds
-    collision: bool = False
-    contact: bool = False
-    sensors: Sensors | None = None
-    message: tuple[Heard, ...] = ()
-    user_input: UserInput | None = None
+    """Name of the agent that perceives this."""
 
 
 class CrewMeasures(Record, frozen=True, kw_only=True):
-    """The `Measures` of many bodies of one process."""
+    """The `Measures` of many agents of one process."""
 
     crew: Name
-    part: Count = 0
-    parts: Count = 1
+    """Name of the crew, as in the key."""
+    part: PartNumber = 0
+    parts: PartCount = 1
     measures: Annotated[tuple[AgentMeasures, ...], Meta(max_length=250)] = ()
+    """Measures of the crew's agents."""
 
 
 class Pose(Record, frozen=True, kw_only=True):
-    """Where a real chair is, by its bridge."""
+    """Where a real robot is, reported by its bridge."""
 
-    run: Hex | None = None
-    session: Hex | None = None
-    tick: Tick | None = None
-    seq: Count | None = None
-    x: Coordinate
-    y: Coordinate
-    heading: Heading
+    run: SentRun | None = None
+    session: Session | None = None
+    tick: SentTick | None = None
+    seq: SentSeq | None = None
+    x: MapX
+    y: MapY
+    heading: MapHeading
     stamp: Stamp | None = None
-    covariance: Annotated[tuple[Variance, ...], Meta(description="xx xy xh yy yh hh")] = ()
+    """Unix time at which the pose was measured."""
+    covariance: tuple[Variance, ...] = ()
+    """Covariance of X, Y and Heading (h): xx xy xh yy yh hh, in m2, m rad and rad2; 6 numbers or none."""
     sensors: Sensors | None = None
+    """Readings of the robot's own sensors, those declared with Source real."""
 
 
 class PowerInForce(Record, frozen=True, kw_only=True):
-    """The power a real chair must give now, and why."""
+    """The power that a real robot must apply now, and why."""
 
-    run: Hex
-    tick: Tick
+    run: Run
+    tick: StateTick
     left_motor: Power
+    """Power of the left motor to apply, positive forward."""
     right_motor: Power
+    """Power of the right motor to apply, positive forward."""
     state: MotorState = "drive"
+    """Why the power is what it is: drive obeys the mind, taken an operator; with any other the power is 0."""
 
 
 class Error(Record, frozen=True, kw_only=True):
-    """What was wrong with something an agent sent."""
+    """What was wrong with something that an agent sent."""
 
-    run: Hex
-    tick: Tick
+    run: Run
+    tick: StateTick
     code: ErrorCode
+    """Reason, for programs."""
     where: Title | None = None
+    """Place in the document that was wrong, such as Actions.LeftMotor."""
     seq: Count | None = None
-    suppressed: Annotated[Count, Meta(description="errors not sent since the last")] = 0
+    """Seq of the message that was wrong, if it could be read."""
+    suppressed: Count = 0
+    """Number of errors that were not sent since the last one, to limit the rate."""
     text: ContentText
+    """Reason, for people: where, what was expected, what came."""
 
 
 # ---------------------------------------------------------------- the world, for viewers
 
 
 class Entity(Record, frozen=True, kw_only=True):
-    """A body's true state."""
+    """The true state of one body."""
 
-    name: Name
-    x: Coordinate
-    y: Coordinate
-    heading: Heading
+    name: AgentName
+    x: MapX
+    y: MapY
+    heading: MapHeading
     speed: Velocity = 0.0
+    """Speed of the centre of movement, forward positive."""
     turn_rate: TurnRate = 0.0
+    """Rate of turn, positive anticlockwise."""
     collision: bool = False
+    """Whether the body could not move as commanded in the last step because something was in the way."""
     contact: bool = False
-    contacts: Annotated[Count, Meta(description="episodes of contact since the run began")] = 0
+    """Whether the body touches a wall or another body."""
+    contacts: Count = 0
+    """Number of contact episodes since the run began; touching again within 0.25 s counts as the same one."""
     state: MotorState = "drive"
+    """Whether the motors obey the mind's commands; anything but drive says why they do not."""
     mode: Word | None = None
+    """What the mind says it is doing, from its Actions."""
     goal: Goal | None = None
+    """Where the mind says it is going, from its Actions."""
     say: ElementText | None = None
+    """Last message that the agent said, shown for 3 s of simulated time."""
 
 
 class WorldState(Record, frozen=True, kw_only=True):
-    """Every body's true state, in parts."""
+    """The true state of every body, split into parts of at most 48 kB."""
 
-    run: Hex
-    tick: Tick
-    time: Seconds
-    part: Count = 0
-    parts: Count = 1
+    run: Run
+    tick: StateTick
+    time: Time
+    part: PartNumber = 0
+    parts: PartCount = 1
     entity: tuple[Entity, ...] = ()
+    """Bodies, in the order of their names; a body that is in no part is gone."""
 
 
 class Body(Record, frozen=True, kw_only=True):
-    """A body as accepted."""
+    """A body as the simulator accepted it, for viewers and late joiners."""
 
-    run: Hex
-    tick: Tick
-    owner: Annotated[Hex, Meta(description="the instance that joined as its body")] | None = None
+    run: Run
+    tick: StateTick
+    owner: Hex | None = None
+    """Instance of the process that joined as this body; absent if the simulator owns it."""
     roles: tuple[Role, ...] = ()
+    """Roles that processes have joined this body in."""
     robot: Robot
+    """Shape, motors and sensors, as accepted."""
 
 
 class Event(Record, frozen=True, kw_only=True):
-    """Something that happened, numbered."""
+    """Something that happened. Events are numbered, so that a gap is noticed."""
 
-    run: Hex
-    tick: Tick
+    run: Run
+    tick: StateTick
     number: Count
+    """Number of the event, counted from 0 in each run without gaps."""
     code: EventCode
+    """What happened, for programs."""
     agent: Name | None = None
-    other: Annotated[Word, Meta(description="the other body, or wall")] | None = None
+    """Agent it happened to; in a contact the one that ran into the other."""
+    other: Word | None = None
+    """Of a contact: the other body, or wall."""
     part: Count | None = None
+    """Of a contact: index of the agent's Part that touched, from 0."""
     other_part: Count | None = None
+    """Of a contact: index of the other body's Part, or of the Wall in the map, from 0."""
     x: Coordinate | None = None
+    """Of a contact: x of the point of contact in the map frame."""
     y: Coordinate | None = None
+    """Of a contact: y of the point of contact in the map frame."""
     normal_x: Normal | None = None
+    """Of a contact: x of the unit normal in the map frame, from the other towards the agent."""
     normal_y: Normal | None = None
-    speed: Annotated[Velocity, Meta(description="closing speed of a contact, or the new speed factor")] | None = None
+    """Of a contact: y of the unit normal in the map frame, from the other towards the agent."""
+    speed: Velocity | None = None
+    """Of a contact: closing speed along the normal, positive while approaching. Of speed: the new speed factor."""
     text: OptionalText | None = None
+    """Details for people, if there are any."""
 
 
 class Events(Record, frozen=True, kw_only=True):
-    """The events kept, from a number on."""
+    """The events that the simulator still keeps, from a requested number on."""
 
-    run: Hex
+    run: Run
     oldest: Count
+    """Number of the oldest event that is kept; earlier ones are lost."""
     next: Count
+    """Number to ask for next time: one more than the last event here."""
     event: tuple[Event, ...] = ()
+    """Events in the order of their numbers."""
 
 
 class Clock(Record, frozen=True, kw_only=True):
-    """How far the run is."""
+    """How far the run is, and how fast it goes."""
 
-    run: Hex
-    tick: Tick
-    time: Seconds
+    run: Run
+    tick: StateTick
+    time: Time
     state: ClockState
+    """Whether time passes: running, paused, waiting for agents, or ended by its end condition."""
     pace: Pace
+    """How time passes: realtime, free (as fast as possible) or lockstep (waits for every member of the barrier)."""
     speed: Factor = 1.0
-    factor: Annotated[Ratio, Meta(description="simulated time over wall time, of late")] = 0.0
-    late: Annotated[Count, Meta(description="ticks that began late")] = 0
-    hash: Hex
+    """Speed that was asked for: simulated time over wall time."""
+    factor: Ratio = 0.0
+    """Speed reached recently: simulated time over wall time; 0 if unknown."""
+    late: Count = 0
+    """Number of ticks since the run began that started after their deadline."""
+    hash: Kept
     stamp: Stamp
-    waiting: Annotated[tuple[Name, ...], Meta(description="whom the barrier awaits")] = ()
-    last: (
-        Annotated[Tick, Meta(description="last tick of this run in the log that is played; absent: a live run")] | None
-    ) = None
+    """Unix time at which this was written."""
+    waiting: tuple[Name, ...] = ()
+    """Agents whose answer the barrier is waiting for."""
+    last: Tick | None = None
+    """Last tick of this run in the log that is being played; absent in a live run."""
 
 
 class MapInfo(Record, frozen=True, kw_only=True):
-    """Which map is loaded."""
+    """Which map is loaded. The map itself is the reply to a `get`."""
 
-    run: Hex
-    tick: Tick
+    run: Run
+    tick: StateTick
     name: Word
+    """Name of the map."""
     revision: Count
+    """Number of times the map was replaced since the simulator started."""
     hash: Hex
+    """Hash of the map's content."""
 
 
 # ---------------------------------------------------------------- control
 
 
 class Reach(Record, frozen=True, kw_only=True):
-    """Met when the agent's centre of movement is near the place."""
+    """A condition: the agent's centre of movement is near a place."""
 
     agent: Name
+    """Agent that has to get there."""
     place: Word
+    """Name of a Position in the map's Grid."""
     within: Size
+    """Largest distance from the place that counts as reached."""
 
 
 class Timeout(Record, frozen=True, kw_only=True):
-    """Met after so much simulated time."""
+    """A condition: so much simulated time has passed."""
 
     seconds: Annotated[float, Meta(gt=0.0, le=1e9, extra=_unit("s"))]
+    """Simulated time since the run began."""
 
 
 class End(Record, frozen=True, kw_only=True):
-    """When a run ends: every `Reach` is met, or the time is over."""
+    """When a run ends: every `Reach` is met, or the time is up."""
 
     reach: tuple[Reach, ...] = ()
+    """Places to be reached, all of them at the same tick."""
     timeout: Timeout | None = None
+    """Longest duration of the run; absent means no limit."""
 
 
 class Pause(Record, frozen=True, kw_only=True):
-    """Stop stepping."""
+    """Stop time."""
 
 
 class Resume(Record, frozen=True, kw_only=True):
-    """Step on."""
+    """Let time continue."""
 
 
 class Step(Record, frozen=True, kw_only=True):
-    """Step so often, then pause."""
+    """Make a number of steps in a paused run, then pause again."""
 
-    count: Annotated[int, Meta(ge=1, le=1_000_000, description="steps")] = 1
+    count: Annotated[int, Meta(ge=1, le=1_000_000)] = 1
+    """Number of steps to make."""
 
 
 class Reset(Record, frozen=True, kw_only=True):
-    """Begin the same map anew; joins stay."""
+    """Start a new run on the same map, with the same agents at their starts."""
 
-    seed: Seed | None = None
+    seed: NewSeed | None = None
     end: End | None = None
+    """End condition of the new run; absent keeps the current one."""
 
 
 class Speed(Record, frozen=True, kw_only=True):
-    """Run at so many times real time."""
+    """Set the speed of a real-time run."""
 
     factor: Factor
+    """Simulated time over wall time; 1 is real time."""
 
 
 class Delete(Record, frozen=True, kw_only=True):
-    """Take a body out."""
+    """Remove a body."""
 
     agent: Name
+    """Agent whose body is removed."""
 
 
 class Take(Record, frozen=True, kw_only=True):
-    """Make the simulator obey `user/<agent>`, for so long; 0 gives it back."""
+    """Take control of a body: the simulator obeys `user/<agent>` instead of its mind until the lease ends."""
 
     agent: Name
+    """Agent whose body is taken."""
     lease: Hex | None = None
+    """Lease to renew or to give back, from the Result of the first take; absent asks for a new one."""
     seconds: Annotated[float, Meta(ge=0.0, le=60.0, extra=_unit("s"))] = 2.0
+    """Wall time until the lease ends unless it is renewed; 0 gives the body back at once."""
 
 
 class OperatorSay(Record, frozen=True, kw_only=True):
-    """Words of an operator, to one agent or to all. `<Say>` on the wire."""
+    """A message from an operator to one agent or to all. `<Say>` on the wire."""
 
     to: Name | None = None
+    """Agent that hears it, at any distance; absent means all agents."""
     text: ContentText
+    """What is said."""
 
 
 class Save(Record, frozen=True, kw_only=True):
-    """Keep the state; the reply names the slot."""
+    """Save the state of the world; the reply names the slot."""
 
 
 class Restore(Record, frozen=True, kw_only=True):
-    """Go back to a kept state, at its tick, as a new run."""
+    """Return to a saved state, at its tick, as a new run."""
 
     slot: Word
+    """Slot from the Result of save."""
 
 
 class Seek(Record, frozen=True, kw_only=True):
-    """Go to a tick of a log that is played."""
+    """Jump to a tick of a log that is being played."""
 
     tick: Tick
-    run: Annotated[Hex, Meta(description="which run of the log; absent: the one that is shown")] | None = None
+    """Tick to show."""
+    run: Hex | None = None
+    """Which run of the log; absent means the one that is shown."""
 
 
 class Quit(Record, frozen=True, kw_only=True):
-    """End the simulator."""
+    """Stop the simulator."""
 
 
 class Spawn(Record, frozen=True, kw_only=True):
-    """Put a body of the simulator's own somewhere."""
+    """Add a body without a mind, owned by the simulator."""
 
     robot: Robot
+    """Body to add; its Name is the new agent's."""
     position: Position | None = None
+    """Pose to put it at; absent means the robot's Place or Position, or the first free place of its Kind."""
 
 
 class Teleport(Record, frozen=True, kw_only=True):
-    """Put a body somewhere else."""
+    """Move a body to another pose."""
 
     agent: Name
+    """Agent whose body is moved."""
     position: Position
+    """Pose to move it to."""
 
 
 class Result(Record, frozen=True, kw_only=True):
-    """The reply to a verb or a leave."""
+    """The reply to a control verb or a leave."""
 
     code: ResultCode
-    run: Hex | None = None
-    tick: Tick | None = None
-    hash: Hex | None = None
+    """Outcome, for programs."""
+    run: Run | None = None
+    tick: StateTick | None = None
+    hash: Kept | None = None
     lease: Hex | None = None
+    """Lease that take granted, to be sent with UserInput."""
     slot: Word | None = None
+    """Slot that save filled, for restore."""
     text: OptionalText | None = None
+    """Reason for people, if it was not done."""
 
 
 # ---------------------------------------------------------------- files
 
 
 class Wall(Record, frozen=True, kw_only=True):
-    """A solid polygon, or with `Thickness` a line of 2 or more corners; from `Bottom` to `Height` above the floor."""
+    """A solid polygon, or with `Thickness` a line of at least 2 corners."""
 
     height: Size = 2.5
+    """Height of the upper edge above the floor, whatever Bottom is."""
     bottom: Length = 0.0
+    """Height of the lower edge above the floor; more than 0 leaves a gap below."""
     thickness: Size | None = None
+    """Thickness of a wall that is drawn as a line, half to each side; absent means a solid polygon."""
     corner: tuple[Corner, ...] = ()
+    """Corners in order: at least 3 of a polygon, which closes itself, or 2 of a line."""
 
 
 class Doorway(Record, frozen=True, kw_only=True):
-    """An opening; heading is the way through."""
+    """An opening that can be passed."""
 
     name: Word
-    x: Coordinate
-    y: Coordinate
+    """Name of the doorway, unique in the map."""
+    x: MapX
+    y: MapY
     heading_deg: Degrees
+    """Direction of the way through, in the map frame: 0 along x, positive anticlockwise."""
     width: Size
+    """Clear width, across the way through."""
 
 
 class Obstacle(Record, frozen=True, kw_only=True):
-    """A named solid that is no wall: a bed, a cupboard."""
+    """A named solid that is not a wall, such as a bed or a cupboard."""
 
     name: Word
+    """Name of the obstacle, unique in the map."""
     bottom: Length = 0.0
+    """Height of the lower face above the floor."""
     top: Size
+    """Height of the upper face above the floor; must be more than Bottom."""
     corner: tuple[Corner, ...] = ()
+    """Corners of its outline in order, at least 3."""
 
 
 class Zone(Record, frozen=True, kw_only=True):
     """A named area of the floor."""
 
     name: Word
+    """Name of the zone, as ground sensors report it."""
     title: Title | None = None
+    """Name of the zone for people."""
     corner: tuple[Corner, ...] = ()
+    """Corners of its outline in order, at least 3."""
 
 
 class Place(Record, frozen=True, kw_only=True):
-    """A named pose. `<Position>` on the wire; without kinds, for any."""
+    """A named pose. `<Position>` on the wire."""
 
     name: Word
-    x: Coordinate
-    y: Coordinate
+    """Name of the place, for Robot.Place, Reach and Beacon."""
+    x: MapX
+    y: MapY
     heading_deg: Degrees = 0.0
+    """Heading of a body that starts here, in the map frame: 0 along x, positive anticlockwise."""
     kinds: tuple[Word, ...] = ()
+    """Kinds of robot that may be put here without asking for it; none means any kind."""
 
 
 class Grid(Record, frozen=True, kw_only=True):
-    """The places of a map."""
+    """The named places of a map."""
 
     position: tuple[Place, ...] = ()
+    """Places, in the order in which free ones are given out."""
 
 
 class Map(Record, frozen=True, kw_only=True):
-    """A floor."""
+    """The map of a floor."""
 
-    format: FormatTag
+    format: Format
     name: Word
+    """Name of the map."""
     title: Title | None = None
+    """Name of the map for people."""
     source: Title | None = None
+    """Where its measures come from."""
     wall: tuple[Wall, ...] = ()
+    """Walls, which stop bodies and block sensors."""
     doorway: tuple[Doorway, ...] = ()
+    """Openings, for minds that plan a way."""
     obstacle: tuple[Obstacle, ...] = ()
+    """Solids other than walls, which stop bodies and block sensors."""
     zone: tuple[Zone, ...] = ()
+    """Areas for ground sensors; where two overlap the first one counts."""
     grid: Grid | None = None
+    """Named places to start at, to reach or to sense."""
 
 
 class Load(Record, frozen=True, kw_only=True):
-    """Put another floor in: one the simulator knows by `Name`, or the `Map` itself."""
+    """Start a new run on another map: one that the simulator knows by `Name`, or the `Map` itself."""
 
     name: Word | None = None
-    seed: Seed | None = None
+    """Name of a map that the simulator has; either this or Map."""
+    seed: NewSeed | None = None
     map: Map | None = None
+    """Map to load; either this or Name."""
     end: End | None = None
+    """End condition of the new run; absent keeps the current one."""
 
 
 class Option(Record, frozen=True, kw_only=True):
-    """An option of a mind."""
+    """An option of a mind, a robot or a bridge."""
 
     name: Word
-    value: Annotated[str, Meta(pattern=TEXT_PATTERN, description="text", max_length=1000)]
+    """Name of the option; with a capital first letter it sets a field of the Robot instead."""
+    value: OptionValue
 
 
 class Cast(Record, frozen=True, kw_only=True):
-    """An agent of a scene: who, with which body and mind, where."""
+    """An agent of a scene: its name, body, mind and start."""
 
-    name: Name
+    name: AgentName
     robot: Title
+    """Its body: the name of a shipped robot, or the path of a robot file."""
     mind: Title
+    """Its mind: the name of a shipped mind, or the path of a Python file."""
     place: Word | None = None
+    """Place on the map to start at; absent means the first free place of its Kind."""
     option: tuple[Option, ...] = ()
+    """Options of the mind, and with a capital first letter fields of the robot."""
 
 
 class Hold(Record, frozen=True, kw_only=True):
-    """What must hold at the end of a run."""
+    """What must be true at the end of a run for it to succeed."""
 
     contacts: Count | None = None
+    """Largest number of contacts allowed; absent means any."""
     reached: Literal["all"] | None = None
+    """Whether every Reach of the End must have been met; absent means not checked."""
 
 
 class Setting(Record, frozen=True, kw_only=True):
-    """An option that a level gives an agent; without an agent, a rule of the simulation such as `SayRange`."""
+    """An option that a level of an experiment sets."""
 
     agent: Name | None = None
+    """Agent that gets the option; absent means a setting of the simulation, such as SayRange."""
     name: Word
-    value: Annotated[str, Meta(pattern=TEXT_PATTERN, description="text", max_length=1000)]
+    """Name of the option or setting."""
+    value: OptionValue
 
 
 class Bridge(Record, frozen=True, kw_only=True):
-    """One of the cast has a real chair in a laboratory: a second simulation of the same floor that plays the building.
+    """A real chair for one agent of the cast: a second simulation of the same map plays the building it drives in.
 
-    Of a scene it holds in every run, of a level where that is chosen, in the place of the scene's for the same agent.
-    An option with a capital letter is a field of the chair as built, any other an option of `iw-bridge`.
+    In a scene it applies to every run; in a level only where that level is chosen, and there it replaces the scene's
+    bridge for the same agent. An option with a capital first letter is a field of the chair as built, any other an
+    option of `iw-bridge`.
     """
 
     agent: Name
-    chair: Annotated[Title, Meta(description="its document as built; absent: the robot of the cast")] | None = None
+    """Agent of the cast whose chair is real."""
+    chair: Title | None = None
+    """Robot file of the chair as built; absent means the robot of the cast."""
     option: tuple[Option, ...] = ()
+    """Options of the bridge, and with a capital first letter fields of the chair."""
 
 
 class Level(Record, frozen=True, kw_only=True):
-    """A value of a factor: agents that stand in the place of those of the same name or beside them, and options."""
+    """One value of a factor: agents that are replaced or added, and options that are set."""
 
     name: Word
+    """Name of the level, a part of the names of its rows."""
     title: Title | None = None
-    real: Annotated[bool, Meta(description="the chair stands for one of hardware: its contacts are physical")] = False
+    """Name of the level in reports."""
+    real: bool = False
+    """Whether the chair stands for a real one, so that its contacts count as physical."""
     cast: tuple[Cast, ...] = ()
+    """Agents of this level; one with the name of an agent of the scene replaces it."""
     bridge: tuple[Bridge, ...] = ()
+    """Real chairs of this level."""
     setting: tuple[Setting, ...] = ()
+    """Options that this level sets."""
 
 
 class Varied(Record, frozen=True, kw_only=True):
-    """What an experiment varies."""
+    """A factor of an experiment. `<Factor>` on the wire."""
 
     name: Word
+    """Name of the factor."""
     title: Title | None = None
+    """Name of the factor in reports."""
     level: tuple[Level, ...] = ()
+    """Values that the factor takes, at least one."""
 
 
 class Compare(Record, frozen=True, kw_only=True):
-    """Two rows that are compared by their seeds, and what is expected of the first; without a second, of it alone."""
+    """A comparison of two rows, seed by seed, or a claim about one row."""
 
     first: Title
+    """Row that the expectation is about."""
     second: Title | None = None
+    """Row that it is compared with; absent only for collision-free."""
     expect: Literal["better", "worse", "equivalent", "collision-free"] | None = None
+    """What is expected of the first row; absent reports the difference only."""
 
 
 class Umbmark(Record, frozen=True, kw_only=True):
-    """Two rows whose chairs drive a square by odometry: their true wheel figures are found from where they end."""
+    """Two rows whose chairs drive a square by odometry: where they end gives the true figures of their wheels."""
 
-    left: Annotated[Title, Meta(description="the row with squares to the left")]
-    right: Annotated[Title, Meta(description="the row with squares to the right")]
-    side: Annotated[Size, Meta(description="of the square")]
+    left: Title
+    """Row with the squares driven to the left (anticlockwise)."""
+    right: Title
+    """Row with the squares driven to the right (clockwise)."""
+    side: Size
+    """Length of a side of the square."""
 
 
 class Experiment(Record, frozen=True, kw_only=True):
-    """Runs of a scene that are compared: every combination of levels is a row, its name theirs with `+` between."""
+    """Runs of a scene to be compared. Every combination of levels is a row, named by them with `+` between."""
 
-    subject: Annotated[Name, Meta(description="whose runs they are")]
-    margin: Annotated[Share, Meta(description="difference of success up to which rows are equivalent")] = 0.15
+    subject: Name
+    """Agent whose runs are measured."""
+    margin: Share = 0.15
+    """Largest difference of success rates at which two rows are equivalent."""
     factor: tuple[Varied, ...] = ()
+    """What is varied."""
     compare: tuple[Compare, ...] = ()
+    """Comparisons that the report makes."""
     umbmark: Umbmark | None = None
+    """Rows to be evaluated as a UMBmark test, if any."""
 
 
 class Scene(Record, frozen=True, kw_only=True):
-    """A run to be started: the floor, the cast, the pace, the end and what must hold."""
+    """A run to start: map, cast, pace, when it ends and what must be true then."""
 
-    format: FormatTag
+    format: Format
     name: Word
+    """Name of the scene."""
     title: Title | None = None
+    """Name of the scene for people."""
     map: Title
-    seed: Seed = "1"
-    period: Period = 0.05
+    """Map: the name of a shipped map, or the path of a map file."""
+    seed: Seed = defaults.SEED
+    """Seed of all noise in the run."""
+    period: Period = defaults.PERIOD
     pace: Pace = "lockstep"
+    """How time passes: realtime, free (as fast as possible) or lockstep (waits for every member of the barrier)."""
     miss: Miss = "strict"
-    truth: Annotated[bool, Meta(description="agents may have truth sensors")] = False
-    say_range: Annotated[SayRange, Meta(description="how far a say is heard")] = 8.0
-    say_walls: Annotated[bool, Meta(description="walls and closed doors keep a say from being heard")] = False
-    say_loss: Annotated[Share, Meta(description="share of what agents say that a listener misses")] = 0.0
-    say_delay: Annotated[SayDelay, Meta(description="time a say takes beyond the next tick")] = 0.0
+    """What a missed deadline does in lockstep: strict ends the run, elastic continues without the answer."""
+    truth: bool = False
+    """Whether agents may have truth sensors."""
+    say_range: SayRange = defaults.SAY_RANGE
+    """Distance from the speaker up to which a message is heard."""
+    say_walls: bool = defaults.SAY_WALLS
+    """Whether walls and closed doors block messages."""
+    say_loss: Share = defaults.SAY_LOSS
+    """Share of messages between agents that a listener misses."""
+    say_delay: SayDelay = defaults.SAY_DELAY
+    """Simulated time by which a message arrives after the next tick."""
     cast: tuple[Cast, ...] = ()
+    """Agents to start."""
     bridge: tuple[Bridge, ...] = ()
+    """Real chairs among the cast."""
     end: End | None = None
+    """When the run ends; absent means never by itself."""
     hold: Hold | None = None
+    """What must be true at the end; absent means nothing."""
     experiment: Experiment | None = None
+    """Variations of the scene to run and compare, if any."""
 
 
 DOCUMENTS: Final[dict[str, tuple[type[Record], ...]]] = {
@@ -1151,7 +1532,7 @@ DOCUMENTS: Final[dict[str, tuple[type[Record], ...]]] = {
     "Delete": (Delete,), "Teleport": (Teleport,), "Take": (Take,), "Save": (Save,), "Restore": (Restore,),
     "Seek": (Seek,), "Quit": (Quit,),
 }  # fmt: skip
-"""The documents by the name of their XML root: where two share one, the key decides."""
+"""The documents by the name of their XML root; where two share one, the key decides."""
 
 ROOTS: Final[dict[type[Record], str]] = {kind: root for root, kinds in DOCUMENTS.items() for kind in kinds}
 """The XML root of each document class."""

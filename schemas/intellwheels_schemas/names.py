@@ -1,7 +1,7 @@
-"""Names that stand in keys. A name is checked before a key is made of it or it is believed.
+"""Names that are part of keys. A name is checked before a key is made from it, and when it comes from a key.
 
-Zenoh itself takes spaces, '*', newlines and a leading '@' in a chunk. An agent called '*' would
-speak for everybody, and '@x' hides from every wildcard.
+Zenoh itself accepts spaces, '*', newlines and a leading '@' in a chunk. An agent called '*' would speak for all
+others, and '@x' would be hidden from every wildcard.
 """
 
 from __future__ import annotations
@@ -15,21 +15,21 @@ from intellwheels_schemas.messages import HEX_PATTERN, NAME_PATTERN
 
 EXPECTED: Final = "a name of a-z, 0-9, _ and -, a letter first, at most 32 characters"
 RESERVED: Final = frozenset({"operator"})
-"""Names no agent may have: who speaks as one of them is not a body."""
+"""Names that no agent may have; `operator` is the sender of what people say."""
 
 _NAME = re.compile(NAME_PATTERN)
 _HEX = re.compile(HEX_PATTERN)
 
 
 def check_name(text: str, where: str = "") -> str:
-    """Return `text` when it is a name, to be used in keys.
+    """Return `text` if it is a valid name for keys.
 
     Args:
-        text: A world's, an agent's or a crew's name.
-        where: What the name is for, named by the error.
+        text: Name of a world, an agent or a crew.
+        where: What the name is for, as the error says it.
 
     Raises:
-        WireError: `value`, when it is not.
+        WireError: `value`, if it is invalid.
     """
     if _NAME.match(text) is None:
         raise WireError("value", f"{where}: expected {EXPECTED}, got {text[:40]!r}".removeprefix(": "), where)
@@ -37,18 +37,20 @@ def check_name(text: str, where: str = "") -> str:
 
 
 def check_agent(text: str, where: str = "") -> str:
-    """Return `text` when an agent may be called so: a name that is not reserved.
+    """Return `text` if an agent may have that name: it is valid and not reserved.
 
     Raises:
-        WireError: `value`, when it is not.
+        WireError: `value`, if not.
     """
     if check_name(text, where) in RESERVED:
-        raise WireError("value", f"{where}: expected a name not reserved, got {text!r}".removeprefix(": "), where)
+        raise WireError(
+            "value", f"{where}: expected a name that is not reserved, got {text!r}".removeprefix(": "), where
+        )
     return text
 
 
 def is_name(text: str) -> bool:
-    """Return whether `text` is a name."""
+    """Return whether `text` is a valid name."""
     return _NAME.match(text) is not None
 
 

@@ -1,7 +1,6 @@
-"""Whether somebody is there: `python -m intellwheels_schemas.present [--agent NAME]`, for health checks and scripts.
+"""Checks whether a simulator or an agent is running, for health checks and scripts.
 
-Exit code 0: the simulator of the world, or the agent, holds its liveliness token; 1: not; 2: wrong usage.
-With `--router` only that somebody answers at the endpoint.
+Exit code 0: its liveliness token exists; 1: it does not, or the endpoint does not answer; 2: wrong usage.
 """
 
 from __future__ import annotations
@@ -16,14 +15,16 @@ from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.keys import Keys
 
 TIMEOUT = 3.0
-"""Seconds to wait for an endpoint to answer."""
+"""Seconds to wait for the endpoint to answer."""
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Look once and return the exit code."""
+    """Check once and return the exit code."""
     parser = argparse.ArgumentParser(prog="python -m intellwheels_schemas.present", description=__doc__)
-    parser.add_argument("--agent", metavar="NAME", help="look for an agent (default: for the simulator)")
-    parser.add_argument("--router", action="store_true", help="only whether the endpoint answers")
+    parser.add_argument(
+        "--agent", metavar="NAME", help="check for this agent (default: for the simulator of the world)"
+    )
+    parser.add_argument("--router", action="store_true", help="only check whether the endpoint answers")
     link.add_link_options(parser)
     options = parser.parse_args(arguments)
     try:
@@ -42,7 +43,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     with session:
         if options.router or link.tokens(session, wanted):
             return 0
-    print(f"present: nobody holds {wanted} at {route.where()}", file=sys.stderr)
+    print(f"present: no liveliness token {wanted} at {route.where()}", file=sys.stderr)
     return 1
 
 

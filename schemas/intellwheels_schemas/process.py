@@ -1,8 +1,8 @@
-"""The life of a process: what makes it stop. Every command uses this, and nothing else handles signals.
+"""When a process stops. Every command uses this module, and nothing else handles signals.
 
-A process stops on SIGTERM, on SIGINT, and when the other end of an inherited pipe closes: that
-pipe is how children notice that whoever started them is gone, whatever killed it. Nobody is
-left then to insist, so a child that does not stop, stuck in its own code, ends itself.
+A process stops on SIGTERM, on SIGINT, and when the other end of an inherited pipe, the lifeline, closes. That pipe
+tells a child that its parent is gone, whatever killed the parent. Nobody is left then to kill a child that is stuck in
+its own code, so it kills itself after a grace time.
 """
 
 from __future__ import annotations
@@ -15,30 +15,29 @@ import time
 from types import FrameType
 
 SLICE = 0.2
-"""Seconds: an untimed wait in the main thread can miss a signal, so waits are cut."""
-
+"""Seconds of a wait: an untimed wait in the main thread can miss a signal, so long waits are cut into slices."""
 
 GRACE = 3.0
-"""Seconds a process has to end once its lifeline did."""
+"""Seconds in which a process must end after its lifeline did."""
 
 
 def add_process_options(parser: argparse.ArgumentParser) -> None:
-    """Give `parser` the options of a command's life."""
+    """Add the options that control when a command stops."""
     parser.add_argument(
         "--lifeline",
         type=int,
         metavar="FD",
-        help="stop when this inherited file descriptor, the reading end of a pipe, reaches its end",
+        help="stop when this inherited file descriptor, the read end of a pipe, is closed at the other end",
     )
 
 
 def stop_on_signals(lifeline: int | None = None) -> threading.Event:
     """Return an event that is set when this process must stop.
 
-    To be called from the main thread. Handlers of SIGTERM and SIGINT are replaced.
+    Call it from the main thread. It replaces the handlers of SIGTERM and SIGINT.
 
     Args:
-        lifeline: Reading end of a pipe held open by the parent, or None.
+        lifeline: Read end of a pipe that the parent holds open, or None.
     """
     stop = threading.Event()
 

@@ -1,27 +1,24 @@
-"""Rules that span fields, one function a class. Pure; `decode` and `read_file` apply them.
+"""Rules that span several fields, one function per class. Pure; `decode` and `read_file` apply them.
 
-What one field may be stands in `messages`; what fields may be together stands here.
+`messages` declares the bounds of each field; this module checks fields against each other.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from itertools import product
-from typing import Any, Final
+from typing import Any, Final, NamedTuple, Protocol
 
 from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.explain import shown, too_long
 from intellwheels_schemas.messages import (
     AgentMeasures,
-    BeaconReading,
     Body,
-    CompassReading,
     CrewActions,
     CrewMeasures,
     ErrorCode,
     Experiment,
-    GPSReading,
     Joined,
     LidarReading,
     Load,
@@ -29,12 +26,11 @@ from intellwheels_schemas.messages import (
     Measures,
     Part,
     Pose,
-    ProximityReading,
     Record,
     Robot,
     Scene,
-    SensorDeclaration,
     Sensors,
+    Source,
     Spawn,
 )
 from intellwheels_schemas.shapes import shape_of
@@ -44,14 +40,52 @@ MAX_SENSORS: Final = 64
 MAX_RAYS: Final = 1440
 MAX_CREW: Final = 250
 DEFAULT_TOP: Final = 1.3
-"""Height of the one-part form where none is given, in metres: a seated person's."""
+"""Top of a one-box body that gives none, in metres: the height of a seated person."""
 
-SENSOR_KINDS: Final = (
-    "proximity", "lidar", "encoders", "odometry", "compass", "gps", "imu", "beacon", "ground", "bumper", "truth",
-)  # fmt: skip
-"""The fields of `Robot` and of `Sensors` that hold sensors, in declaration order."""
 
-# What a mind says of itself when the body is another process's.
+class SensorDeclaration(Protocol):
+    """What the declarations of all kinds of sensors have in common."""
+
+    @property
+    def id(self) -> str:
+        """Its id, unique in its robot."""
+
+    @property
+    def every(self) -> int:
+        """Ticks from sample to sample."""
+
+    @property
+    def latency(self) -> int:
+        """Ticks from sample to reading."""
+
+    @property
+    def source(self) -> Source:
+        """Whether the simulator or the real body's bridge reads it."""
+
+
+class SensorRecords(NamedTuple):
+    """The two records of a kind of sensor."""
+
+    declaration: type[Record]
+    reading: type[Record]
+
+
+def _sensor_records() -> dict[str, SensorRecords]:
+    readings = {member.name: member.record for member in shape_of(Sensors).members}
+    return {
+        member.name: SensorRecords(member.record, reading)
+        for member in shape_of(Robot).members
+        if member.record is not None and (reading := readings.get(member.name)) is not None
+    }
+
+
+SENSOR_RECORDS: Final = _sensor_records()
+"""The kinds of sensors: the fields that `Robot` and `Sensors` share, in declaration order, with their records."""
+
+SENSOR_KINDS: Final = tuple(SENSOR_RECORDS)
+"""The names of those fields."""
+
+# The only fields of a mind whose body belongs to another process.
 _MIND_FIELDS: Final = frozenset({"role", "instance", "barrier", "crew", "user_input", "name"})
 _FILE_LACKS: Final = ("name", "role", "instance", "place")
 
@@ -68,7 +102,7 @@ def _wire(cls: type[Record], name: str) -> str:
 
 
 def sensors_of(robot: Robot) -> Iterator[tuple[str, int, SensorDeclaration]]:
-    """Give every declared sensor with the wire's name of its kind and its index within it, in declaration order."""
+    """Yield every declared sensor, in declaration order: wire name of its kind, index within the kind, declaration."""
     for kind in SENSOR_KINDS:
         wire = _wire(Robot, kind)
         for index, sensor in enumerate(getattr(robot, kind)):
@@ -78,8 +112,8 @@ def sensors_of(robot: Robot) -> Iterator[tuple[str, int, SensorDeclaration]]:
 def parts_of(robot: Robot) -> tuple[Part, ...]:
     """Return the boxes of a body in its own frame; none for a mind.
 
-    The one-part form becomes a box whose centre lies (0.5 - Center) lengths before the centre of
-    movement, since Center counts from the rear edge; without Center it is the middle.
+    The one-box form becomes a box whose centre is (0.5 - Center) lengths ahead of the centre of movement, since Center
+    counts from the rear edge. Without Center the two coincide.
     """
     if robot.part or robot.length is None or robot.width is None:
         return robot.part
@@ -89,7 +123,7 @@ def parts_of(robot: Robot) -> tuple[Part, ...]:
 
 
 def has_motors(robot: Robot) -> bool:
-    """Return whether the body can move itself."""
+    """Return whether the body has motors."""
     return robot.top_speed > 0.0
 
 
@@ -99,14 +133,14 @@ def is_mobile(robot: Robot) -> bool:
 
 
 def joins_barrier(robot: Robot) -> bool:
-    """Return whether lockstep awaits it: as it says, else whether it has motors; a mind that says nothing does."""
+    """Return whether a lockstep run waits for it: as Barrier says, else if it is a mind or has motors."""
     if robot.barrier is not None:
         return robot.barrier
     return robot.role == "mind" or has_motors(robot)
 
 
 def radius_of(robot: Robot) -> float:
-    """Return the distance of the body's farthest corner from its centre of movement, in metres; 0 for a mind."""
+    """Return the distance from the centre of movement to the farthest corner, in metres; 0 for a mind."""
     return max(
         (math.hypot(abs(part.x) + part.length / 2, abs(part.y) + part.width / 2) for part in parts_of(robot)),
         default=0.0,
@@ -140,7 +174,7 @@ def _check_form(robot: Robot, where: str) -> None:
 
 
 def check_robot(robot: Robot, where: str = "Robot") -> None:
-    """Check a robot, joined or in a file.
+    """Check a robot, in a join or in a file.
 
     Raises:
         WireError: `field`, `value` or `too-many`.
@@ -177,31 +211,39 @@ def _check_lidar(reading: LidarReading, place: str) -> None:
             raise _wrong(f"{place}.Ranges[{index}]", wanted, shown(value))
 
 
-def _check_values(readings: Sequence[ProximityReading | CompassReading | BeaconReading], where: str) -> None:
-    for index, reading in enumerate(readings):
-        if (reading.value is not None) != (reading.status == "ok"):
-            _raise_value(f"{where}[{index}].Value", reading.status, reading.value)
+def _values_of(reading: type[Record]) -> tuple[tuple[str, str], ...]:
+    """Return the fields, by their names here and on the wire, that a reading has with `Status` ok only."""
+    members = shape_of(reading).members
+    if all(member.name != "status" for member in members):
+        return ()
+    return tuple(
+        (member.name, member.wire)
+        for member in members
+        if member.name != "tick" and not member.required and member.default is None
+    )
+
+
+_VALUES: Final = {
+    field: (_wire(Sensors, field), values)
+    for field, records in SENSOR_RECORDS.items()
+    if (values := _values_of(records.reading))
+}
 
 
 def check_sensors(sensors: Sensors, where: str) -> None:
-    """Check readings: a value exactly where the status is ok.
+    """Check readings: there must be a value exactly where the status is ok.
 
     Raises:
         WireError: `field` or `value`.
     """
-    _check_values(sensors.proximity, f"{where}.Proximity")
-    _check_values(sensors.compass, f"{where}.Compass")
-    _check_values(sensors.beacon, f"{where}.Beacon")
+    for field, (kind, values) in _VALUES.items():
+        for index, reading in enumerate(getattr(sensors, field)):
+            for name, wire in values:
+                value = getattr(reading, name)
+                if (value is not None) != (reading.status == "ok"):
+                    _raise_value(f"{where}.{kind}[{index}].{wire}", reading.status, value)
     for index, scan in enumerate(sensors.lidar):
         _check_lidar(scan, f"{where}.Lidar[{index}]")
-    for index, fix in enumerate(sensors.gps):
-        _check_gps(fix, f"{where}.GPS[{index}]")
-
-
-def _check_gps(fix: GPSReading, place: str) -> None:
-    for wire, value in (("X", fix.x), ("Y", fix.y)):
-        if (value is not None) != (fix.status == "ok"):
-            _raise_value(f"{place}.{wire}", fix.status, value)
 
 
 def _raise_value(place: str, status: str, value: object) -> None:
@@ -218,7 +260,7 @@ def _check_pose(pose: Pose, where: str) -> None:
     if len(pose.covariance) not in {0, 6}:
         raise _wrong(f"{where}.Covariance", "6 numbers (xx xy xh yy yh hh)", len(pose.covariance))
     if pose.covariance and min(pose.covariance[0], pose.covariance[3], pose.covariance[5]) < 0.0:
-        raise _wrong(f"{where}.Covariance", "xx, yy and hh not below 0", "one below")
+        raise _wrong(f"{where}.Covariance", "xx, yy and hh of at least 0", "a negative one")
     if pose.sensors is not None:
         check_sensors(pose.sensors, f"{where}.Sensors")
 
@@ -243,11 +285,11 @@ def _check_crew_actions(crew: CrewActions, where: str) -> None:
         agents.add(actions.agent)
 
 
-# ---------------------------------------------------------------- floors and scenes
+# ---------------------------------------------------------------- maps and scenes
 
 
 def check_map(floor: Map, where: str = "Map") -> None:
-    """Check a floor's counts and heights; its geometry is checked where maps are kept.
+    """Check the counts and heights of a map; `intellwheels_maps` checks its geometry.
 
     Raises:
         WireError: `value`.
@@ -304,12 +346,12 @@ def _check_scene(scene: Scene, where: str) -> None:
                 raise _wrong(place, "each option once", f"{shown(name)} twice")
     for index, bridge in enumerate(scene.bridge):
         if bridge.agent not in names:
-            raise _wrong(f"{where}.Bridge[{index}].Agent", "one of the cast", shown(bridge.agent))
+            raise _wrong(f"{where}.Bridge[{index}].Agent", "an agent of the cast", shown(bridge.agent))
         if bridge.agent in [other.agent for other in scene.bridge[:index]]:
             raise _wrong(f"{where}.Bridge[{index}].Agent", "each agent once", f"{shown(bridge.agent)} twice")
     for index, reach in enumerate(scene.end.reach if scene.end is not None else ()):
         if reach.agent not in names:
-            raise _wrong(f"{where}.End.Reach[{index}].Agent", "one of the cast", shown(reach.agent))
+            raise _wrong(f"{where}.End.Reach[{index}].Agent", "an agent of the cast", shown(reach.agent))
     if scene.experiment is not None:
         _check_experiment(scene.experiment, names, f"{where}.Experiment")
 
@@ -317,7 +359,7 @@ def _check_scene(scene: Scene, where: str) -> None:
 def _check_experiment(experiment: Experiment, cast: set[str], where: str) -> None:
     here = cast | {one.name for factor in experiment.factor for level in factor.level for one in level.cast}
     if experiment.subject not in here:
-        raise _wrong(f"{where}.Subject", "one of the cast", shown(experiment.subject))
+        raise _wrong(f"{where}.Subject", "an agent of the cast", shown(experiment.subject))
     _check_once([factor.name for factor in experiment.factor], f"{where}.Factor")
     for index, factor in enumerate(experiment.factor):
         place = f"{where}.Factor[{index}]"
@@ -328,11 +370,11 @@ def _check_experiment(experiment: Experiment, cast: set[str], where: str) -> Non
             for number, bridge in enumerate(level.bridge):
                 if bridge.agent not in here:
                     where_bridge = f"{place}.Level[{at}].Bridge[{number}].Agent"
-                    raise _wrong(where_bridge, "one of the cast", shown(bridge.agent))
+                    raise _wrong(where_bridge, "an agent of the cast", shown(bridge.agent))
             for number, setting in enumerate(level.setting):
                 if setting.agent is not None and setting.agent not in here:
                     raise _wrong(
-                        f"{place}.Level[{at}].Setting[{number}].Agent", "one of the cast", shown(setting.agent)
+                        f"{place}.Level[{at}].Setting[{number}].Agent", "an agent of the cast", shown(setting.agent)
                     )
     rows = {"+".join(level.name for level in levels) for levels in product(*(one.level for one in experiment.factor))}
     for index, compare in enumerate(experiment.compare):
@@ -340,7 +382,11 @@ def _check_experiment(experiment: Experiment, cast: set[str], where: str) -> Non
             if row is not None:
                 _check_row(row, rows, f"{where}.Compare[{index}].{side}")
         if (compare.second is None) != (compare.expect == "collision-free"):
-            raise _wrong(f"{where}.Compare[{index}]", "a Second, or none for collision-free", "otherwise")
+            raise _wrong(
+                f"{where}.Compare[{index}]",
+                "a Second, except for collision-free",
+                "no Second" if compare.second is None else "a Second",
+            )
     if experiment.umbmark is not None:
         _check_row(experiment.umbmark.left, rows, f"{where}.Umbmark.Left")
         _check_row(experiment.umbmark.right, rows, f"{where}.Umbmark.Right")
@@ -375,10 +421,10 @@ _RULES: Final[dict[type[Record], Callable[[Any, str], None]]] = {
 
 
 def check(message: Record) -> None:
-    """Check what the fields of a message may be together.
+    """Check the rules that span fields of a message.
 
     Raises:
-        WireError: The first rule that is broken.
+        WireError: The first rule that is violated.
     """
     rule = _RULES.get(type(message))
     if rule is not None:

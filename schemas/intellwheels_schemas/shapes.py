@@ -1,6 +1,6 @@
-"""What a message class looks like, as plain data: made once from the class, walked by the codecs and generators.
+"""The shape of a message class as plain data, made once from the class for codecs and generators.
 
-No field is described twice: bounds, units, defaults and XML forms are the annotations of `messages`.
+Nothing is declared twice: bounds, units, defaults and XML forms come from the annotations in `messages`.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from intellwheels_schemas.messages import ROOTS, Record
 
 
 class Form(enum.Enum):
-    """How a field stands in XML."""
+    """How a field is written in XML."""
 
     ATTRIBUTE = "attribute"
     LIST = "list"  # a space-separated attribute
@@ -30,15 +30,15 @@ class Form(enum.Enum):
 
 @dataclass(frozen=True, slots=True)
 class Scalar:
-    """A number, text, word or truth value, with its bounds.
+    """A number, text, word or boolean, with its bounds.
 
     Attributes:
-        kind: What it is in JSON; `word` is one of a closed list.
-        low, high: Bounds, None for none; `low_open` and `high_open` say that the bound itself is outside.
-        nullable: Whether null may stand in its place in a list.
-        description: What it is, for people, or empty.
-        expected: What errors say a text of a form must be, or empty.
-        unit: SI, or `deg`; `1` for a share; empty where there is none.
+        kind: Its type in JSON; `word` is one of a closed list, `truth` a boolean.
+        low, high: Bounds, or None; with `low_open` and `high_open` the bound itself is excluded.
+        nullable: Whether null may take its place in a list.
+        description: What its type is, for people, or empty.
+        expected: What errors call a text that must match a pattern, or empty.
+        unit: SI unit, or `deg`; `1` for a share; empty if there is none.
     """
 
     kind: Literal["text", "integer", "number", "truth", "word"]
@@ -63,10 +63,12 @@ class Member:
     Attributes:
         wire: Its name in XML and JSON.
         name: Its name in Python.
-        scalar: What it, or one of its list, is; None for records.
-        record: The class of it, or of one of its list; None for scalars.
+        form: How it is written in XML.
+        scalar: Type of the field or of its list items; None for records.
+        record: Class of the field or of its list items; None for scalars.
         required: Whether it has no default.
-        max_count: Bound of a list, None for none.
+        default: The default, or None.
+        max_count: Largest number of list items, or None.
     """
 
     wire: str
@@ -77,7 +79,6 @@ class Member:
     required: bool
     default: Any
     max_count: int | None = None
-    description: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,8 +86,11 @@ class Shape:
     """A class: its fields in declaration order.
 
     Attributes:
-        root: The name of the element, for a document; else the class's name.
-        ragged: Whether a default somewhere below could be equal to a value without being it.
+        root: Name of the XML element for a document, else the name of the class.
+        members: The fields.
+        by_wire: The fields by their name on the wire.
+        content: The field that is the text of the element, or None.
+        ragged: Whether a value in it or below could equal its default without being the same object.
     """
 
     cls: type[Record]
@@ -133,13 +137,13 @@ def _scalar(kind: inspect.Type, extra: dict[str, Any], schema: dict[str, Any], n
 
 
 def _peel(kind: inspect.Type) -> tuple[inspect.Type, dict[str, Any], dict[str, Any], bool]:
-    """Return a type without `| None` and annotations, its extras, its schema words, and whether None is allowed."""
+    """Return a type without `| None` and annotations, its extras, its schema keywords, and whether None is allowed."""
     extra: dict[str, Any] = {}
     schema: dict[str, Any] = {}
     nullable = False
     while True:
         if isinstance(kind, inspect.Metadata):
-            # Outer words win: they are said of the field, the inner ones of its type.
+            # Outer annotations win: they belong to the field, the inner ones to its type.
             extra = {**(kind.extra or {}), **extra}
             schema = {**(kind.extra_json_schema or {}), **schema}
             kind = kind.type
@@ -147,7 +151,7 @@ def _peel(kind: inspect.Type) -> tuple[inspect.Type, dict[str, Any], dict[str, A
             others = [one for one in kind.types if not isinstance(one, inspect.NoneType)]
             nullable = nullable or len(others) < len(kind.types)
             if len(others) != 1:
-                raise TypeError(f"a field is one thing, got {kind}")
+                raise TypeError(f"expected a field of one type, got {kind}")
             kind = others[0]
         else:
             return kind, extra, schema, nullable
@@ -157,7 +161,7 @@ _FORMS: Final = {"element": Form.ELEMENT, "text": Form.CONTENT}
 
 
 def _words(hint: Any) -> tuple[str, ...]:
-    """Return the words of a closed list as declared; msgspec sorts them."""
+    """Return the words of a closed list in the order declared, since msgspec sorts them."""
     if get_origin(hint) is Literal:
         return get_args(hint)
     return next((words for inner in get_args(hint) if (words := _words(inner))), ())
@@ -165,7 +169,6 @@ def _words(hint: Any) -> tuple[str, ...]:
 
 def _member(field: inspect.Field, hint: Any) -> Member:
     kind, extra, schema, _ = _peel(field.type)
-    description = str(schema.get("description", ""))
     required = field.required
     default = None if required else field.default
     many = isinstance(kind, inspect.VarTupleType)
@@ -179,20 +182,20 @@ def _member(field: inspect.Field, hint: Any) -> Member:
     if isinstance(kind, inspect.StructType):
         form = Form.RECORDS if many else Form.RECORD
         record = cast("type[Record]", kind.cls)
-        return Member(field.encode_name, field.name, form, None, record, required, default, max_count, description)
+        return Member(field.encode_name, field.name, form, None, record, required, default, max_count)
     scalar = _scalar(kind, extra, schema, nullable)
     if scalar is None:
         raise TypeError(f"{field.name}: no wire form for {kind}")
     if scalar.words:
         scalar = replace(scalar, words=_words(hint))
     form = Form.LIST if many else _FORMS.get(str(extra.get("xml", "")), Form.ATTRIBUTE)
-    return Member(field.encode_name, field.name, form, scalar, None, required, default, max_count, description)
+    return Member(field.encode_name, field.name, form, scalar, None, required, default, max_count)
 
 
 def _may_be_equal_but_another(member: Member) -> bool:
     if member.record is not None:
         return shape_of(member.record).ragged
-    # Python keeps one object for each of these, so msgspec's test by identity finds them.
+    # Python has only one object for each of these, so msgspec's test for identity recognises them.
     return not (
         member.required
         or member.default is None
@@ -208,7 +211,7 @@ def shape_of(cls: type[Record]) -> Shape:
     """Return the shape of a message class.
 
     Raises:
-        TypeError: A field has a type that has no wire form; a mistake in `messages`.
+        TypeError: A field has a type without a form on the wire, which is a mistake in `messages`.
     """
     info = inspect.type_info(cls)
     if not isinstance(info, inspect.StructType):
@@ -233,7 +236,7 @@ def number_text(value: float) -> str:
     """Return a float or an integer as both encodings write it: 5.0, 0.00001, 1e-7, 1e16.
 
     Raises:
-        ValueError: It is not finite, which no message may carry.
+        ValueError: It is not finite, which no message may contain.
     """
     text = _write(value).decode()
     if text == "null":
@@ -242,7 +245,7 @@ def number_text(value: float) -> str:
 
 
 def scalar_of(kind: inspect.Type) -> Scalar | None:
-    """Return the scalar that a type is, or None when it is none."""
+    """Return the scalar that describes a type, or None if the type is not a scalar."""
     try:
         kind, extra, schema, nullable = _peel(kind)
     except TypeError:

@@ -1,6 +1,6 @@
-"""Messages to the byte, and documents that must be refused: the proof for any other implementation.
+"""Test vectors for any implementation: messages to the byte, and documents that must be refused.
 
-`schemas/vectors/` is written from here by `generate` and compared with it by a test.
+`generate` writes `schemas/vectors/` from here, and a test compares the two.
 """
 
 from __future__ import annotations
@@ -104,7 +104,7 @@ from intellwheels_schemas.messages import (
 NAMES: Final[dict[str, type[Record]]] = {
     ("OperatorSay" if cls is OperatorSay else root): cls for cls, root in ROOTS.items()
 }
-"""The documents by name: that of the root, but `OperatorSay` where two share one."""
+"""The documents by name: that of the XML root, except `OperatorSay`, which shares its root with `Say`."""
 
 RUN: Final = "9f3c21d4a0b1c2d3"
 SESSION: Final = "c0ffee0012345678"
@@ -294,7 +294,11 @@ VALID: Final[dict[str, Record]] = {
     ),
     "CrewMeasures": CrewMeasures(
         crew="crew1", part=1, parts=2,
-        measures=(AgentMeasures(agent="a1", run=RUN, tick=3, time=0.15, contact=True, sensors=_PERCEIVED),),
+        measures=(
+            AgentMeasures(
+                agent="a1", run=RUN, tick=3, time=0.15, contact=True, state="timeout", sensors=_PERCEIVED,
+            ),
+        ),
     ),
     "Say": Say(run=RUN, session=SESSION, tick=41, seq=2, text="open"),
     "Say-paper": Say(text="open"),
@@ -303,6 +307,7 @@ VALID: Final[dict[str, Record]] = {
         message=(Heard(sender="chair2", tick=41, seq=7, distance=3.2, text="here"),),
     ),
     "Measures-first": Measures(run=RUN, tick=0, time=0.0),
+    "Measures-taken": Measures(run=RUN, tick=42, time=2.1, contact=True, state="taken"),
     "Measures-every-sensor": Measures(
         run=RUN,
         tick=9007199254740991,
@@ -428,11 +433,11 @@ VALID: Final[dict[str, Record]] = {
     "Seek-run": Seek(tick=100, run=RUN),
     "Quit": Quit(),
 }  # fmt: skip
-"""Every message, some in several forms, by the name of their files."""
+"""Every message, some in several forms, by file name."""
 
 
 class Grown(NamedTuple):
-    """A document of a later minor version: peers read it as `same`, the simulator refuses it."""
+    """A document of a later minor version: peers read it as the vector `same`, the simulator refuses it."""
 
     name: str
     data: str
@@ -463,10 +468,10 @@ class Wrong(NamedTuple):
     """A document that must be refused.
 
     Attributes:
-        name: Of its file: class, what is wrong, encoding.
-        data: Its bytes.
-        code: The code of the error.
-        where: The place the error names.
+        name: File name: class, what is wrong, encoding.
+        data: The bytes.
+        code: Code of the error.
+        where: Place that the error names.
     """
 
     name: str
@@ -498,7 +503,7 @@ def _map(inside: str, attributes: str = 'Format="iw.v1" Name="m"') -> bytes:
 _CORNER = '<Corner X="0.0" Y="0.0"/>'
 
 REFUSED: Final = (
-    # Bytes that are no document.
+    # Bytes that are not a document.
     Wrong("Actions-nothing.json", b"", "malformed", "Actions"),
     Wrong("Actions-nothing.xml", b"", "malformed", "Actions"),
     Wrong("Actions-cut.json", b'{"Tick":1,"LeftMotor":0.', "malformed", "Actions"),
@@ -527,7 +532,7 @@ REFUSED: Final = (
     ),
     Wrong("Actions-entity.xml", b"<Actions><Say>&a;</Say></Actions>", "malformed", "Actions"),
     Wrong("Actions-control.xml", b"<Actions><Say>a&#1;b</Say></Actions>", "malformed", "Actions"),
-    # Things of another kind.
+    # Values of another type.
     Wrong("Actions-list.json", b"[1]", "value", "Actions"),
     Wrong("Actions-null.json", b"null", "value", "Actions"),
     Wrong("Actions-say-null.json", b'{"Say":null}', "value", "Actions.Say"),
@@ -663,11 +668,11 @@ REFUSED: Final = (
           b'<Scene Format="iw.v1" Name="s" Map="m"><End><Reach Agent="a" Place="p" Within="1"/></End></Scene>',
           "value", "Scene.End.Reach[0].Agent"),
 )  # fmt: skip
-"""Documents that must be refused, each for one reason."""
+"""Documents that must be refused, each for a single reason."""
 
 
 def class_of(file: str) -> type[Record]:
-    """Return the class a vector's file name says: up to the first `-` or `.`.
+    """Return the class that the file name of a vector begins with, up to the first `-` or `.`.
 
     Raises:
         ValueError: There is no such class.
@@ -679,11 +684,11 @@ def class_of(file: str) -> type[Record]:
 
 
 def encoding_of_file(file: str) -> Encoding:
-    """Return the encoding a vector's file name says."""
+    """Return the encoding that the file name of a vector ends with."""
     return Encoding.XML if file.endswith(".xml") else Encoding.JSON
 
 
 def index_of(wrong: Wrong, text: str) -> dict[str, Any]:
-    """Return the line of the index of refused documents."""
+    """Return the entry of a document in the index of refused documents."""
     name = wrong.name.replace(".", "-").partition("-")[0]
     return {"File": wrong.name, "Class": name, "Code": wrong.code, "Place": wrong.where, "Text": text}

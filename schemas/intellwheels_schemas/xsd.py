@@ -1,8 +1,8 @@
 """XML Schema 1.0 of every document, from the shapes.
 
-A class whose children are all single takes them in any order; one with a repeated child takes any number of each
-in any order, since XML Schema 1.0 cannot say more. So every document the simulator takes is valid, and what is
-valid may still be refused: `python -m intellwheels_schemas check` has the last word.
+If all children of a class are single, the schema allows them in any order. If one is repeated, it allows any number of
+each in any order, since XML Schema 1.0 cannot say more. So every document that the simulator accepts is valid, but a
+valid document may still be refused: `python -m intellwheels_schemas check` decides.
 """
 
 from __future__ import annotations
@@ -15,6 +15,7 @@ from lxml import etree
 from msgspec import inspect
 
 from intellwheels_schemas import messages
+from intellwheels_schemas.field_docs import field_docs
 from intellwheels_schemas.messages import ROOTS, OperatorSay, Record
 from intellwheels_schemas.shapes import Form, Member, Scalar, Shape, number_text, scalar_of, shape_of
 
@@ -30,7 +31,7 @@ def _facets(scalar: Scalar) -> tuple[str, list[str]]:
     if scalar.kind == "word":
         return "xs:string", [f"<xs:enumeration value={quoteattr(word)}/>" for word in scalar.words]
     if scalar.kind == "text":
-        # Text without a form of its own is bounded by what XML itself takes.
+        # Text without a pattern of its own is limited by XML itself.
         if scalar.expected and scalar.pattern is not None:
             pattern = scalar.pattern.pattern.removeprefix("^").removesuffix(r"\Z")
             facets.append(f"<xs:pattern value={quoteattr(pattern)}/>")
@@ -48,19 +49,21 @@ def _facets(scalar: Scalar) -> tuple[str, list[str]]:
     return "xs:integer" if integer else "xs:double", facets
 
 
+def _note(text: str) -> str:
+    return f"<xs:annotation><xs:documentation>{escape(text)}</xs:documentation></xs:annotation>"
+
+
 def _simple(scalar: Scalar, name: str = "") -> str:
     base, facets = _facets(scalar)
     named = f' name="{name}"' if name else ""
     text = "; ".join(part for part in (scalar.description, f"unit: {scalar.unit}" if scalar.unit else "") if part)
-    note = (
-        f"<xs:annotation><xs:documentation>{escape(text)}</xs:documentation></xs:annotation>" if name and text else ""
-    )
+    note = _note(text) if name and text else ""
     restriction = f'<xs:restriction base="{base}">{"".join(facets)}</xs:restriction>'
     return f"<xs:simpleType{named}>{note}{restriction}</xs:simpleType>"
 
 
 def _key(scalar: Scalar) -> tuple[Any, ...]:
-    """Return what makes two scalars the same type, whatever they are for."""
+    """Return what makes two scalars the same type, whatever they are used for."""
     pattern = scalar.pattern.pattern if scalar.pattern is not None else None
     return (
         scalar.kind, scalar.low, scalar.high, scalar.low_open, scalar.high_open, pattern, scalar.min_length,
@@ -69,7 +72,7 @@ def _key(scalar: Scalar) -> tuple[Any, ...]:
 
 
 def _named_scalars() -> dict[tuple[Any, ...], tuple[str, Scalar]]:
-    """Return the scalars that `messages` gives a name."""
+    """Return the scalars that have a name in `messages`."""
     named: dict[tuple[Any, ...], tuple[str, Scalar]] = {}
     for name, value in vars(messages).items():
         if get_origin(value) not in {Annotated, Literal}:
@@ -86,7 +89,7 @@ class _Writer:
         self.used: dict[str, str] = {}
 
     def type_of(self, scalar: Scalar) -> tuple[str, str]:
-        """Return the name of a scalar's type, or an empty name and the type itself."""
+        """Return the name of a scalar's type, or an empty name and the type inline."""
         found = self.named.get(_key(scalar))
         if found is None:
             return ("xs:boolean", "") if scalar.kind == "truth" else ("", _simple(scalar))
@@ -94,14 +97,16 @@ class _Writer:
         self.used[name] = _simple(found[1], name)
         return name, ""
 
-    def attribute(self, member: Member) -> str:
+    def attribute(self, member: Member, text: str) -> str:
         if member.scalar is None:
             return ""
+        note = _note(text)
         use = ' use="required"' if member.required else ""
         name, inline = self.type_of(member.scalar)
         opening = f'<xs:attribute name="{member.wire}"{use}'
         if member.form is Form.ATTRIBUTE:
-            return f'{opening} type="{name}"/>' if name else f"{opening}>{inline}</xs:attribute>"
+            typed = f' type="{name}"' if name else ""
+            return f"{opening}{typed}>{note}{inline}</xs:attribute>"
         item = f'<xs:list itemType="{name}"/>' if name else f"<xs:list>{inline}</xs:list>"
         if member.scalar.nullable:
             dash = _simple(Scalar(kind="word", words=("-",)))
@@ -109,21 +114,24 @@ class _Writer:
         if member.max_count is not None:
             most = f'<xs:maxLength value="{member.max_count}"/>'
             item = f"<xs:restriction><xs:simpleType>{item}</xs:simpleType>{most}</xs:restriction>"
-        return f"{opening}><xs:simpleType>{item}</xs:simpleType></xs:attribute>"
+        return f"{opening}>{note}<xs:simpleType>{item}</xs:simpleType></xs:attribute>"
 
-    def child(self, member: Member, occurs: str) -> str:
+    def child(self, member: Member, occurs: str, text: str) -> str:
         if member.record is not None:
-            return f'<xs:element name="{member.wire}" type="{member.record.__name__}"{occurs}/>'
-        name = self.type_of(member.scalar)[0] if member.scalar is not None else ""
-        return f'<xs:element name="{member.wire}" type="{name}"{occurs}/>'
+            name = member.record.__name__
+        else:
+            name = self.type_of(member.scalar)[0] if member.scalar is not None else ""
+        return f'<xs:element name="{member.wire}" type="{name}"{occurs}>{_note(text)}</xs:element>'
 
     def complex(self, shape: Shape) -> str:
+        docs = field_docs(shape.cls)
         attributes = "".join(
-            self.attribute(member) for member in shape.members if member.form in {Form.ATTRIBUTE, Form.LIST}
+            self.attribute(member, docs[member.name])
+            for member in shape.members
+            if member.form in {Form.ATTRIBUTE, Form.LIST}
         )
         children = [m for m in shape.members if m.form in {Form.RECORD, Form.RECORDS, Form.ELEMENT}]
-        doc = escape((shape.cls.__doc__ or "").partition("\n")[0])
-        note = f"<xs:annotation><xs:documentation>{doc}</xs:documentation></xs:annotation>"
+        note = _note((shape.cls.__doc__ or "").partition("\n")[0])
         opening = f'<xs:complexType name="{shape.cls.__name__}">{note}'
         if shape.content is not None and shape.content.scalar is not None:
             # Optional text that is absent is an empty element.
@@ -133,10 +141,10 @@ class _Writer:
                 "</xs:simpleContent></xs:complexType>"
             )
         if any(member.form is Form.RECORDS for member in children):
-            inside = "".join(self.child(member, "") for member in children)
+            inside = "".join(self.child(member, "", docs[member.name]) for member in children)
             inside = f'<xs:choice minOccurs="0" maxOccurs="unbounded">{inside}</xs:choice>'
         elif children:
-            inside = "".join(self.child(m, "" if m.required else ' minOccurs="0"') for m in children)
+            inside = "".join(self.child(m, "" if m.required else ' minOccurs="0"', docs[m.name]) for m in children)
             inside = f"<xs:all>{inside}</xs:all>"
         else:
             inside = ""
@@ -168,7 +176,7 @@ def _file(inside: str, about: str) -> str:
 
 
 def xsd_files() -> dict[str, str]:
-    """Return the schema files by name: `iw.xsd` for all but an operator's say, `operator-say.xsd`, and their types."""
+    """Return the schema files by name: `iw.xsd`, `operator-say.xsd` for the message of ctl/say, and their types."""
     writer = _Writer()
     classes = _classes_below(list(ROOTS))
     complexes = "".join(writer.complex(shape_of(cls)) for cls in classes)
@@ -179,10 +187,10 @@ def xsd_files() -> dict[str, str]:
     )
     made = "Made by python -m intellwheels_schemas; do not edit."
     return {
-        "types.xsd": _file(simples + complexes, f"The types of all documents, version iw.v1. {made}"),
-        "iw.xsd": _file(include + elements, f"Every document, version iw.v1. {made}"),
+        "types.xsd": _file(simples + complexes, f"Types of all documents, version iw.v1. {made}"),
+        "iw.xsd": _file(include + elements, f"All documents, version iw.v1. {made}"),
         "operator-say.xsd": _file(
             f'{include}<xs:element name="Say" type="{OperatorSay.__name__}"/>',
-            f"The Say of ctl/say, which shares its root with an agent's. {made}",
+            f"The Say of ctl/say, which has the same root element as that of an agent. {made}",
         ),
     }

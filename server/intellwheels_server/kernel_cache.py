@@ -1,7 +1,7 @@
-"""Where compiled kernels are kept. Chosen in code, before numba is imported.
+"""The folder of compiled kernels, chosen before numba is imported.
 
-The folder's name carries a digest of every kernel's source: numba renews a cached function
-when its own file changes, not when a function it calls in another file does.
+The name of the folder holds a digest of the source of all kernels, because numba compiles a cached function again when
+its own file changes, but not when a function that it calls from another file does.
 """
 
 from __future__ import annotations
@@ -16,15 +16,17 @@ from importlib.resources.abc import Traversable
 from pathlib import Path
 
 _VARIABLE = "NUMBA_CACHE_DIR"
+# Folders of this package that hold kernels. A kind of sensor may call a kernel of another kind.
+_FOLDERS = ("world/kernels", "world/sensors")
 BAKED = "INTELLWHEELS_KERNELS"
-"""Names a folder of kernels compiled when an image was built. Numba wants to write where it reads: they are copied."""
+"""The variable that names a folder of kernels compiled into an image. They are copied, as numba writes to its cache."""
 
 
 def choose() -> Path:
-    """Return the folder in which numba keeps compiled kernels, and make numba use it.
+    """Return the folder of compiled kernels, and make numba use it.
 
-    The first that can be written of: what `NUMBA_CACHE_DIR` names, the user's cache folder,
-    a folder of this user under the system's temporary folder, a new temporary folder.
+    It is what `NUMBA_CACHE_DIR` names; otherwise the first writable one of the user's cache folder, a folder of the
+    user under the system's temporary folder, and a new temporary folder.
     """
     wanted = os.environ.get(_VARIABLE)
     folder = Path(wanted) if wanted else _first_writable()
@@ -33,7 +35,7 @@ def choose() -> Path:
         shutil.copytree(baked, folder, dirs_exist_ok=True)
     os.environ[_VARIABLE] = str(folder)
     loaded = sys.modules.get("numba")
-    if loaded is not None:  # imported by the user's program before us
+    if loaded is not None:  # the program has imported numba already
         loaded.config.CACHE_DIR = str(folder)
     return folder
 
@@ -44,17 +46,18 @@ def is_cold(folder: Path) -> bool:
 
 
 def source_digest() -> str:
-    """Return 12 hex digits that change with any kernel's source."""
+    """Return 12 hex digits that change with the source of any kernel."""
     digest = hashlib.blake2b(digest_size=6)
-    for file in sorted(_kernel_files(), key=lambda file: file.name):
-        digest.update(file.name.encode())
-        digest.update(file.read_bytes())
+    for folder in _FOLDERS:
+        for file in _sources(folder):
+            digest.update(f"{folder}/{file.name}".encode())
+            digest.update(file.read_bytes())
     return digest.hexdigest()
 
 
-def _kernel_files() -> list[Traversable]:
-    package = resources.files("intellwheels_server").joinpath("world", "kernels")
-    return [file for file in package.iterdir() if file.name.endswith(".py")]
+def _sources(folder: str) -> list[Traversable]:
+    package = resources.files("intellwheels_server").joinpath(folder)
+    return sorted((file for file in package.iterdir() if file.name.endswith(".py")), key=lambda file: file.name)
 
 
 def _first_writable() -> Path:
@@ -77,9 +80,9 @@ def _candidates() -> list[Path]:
 
 
 def _usable(folder: Path) -> bool:
-    """Return whether `folder` is there, ours alone to write, and takes a file.
+    """Make `folder`; return whether it belongs to this user and a file can be written to it.
 
-    Cached kernels are machine code: a folder that another user could have made is not used.
+    Compiled kernels are machine code, so a folder that another user made is not used.
     """
     try:
         folder.mkdir(mode=0o700, parents=True, exist_ok=True)

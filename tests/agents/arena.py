@@ -1,4 +1,4 @@
-"""Minds in the real world, in one process: what a run in strict lockstep would be, without its processes."""
+"""Minds in the real simulated world, in one process: the same as a run in strict lockstep, without its processes."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from intellwheels_maps import floor, robot
 from intellwheels_schemas.messages import Actions, Event, Map, Parameters, Position, Scene, UserInput
 from intellwheels_server.world import Setup, State, advance, apply, begin, measures
 from intellwheels_server.world.inputs import Inputs, Join
-from intellwheels_server.world.kernels.rows import HEADING, SPEED, X, Y
+from intellwheels_server.world.kernels import rows
 
 RUN = "0123456789abcdef"
 
@@ -35,10 +35,10 @@ class Arena:
 
     Attributes:
         state: The world.
-        events: All that happened.
-        paths: Where each body was at each tick, (x, y, heading), tick 0 first.
-        said: What each said, with its tick.
-        users: What the user of each wants from now on.
+        events: All events so far.
+        paths: The pose (x, y, heading) of each body at each tick, tick 0 first.
+        said: The messages of each agent, with their ticks.
+        users: The user input of each agent from now on.
     """
 
     def __init__(self, ground: str | Map, seed: str = "1", period: float = 0.05) -> None:
@@ -53,7 +53,7 @@ class Arena:
 
     @classmethod
     def of(cls, scene: Scene, seed: str | None = None) -> Arena:
-        """Return the arena of a scene, all of its cast in it."""
+        """Return the arena of a scene with its whole cast."""
         arena = cls(scene.map, scene.seed if seed is None else seed, scene.period)
         for one in scene.cast:
             arena.join(one.name, one.mind, one.robot, one.place, {each.name: each.value for each in one.option})
@@ -68,7 +68,7 @@ class Arena:
         options: Mapping[str, str] | None = None,
         position: Position | None = None,
     ) -> Player:
-        """Put an agent in, at a place of the floor or at a position."""
+        """Add an agent, at a place of the floor or at a position."""
         of_robot, of_mind = split_options(dict(options or {}))
         source = minds.find(mind)
         document = source.equip(equipped(robot(body), of_robot), Options(of_mind))
@@ -95,15 +95,15 @@ class Arena:
         return player
 
     def _pose(self, name: str) -> tuple[float, float, float]:
-        x, y, heading = self.state.numbers[[X, Y, HEADING], self.state.body_set.index[name]].tolist()
+        x, y, heading = self.state.numbers[[rows.X, rows.Y, rows.HEADING], self.state.body_set.index[name]].tolist()
         return x, y, heading
 
     def speed(self, name: str) -> float:
-        """Return how fast a body moves, m/s."""
-        return float(self.state.numbers[SPEED, self.state.body_set.index[name]])
+        """Return the speed of a body, m/s."""
+        return float(self.state.numbers[rows.SPEED, self.state.body_set.index[name]])
 
     def step(self) -> None:
-        """Let everybody decide once, and the world take a step."""
+        """Let every mind decide once, then advance the world by one tick."""
         actions: dict[str, Actions] = {}
         for name, player in self.players.items():
             answer = player.mind.decide(measures(self.state, name))
@@ -119,7 +119,7 @@ class Arena:
             self.paths[name].append(self._pose(name))
 
     def run(self, seconds: float, until: Callable[[Arena], bool] = lambda _: False) -> float:
-        """Step for so long, or until something is so; return the simulated time it took."""
+        """Step for so many seconds, or until a condition holds; return the simulated time it took."""
         began = self.state.tick
         for _ in range(math.ceil(seconds / self.setup.period)):
             if until(self):
@@ -128,5 +128,5 @@ class Arena:
         return (self.state.tick - began) * self.setup.period
 
     def contacts(self) -> list[Event]:
-        """Return the contacts there were."""
+        """Return all contacts so far."""
         return [event for event in self.events if event.code == "contact"]

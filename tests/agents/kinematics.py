@@ -1,6 +1,6 @@
-"""A little world for minds: exact arcs, lagging motors, straight walls, cones of rays.
+"""A small world for minds: exact arcs, lagging motors, straight walls, cones of rays.
 
-It has no contact: a test asks whether a body touched a wall. Slow and plain on purpose.
+It has no contact model: a test asks whether a body touches a wall. It is slow and simple on purpose.
 """
 
 from __future__ import annotations
@@ -51,7 +51,7 @@ def context(robot: Robot, position: Position | None = None, **options: str) -> C
 
 @dataclass
 class Body:
-    """A body with wheels, its motor lag and its noises."""
+    """A body with wheels, motor lag and noise."""
 
     robot: Robot
     x: float = 0.0
@@ -76,15 +76,15 @@ class Body:
         return Position(x=x, y=y, heading=heading)
 
     def step(self, actions: Actions) -> None:
-        """Advance one cycle."""
+        """Advance one tick."""
         wanted = (actions.left_motor, actions.right_motor)
-        kept = self.robot.acceleration_curve
+        inertia = self.robot.acceleration_curve
         for i, power in enumerate(wanted):
             if power is not None:
                 assert -1.0 <= power <= 1.0
                 self.powers[i] = power
             target = self.powers[i] * self.robot.top_speed * (1.0 + self.noise.gauss(0.0, self.motor_noise))
-            self.speeds[i] = (1.0 - kept) * target + kept * self.speeds[i]
+            self.speeds[i] = (1.0 - inertia) * target + inertia * self.speeds[i]
             self.travels[i] += self.speeds[i] * PERIOD
         left, right = (speed * PERIOD for speed in self.speeds)
         turn, travel = (right - left) / self.robot.track, (left + right) / 2.0
@@ -113,7 +113,7 @@ class Body:
         return any(_crosses(edge, wall) for edge in self.outline() for wall in walls)
 
     def measures(self, walls: list[Segment], heard: tuple[Heard, ...] = (), contact: bool = False) -> Measures:
-        """Return what it perceives now."""
+        """Return the present measures."""
         robot = self.robot
         per_metre = robot.encoder_ticks / (math.pi * robot.wheel_diameter)
         left, right = (math.floor(travel * per_metre) for travel in self.travels)
@@ -148,7 +148,7 @@ class Body:
 
 
 def run(body: Body, mind: Mind, walls: list[Segment], seconds: float) -> list[Actions]:
-    """Let a mind drive a body for so long and return what it did."""
+    """Let a mind drive a body for so many seconds, and return its actions."""
     done = []
     for _ in range(round(seconds / PERIOD)):
         done.append(mind.decide(body.measures(walls)))

@@ -1,4 +1,4 @@
-"""An agent on a real link, against a simulator of a few lines."""
+"""An agent on a real Zenoh link, against a minimal simulator."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ DEADLINE = 5.0
 
 
 class Simulator:
-    """Joins whoever asks, puts measures when told to, and keeps what comes back."""
+    """Accepts every join, publishes measures on request, and stores the answers."""
 
     def __init__(self, where: link.Link) -> None:
         session = link.open_session(where, threading.Event())
@@ -137,7 +137,7 @@ def simulator(endpoint: str) -> Iterator[Simulator]:
     simulator.close()
 
 
-def test_it_joins_answers_ticks_and_leaves(
+def test_agent_joins_answers_ticks_and_leaves(
     simulator: Simulator, endpoint: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     agent = Agent(link.Link(connect=(endpoint,)))
@@ -151,7 +151,7 @@ def test_it_joins_answers_ticks_and_leaves(
     assert capsys.readouterr().out == f"joined agent=chair1 run={RUN} tick=0\nleft agent=chair1\n"
 
 
-def test_a_refusal_ends_it_with_the_simulators_words(
+def test_refusal_ends_the_agent_with_the_simulators_text(
     simulator: Simulator, endpoint: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     simulator.reply = Refused(code="overlaps", text="bed1 is taken")
@@ -161,13 +161,13 @@ def test_a_refusal_ends_it_with_the_simulators_words(
     assert "refused (overlaps): bed1 is taken" in capsys.readouterr().err
 
 
-def test_a_mind_that_does_not_take_an_option_leaves_before_it_fails(simulator: Simulator, endpoint: str) -> None:
+def test_agent_with_an_unknown_option_leaves_before_it_fails(simulator: Simulator, endpoint: str) -> None:
     agent = Agent(link.Link(connect=(endpoint,)), sped="1")
     assert isinstance(agent.result.get(timeout=DEADLINE), OptionError)
     agent.thread.join(DEADLINE)
     assert simulator.left.get(timeout=DEADLINE).session == SESSION
 
 
-def test_an_agent_that_is_stopped_while_nobody_is_there_ends(endpoint: str) -> None:
+def test_agent_ends_when_stopped_without_a_simulator(endpoint: str) -> None:
     agent = Agent(link.Link(connect=(endpoint,)))
     assert agent.end() == 0

@@ -1,4 +1,4 @@
-"""The command line: what it shows, what it refuses."""
+"""The command line `iw-agent`: its help, its refusals, and free names and places."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def iw_agent(*arguments: str) -> subprocess.CompletedProcess[str]:
     )
 
 
-def test_help_shows_examples_and_the_minds() -> None:
+def test_help_shows_examples_and_minds() -> None:
     shown = iw_agent("--help")
     assert shown.returncode == 0
     assert "iw-agent waypoints --name chair1" in shown.stdout
@@ -46,23 +46,26 @@ def test_help_shows_examples_and_the_minds() -> None:
         (["drive", "--robot", "tank"], "got 'tank'"),
         (["waypoints", "--option", "truth=maybe"], "option truth: expected one of true, false, got 'maybe'"),
         (["drive", "--world", "a/b"], "--world: expected a name"),
-        (["drive", "--role", "mind", "--option", "MotorNoise=0.1"], "option MotorNoise: expected none of a body"),
+        (
+            ["drive", "--role", "mind", "--option", "MotorNoise=0.1"],
+            "option MotorNoise: expected no option of the body",
+        ),
     ],
 )
-def test_wrong_usage_is_refused_in_words_with_exit_2(arguments: list[str], words: str) -> None:
+def test_wrong_usage_is_explained_and_exits_with_2(arguments: list[str], words: str) -> None:
     ended = iw_agent(*arguments)
     assert ended.returncode == 2
     assert words in ended.stderr
     assert ended.stdout == ""
 
 
-def test_no_simulator_is_said_and_given_up_with_exit_1() -> None:
+def test_missing_simulator_is_reported_and_exits_with_1() -> None:
     ended = iw_agent("drive", "--connect", "tcp/127.0.0.1:1", "--retry-for", "0.5")
     assert ended.returncode == 1
     assert "nobody answers at tcp/127.0.0.1:1" in ended.stderr
 
 
-def test_copies_of_one_command_take_the_next_free_name_and_place(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_numbered_copies_take_the_next_free_name(monkeypatch: pytest.MonkeyPatch) -> None:
     asked: list[tuple[str | None, str | None]] = []
 
     def run_agent(robot: Robot, *_: object, **__: object) -> int:
@@ -75,9 +78,7 @@ def test_copies_of_one_command_take_the_next_free_name_and_place(monkeypatch: py
 
 
 @pytest.mark.parametrize(("free", "code"), [("spare2", 0), ("none", 1)])
-def test_of_several_places_the_first_that_is_free_is_taken(
-    monkeypatch: pytest.MonkeyPatch, free: str, code: int
-) -> None:
+def test_first_free_place_is_used(monkeypatch: pytest.MonkeyPatch, free: str, code: int) -> None:
     asked: list[str | None] = []
 
     def run_agent(robot: Robot, *_: object, **__: object) -> int:
@@ -90,6 +91,6 @@ def test_of_several_places_the_first_that_is_free_is_taken(
     assert asked == ["start1", "spare1", "spare2"]
 
 
-def test_taken_name_ends_with_exit_1(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_taken_name_exits_with_1(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(command, "run_agent", lambda *_, **__: NAME_TAKEN)
     assert command.main(["drive", "--name", "chair"]) == 1

@@ -1,4 +1,4 @@
-"""Speeds become powers, encoders become a pose."""
+"""Motor powers from speeds, and a pose from encoders and compass."""
 
 from __future__ import annotations
 
@@ -14,23 +14,23 @@ from tests.agents.kinematics import Body
 CHAIR = robot("intellwheels")
 
 
-def test_a_quarter_of_full_speed_is_a_quarter_of_the_power() -> None:
+def test_quarter_of_the_top_speed_is_a_quarter_of_the_power() -> None:
     assert powers(CHAIR, 0.25 * CHAIR.top_speed, 0.0) == (0.25, 0.25)
 
 
-def test_a_turn_to_the_left_drives_the_right_wheel() -> None:
+def test_left_turn_drives_the_right_wheel() -> None:
     left, right = powers(CHAIR, 0.0, 1.0)
     assert right == -left == pytest.approx(CHAIR.track / 2.0 / CHAIR.top_speed)
 
 
-def test_what_is_too_fast_is_slowed_on_the_same_curve() -> None:
+def test_excessive_speed_is_scaled_down_on_the_same_curve() -> None:
     left, right = powers(CHAIR, 2.0, 2.0)
     assert right == 1.0
     speed, rate = CHAIR.top_speed * (left + right) / 2.0, CHAIR.top_speed * (right - left) / CHAIR.track
     assert speed == pytest.approx(rate)
 
 
-def test_odometry_is_the_arc_that_was_driven() -> None:
+def test_odometry_follows_the_driven_arc() -> None:
     body = Body(CHAIR)
     odometry = Odometry(CHAIR, body.position)
     for _ in range(100):
@@ -42,13 +42,13 @@ def test_odometry_is_the_arc_that_was_driven() -> None:
     assert odometry.heading == pytest.approx(body.heading, abs=2e-3)
 
 
-def test_counts_of_before_the_mind_came_are_no_motion() -> None:
+def test_encoder_counts_before_the_mind_started_are_ignored() -> None:
     odometry = Odometry(CHAIR, Position(x=1.0, y=2.0, heading=0.0))
     odometry.update(Sensors(encoders=(EncodersReading(id="wheels", left=5000, right=5000),)))
     assert (odometry.x, odometry.y) == (1.0, 2.0)
 
 
-def test_a_compass_takes_drift_away_across_the_seam_of_the_angle() -> None:
+def test_compass_corrects_drift_across_the_wrap_of_the_angle() -> None:
     odometry = Odometry(CHAIR, Position(x=0.0, y=0.0, heading=math.pi - 0.01))
     for _ in range(200):
         odometry.update(Sensors(compass=(CompassReading(id="compass", value=-math.pi + 0.01),)))
@@ -58,11 +58,11 @@ def test_a_compass_takes_drift_away_across_the_seam_of_the_angle() -> None:
 @pytest.mark.parametrize(
     ("angle", "same"), [(math.pi, math.pi), (-math.pi, math.pi), (3 * math.pi, math.pi), (0.5, 0.5)]
 )
-def test_headings_are_above_minus_pi_and_up_to_pi(angle: float, same: float) -> None:
+def test_headings_are_in_the_half_open_interval(angle: float, same: float) -> None:
     assert wrapped(angle) == pytest.approx(same)
 
 
-def test_pose_that_an_odometry_sensor_tells_counts_and_the_wheels_do_not() -> None:
+def test_odometry_sensor_takes_precedence_over_encoders() -> None:
     chair = robot("corridor-chair")
     pose = Odometry(chair, Position(x=1.0, y=2.0, heading=math.pi / 2.0))
     wheels = (EncodersReading(id="wheels", left=500, right=500),)

@@ -1,4 +1,4 @@
-"""The harness as a table: what happens, and what it does then."""
+"""The harness as a state table: events in, outputs out."""
 
 from __future__ import annotations
 
@@ -7,7 +7,18 @@ from collections.abc import Sequence
 import msgspec
 import pytest
 
-from intellwheels_agents.harness import NAME_TAKEN, Ask, Depart, End, Harness, Note, Output, Phase, Put, Tell
+from intellwheels_agents.harness import (
+    NAME_TAKEN,
+    Exit,
+    Harness,
+    Log,
+    Output,
+    Phase,
+    Print,
+    Publish,
+    RequestJoin,
+    RequestLeave,
+)
 from intellwheels_agents.mind import Context
 from intellwheels_agents.options import OptionError
 from intellwheels_schemas.codec import Encoding, decode, encode
@@ -37,7 +48,7 @@ JSON = Encoding.JSON
 
 
 class Recorder:
-    """A mind that answers what it is told to and remembers what it saw."""
+    """A mind that gives a fixed answer and records what it saw."""
 
     def __init__(self, answer: Actions | Pose) -> None:
         self.answer = answer
@@ -94,11 +105,11 @@ def kinds(outputs: Sequence[Output]) -> list[str]:
 
 
 def put(outputs: Sequence[Output]) -> Actions:
-    (payload,) = [output.payload for output in outputs if isinstance(output, Put)]
+    (payload,) = [output.payload for output in outputs if isinstance(output, Publish)]
     return decode(Actions, payload, JSON)
 
 
-def at_work(mind: Recorder, **settings: object) -> Harness:
+def joined_harness(mind: Recorder, **settings: object) -> Harness:
     harness = Harness(ROBOT, mind.make, **settings)  # type: ignore[arg-type]
     harness.start(0.0)
     harness.accepted(joined())
@@ -110,42 +121,42 @@ def mind() -> Recorder:
     return Recorder(Actions(left_motor=0.5, right_motor=0.25))
 
 
-def test_it_asks_at_once_and_tells_that_it_joined(mind: Recorder) -> None:
+def test_harness_asks_at_once_and_reports_that_it_joined(mind: Recorder) -> None:
     harness = Harness(ROBOT, mind.make)
     (ask,) = harness.start(0.0)
-    assert isinstance(ask, Ask)
+    assert isinstance(ask, RequestJoin)
     assert decode(Robot, ask.payload, JSON) == ROBOT
-    assert harness.accepted(joined()) == [Tell(f"joined agent=chair1 run={RUN} tick=0")]
+    assert harness.accepted(joined()) == [Print(f"joined agent=chair1 run={RUN} tick=0")]
     assert harness.phase is Phase.JOINED
     (context,) = mind.contexts
     assert (context.agent, context.position.x, context.parameters.say_limit) == ("chair1", 1.0, 5)
 
 
-def test_an_answer_carries_run_session_tick_and_its_number(mind: Recorder) -> None:
-    harness = at_work(mind)
+def test_answer_carries_run_session_tick_and_sequence_number(mind: Recorder) -> None:
+    harness = joined_harness(mind)
     first, second = put(harness.measured([measures(0)])), put(harness.measured([measures(1)]))
     assert (first.run, first.session, first.tick, first.seq) == (RUN, SESSION, 0, 0)
     assert (second.tick, second.seq, second.left_motor, second.right_motor) == (1, 1, 0.5, 0.25)
 
 
-def test_a_tick_that_comes_twice_is_answered_twice_with_the_same_bytes(mind: Recorder) -> None:
-    harness = at_work(mind)
+def test_repeated_tick_gets_the_same_bytes_again(mind: Recorder) -> None:
+    harness = joined_harness(mind)
     once = harness.measured([measures(0)])
     assert harness.measured([measures(0)]) == once
-    # As does one whose bytes differ, as XML's would.
+    # The same tick with other bytes counts as repeated too.
     assert harness.measured([(measures(0)[0] + b" ", JSON)]) == once
     assert harness.repeated == 2
     assert len(mind.seen) == 1
 
 
-def test_an_older_tick_is_not_answered(mind: Recorder) -> None:
-    harness = at_work(mind)
+def test_older_tick_is_not_answered(mind: Recorder) -> None:
+    harness = joined_harness(mind)
     harness.measured([measures(5)])
     assert harness.measured([measures(4)]) == []
 
 
-def test_of_several_ticks_the_newest_is_answered_and_all_that_was_heard_is_kept(mind: Recorder) -> None:
-    harness = at_work(mind)
+def test_newest_of_several_ticks_is_answered_with_all_messages_heard(mind: Recorder) -> None:
+    harness = joined_harness(mind)
     harness.measured([measures(0)])
     heard = [Heard(sender="door", tick=tick, distance=1.0, text=str(tick)) for tick in range(3)]
     came = [measures(1, message=(heard[0],)), measures(3, message=(heard[1], heard[2]))]
@@ -154,11 +165,11 @@ def test_of_several_ticks_the_newest_is_answered_and_all_that_was_heard_is_kept(
     assert harness.missed == 2
 
 
-def test_a_new_run_gets_a_fresh_mind_and_the_old_run_is_over(mind: Recorder) -> None:
-    harness = at_work(mind)
+def test_new_run_gets_a_new_mind_and_the_old_run_is_ignored(mind: Recorder) -> None:
+    harness = joined_harness(mind)
     harness.measured([measures(7)])
     outputs = harness.measured([measures(0, OTHER_RUN)])
-    assert outputs[0] == Tell(f"run agent=chair1 run={OTHER_RUN}")
+    assert outputs[0] == Print(f"run agent=chair1 run={OTHER_RUN}")
     answer = put(outputs)
     assert (answer.run, answer.session, answer.tick, answer.seq) == (OTHER_RUN, SESSION, 0, 0)
     assert len(mind.contexts) == 2
@@ -166,83 +177,83 @@ def test_a_new_run_gets_a_fresh_mind_and_the_old_run_is_over(mind: Recorder) -> 
 
 
 def test_unknown_fields_are_ignored(mind: Recorder) -> None:
-    harness = at_work(mind)
+    harness = joined_harness(mind)
     payload = measures(0)[0][:-1] + b',"Humidity":0.4}'
     assert put(harness.measured([(payload, JSON)])).tick == 0
 
 
-def test_measures_that_overtake_the_reply_are_answered_after_it(mind: Recorder) -> None:
+def test_measures_before_the_reply_are_answered_after_it(mind: Recorder) -> None:
     harness = Harness(ROBOT, mind.make)
     harness.start(0.0)
     assert harness.measured([measures(0)]) == []
-    assert kinds(harness.accepted(joined())) == ["Tell", "Put"]
+    assert kinds(harness.accepted(joined())) == ["Print", "Publish"]
 
 
-def test_bytes_that_are_no_measures_are_dropped_and_counted(mind: Recorder) -> None:
-    harness = at_work(mind)
-    assert kinds(harness.measured([(b"{", JSON)])) == ["Note"]
+def test_undecodable_measures_are_dropped_and_counted(mind: Recorder) -> None:
+    harness = joined_harness(mind)
+    assert kinds(harness.measured([(b"{", JSON)])) == ["Log"]
     assert harness.errors == 1
     assert put(harness.measured([measures(0)])).tick == 0
 
 
 @pytest.mark.parametrize(("given", "sent"), [(1.5, 1.0), (-7.0, -1.0), (0.3, 0.3), (float("inf"), 1.0)])
 def test_powers_are_clamped(given: float, sent: Power) -> None:
-    harness = at_work(Recorder(Actions(left_motor=given, right_motor=None)))
+    harness = joined_harness(Recorder(Actions(left_motor=given, right_motor=None)))
     answer = put(harness.measured([measures(0)]))
     assert (answer.left_motor, answer.right_motor) == (sent, None)
 
 
-def test_a_power_that_is_no_number_is_the_minds_bug() -> None:
-    harness = at_work(Recorder(Actions(left_motor=float("nan"))))
+def test_power_that_is_not_a_number_is_a_bug_of_the_mind() -> None:
+    harness = joined_harness(Recorder(Actions(left_motor=float("nan"))))
     with pytest.raises(ValueError, match="expected a number, got nan"):
         harness.measured([measures(0)])
 
 
-def test_what_is_said_keeps_to_the_say_limit() -> None:
-    harness = at_work(Recorder(Actions(say="follow me")))
+def test_message_is_cut_to_the_say_limit() -> None:
+    harness = joined_harness(Recorder(Actions(say="follow me")))
     assert put(harness.measured([measures(0)])).say == "follo"
 
 
-def test_an_option_no_mind_reads_is_refused_when_the_mind_is_made(mind: Recorder) -> None:
+def test_option_that_the_mind_does_not_read_is_refused(mind: Recorder) -> None:
     harness = Harness(ROBOT, mind.make, options={"sped": "1"})
     harness.start(0.0)
     with pytest.raises(OptionError, match="option sped"):
         harness.accepted(joined())
 
 
-def test_nobody_there_is_tried_again_each_second_and_noted_once(mind: Recorder) -> None:
+def test_missing_simulator_is_retried_each_second_and_logged_once(mind: Recorder) -> None:
     harness = Harness(ROBOT, mind.make)
     harness.start(0.0)
-    assert harness.unanswered(0.1) == [Note("waiting why='no simulator at the simulator, or not allowed'")]
+    assert harness.unanswered(0.1) == [Log("waiting why='no simulator at the simulator, or not allowed'")]
     assert harness.deadline == pytest.approx(1.1)
     assert harness.wake(1.0) == []
-    assert kinds(harness.wake(1.2)) == ["Ask"]
+    assert kinds(harness.wake(1.2)) == ["RequestJoin"]
     assert harness.unanswered(1.3) == []
 
 
-def test_a_simulator_that_appears_is_asked_at_once(mind: Recorder) -> None:
+def test_simulator_that_appears_is_asked_at_once(mind: Recorder) -> None:
     harness = Harness(ROBOT, mind.make)
     harness.start(0.0)
     harness.unanswered(0.1)
-    assert kinds(harness.present(0.2)) == ["Ask"]
+    assert kinds(harness.present(0.2)) == ["RequestJoin"]
 
 
-def test_it_gives_up_when_it_was_told_how_long_to_try(mind: Recorder) -> None:
+def test_harness_gives_up_after_retry_for(mind: Recorder) -> None:
     harness = Harness(ROBOT, mind.make, retry_for=2.0)
     harness.start(0.0)
     harness.unanswered(0.5)
     harness.wake(1.5)
-    assert harness.unanswered(1.6) == [End(1, "no simulator at the simulator, or not allowed")]
+    assert harness.unanswered(1.6) == [Exit(1, "no simulator at the simulator, or not allowed")]
 
 
-def test_a_mind_without_its_body_yet_tries_again(mind: Recorder) -> None:
+def test_mind_without_a_body_tries_again(mind: Recorder) -> None:
     harness = Harness(ROBOT, mind.make)
     harness.start(0.0)
-    assert kinds(harness.refused(refused("no-body"), 0.1)) == ["Note"]
+    assert kinds(harness.refused(refused("no-body"), 0.1)) == ["Log"]
     assert harness.deadline == pytest.approx(1.1)
 
 
-def test_a_token_still_on_its_way_is_waited_for_shortly(mind: Recorder) -> None:
+def test_missing_token_is_retried_soon(mind: Recorder) -> None:
     harness = Harness(ROBOT, mind.make)
     harness.start(0.0)
     harness.refused(refused("no-token"), 0.1)
@@ -250,20 +261,20 @@ def test_a_token_still_on_its_way_is_waited_for_shortly(mind: Recorder) -> None:
 
 
 @pytest.mark.parametrize("code", ["already-here", "no-place", "truth"])
-def test_any_other_refusal_ends_it_with_the_simulators_words(mind: Recorder, code: RefusedCode) -> None:
+def test_other_refusals_end_the_agent_with_the_simulators_text(mind: Recorder, code: RefusedCode) -> None:
     harness = Harness(ROBOT, mind.make)
     harness.start(0.0)
     (end,) = harness.refused(refused(code), 0.1)
-    assert end == End(NAME_TAKEN if code == "already-here" else 1, f"refused ({code}): because")
+    assert end == Exit(NAME_TAKEN if code == "already-here" else 1, f"refused ({code}): because")
     assert harness.phase is Phase.OVER
 
 
 @pytest.mark.parametrize("code", ["not-joined", "session"])
-def test_who_is_not_known_any_more_joins_again(mind: Recorder, code: ErrorCode) -> None:
-    harness = at_work(mind)
+def test_forgotten_agent_joins_again(mind: Recorder, code: ErrorCode) -> None:
+    harness = joined_harness(mind)
     harness.erred(error(code), 5.0)
-    assert kinds(harness.wake(5.0)) == ["Ask"]
-    # Until the reply comes the old session is answered for, and errors do not ask again.
+    assert kinds(harness.wake(5.0)) == ["RequestJoin"]
+    # Until the reply comes it answers with the old session, and errors do not ask again.
     assert put(harness.measured([measures(0)])).session == SESSION
     harness.erred(error(code), 5.1)
     assert harness.wake(5.1) == []
@@ -272,45 +283,45 @@ def test_who_is_not_known_any_more_joins_again(mind: Recorder, code: ErrorCode) 
     assert len(mind.contexts) == 2
 
 
-def test_errors_just_after_a_join_do_not_make_it_join_without_end(mind: Recorder) -> None:
-    harness = at_work(mind)
+def test_errors_just_after_a_join_cause_no_join_loop(mind: Recorder) -> None:
+    harness = joined_harness(mind)
     harness.erred(error("session"), 0.2)
     assert harness.wake(0.3) == []
-    assert kinds(harness.wake(1.0)) == ["Ask"]
+    assert kinds(harness.wake(1.0)) == ["RequestJoin"]
 
 
-def test_other_errors_are_noted(mind: Recorder) -> None:
-    harness = at_work(mind)
-    assert harness.erred(error("late"), 1.0) == [Note("erred code=late count=1 tick=3 text='words'")]
+def test_other_errors_are_logged(mind: Recorder) -> None:
+    harness = joined_harness(mind)
+    assert harness.erred(error("late"), 1.0) == [Log("erred code=late count=1 tick=3 text='words'")]
     assert harness.phase is Phase.JOINED
 
 
-def test_an_error_of_every_tick_does_not_fill_the_log(mind: Recorder) -> None:
-    harness = at_work(mind)
+def test_error_at_every_tick_does_not_fill_the_log(mind: Recorder) -> None:
+    harness = joined_harness(mind)
     noted = [harness.erred(error("late"), 1.0) for _ in range(100)]
     assert [index for index, notes in enumerate(noted, 1) if notes] == [1, 10, 100]
     assert harness.errors == 100
 
 
-@pytest.mark.parametrize(("barrier", "answered"), [(True, ["Put"]), (False, [])])
-def test_an_empty_answer_is_put_only_by_whom_a_lockstep_awaits(barrier: bool, answered: list[str]) -> None:
+@pytest.mark.parametrize(("barrier", "answered"), [(True, ["Publish"]), (False, [])])
+def test_empty_answer_is_published_only_if_a_lockstep_waits_for_it(barrier: bool, answered: list[str]) -> None:
     harness = Harness(msgspec.structs.replace(ROBOT, barrier=barrier), Recorder(Actions()).make)
     harness.start(0.0)
     harness.accepted(joined())
     assert kinds(harness.measured([measures(0)])) == answered
 
 
-def test_a_simulator_that_comes_back_is_joined_again_and_the_old_run_keeps_its_mind(mind: Recorder) -> None:
-    harness = at_work(mind)
+def test_returning_simulator_is_rejoined_and_the_run_keeps_its_mind(mind: Recorder) -> None:
+    harness = joined_harness(mind)
     assert harness.present(1.0) == []
     harness.absent(2.0)
-    assert kinds(harness.present(3.0)) == ["Ask"]
+    assert kinds(harness.present(3.0)) == ["RequestJoin"]
     harness.accepted(joined())
     assert len(mind.contexts) == 1
 
 
-def test_a_simulator_that_was_started_anew_gets_a_fresh_mind(mind: Recorder) -> None:
-    harness = at_work(mind)
+def test_restarted_simulator_gets_a_new_mind(mind: Recorder) -> None:
+    harness = joined_harness(mind)
     harness.measured([measures(9)])
     harness.absent(2.0)
     harness.present(3.0)
@@ -319,58 +330,58 @@ def test_a_simulator_that_was_started_anew_gets_a_fresh_mind(mind: Recorder) -> 
     assert len(mind.contexts) == 2
 
 
-def test_a_new_run_that_overtakes_the_reply_waits_for_the_new_session(mind: Recorder) -> None:
-    harness = at_work(mind)
+def test_new_run_before_the_reply_waits_for_the_new_session(mind: Recorder) -> None:
+    harness = joined_harness(mind)
     harness.absent(2.0)
     harness.present(3.0)
     assert harness.measured([measures(4, OTHER_RUN)]) == []
     outputs = harness.accepted(joined(OTHER_RUN, OTHER_SESSION))
-    assert kinds(outputs) == ["Tell", "Put"]
+    assert kinds(outputs) == ["Print", "Publish"]
     assert (put(outputs).tick, put(outputs).session) == (4, OTHER_SESSION)
 
 
-def test_a_simulator_that_stays_away_is_given_up_in_time(mind: Recorder) -> None:
-    harness = at_work(mind, retry_for=10.0)
+def test_lost_simulator_is_given_up_after_retry_for(mind: Recorder) -> None:
+    harness = joined_harness(mind, retry_for=10.0)
     harness.absent(2.0)
     assert harness.wake(11.9) == []
-    assert kinds(harness.wake(12.0)) == ["End"]
+    assert kinds(harness.wake(12.0)) == ["Exit"]
 
 
 def test_stop_leaves(mind: Recorder) -> None:
-    harness = at_work(mind)
+    harness = joined_harness(mind)
     outputs = harness.stop()
-    assert kinds(outputs) == ["Depart", "Note", "Tell", "End"]
-    assert isinstance(outputs[0], Depart)
+    assert kinds(outputs) == ["RequestLeave", "Log", "Print", "Exit"]
+    assert isinstance(outputs[0], RequestLeave)
     assert decode(Leave, outputs[0].payload, JSON) == Leave(run=RUN, session=SESSION)
-    assert outputs[2:] == [Tell("left agent=chair1"), End(0)]
+    assert outputs[2:] == [Print("left agent=chair1"), Exit(0)]
     assert harness.stop() == []
 
 
-def test_stop_before_it_joined_says_nothing(mind: Recorder) -> None:
+def test_stop_before_joining_sends_nothing(mind: Recorder) -> None:
     harness = Harness(ROBOT, mind.make)
     harness.start(0.0)
-    assert harness.stop() == [End(0)]
+    assert harness.stop() == [Exit(0)]
 
 
-def test_a_mind_that_leaves_says_so_in_its_last_actions() -> None:
-    harness = at_work(Recorder(Actions(leave=True)))
+def test_mind_leaves_with_its_last_actions() -> None:
+    harness = joined_harness(Recorder(Actions(leave=True)))
     outputs = harness.measured([measures(0)])
-    assert kinds(outputs) == ["Put", "Depart", "Note", "Tell", "End"]
+    assert kinds(outputs) == ["Publish", "RequestLeave", "Log", "Print", "Exit"]
     assert put(outputs).leave
 
 
-def test_a_body_answers_with_its_pose_and_obeys_power() -> None:
+def test_body_answers_with_its_pose_and_obeys_power() -> None:
     body = Recorder(Pose(x=3.0, y=4.0, heading=0.5))
-    harness = at_work(body)
+    harness = joined_harness(body)
     (output,) = harness.measured([measures(6)])
-    assert isinstance(output, Put)
+    assert isinstance(output, Publish)
     pose = decode(Pose, output.payload, JSON)
     assert (pose.x, pose.tick, pose.session) == (3.0, 6, SESSION)
     harness.powered(bytes_of(PowerInForce(run=RUN, tick=6, left_motor=0.1, right_motor=0.2)))
     assert body.powers[0].left_motor == 0.1
 
 
-def test_a_body_whose_mind_is_elsewhere_puts_no_actions(mind: Recorder) -> None:
+def test_body_without_a_mind_publishes_no_actions(mind: Recorder) -> None:
     harness = Harness(msgspec.structs.replace(ROBOT, role="body"), mind.make)
     harness.start(0.0)
     harness.accepted(joined())
@@ -378,8 +389,16 @@ def test_a_body_whose_mind_is_elsewhere_puts_no_actions(mind: Recorder) -> None:
 
 
 def test_xml_is_answered_in_xml(mind: Recorder) -> None:
-    harness = at_work(mind, encoding=Encoding.XML)
+    harness = joined_harness(mind, encoding=Encoding.XML)
     payload = encode(Measures(run=RUN, tick=0, time=0.0), Encoding.XML), Encoding.XML
     (output,) = harness.measured([payload])
-    assert isinstance(output, Put)
+    assert isinstance(output, Publish)
     assert output.payload.startswith(b"<Actions ")
+
+
+def test_repeated_tick_without_an_answer_is_not_answered_with_an_older_one(mind: Recorder) -> None:
+    harness = joined_harness(mind)
+    harness.measured([measures(0)])
+    mind.answer = None  # type: ignore[assignment]
+    assert harness.measured([measures(1)]) == []
+    assert harness.measured([measures(1)]) == []

@@ -1,4 +1,4 @@
-"""An agent runs on a chair's own computer: the base install is enough for it."""
+"""An agent runs on a chair's own computer, so the base install must be enough for it."""
 
 from __future__ import annotations
 
@@ -25,9 +25,9 @@ for name in minds.names():
 """
 
 
-def test_everything_of_the_agents_imports_without_what_the_server_needs() -> None:
+def test_agents_import_without_the_dependencies_of_the_server() -> None:
     subprocess.run([sys.executable, "-c", BLOCKED], check=True, timeout=30)
 
 
-def test_the_harness_and_all_minds_import_without_zenoh() -> None:
+def test_harness_and_minds_import_without_zenoh() -> None:
     subprocess.run([sys.executable, "-c", PURE], check=True, timeout=30)

@@ -1,4 +1,4 @@
-"""What a mind is told of its way."""
+"""The route that the options of a mind describe."""
 
 from __future__ import annotations
 
@@ -24,23 +24,23 @@ def context(**options: str) -> Context:
     )
 
 
-def test_way_is_points_then_via_then_to() -> None:
-    found = context(to="north-side", via="south-side south-corner", points="1 2 3 4").way()
+def test_route_is_points_then_via_then_to() -> None:
+    found = context(to="north-side", via="south-side south-corner", points="1 2 3 4").route()
     assert found == [(1.0, 2.0), (3.0, 4.0), (-0.6, -5.2), (2.4, -5.2), (0.0, 4.4)]
 
 
-def test_place_that_the_map_has_not_is_refused() -> None:
+def test_place_missing_from_the_map_is_refused() -> None:
     with pytest.raises(OptionError, match="option to: expected a place of the map"):
-        context(to="nowhere").way()
+        context(to="nowhere").route()
 
 
-def test_path_begins_where_the_body_stands() -> None:
+def test_path_begins_at_the_body() -> None:
     path = path_of(context(points="1 4"))
     assert path is not None
     assert path.length == 3.0
 
 
-def test_path_to_where_the_body_stands_is_none_and_no_points_are_refused() -> None:
+def test_path_to_the_start_is_none_and_no_points_are_refused() -> None:
     assert path_of(context(points="1 1")) is None
     with pytest.raises(OptionError, match="option points: expected points, via or to, got none"):
         path_of(context())

@@ -1,4 +1,4 @@
-"""Where a footprint goes and what it may come near."""
+"""Projected motions, and whether they keep their clearances."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import math
 
 import pytest
 
-from intellwheels_agents.motion_projection import CREEP, MotionProjection, Wheels
+from intellwheels_agents.motion_projection import CLEARANCE_SHARE, MotionProjection, Wheels
 from intellwheels_agents.range_scan import Outline, outline
 from intellwheels_maps import robot
 from intellwheels_schemas.messages import Actions
@@ -25,11 +25,11 @@ def free(point: tuple[float, float], wanted: Wheels, margin: float = 0.05, swing
     ("point", "room"),
     [((1.0, 0.0), 0.2), ((0.0, 0.5), 0.2), ((-0.4, 0.0), 0.1), ((1.1, 0.7), 0.5), ((0.5, 0.0), -0.3)],
 )
-def test_room_to_a_point(point: tuple[float, float], room: float) -> None:
+def test_clearance_to_a_point(point: tuple[float, float], room: float) -> None:
     assert FOOTPRINT.clearance(*point, 0.0) == pytest.approx(room)
 
 
-def test_poses_are_those_of_a_body_with_lagging_motors() -> None:
+def test_poses_follow_the_motor_lag() -> None:
     body = Body(robot("front-wheel"))
     print_ = MotionProjection(outline(body.robot), body.robot.track, body.robot.acceleration_curve, 0.05)
     top = body.robot.top_speed
@@ -40,36 +40,36 @@ def test_poses_are_those_of_a_body_with_lagging_motors() -> None:
 
 
 @pytest.mark.parametrize(("gap", "is_it"), [(0.56, True), (0.54, False)])
-def test_a_way_ends_a_margin_before_a_thing(gap: float, is_it: bool) -> None:
+def test_motion_ends_a_margin_before_an_obstacle(gap: float, is_it: bool) -> None:
     assert free((0.8 + gap, 0.1), Wheels(0.5, 0.5)) is is_it
 
 
-def test_a_thin_thing_is_not_passed_over_between_two_looks() -> None:
+def test_thin_obstacle_is_not_missed_between_two_checks() -> None:
     # A corner at 0.85 m swings past it in a seventh of a second.
     angle = math.atan2(0.3, 0.8) + 0.7
     assert not free((0.82 * math.cos(angle), 0.82 * math.sin(angle)), Wheels(-1.5, 1.5), margin=0.0)
 
 
-def test_what_stands_too_near_never_bars_the_way_back() -> None:
+def test_obstacle_too_near_never_blocks_the_way_back() -> None:
     touching = (0.801, 0.0)
     assert not free(touching, Wheels(0.1, 0.1))
     assert free(touching, Wheels(-0.5, -0.5))
 
 
-def test_along_a_wall_nearer_than_the_margin_it_may_drive_but_not_into_it() -> None:
+def test_driving_along_a_near_wall_is_free_but_not_into_it() -> None:
     beside = (0.5, 0.3 + 0.02)
     assert free(beside, Wheels(0.5, 0.5))
     assert not free(beside, Wheels(0.45, 0.55))
-    assert 0.0 < CREEP < 1.0
+    assert 0.0 < CLEARANCE_SHARE < 1.0
 
 
-def test_room_to_swing_by_is_kept_ahead_and_the_body_itself_still_counts() -> None:
+def test_swing_room_is_kept_ahead_and_the_body_itself_still_counts() -> None:
     assert free((1.4, 0.0), Wheels(0.5, 0.5))
     assert not free((1.4, 0.0), Wheels(0.5, 0.5), swing=0.1)
-    # Within the longer footprint already, at its side: only the body's own room tells that it would be hit.
+    # Already inside the lengthened footprint, at its side: only the clearance of the body itself shows the collision.
     assert not free((0.85, 0.29), Wheels(0.5, 0.5), swing=0.1)
 
 
-def test_nothing_there_is_free() -> None:
+def test_motion_without_obstacles_is_free() -> None:
     way = FOOTPRINT.poses(STILL, Wheels(1.0, 1.0), 1.0)
     assert FOOTPRINT.is_free(way, [], 0.0)

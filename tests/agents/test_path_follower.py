@@ -3,7 +3,7 @@ import math
 import pytest
 
 from intellwheels_agents.differential_drive import Odometry
-from intellwheels_agents.path_follower import BRAKING, CREEP, TURN_RATE, PathFollower, braking
+from intellwheels_agents.path_follower import BRAKING, MIN_SPEED, TURN_RATE, PathFollower, braking
 from intellwheels_agents.pure_pursuit import Path
 from intellwheels_schemas.messages import Position, Robot
 
@@ -12,20 +12,20 @@ def at(x: float, y: float, heading: float) -> Odometry:
     return Odometry(Robot(length=1.0, width=0.6), Position(x=x, y=y, heading=heading))
 
 
-def test_on_a_straight_path_it_drives_straight_at_its_speed() -> None:
+def test_straight_path_is_driven_straight_at_full_speed() -> None:
     steering = PathFollower(0.6).steer(Path([(0.0, 0.0), (10.0, 0.0)]), at(0.0, 0.0, 0.0), 10.0)
     assert steering == (0.6, 0.0, 0.0)
     assert not steering.turns
 
 
-def test_beside_its_path_it_steers_back_by_pure_pursuit() -> None:
+def test_beside_the_path_it_steers_back() -> None:
     steering = PathFollower(0.5).steer(Path([(0.0, 0.0), (10.0, 0.0)]), at(0.0, 0.1, 0.0), 10.0)
     reach = math.hypot(0.45, 0.1)
     # 2 y / L^2 of Coulter's paper, y = -0.1 to the right.
     assert steering.curvature == pytest.approx(-2.0 * 0.1 / reach**2)
 
 
-def test_with_its_back_to_the_path_it_turns_in_place_first() -> None:
+def test_facing_away_from_the_path_it_turns_in_place_first() -> None:
     pilot, path = PathFollower(0.5), Path([(0.0, 0.0), (10.0, 0.0)])
     steering = pilot.steer(path, at(0.0, 0.0, 2.0), 10.0)
     assert steering == (0.0, 0.0, -TURN_RATE)
@@ -34,8 +34,8 @@ def test_with_its_back_to_the_path_it_turns_in_place_first() -> None:
     assert not pilot.steer(path, at(0.0, 0.0, math.radians(10.0)), 10.0).turns
 
 
-def test_it_brakes_for_the_room_it_has_and_never_stops_short_of_it() -> None:
+def test_speed_allows_a_stop_within_the_stopping_distance() -> None:
     path = Path([(0.0, 0.0), (10.0, 0.0)])
     assert PathFollower(2.0).steer(path, at(0.0, 0.0, 0.0), 0.5).speed == pytest.approx(math.sqrt(2.0 * BRAKING * 0.5))
-    assert PathFollower(2.0).steer(path, at(0.0, 0.0, 0.0), 0.0).speed == CREEP
+    assert PathFollower(2.0).steer(path, at(0.0, 0.0, 0.0), 0.0).speed == MIN_SPEED
     assert braking(-1.0) == 0.0

@@ -1,4 +1,4 @@
-"""What a ring of cones tells of the things around."""
+"""The objects that a ring of cones sees."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ BODY = with_ring(robot("person"))
 
 
 def seen(**metres: float | Status) -> Sensors:
-    """Return the readings of a ring that sees nothing but this, cones named c0, c1, ..."""
+    """Return the readings of a ring that sees only these ranges, by cone: c0, c1, ..."""
     readings = []
     for i in range(CONES):
         value = metres.get(f"c{i}")
@@ -32,50 +32,50 @@ def pose() -> Odometry:
     return Odometry(BODY, Position(x=1.0, y=2.0, heading=math.pi / 2.0))
 
 
-def test_ring_looks_all_round() -> None:
+def test_ring_covers_all_directions() -> None:
     directions = sorted(sensor.direction_deg for sensor in BODY.proximity)
     assert [b - a for a, b in pairwise(directions)] == pytest.approx([7.5] * (CONES - 1))
 
 
-def test_thing_is_where_the_ring_is_nearest(pose: Odometry) -> None:
+def test_object_is_where_the_range_is_a_minimum(pose: Odometry) -> None:
     ring = RangeRing(BODY, 0.05)
     ring.update(seen(c11=2.2, c12=2.0, c13=2.3, c30=4.0), pose)
-    assert [thing.metres for thing in ring.things] == [2.0, 4.0]
+    assert [one.metres for one in ring.objects] == [2.0, 4.0]
     # Cone 12 looks to the left of a body that looks north: west.
-    assert (ring.things[0].x, ring.things[0].y) == pytest.approx((-1.0, 2.0))
+    assert (ring.objects[0].x, ring.objects[0].y) == pytest.approx((-1.0, 2.0))
 
 
-def test_two_cones_that_see_one_edge_make_one_thing(pose: Odometry) -> None:
+def test_two_cones_that_see_one_edge_make_one_object(pose: Odometry) -> None:
     ring = RangeRing(BODY, 0.05)
     ring.update(seen(c0=2.0, c1=2.0), pose)
-    assert [thing.bearing for thing in ring.things] == pytest.approx([math.pi / 2.0 + math.radians(3.75)])
+    assert [one.bearing for one in ring.objects] == pytest.approx([math.pi / 2.0 + math.radians(3.75)])
 
 
-def test_thing_that_comes_nearer_has_its_velocity(pose: Odometry) -> None:
+def test_approaching_object_has_its_velocity(pose: Odometry) -> None:
     ring = RangeRing(BODY, 0.05)
     for i in range(60):
         ring.update(seen(c0=4.0 - 0.05 * i), pose)
-    (thing,) = ring.things
-    assert (thing.velocity_x, thing.velocity_y) == pytest.approx((0.0, -1.0), abs=0.01)
+    (found,) = ring.objects
+    assert (found.velocity_x, found.velocity_y) == pytest.approx((0.0, -1.0), abs=0.01)
     (point,) = ring.near(1.5, pose.heading)
     assert point == pytest.approx((1.05, 0.0, -1.0, 0.0), abs=0.01)
 
 
-def test_thing_that_jumps_is_another_one(pose: Odometry) -> None:
+def test_object_that_jumps_is_a_new_one(pose: Odometry) -> None:
     ring = RangeRing(BODY, 0.05)
     ring.update(seen(c0=4.0), pose)
     ring.update(seen(c0=2.0), pose)
-    assert (ring.things[0].velocity_x, ring.things[0].velocity_y) == (0.0, 0.0)
+    assert (ring.objects[0].velocity_x, ring.objects[0].velocity_y) == (0.0, 0.0)
 
 
-def test_cone_that_failed_keeps_what_it_saw(pose: Odometry) -> None:
+def test_failed_cone_keeps_its_last_range(pose: Odometry) -> None:
     ring = RangeRing(BODY, 0.05)
     ring.update(seen(c0=2.0), pose)
     ring.update(seen(c0="fault"), pose)
-    assert [thing.metres for thing in ring.things] == [2.0]
+    assert [one.metres for one in ring.objects] == [2.0]
 
 
-def test_gap_is_before_the_body_and_not_beside_it(pose: Odometry) -> None:
+def test_gap_is_in_front_of_the_body_only(pose: Odometry) -> None:
     ring = RangeRing(BODY, 0.05)
     ring.update(seen(c12=0.4, c24=0.4), pose)
     assert ring.gap() == math.inf
@@ -83,7 +83,7 @@ def test_gap_is_before_the_body_and_not_beside_it(pose: Odometry) -> None:
     assert ring.gap() == pytest.approx(0.825)
 
 
-def test_way_out_is_the_nearest_direction_with_room(pose: Odometry) -> None:
+def test_way_out_is_the_nearest_free_direction(pose: Odometry) -> None:
     ring = RangeRing(BODY, 0.05)
     ring.update(seen(**{f"c{i % CONES}": 0.5 for i in range(-2, 10)}), pose)
     assert ring.gap() < 0.4

@@ -21,12 +21,12 @@ ROBOT = Robot(
 )
 
 
-def test_capitals_are_the_robots_and_the_rest_is_the_minds() -> None:
+def test_capitalised_options_belong_to_the_robot() -> None:
     robot, mind = split_options({"MotorNoise": "0.015", "speed": "1"})
     assert (robot, mind) == ({"MotorNoise": "0.015"}, {"speed": "1"})
 
 
-def test_a_field_of_the_robot_and_of_every_sensor_of_a_kind_is_set() -> None:
+def test_fields_of_the_robot_and_of_all_sensors_of_a_kind_are_set() -> None:
     robot = equipped(ROBOT, {"MotorNoise": "0.015", "Compass.NoiseDeg": "1", "Anchored": "true", "Kind": "car"})
     assert robot.motor_noise == 0.015
     assert [compass.noise_deg for compass in robot.compass] == [1.0, 1.0]
@@ -38,17 +38,17 @@ def test_a_field_of_the_robot_and_of_every_sensor_of_a_kind_is_set() -> None:
     ("name", "value"),
     [("MotorNose", "1"), ("MotorNoise", "2"), ("Lidar.Noise", "1"), ("Compass.Noise", "1"), ("TopSpeed", "x")],
 )
-def test_what_the_document_does_not_take_is_refused_by_name(name: str, value: str) -> None:
+def test_unknown_field_or_wrong_value_is_refused_by_name(name: str, value: str) -> None:
     with pytest.raises(OptionError, match=f"option {name}: expected"):
         equipped(ROBOT, {name: value})
 
 
-def test_a_whole_agent_joins_with_its_body_and_without_the_files_format() -> None:
+def test_whole_agent_joins_with_its_body_and_without_the_files_format() -> None:
     robot = joining(ROBOT, agent="chair1", role="both", instance="0" * 16, place="bed1", barrier=None)
     assert (robot.format, robot.name, robot.place, robot.barrier) == (None, "chair1", "bed1", True)
     assert robot.encoders == ROBOT.encoders
 
 
-def test_a_mind_joins_with_nothing_of_a_body() -> None:
+def test_mind_joins_without_a_body() -> None:
     robot = joining(ROBOT, agent="chair1", role="mind", instance="0" * 16, place=None, barrier=False)
     assert robot == Robot(name="chair1", role="mind", instance="0" * 16, barrier=False)

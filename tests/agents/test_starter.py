@@ -1,4 +1,4 @@
-"""The starter is whole, valid and never in the way of what is there. That it passes: `tests/e2e/test_wheel.py`."""
+"""The starter is complete and valid, and overwrites nothing. `tests/e2e/test_wheel.py` runs its test."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ def test_scene_robot_and_mind_of_the_starter_are_valid(tmp_path: Path) -> None:
     assert callable(find(str(tmp_path / cast.mind)).make)
 
 
-def test_command_says_what_it_wrote_and_what_comes_next(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_command_lists_the_files_and_the_next_steps(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     folder = tmp_path / "my-chair"
     assert main(["new", str(folder)]) == 0
     said = capsys.readouterr().out
@@ -34,9 +34,7 @@ def test_command_says_what_it_wrote_and_what_comes_next(tmp_path: Path, capsys: 
     assert f"iw-run {folder / 'scene.xml'}" in said
 
 
-def test_what_is_there_is_not_overwritten_and_nothing_is_written(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_existing_files_are_kept_and_nothing_is_written(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     (tmp_path / "mind.py").write_text("mine")
     assert main(["new", str(tmp_path)]) == 1
     assert "got mind.py" in capsys.readouterr().err

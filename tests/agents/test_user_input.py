@@ -1,4 +1,4 @@
-"""What a user wants, as the simulator itself would obey it."""
+"""User input becomes the same motor powers as in the simulator."""
 
 from __future__ import annotations
 
@@ -8,16 +8,16 @@ from intellwheels_agents.options import Options
 from intellwheels_agents.user_input import Goals, mixed, takes_goals, wanted
 from intellwheels_maps import robot
 from intellwheels_schemas.messages import Goal, UserInput
-from intellwheels_server.world.kernels.command import user_power
+from intellwheels_server.world.kernels.motor_power import user_power
 
 
 @pytest.mark.parametrize("forward", [-1.0, -0.3, 0.0, 0.5, 1.0])
 @pytest.mark.parametrize("turn", [-1.0, 0.0, 0.2, 1.0])
-def test_powers_are_those_of_the_simulator_under_a_lease(forward: float, turn: float) -> None:
+def test_powers_match_the_simulators_under_a_lease(forward: float, turn: float) -> None:
     assert mixed(forward, turn) == user_power(forward, turn)
 
 
-def test_nobody_wants_nothing() -> None:
+def test_no_user_wants_nothing() -> None:
     assert wanted(None, 0.5) == (0.0, 0.0)
 
 
@@ -26,21 +26,21 @@ def test_nobody_wants_nothing() -> None:
     [("forward", (0.5, 0.0)), ("back", (-0.5, 0.0)), ("left", (0.0, 0.5)), ("right", (0.0, -0.5)), ("stop", (0.0, 0.0)),
      ("kitchen", (0.0, 0.0))],
 )  # fmt: skip
-def test_a_word_alone_drives(word: str, wish: tuple[float, float]) -> None:
+def test_word_alone_drives(word: str, wish: tuple[float, float]) -> None:
     assert wanted(UserInput(word=word), 0.5) == wish
 
 
-def test_a_word_counts_only_where_the_stick_is_at_rest() -> None:
+def test_word_counts_only_while_the_stick_is_centred() -> None:
     assert wanted(UserInput(forward=-0.2, word="forward"), 0.5) == (-0.2, 0.0)
 
 
-def test_a_goal_is_news_once_and_again_after_it_was_withdrawn() -> None:
+def test_goal_changes_once_and_again_after_it_was_withdrawn() -> None:
     goals, here, there = Goals(), Goal(x=1.0, y=1.0), Goal(x=2.0, y=1.0)
     said = [None, here, here, there, None, there]
     users = [UserInput(goal=goal) for goal in said]
-    assert [goals.news(user) for user in users] == [None, here, None, there, None, there]
-    assert goals.news(None) is None
+    assert [goals.changed(user) for user in users] == [None, here, None, there, None, there]
+    assert goals.changed(None) is None
 
 
-def test_a_robot_that_takes_goals_says_so() -> None:
+def test_robot_declares_goals() -> None:
     assert takes_goals(robot("rear-wheel"), Options()).user_input == ("goal",)

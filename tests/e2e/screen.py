@@ -16,7 +16,7 @@ from typing import Any, Final, NamedTuple, TypeVar
 from PIL import Image
 from playwright.sync_api import Page
 
-from intellwheels_experiments.run.run_processes import AwaitedError
+from intellwheels_experiments.run.child_processes import WaitError
 from tests.e2e.stage import Peer, Stage
 
 OPENING = 25.0
@@ -122,12 +122,12 @@ class Screen:
         """Look until there is something, which is returned; the page goes on meanwhile."""
         deadline = time.monotonic() + timeout
         while True:
-            self._stage.hear()
+            self._stage.receive()
             found = look()
             if found is not None:
                 return found
             if time.monotonic() > deadline:
-                raise AwaitedError(f"{what} did not come in {timeout:g} s; the page says:\n{self.text()}")
+                raise WaitError(f"{what} did not come in {timeout:g} s; the page says:\n{self.text()}")
             self.page.wait_for_timeout(50)
 
     def text(self) -> str:

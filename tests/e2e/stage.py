@@ -19,7 +19,8 @@ from typing import Any, Self
 
 import zenoh
 
-from intellwheels_experiments.run.run_processes import DEADLINE, RunProcesses, free_port
+from intellwheels_experiments.run.child_processes import DEADLINE, ChildProcesses
+from intellwheels_experiments.run.endpoints import free_port
 
 __all__ = ["DEADLINE", "JSON", "XML", "Peer", "Stage", "children_of", "free_port", "is_gone", "resident", "run"]
 
@@ -61,7 +62,7 @@ def run(module: str, *words: str, timeout: float = 120.0, **environment: str) ->
     )
 
 
-class Stage(RunProcesses):
+class Stage(ChildProcesses):
     """The processes of a test.
 
     Attributes:
@@ -83,7 +84,7 @@ class Stage(RunProcesses):
 
     def __exit__(self, *_: object) -> None:
         # How they end in words is tested where it matters.
-        self.close()
+        self.close(grace=0.0)
 
     def server(self, *words: str, ready: bool = True) -> str:
         """Start a simulator, and wait until it is ready."""

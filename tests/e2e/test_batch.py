@@ -1,4 +1,4 @@
-"""`iw-run --seeds` from the command line: killed half way and run again, it tells the same."""
+"""`iw-run --seeds` from the command line: a batch that is killed and resumed has the same result."""
 
 from __future__ import annotations
 
@@ -7,13 +7,13 @@ import subprocess
 import sys
 from pathlib import Path
 
-from intellwheels_experiments.run.run_processes import RunProcesses
+from intellwheels_experiments.run.child_processes import ChildProcesses
 from tests.experiments.scenes import write_scene
 
 LIMIT = 180.0
 
 
-def words(scene: Path, out: Path, *more: str) -> list[str]:
+def command(scene: Path, out: Path, *more: str) -> list[str]:
     return [sys.executable, "-m", "intellwheels_experiments", str(scene), "--seeds", "4", "--out", str(out), *more]
 
 
@@ -21,25 +21,24 @@ def results(out: Path) -> list[Path]:
     return sorted(out.glob("runs/*/*/result.json"))
 
 
-def test_batch_that_is_killed_half_way_and_run_again_gives_the_same_csv(tmp_path: Path) -> None:
+def test_batch_that_is_killed_and_resumed_gives_the_same_csv(tmp_path: Path) -> None:
     scene, whole, cut = write_scene(tmp_path), tmp_path / "whole", tmp_path / "cut"
-    through = subprocess.run(words(scene, whole), capture_output=True, text=True, timeout=LIMIT, check=False)
+    through = subprocess.run(command(scene, whole), capture_output=True, text=True, timeout=LIMIT, check=False)
     assert through.returncode == 0, through.stderr
     assert through.stdout.count("row name=") == 2
-    processes = RunProcesses(tmp_path / "logs")
-    try:
-        child = processes.launch("batch", lambda _lifeline: words(scene, cut))
-        processes.wait(lambda: results(cut)[2:] or None, "three runs", LIMIT, unless=child)
-        processes.signal(child, signal.SIGKILL)
-        assert processes.exit(child) == -signal.SIGKILL
-    finally:
-        processes.close()
-    kept = {path: path.stat().st_mtime_ns for path in results(cut)}
-    assert 3 <= len(kept) < 8
-    again = subprocess.run(words(scene, cut, "--jobs", "2"), capture_output=True, text=True, timeout=LIMIT, check=False)
+    with ChildProcesses(tmp_path / "logs") as children:
+        child = children.launch("batch", lambda _lifeline: command(scene, cut))
+        children.wait(lambda: results(cut)[2:] or None, "three runs", LIMIT, unless=child)
+        children.signal(child, signal.SIGKILL)
+        assert children.exit(child) == -signal.SIGKILL
+    finished = {path: path.stat().st_mtime_ns for path in results(cut)}
+    assert 3 <= len(finished) < 8
+    again = subprocess.run(
+        command(scene, cut, "--jobs", "2"), capture_output=True, text=True, timeout=LIMIT, check=False
+    )
     assert again.returncode == 0, again.stderr
-    assert f"{len(kept)} of 8 runs are there" in again.stderr
-    assert {path: path.stat().st_mtime_ns for path in kept} == kept
+    assert f"{len(finished)} of 8 runs are done" in again.stderr
+    assert {path: path.stat().st_mtime_ns for path in finished} == finished
     assert (cut / "batch.csv").read_text() == (whole / "batch.csv").read_text()
     assert (cut / "junit.xml").read_text() == (whole / "junit.xml").read_text()
     assert "<svg" in (cut / "report.html").read_text()
@@ -49,5 +48,5 @@ def test_folder_of_another_batch_is_refused(tmp_path: Path) -> None:
     scene, out = write_scene(tmp_path), tmp_path / "out"
     out.mkdir()
     (out / "batch.json").write_text("{}")
-    refused = subprocess.run(words(scene, out), capture_output=True, text=True, timeout=LIMIT, check=False)
+    refused = subprocess.run(command(scene, out), capture_output=True, text=True, timeout=LIMIT, check=False)
     assert (refused.returncode, "got another batch's" in refused.stderr) == (2, True)

@@ -1,6 +1,6 @@
-"""Real chairs among virtual ones: two worlds, or a controller on a pseudo-terminal. Real processes.
+"""Real chairs among virtual ones, with two worlds or with a controller on a pseudo-terminal. Real processes.
 
-World `lab` plays the building and its chairs; its truth stays in its log. The stage's own world is where they meet.
+The world `lab` stands for the building with the real chairs. They meet the virtual ones in the world of the stage.
 """
 
 from __future__ import annotations
@@ -8,8 +8,10 @@ from __future__ import annotations
 import json
 import os
 import signal
+import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -118,7 +120,7 @@ def test_a_real_chair_stops_for_a_virtual_table_the_same_each_time(stage: Stage,
     assert hashes(tmp_path / "again.jsonl", 200) == first
 
 
-def test_in_playback_the_reported_pose_is_told_beside_the_truth(stage: Stage, lab: Stage, tmp_path: Path) -> None:
+def test_playback_shows_the_reported_pose_beside_the_true_one(stage: Stage, lab: Stage, tmp_path: Path) -> None:
     logs = {one: tmp_path / f"{one.world}.jsonl" for one in (lab, stage)}
     lockstep = ("--pace", "lockstep", "--deadline", "60", "--map", "corner", "--expect", "chair1")
     lab.server("--hide-truth", "--log", str(logs[lab]), *lockstep)
@@ -150,7 +152,7 @@ def test_in_playback_the_reported_pose_is_told_beside_the_truth(stage: Stage, la
                 "the reported pose",
             )
             truth = peer.entities()["chair1"]
-            # The chair drives a bow that it does not know of.
+            # The chair drives a curve that its odometry does not show.
             assert 0.02 < abs(truth["Y"] - said["Y"]) < 2.0
             assert abs(said["Y"]) < 0.1
             assert abs(truth["X"] - said["X"]) < 0.5
@@ -158,7 +160,7 @@ def test_in_playback_the_reported_pose_is_told_beside_the_truth(stage: Stage, la
 
 
 @pytest.mark.parametrize("first", ["lab", "here"])
-def test_a_reset_of_both_worlds_begins_the_same_run_again(stage: Stage, lab: Stage, tmp_path: Path, first: str) -> None:
+def test_a_reset_of_both_worlds_repeats_the_run(stage: Stage, lab: Stage, tmp_path: Path, first: str) -> None:
     log = tmp_path / "run.jsonl"
     with (
         two_worlds(stage, lab, log, "--delay", "0.08", "--jitter", "0.1", "--loss", "0.1") as peer,
@@ -169,14 +171,14 @@ def test_a_reset_of_both_worlds_begins_the_same_run_again(stage: Stage, lab: Sta
         for one in (there, peer) if first == "lab" else (peer, there):
             assert one.ctl("reset", Seed="5")["Code"] == "ok"
 
-        def anew() -> bool | None:
+        def is_repeated() -> bool | None:
             clock = peer.clock()
             return True if clock["Run"] != run and clock["Tick"] >= 120 else None
 
-        stage.wait(anew, "tick 120 of the new run")
+        stage.wait(is_repeated, "tick 120 of the new run")
     lines = log.read_text().splitlines()
-    (anew_at,) = [i for i, line in enumerate(lines) if '"Do":"Restart"' in line]
-    first_run, second_run = places(lines[:anew_at]), places(lines[anew_at + 1 :])
+    (restart,) = [i for i, line in enumerate(lines) if '"Do":"Restart"' in line]
+    first_run, second_run = places(lines[:restart]), places(lines[restart + 1 :])
     ticks = range(100)
     assert [second_run[tick] for tick in ticks] == [first_run[tick] for tick in ticks]
     assert first_run[99] > first_run[0] + 0.5
@@ -195,7 +197,7 @@ def places(lines: list[str]) -> dict[int, float]:
 # ---------------------------------------------------------------- two worlds in real time
 
 
-def test_a_virtual_chair_stops_for_a_real_one_and_no_truth_leaves_the_laboratory(stage: Stage, lab: Stage) -> None:
+def test_a_virtual_chair_stops_for_a_real_one_and_the_laboratory_reveals_no_truth(stage: Stage, lab: Stage) -> None:
     lab.server("--map", "corner", "--pace", "realtime", "--hide-truth")
     stage.server("--map", "corner", "--pace", "realtime")
     with lab.peer() as spy, stage.peer() as peer:
@@ -211,7 +213,7 @@ def test_a_virtual_chair_stops_for_a_real_one_and_no_truth_leaves_the_laboratory
         assert 2.5 < virtual["X"] < 5.0 - 0.504 - 0.696 - 0.3
         mind(stage, "real1", "drive", "--option", "left=0.5", "--option", "right=0.5")
         moved = peer.entity("real1", lambda one: one["X"] > 5.5)
-        # What stood in its way goes, and it goes on.
+        # Its way is free again, and it drives on.
         peer.entity("virtual1", lambda one: one["X"] > virtual["X"] + 0.1)
         heard = list(everything)
     assert moved["Speed"] > 0.2
@@ -233,7 +235,7 @@ def test_a_virtual_chair_stops_for_a_real_one_and_no_truth_leaves_the_laboratory
             assert not {"X", "Y", "Heading", "Entity"} & document.keys(), (key, document)
 
 
-def test_either_world_may_die_and_come_back_under_a_bridge_that_stays(stage: Stage, lab: Stage) -> None:
+def test_a_bridge_survives_the_death_and_return_of_either_world(stage: Stage, lab: Stage) -> None:
     lab_server = lab.server("--map", "corner", "--pace", "realtime", "--hide-truth")
     server = stage.server("--map", "corner", "--pace", "realtime")
     child = bridge(stage, "real1", "world", "--lab-connect", lab.endpoint, "--place", "leader")
@@ -250,14 +252,14 @@ def test_either_world_may_die_and_come_back_under_a_bridge_that_stays(stage: Sta
     stage.server("--map", "corner", "--pace", "realtime")
     stage.line(child, "joined")
     with stage.peer() as peer:
-        # A real chair is where it is: the new simulation learns it.
+        # The chair has not moved: the new simulator gets its pose from the bridge.
         peer.entity("real1", lambda one: one["X"] > 5.1 and one.get("Speed", 0.0) > 0.1)
     stage.signal(child, signal.SIGTERM)
     assert stage.exit(child) == 0
     assert "bridged agent=real1" in stage.log(child)
 
 
-def test_a_bridge_that_is_killed_lets_its_chair_come_to_rest(stage: Stage, lab: Stage) -> None:
+def test_a_killed_bridge_lets_its_chair_come_to_rest(stage: Stage, lab: Stage) -> None:
     lab.server("--map", "corner", "--pace", "realtime")
     stage.server("--map", "corner", "--pace", "realtime")
     child = bridge(stage, "real1", "world", "--lab-connect", lab.endpoint, "--place", "leader")
@@ -276,67 +278,73 @@ def test_a_bridge_that_is_killed_lets_its_chair_come_to_rest(stage: Stage, lab: 
 class Controller:
     """The firmware stand-in as a process, and its faults."""
 
-    def __init__(self, stage: Stage) -> None:
+    def __init__(self, stage: Stage, *words: str) -> None:
         self._stage = stage
         self.port = stage.folder / "tty"
         pipe = stage.folder / "ask"
         os.mkfifo(pipe)
         self.child = stage.start(
-            "firmware", "intellwheels_agents.bridge.firmware_stand_in", "--link", str(self.port), "--ask", str(pipe)
+            "firmware",
+            "intellwheels_agents.bridge.firmware_stand_in",
+            "--link",
+            str(self.port),
+            "--ask",
+            str(pipe),
+            *words,
         )
         stage.line(self.child, "ready")
         self._pipe = pipe
 
-    def ask(self, line: str) -> None:
+    def command(self, line: str) -> None:
         with self._pipe.open("w") as pipe:
             pipe.write(line + "\n")
 
-    def says(self, verb: str) -> dict[str, int]:
+    def line(self, verb: str) -> dict[str, int]:
         return {name: int(value) for name, value in self._stage.line(self.child, verb).items()}
 
 
 @pytest.mark.parametrize("fault", ["cut 2", "noise 2", "unplug 2"])
-def test_a_line_that_fails_stops_the_motors_within_two_tenths_and_comes_back(stage: Stage, fault: str) -> None:
+def test_a_faulty_line_stops_the_motors_within_0_2_s_and_comes_back(stage: Stage, fault: str) -> None:
     stage.server("--map", "corridor15m", "--pace", "realtime")
     controller = Controller(stage)
     child = bridge(stage, "real1", "serial", "--port", str(controller.port), "--place", "start")
     mind(stage, "real1", "drive", "--option", "left=0.2", "--option", "right=0.2")
     with stage.peer() as peer:
-        controller.says("moving")
+        controller.line("moving")
         before = peer.entity("real1", lambda one: one["X"] > 0.1)["X"]
-        controller.ask(fault)
-        stopped = controller.says("stopped")
+        controller.command(fault)
+        stopped = controller.line("stopped")
         # By its own watchdog, on its own clock. Half of the bytes are garbage: no line gets through whole.
         assert 0 < stopped["silence"] <= WATCHDOG_MS
         peer.event("stale", "real1")
-        controller.says("moving")
+        controller.line("moving")
         peer.event("fresh", "real1")
         peer.entity("real1", lambda one: one["X"] > before + 0.1)
     stage.signal(child, signal.SIGTERM)
     assert stage.exit(child) == 0
-    # Told to stand, not left to.
-    assert controller.says("stopped")["silence"] == -1
+    # By a command, not by the watchdog.
+    assert controller.line("stopped")["silence"] == -1
 
 
-def test_a_bridge_that_is_killed_leaves_the_motors_to_the_controller_s_watchdog(stage: Stage) -> None:
+def test_after_a_killed_bridge_the_controller_s_watchdog_stops_the_motors(stage: Stage) -> None:
     stage.server("--map", "corridor15m", "--pace", "realtime")
     controller = Controller(stage)
     child = bridge(stage, "real1", "serial", "--port", str(controller.port), "--place", "start")
     mind(stage, "real1", "drive", "--option", "left=0.2", "--option", "right=0.2")
-    controller.says("moving")
+    controller.line("moving")
     stage.signal(child, signal.SIGKILL)
-    assert 0 < controller.says("stopped")["silence"] <= WATCHDOG_MS
+    assert 0 < controller.line("stopped")["silence"] <= WATCHDOG_MS
 
 
-def test_a_simulation_that_dies_stops_the_motors_by_the_bridge(stage: Stage) -> None:
+def test_after_a_killed_simulator_the_bridge_stops_the_motors(stage: Stage) -> None:
     server = stage.server("--map", "corridor15m", "--pace", "realtime")
     controller = Controller(stage)
     bridge(stage, "real1", "serial", "--port", str(controller.port), "--place", "start")
     mind(stage, "real1", "drive", "--option", "left=0.2", "--option", "right=0.2")
-    controller.says("moving")
+    controller.line("moving")
     stage.signal(server, signal.SIGKILL)
-    # The bridge lives and says zero: silence is of the line, and there was none.
-    assert controller.says("stopped")["silence"] == -1
+    # The bridge is alive and sends zeros, so the line was never silent.
+    assert controller.line("stopped")["silence"] == -1
 
 
 def test_the_chair_s_own_joystick_is_the_user(stage: Stage) -> None:
@@ -345,12 +353,210 @@ def test_the_chair_s_own_joystick_is_the_user(stage: Stage) -> None:
     words = ("--port", str(controller.port), "--place", "start", "--joystick")
     bridge(stage, "real1", "serial", *words)
     mind(stage, "real1", "joystick")
-    controller.ask("stick 300 0")
-    controller.says("moving")
-    controller.ask("stick 0 0")
-    assert controller.says("stopped")["silence"] == -1
+    controller.command("stick 300 0")
+    controller.line("moving")
+    controller.command("stick 0 0")
+    assert controller.line("stopped")["silence"] == -1
 
 
-def test_the_robot_of_these_tests_is_as_they_think() -> None:
+def test_a_chair_whose_counters_wrap_drives_on_without_a_jump(stage: Stage) -> None:
+    stage.server("--map", "corridor15m", "--pace", "realtime")
+    controller = Controller(stage, "--wrap-in", "2")
+    child = bridge(stage, "real1", "serial", "--port", str(controller.port), "--place", "start")
+    mind(stage, "real1", "drive", "--option", "left=0.5", "--option", "right=0.5")
+    with stage.peer() as peer:
+        poses = peer.hear("in/real1/pose")
+        # At half power the counters have wrapped after 2 s, which is 1 m.
+        peer.entity("real1", lambda one: one["X"] > 1.5)
+        places = [json.loads(data)["X"] for _, data in list(poses)]
+        assert [event for event in peer.events() if event["Code"] == "stale"] == []
+    assert max(abs(after - before) for before, after in pairwise(places)) < 0.5
+    stage.signal(child, signal.SIGTERM)
+    assert stage.exit(child) == 0
+    assert stage.line(child, "bridged")["missing"] == "0"
+
+
+@pytest.mark.parametrize("name", ["other1", "real1"])
+def test_a_second_bridge_on_the_same_line_is_refused_and_the_first_is_not_disturbed(stage: Stage, name: str) -> None:
+    stage.server("--map", "corridor15m", "--pace", "realtime")
+    controller = Controller(stage)
+    bridge(stage, "real1", "serial", "--port", str(controller.port), "--place", "start")
+    mind(stage, "real1", "drive", "--option", "left=0.2", "--option", "right=0.2")
+    with stage.peer() as peer:
+        controller.line("moving")
+        peer.entity("real1", lambda one: one["X"] > 0.1)
+        second = bridge(stage, name, "serial", "--port", str(controller.port), "--place", "goal", joined=False)
+        assert stage.exit(second) == 1
+        assert f"{controller.port} is in use by another program" in stage.log(second)
+        before = peer.entity("real1", lambda one: one["X"] > 0.1)["X"]
+        peer.entity("real1", lambda one: one["X"] > before + 0.2)
+        assert [event["Code"] for event in peer.events() if event["Code"] in ("stale", "lost", "left")] == []
+    # The controller stopped its motors at no time: it has printed one line only.
+    assert stage.log(controller.child).count("moving") == 1
+    assert "stopped" not in stage.log(controller.child)
+
+
+def test_a_bridge_that_the_simulator_refuses_writes_nothing_to_its_line(stage: Stage) -> None:
+    stage.server("--map", "corridor15m", "--pace", "realtime")
+    stage.agent("real1", "drive")
+    controller = Controller(stage)
+    child = bridge(stage, "real1", "serial", "--port", str(controller.port), "--place", "start", joined=False)
+    assert stage.exit(child) == 4
+    assert "already-here" in stage.log(child)
+    assert "powered" not in stage.log(controller.child)
+
+
+# ---------------------------------------------------------------- after an interruption
+
+
+def bridge_with_input(stage: Stage, port: Path, *words: str) -> tuple[str, Path]:
+    """Start a bridge of `real1` on a line; return it, and the pipe that is its standard input."""
+    pipe = stage.folder / "enter"
+    os.mkfifo(pipe)
+    command = [
+        sys.executable, "-m", "intellwheels_agents.bridge", "serial", "--port", str(port), "--name", "real1",
+        "--place", "start", "--connect", stage.endpoint, "--world", stage.world, *words,
+    ]  # fmt: skip
+    child = stage.launch(
+        "bridge", lambda lifeline: ["sh", "-c", 'exec "$@" <> "$0"', str(pipe), *command, "--lifeline", str(lifeline)]
+    )
+    stage.line(child, "joined")
+    return child, pipe
+
+
+def press_enter_until_resumed(stage: Stage, child: str, pipe: Path) -> None:
+    """Press Enter again and again: the answer to a join may hold the chair once more after the first time."""
+    with pipe.open("w") as enter:
+
+        def pressed() -> bool | None:
+            enter.write("\n")
+            enter.flush()
+            return True if "resumed agent=real1" in stage.log(child) else None
+
+        stage.wait(pressed, "resumed", unless=child)
+
+
+@pytest.mark.parametrize("resume", ["confirm", "auto"])
+def test_after_the_return_of_the_simulator_a_person_says_go(stage: Stage, resume: str) -> None:
+    server = stage.server("--map", "corridor15m", "--pace", "realtime")
+    controller = Controller(stage)
+    # Confirmation is the default of real hardware.
+    child, pipe = bridge_with_input(stage, controller.port, *(() if resume == "confirm" else ("--resume", "auto")))
+    mind(stage, "real1", "drive", "--option", "left=0.1", "--option", "right=0.1")
+    controller.line("moving")
+    stage.signal(server, signal.SIGKILL)
+    stage.line(child, "simulator-gone", agent="real1")
+    assert controller.line("stopped")["silence"] == -1
+    stage.server("--map", "corridor15m", "--pace", "realtime")
+    if resume == "confirm":
+        with stage.peer() as peer:
+            stage.line(child, "ready", agent="real1")
+            # The mind drives again, and the simulator asks for power, but the chair stands.
+            powers = peer.hear("out/real1/power")
+            stage.wait(
+                lambda: next((True for _, data in list(powers) if json.loads(data)["LeftMotor"] > 0.05), None), "power"
+            )
+            peer.ticks_on(20)
+            assert "moving" not in stage.log(controller.child).rpartition("stopped")[2]
+        press_enter_until_resumed(stage, child, pipe)
+    controller.line("moving")
+    assert ("held agent=real1" in stage.log(child)) == (resume == "confirm")
+    stage.signal(child, signal.SIGTERM)
+    assert stage.exit(child) == 0
+
+
+def test_after_the_return_of_the_router_a_person_says_go(stage: Stage) -> None:
+    def start_router() -> str:
+        child = stage.start("router", "intellwheels_server.service.router", "--listen", stage.endpoint)
+        stage.line(child, "ready")
+        return child
+
+    router = start_router()
+    server = stage.start(
+        "server", "intellwheels_server", "--connect", stage.endpoint, "--world", stage.world,
+        "--map", "corridor15m", "--pace", "realtime",
+    )  # fmt: skip
+    stage.line(server, "ready")
+    controller = Controller(stage)
+    child, pipe = bridge_with_input(stage, controller.port)
+    mind(stage, "real1", "drive", "--option", "left=0.1", "--option", "right=0.1")
+    controller.line("moving")
+    stage.signal(router, signal.SIGKILL)
+    assert controller.line("stopped")["silence"] == -1
+    start_router()
+    stage.line(child, "ready", agent="real1")
+    press_enter_until_resumed(stage, child, pipe)
+    controller.line("moving")
+
+
+def test_the_bridge_says_at_once_what_it_waits_for(stage: Stage) -> None:
+    port = stage.folder / "tty"
+    child = bridge(stage, "real1", "serial", "--port", str(port), "--place", "start", joined=False)
+
+    def says(text: str) -> None:
+        stage.wait(lambda: text in stage.log(child) or None, text, unless=child)
+
+    says(f"waiting why='cannot open {port}: No such file or directory'")
+    Controller(stage)
+    stage.line(child, "hardware", agent="real1")
+    says(f"waiting why='nobody answers at {stage.endpoint}'")
+    stage.server("--map", "corridor15m", "--pace", "realtime")
+    stage.line(child, "joined", agent="real1")
+    assert stage.log(child).count("waiting why=") == 2
+
+
+def test_the_bridge_prints_what_happens_to_its_chair(stage: Stage) -> None:
+    server = stage.server("--map", "corridor15m", "--pace", "realtime")
+    controller = Controller(stage)
+    child = bridge(stage, "real1", "serial", "--port", str(controller.port), "--place", "start")
+    with stage.peer() as peer:
+        driver = mind(stage, "real1", "drive", "--option", "left=0.1", "--option", "right=0.1")
+        stage.line(child, "mind-joined", agent="real1")
+        controller.line("moving")
+        lease = peer.ctl("take", Agent="real1", Seconds=30.0)["Lease"]
+        stage.line(child, "taken", agent="real1")
+        assert peer.ctl("take", Agent="real1", Lease=lease, Seconds=0.0)["Code"] == "ok"
+        stage.line(child, "released", agent="real1")
+        stage.signal(driver, signal.SIGTERM)
+        stage.line(child, "mind-left", agent="real1")
+        assert peer.ctl("delete", Agent="real1")["Code"] == "ok"
+        stage.line(child, "removed", agent="real1", reason="deleted")
+    stage.signal(server, signal.SIGKILL)
+    stage.line(child, "simulator-gone", agent="real1")
+
+
+def test_a_bridge_that_listens_for_the_simulator_prints_events_too(stage: Stage) -> None:
+    controller = Controller(stage)
+    child = stage.start(
+        "bridge", "intellwheels_agents.bridge", "serial", "--port", str(controller.port), "--place", "start",
+        "--name", "real1", "--listen", stage.endpoint, "--world", stage.world,
+    )  # fmt: skip
+    stage.line(child, "hardware")
+    server = stage.start(
+        "server", "intellwheels_server", "--connect", stage.endpoint, "--world", stage.world,
+        "--map", "corridor15m", "--pace", "realtime",
+    )  # fmt: skip
+    stage.line(child, "joined")
+    stage.signal(server, signal.SIGKILL)
+    stage.line(child, "simulator-gone", agent="real1")
+    stage.signal(child, signal.SIGTERM)
+    assert stage.exit(child) == 0
+
+
+def test_the_motors_stop_at_once_when_the_simulation_is_paused(stage: Stage) -> None:
+    stage.server("--map", "corridor15m", "--pace", "realtime")
+    controller = Controller(stage)
+    bridge(stage, "real1", "serial", "--port", str(controller.port), "--place", "start")
+    mind(stage, "real1", "drive", "--option", "left=0.1", "--option", "right=0.1")
+    with stage.peer() as peer:
+        controller.line("moving")
+        assert peer.ctl("pause")["Code"] == "ok"
+        assert controller.line("stopped")["silence"] == -1
+        # A pause is no interruption: who resumes it has said go.
+        assert peer.ctl("resume")["Code"] == "ok"
+        controller.line("moving")
+
+
+def test_the_robot_has_the_size_that_these_tests_assume() -> None:
     part = robot_file("intellwheels").part[0]
     assert (part.x + part.length / 2.0, part.x - part.length / 2.0) == pytest.approx((0.696, -0.504))

@@ -1,4 +1,4 @@
-"""An elastic run is what happened: its log, and nothing else, runs again to the same hashes."""
+"""An elastic run can be resimulated from its log alone, to the same hashes."""
 
 from __future__ import annotations
 
@@ -10,11 +10,11 @@ from intellwheels_experiments.testing.rig import Rig
 from tests.e2e.stage import run
 
 
-def test_elastic_run_with_an_agent_killed_and_come_back_is_run_again_to_the_same_hashes(
+def test_elastic_run_with_an_agent_that_was_killed_and_came_back_is_resimulated_to_the_same_hashes(
     intellwheels: Callable[..., Rig], tmp_path: Path
 ) -> None:
     log = tmp_path / "run.log"
-    sim = intellwheels(floor="room", miss="elastic", words=("--deadline", "0.3", "--log", str(log)))
+    sim = intellwheels(floor="room", miss="elastic", arguments=("--deadline", "0.3", "--log", str(log)))
     for name in ("chair1", "chair2"):
         sim.agent(name, "drive", robot="rear-wheel", left=0.1, right=0.12, MotorNoise=0.015)
     sim.run_for(2.5)
@@ -28,7 +28,7 @@ def test_elastic_run_with_an_agent_killed_and_come_back_is_run_again_to_the_same
     done = run("intellwheels_server", "--resimulate", str(log))
     assert done.returncode == 0, done.stdout + done.stderr
 
-    # One hash that is another: the first such tick is named.
+    # With one wrong hash, the error names its tick.
     lines = log.read_text().splitlines()
     tick = next(i for i, line in enumerate(lines) if i > 30 and "Hash" in json.loads(line))
     entry = json.loads(lines[tick])

@@ -1,13 +1,15 @@
-"""A held key moves a chair; let go, or with the joystick dead, it stands. Real processes; the time is the simulation's.
+"""A held key moves a chair; releasing it, or killing the joystick, stops the chair. Real processes, simulated time.
 
-The chair's motors obey at once (`AccelerationCurve=0`): when it stands is when its power is nothing.
+The motors obey at once (`AccelerationCurve=0`), so the chair stands as soon as its power is zero.
 """
 
 from __future__ import annotations
 
 import json
 import math
+import os
 import signal
+import sys
 from collections import deque
 from typing import Any
 
@@ -17,8 +19,8 @@ from tests.e2e.stage import Peer, Stage
 
 PERIOD = 0.05
 STOPPED = 0.3 + PERIOD
-"""Simulated seconds from the last wish that a mind heard to a chair that stands: the silence that counts, and a tick
-of the mind that answers it."""
+"""Most simulated seconds from the last input that the mind got to a standing chair: the time-out, and a tick for the
+mind's answer."""
 AT_ONCE = ("--option", "AccelerationCurve=0")
 
 
@@ -32,12 +34,12 @@ def joystick(stage: Stage, script: str, *words: str) -> str:
 
 
 class Watch:
-    """What is heard of the chair."""
+    """Everything heard of the chair."""
 
     def __init__(self, peer: Peer) -> None:
         self.peer = peer
         self.states = peer.hear("state/*")
-        self.wishes = peer.hear("user/chair1")
+        self.inputs = peer.hear("user/chair1")
         self.measures = peer.hear("out/chair1/measures")
 
     def speeds(self) -> list[tuple[int, float]]:
@@ -58,7 +60,7 @@ class Watch:
         return self.peer.stage.wait(found, "a chair that moves", unless=self.peer.stage.simulator)
 
     def stands(self, after: int) -> int:
-        """Wait until the chair stands again and stays; return the first tick of its rest."""
+        """Wait until the chair stands for good; return the first tick at which it stands."""
 
         def found() -> int | None:
             speeds = [entry for entry in self.speeds() if entry[0] > after]
@@ -69,7 +71,7 @@ class Watch:
         return self.peer.stage.wait(found, "a chair that stands", unless=self.peer.stage.simulator)
 
     def last_heard(self) -> int:
-        """Return the tick of the first measures with the last wish that asked for something."""
+        """Return the tick of the first measures that have the last input with a forward value."""
         users: list[tuple[int, dict[str, Any]]] = [
             (m["Tick"], m.get("UserInput") or {}) for m in _documents(self.measures)
         ]
@@ -97,14 +99,14 @@ def test_a_held_key_moves_the_chair_and_its_release_stops_it(stage: Stage, mind:
         assert (rest - watch.last_heard()) * PERIOD <= STOPPED + 1e-9
         # The script's own seconds are the simulation's: 1.5 s held.
         assert (rest - began) * PERIOD == pytest.approx(1.5, abs=STOPPED)
-        zeros = [wish for wish in _documents(watch.wishes) if not wish.get("Forward")]
+        zeros = [user for user in _documents(watch.inputs) if not user.get("Forward")]
         assert len(zeros) == 3
         stage.signal(child, signal.SIGTERM)
         assert stage.exit(child) == 0
 
 
 @pytest.mark.parametrize("how", ["mind", "lease"])
-def test_a_killed_joystick_stops_the_chair_within_three_tenths_and_a_tick(stage: Stage, how: str) -> None:
+def test_a_killed_joystick_stops_the_chair_within_0_3_s_and_a_tick(stage: Stage, how: str) -> None:
     stage.server("--map", "corridor15m", "--pace", "realtime")
     stage.agent("chair1", "joystick", *AT_ONCE)
     with stage.peer() as peer:
@@ -115,11 +117,44 @@ def test_a_killed_joystick_stops_the_chair_within_three_tenths_and_a_tick(stage:
         assert stage.exit(child) == -signal.SIGKILL
         rest = watch.stands(began)
         assert (rest - watch.last_heard()) * PERIOD <= STOPPED + 1e-9
-        # Nothing repeats what it wanted.
-        assert all(wish["Forward"] == 0.5 for wish in _documents(watch.wishes))
+        # Nobody repeats its input.
+        assert all(user["Forward"] == 0.5 for user in _documents(watch.inputs))
 
 
-def test_a_joystick_that_takes_outranks_the_mind_and_gives_back(stage: Stage) -> None:
+def test_keys_of_a_terminal_drive_while_they_repeat(stage: Stage) -> None:
+    stage.server("--map", "corridor15m", "--pace", "realtime")
+    stage.agent("chair1", "joystick", *AT_ONCE)
+    ours, theirs = os.openpty()
+    try:
+        command = [
+            sys.executable, "-m", "intellwheels_agents.joystick", "chair1", "--source", "terminal",
+            "--connect", stage.endpoint, "--world", stage.world,
+        ]  # fmt: skip
+        terminal = os.ttyname(theirs)
+        child = stage.launch(
+            "joystick", lambda fd: ["sh", "-c", 'exec "$@" < "$0"', terminal, *command, "--lifeline", str(fd)]
+        )
+        stage.line(child, "ready", agent="chair1")
+        with stage.peer() as peer:
+            watch = Watch(peer)
+
+            def driven() -> bool | None:
+                os.write(ours, b"w")
+                return True if [tick for tick, speed in watch.speeds() if speed > 0.9] else None
+
+            stage.wait(driven, "a chair at full speed", unless=child)
+            began = watch.moves()
+            rest = watch.stands(began)
+            # The last key counts for 0.3 s; then its release is sent.
+            assert (rest - watch.last_heard()) * PERIOD <= STOPPED + 1e-9
+        os.write(ours, b"\x04")
+        assert stage.exit(child) == 0
+    finally:
+        os.close(ours)
+        os.close(theirs)
+
+
+def test_a_lease_outranks_the_mind_and_is_given_back(stage: Stage) -> None:
     stage.server("--map", "corridor15m", "--pace", "realtime")
     stage.agent("chair1", "drive", "--option", "left=-0.1", "--option", "right=-0.1", *AT_ONCE)
     with stage.peer() as peer:
@@ -139,7 +174,7 @@ def test_a_joystick_that_takes_outranks_the_mind_and_gives_back(stage: Stage) ->
         peer.entity("chair1", lambda entity: entity.get("Speed", 0.0) < -0.05)
 
 
-def test_the_mind_has_its_chair_back_when_a_joystick_that_took_it_dies(stage: Stage) -> None:
+def test_the_mind_gets_its_chair_back_when_the_joystick_with_the_lease_dies(stage: Stage) -> None:
     stage.server("--map", "corridor15m", "--pace", "realtime")
     stage.agent("chair1", "drive", "--option", "left=-0.1", "--option", "right=-0.1", *AT_ONCE)
     with stage.peer() as peer:
@@ -150,11 +185,12 @@ def test_the_mind_has_its_chair_back_when_a_joystick_that_took_it_dies(stage: St
         peer.entity("chair1", lambda entity: entity.get("Speed", 0.0) < -0.05)
 
 
-def test_a_chair_that_somebody_else_took_or_that_is_not_there_is_refused(stage: Stage) -> None:
+def test_a_taken_or_missing_chair_is_refused(stage: Stage) -> None:
     stage.server("--map", "corridor15m", "--pace", "realtime")
     with stage.peer() as peer:
         child = joystick(stage, HELD, "--take")
         assert stage.exit(child) == 1
+        assert "waiting why='no agent chair1 yet'" in stage.log(child)
         assert "no agent 'chair1' here" in stage.log(child)
         stage.agent("chair1", "joystick")
         assert peer.ctl("take", Agent="chair1", Seconds=60.0)["Code"] == "ok"
@@ -163,7 +199,7 @@ def test_a_chair_that_somebody_else_took_or_that_is_not_there_is_refused(stage: 
         assert "agent 'chair1' is taken by somebody else" in stage.log(child)
 
 
-def test_a_mind_apart_from_its_body_hears_the_user_too(stage: Stage) -> None:
+def test_a_mind_in_its_own_process_gets_the_user_input_too(stage: Stage) -> None:
     stage.server("--map", "corridor15m", "--pace", "realtime")
     with stage.peer() as peer:
         robot = {"Name": "chair1", "Kind": "wheelchair", "TopSpeed": 1.0, "Length": 1.0, "Width": 0.6}
@@ -178,7 +214,7 @@ def test_a_mind_apart_from_its_body_hears_the_user_too(stage: Stage) -> None:
 
 
 @pytest.mark.parametrize("mind", ["waypoints", "seek"])
-def test_a_goal_that_a_peer_sets_under_a_lease_is_where_the_chair_arrives(stage: Stage, mind: str) -> None:
+def test_a_goal_set_under_a_lease_is_where_the_chair_arrives(stage: Stage, mind: str) -> None:
     stage.server("--map", "room", "--pace", "realtime", "--speed", "4")
     stage.agent("chair1", mind, "--place", "start1", "--option", "to=start1", robot="corridor-chair")
     with stage.peer() as peer:

@@ -1,4 +1,4 @@
-"""`iw-run lab`: two real and two virtual chairs, and where the real ones truly are leaves no laboratory."""
+"""`iw-run lab`: two real and two virtual chairs. The true poses of the real ones never leave the laboratory."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from intellwheels_experiments.run.launch_spec import parse
+from intellwheels_experiments.run.child_processes import parse
 from tests.e2e.stage import Stage, run
 
 REAL = {"real1", "real2"}
@@ -22,7 +22,7 @@ def agents_of(lines: list[dict[str, Any]], what: str) -> set[str]:
     return {agent for line in lines for agent in line.get("Inputs", {}).get(what, {})}
 
 
-def test_two_real_and_two_virtual_chairs_are_in_one_floor_the_same_each_time(tmp_path: Path) -> None:
+def test_two_real_and_two_virtual_chairs_share_a_floor_and_each_run_is_the_same(tmp_path: Path) -> None:
     hashes = set()
     for turn in ("first", "again"):
         log, result = tmp_path / f"{turn}.jsonl", tmp_path / f"{turn}.json"
@@ -35,7 +35,7 @@ def test_two_real_and_two_virtual_chairs_are_in_one_floor_the_same_each_time(tmp
     assert {one["Agent"] for one in joins} == REAL | {"virtual1", "virtual2", "table"}
     assert agents_of(here, "Poses") == REAL
     assert agents_of(there, "Actions") == REAL
-    # Their minds have their own sonars beside the virtual ones.
+    # Their minds get the real sonars beside the virtual ones.
     for line in here[-20:]:
         for pose in line.get("Inputs", {}).get("Poses", {}).values():
             assert any(one["Id"].startswith("real-") for one in pose["Sensors"]["Proximity"])
@@ -43,20 +43,20 @@ def test_two_real_and_two_virtual_chairs_are_in_one_floor_the_same_each_time(tmp
 
 def test_subscriber_to_everything_in_world_lab_finds_no_truth(tmp_path: Path) -> None:
     logs = tmp_path / "of-the-run"
-    words = [sys.executable, "-m", "intellwheels_experiments", "lab", "--pace", "realtime", "--logs", str(logs)]
+    command = [sys.executable, "-m", "intellwheels_experiments", "lab", "--pace", "realtime", "--logs", str(logs)]
     with Stage(tmp_path, "lab") as stage:
-        stage.launch("run", lambda _lifeline: words)
+        stage.launch("run", lambda _lifeline: command)
 
-        def told() -> str | None:
+        def printed() -> str | None:
             lines = (tmp_path / "logs" / "run.log").read_text().splitlines()
             return next((line for line in lines if line.startswith("laboratory ")), None)
 
-        values = parse(stage.wait(told, "where the laboratory is", LIMIT))[1]
+        values = parse(stage.wait(printed, "endpoint of the laboratory", LIMIT))[1]
         assert (values["world"], values["chairs"]) == ("lab", "real1,real2")
         stage.endpoint = values["at"]
         with stage.peer() as spy:
             everything = spy.hear("**")
-            stage.wait(lambda: True if len(everything) > 200 else None, "much of what is said", LIMIT)
+            stage.wait(lambda: True if len(everything) > 200 else None, "200 messages", LIMIT)
             heard = list(everything)
     kinds = {key.removeprefix(spy.prefix) for key, _ in heard}
     assert {"clock", "out/real1/measures", "out/real2/measures", "in/real1/actions", "in/real2/actions"} <= kinds
@@ -64,7 +64,7 @@ def test_subscriber_to_everything_in_world_lab_finds_no_truth(tmp_path: Path) ->
     for key, data in heard:
         document = json.loads(data)
         if key.endswith("/measures"):
-            # Of places there are only the receiver's, as it has them.
+            # The only positions in it are those that the receiver itself measured.
             assert set(document.get("Sensors", {})) <= {"Proximity", "Encoders", "Compass", "Bumper", "GPS"}
         elif "/body/" in key:
             assert not {"WheelRatio", "WheelScale", "TrackRatio"} & document["Robot"].keys()

@@ -1,4 +1,4 @@
-"""The other scenes as processes: what must hold holds."""
+"""The other scenes as processes: the conditions of each scene hold."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from tests.e2e.stage import run
 
 
 @pytest.mark.parametrize("scene", ["follow", "door", "corner", "crossing"])
-def test_what_must_hold_in_the_scene_holds(tmp_path: Path, scene: str) -> None:
+def test_conditions_of_the_scene_hold(tmp_path: Path, scene: str) -> None:
     file = tmp_path / "result.json"
     done = run("intellwheels_experiments", scene, "--json", str(file), "--logs", str(tmp_path / "logs"), timeout=180.0)
     assert done.returncode == 0, done.stdout + done.stderr

@@ -1,4 +1,4 @@
-"""`iw-run table1` with five seeds: rows, numbers and report; its runs are those that are kept for the hypotheses."""
+"""`iw-run table1` with five seeds: rows, numbers and report. The runs equal those stored for the hypotheses."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ import pytest
 
 from intellwheels_experiments.batch.summary import Summary
 
-KEPT = Path(__file__).parents[1] / "experiments" / "table1" / "batch.csv"
+STORED = Path(__file__).parents[1] / "experiments" / "table1" / "batch.csv"
 SEEDS = 5
 LIMIT = 600.0
 _OUTCOME = ("died", "success", "collided", "contacts_physical", "contacts_virtual", "hash")
@@ -35,9 +35,9 @@ def batch(tmp_path_factory: pytest.TempPathFactory) -> tuple[str, Path]:
     return done.stdout, out
 
 
-def test_every_row_has_its_five_runs_as_they_are_kept(batch: tuple[str, Path]) -> None:
-    found, kept = lines(batch[1] / "batch.csv"), lines(KEPT)
-    wanted = {key: line for key, line in kept.items() if int(key[1]) <= SEEDS}
+def test_every_row_has_five_runs_that_equal_the_stored_ones(batch: tuple[str, Path]) -> None:
+    found, stored = lines(batch[1] / "batch.csv"), lines(STORED)
+    wanted = {key: line for key, line in stored.items() if int(key[1]) <= SEEDS}
     assert len(wanted) == 7 * SEEDS
     assert found.keys() == wanted.keys()
     assert {key: [line[name] for name in _OUTCOME] for key, line in found.items()} == {
@@ -45,7 +45,7 @@ def test_every_row_has_its_five_runs_as_they_are_kept(batch: tuple[str, Path]) -
     }
 
 
-def test_what_is_printed_and_reported_are_the_figures_of_the_runs(batch: tuple[str, Path]) -> None:
+def test_output_and_report_have_the_numbers_of_the_runs(batch: tuple[str, Path]) -> None:
     printed, out = batch
     found = lines(out / "batch.csv")
     summary = msgspec.json.decode((out / "summary.json").read_bytes(), type=Summary)

@@ -25,7 +25,7 @@ LABORATORY = (
 )
 REACH = '<Reach Agent="chair" Place="goal" Within="14.5"/>'
 DIES = '''\
-"""Drives, and fails in the third run of its process, of which the first is that it joins."""
+"""Drives, and fails in the third run of its process; the first one is the run in which it joins."""
 
 from intellwheels_agents import Actions
 
@@ -38,17 +38,17 @@ class Mind:
 
     def decide(self, measures):
         if len(RUNS) > 2 and measures.tick == 10:
-            raise RuntimeError("it was to fail")
+            raise RuntimeError("failed on purpose")
         return Actions(left_motor=0.5, right_motor=0.5)
 '''
 
 
 def write_scene(folder: Path, *, dies: bool = False, laboratory: bool = False) -> Path:
-    """Write the scene and return its path; with `dies` a mind that fails in the second run of a stand."""
+    """Write the scene and return its path; with `dies`, with a mind that fails in the second run of a worker."""
     (folder / "dies.py").write_text(DIES)
     path = folder / "short.xml"
     mind, options = ("dies.py", "") if dies else ("drive", DRIVE)
-    # A laboratory is to end before the time is over: then the two worlds are at other ticks.
+    # The laboratory ends before the timeout, so that the two worlds end at different ticks.
     level, reach = (LABORATORY, REACH) if laboratory else ("", "")
     path.write_text(SCENE.format(mind=mind, options=options, level=level, reach=reach))
     return path

@@ -1,7 +1,7 @@
-"""What the paper found, as hypotheses on the runs that are kept beside this file: `iw-run table1 --seeds 40 --jobs 2`.
+"""The paper's findings as hypotheses on the runs stored beside this file: `iw-run table1 --seeds 40 --jobs 2`.
 
-Nothing in the scene is tuned to the paper's table. Where these runs say otherwise than the paper, or decide nothing,
-that is what is written here, and the report says it too.
+Nothing in the scene is tuned to the paper's table. Where these runs contradict the paper, or decide nothing, the test
+here says so, and so does the report.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ import pytest
 from intellwheels_experiments.batch.statistics import compare
 from intellwheels_experiments.batch.summary import Summary
 
-KEPT = Path(__file__).parent / "table1"
+STORED = Path(__file__).parent / "table1"
 ROWS = (
     "real-manual", "virtual-manual", "real-autonomous", "virtual-autonomous", "augmented-raw", "augmented-calibrated",
     "augmented-corrected",
@@ -24,14 +24,14 @@ ROWS = (
 
 @pytest.fixture(scope="module")
 def rows() -> dict[str, list[dict[str, str]]]:
-    with (KEPT / "batch.csv").open() as file:
+    with (STORED / "batch.csv").open() as file:
         lines = list(csv.DictReader(file))
     return {row: [line for line in lines if line["row"] == row] for row in ROWS}
 
 
 @pytest.fixture(scope="module")
 def summary() -> Summary:
-    return msgspec.json.decode((KEPT / "summary.json").read_bytes(), type=Summary)
+    return msgspec.json.decode((STORED / "summary.json").read_bytes(), type=Summary)
 
 
 def succeeded(lines: list[dict[str, str]]) -> list[bool]:
@@ -51,10 +51,10 @@ def test_runs_by_hand_and_virtual_ones_touch_nothing(rows: dict[str, list[dict[s
 def test_real_chair_by_itself_succeeds_as_often_as_a_virtual_one_and_is_worse_in_all_else(
     rows: dict[str, list[dict[str, str]]], summary: Summary
 ) -> None:
-    """Against the paper's one run each.
+    """In the paper each of the two had one run.
 
-    Wheels that differ by 0.2 % and err at random as measured ones do put it 0.4 m aside at the end, which is still
-    at its place; sonars lose what they see aslant and nothing else, as no figure of what else they lose is known.
+    Wheels that differ by 0.2 % and have the random error of measured ones put it 0.4 m off at the end, which is still
+    at its place. Its sonars miss surfaces at a slant and nothing else, as no data on other losses is known.
     """
     assert compare(succeeded(rows["real-autonomous"]), succeeded(rows["virtual-autonomous"])).equivalent
     (found,) = (one for one in summary.comparisons if one.first == "real-autonomous" and one.second)
@@ -64,16 +64,16 @@ def test_real_chair_by_itself_succeeds_as_often_as_a_virtual_one_and_is_worse_in
     assert found.differences["odometry_error"][1].low > 0.3
 
 
-def test_report_is_kept_with_the_same_figures(rows: dict[str, list[dict[str, str]]], summary: Summary) -> None:
+def test_stored_report_has_the_same_numbers(rows: dict[str, list[dict[str, str]]], summary: Summary) -> None:
     assert {line.name: line.succeeded for line in summary.lines} == {
         row: sum(succeeded(lines)) for row, lines in rows.items()
     }
-    report = (KEPT / "report.html").read_text()
+    report = (STORED / "report.html").read_text()
     assert all(line.title in report for line in summary.lines)
 
 
 @pytest.mark.parametrize("row", ["augmented-calibrated", "augmented-corrected"])
-def test_augmented_chair_that_is_calibrated_or_corrected_is_as_good_as_a_virtual_one(
+def test_calibrated_or_corrected_augmented_chair_is_equivalent_to_a_virtual_one(
     rows: dict[str, list[dict[str, str]]], row: str
 ) -> None:
     assert compare(succeeded(rows[row]), succeeded(rows["virtual-autonomous"])).equivalent

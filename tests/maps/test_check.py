@@ -42,7 +42,7 @@ SQUARE = corners((0, 0), (1, 0), (1, 1), (0, 1))
 GAP = (line((0, -3), (0, -0.5)), line((0, 0.5), (0, 3)))
 
 
-def test_sound_floor_has_no_findings() -> None:
+def test_valid_floor_has_no_findings() -> None:
     doorway = Doorway(name="d", x=0.0, y=0.0, heading_deg=0.0, width=1.0)
     document = floor(
         wall=(*GAP, Wall(corner=corners((5, 0), (6, 0), (6, 1)))),
@@ -56,15 +56,15 @@ def test_sound_floor_has_no_findings() -> None:
 @pytest.mark.parametrize(
     ("points", "text"),
     [
-        ([(0, 0), (1, 1), (1, 0), (0, 1)], "zone 'z' crosses itself, edges 0 and 2 (from 0)"),
-        ([(0, 0), (2, 0), (1, 0), (1, 1)], "zone 'z' crosses itself, edges 0 and 1 (from 0)"),
-        ([(0, 0), (2, 0), (2, 2), (1, 0), (0, 2)], "zone 'z' crosses itself, edges 0 and 2 (from 0)"),
-        ([(0, 0), (1, 0), (2, 0)], "zone 'z' has no area, expected corners that span one"),
-        ([(0, 0), (1, 0), (1, 0), (0, 1)], "zone 'z' has the same corner twice running, X 1.0 Y 0.0"),
-        ([(0, 0), (1, 0), (0, 1), (0, 0)], "zone 'z' has the same corner twice running, X 0.0 Y 0.0"),
+        ([(0, 0), (1, 1), (1, 0), (0, 1)], "zone 'z' crosses itself: edges 0 and 2, counted from 0"),
+        ([(0, 0), (2, 0), (1, 0), (1, 1)], "zone 'z' crosses itself: edges 0 and 1, counted from 0"),
+        ([(0, 0), (2, 0), (2, 2), (1, 0), (0, 2)], "zone 'z' crosses itself: edges 0 and 2, counted from 0"),
+        ([(0, 0), (1, 0), (2, 0)], "zone 'z' has no area: its corners are on one line"),
+        ([(0, 0), (1, 0), (1, 0), (0, 1)], "zone 'z' has the same corner twice in a row, X 1.0 Y 0.0"),
+        ([(0, 0), (1, 0), (0, 1), (0, 0)], "zone 'z' has the same corner twice in a row, X 0.0 Y 0.0"),
     ],
 )
-def test_polygon_that_is_none_is_found(points: list[tuple[float, float]], text: str) -> None:
+def test_invalid_polygon_is_found(points: list[tuple[float, float]], text: str) -> None:
     assert texts(check_map(floor(zone=(Zone(name="z", corner=corners(*points)),)))) == [text]
 
 
@@ -76,20 +76,20 @@ def test_polygon_that_is_none_is_found(points: list[tuple[float, float]], text: 
         [(0, 0), (1, 0), (2, 0), (2, 2)],
     ],
 )
-def test_concave_and_straight_cornered_polygons_are_sound(points: list[tuple[float, float]]) -> None:
+def test_concave_and_straight_cornered_polygons_are_valid(points: list[tuple[float, float]]) -> None:
     ring = corners(*points)
     assert check_map(floor(zone=(Zone(name="z", corner=ring),))) == []
     assert check_map(floor(zone=(Zone(name="z", corner=ring[::-1]),))) == []
 
 
-def test_line_wall_may_come_back_to_its_first_corner() -> None:
+def test_line_wall_may_return_to_its_first_corner() -> None:
     assert check_map(floor(wall=(line((0, 0), (4, 0), (4, 4), (0, 4), (0, 0)),))) == []
 
 
-def test_names_that_are_there_twice_are_found() -> None:
+def test_duplicate_names_are_found() -> None:
     place = Place(name="p", x=3.0, y=3.0)
     findings = check_map(floor(grid=Grid(position=(place, place))))
-    assert findings == [Finding("Map.Grid.Position[1]", "place 'p' is there twice, expected names that differ")]
+    assert findings == [Finding("Map.Grid.Position[1]", "place 'p' exists twice, expected different names")]
 
 
 @pytest.mark.parametrize(
@@ -112,11 +112,11 @@ def test_place_inside_a_bed_is_found() -> None:
 @pytest.mark.parametrize(
     ("y", "heading_deg", "width", "text"),
     [
-        (0.0, 0.0, 1.2, "doorway 'd': expected Width 1.0, the opening of its walls, got 1.2"),
-        (0.0, 180.0, 0.9, "doorway 'd': expected Width 1.0, the opening of its walls, got 0.9"),
-        (0.1, 0.0, 1.0, "doorway 'd': expected the middle of its opening, got 0.4 m left and 0.6 m right"),
-        (2.0, 0.0, 1.0, "doorway 'd' is inside a wall, expected an opening"),
-        (0.0, 90.0, 1.0, "doorway 'd' needs a wall within 5.0 m on either side"),
+        (0.0, 0.0, 1.2, "doorway 'd': expected Width 1.0, the gap between its walls, got 1.2"),
+        (0.0, 180.0, 0.9, "doorway 'd': expected Width 1.0, the gap between its walls, got 0.9"),
+        (0.1, 0.0, 1.0, "doorway 'd': expected the middle of the opening, got 0.4 m left and 0.6 m right"),
+        (2.0, 0.0, 1.0, "doorway 'd': expected an opening, got the inside of a wall"),
+        (0.0, 90.0, 1.0, "doorway 'd': expected a wall within 5.0 m on each side"),
     ],
 )
 def test_doorway_that_does_not_fit_its_walls_is_found(y: float, heading_deg: float, width: float, text: str) -> None:
@@ -124,7 +124,7 @@ def test_doorway_that_does_not_fit_its_walls_is_found(y: float, heading_deg: flo
     assert check_map(floor(wall=GAP, doorway=(doorway,))) == [Finding("Map.Doorway[0]", text)]
 
 
-def test_opening_between_slanted_walls_is_measured_across_the_way() -> None:
+def test_opening_between_slanted_walls_is_measured_across_the_passage() -> None:
     document = floor(wall=(line((1, -1), (3, -3)), line((-2, 2), (-3, 3))))
     doorway = Doorway(name="d", x=0.0, y=0.0, heading_deg=45.0, width=1.0)
     assert opening(document, doorway) == pytest.approx((2 * 2**0.5, 2**0.5))
@@ -137,8 +137,8 @@ def test_robot_file_needs_a_format_and_no_position() -> None:
     assert check_robot(Robot(format="iw.v1", length=1.0, width=0.5, center=0.5)) == []
     document = Robot(length=1.0, width=0.5, center=0.5, position=Position(x=0.0, y=0.0, heading=0.0))
     assert check_robot(document) == [
-        Finding("Robot", "robot file needs Format, expected 'iw.v1', got none"),
-        Finding("Robot.Position", "expected no Position in a file, it is given at joining"),
+        Finding("Robot", "expected Format 'iw.v1' in a robot file, got none"),
+        Finding("Robot.Position", "expected no Position in a robot file: it is set when an agent joins"),
     ]
 
 
@@ -152,7 +152,7 @@ def scene(*cast: Cast, **fields: object) -> Scene:
     return Scene(format="iw.v1", name="s", map="floor", cast=cast, **fields)  # type: ignore[arg-type]
 
 
-def test_scene_of_a_place_that_is_not_there_says_which_are() -> None:
+def test_unknown_place_of_a_scene_is_found_with_the_known_ones() -> None:
     document = scene(Cast(name="a", robot="r", mind="m", place="bed9"))
     assert check_scene(document, PLACES) == [
         Finding("Scene.Cast[0]", "expected one of the places of 'floor' (bed1, goal1), got 'bed9'")
@@ -161,7 +161,9 @@ def test_scene_of_a_place_that_is_not_there_says_which_are() -> None:
 
 def test_two_agents_at_one_place_are_found() -> None:
     casts = [Cast(name=name, robot="r", mind="m", place="bed1") for name in ("a", "b")]
-    assert check_scene(scene(*casts), PLACES) == [Finding("Scene.Cast[1]", "place 'bed1' is already that of agent 'a'")]
+    assert check_scene(scene(*casts), PLACES) == [
+        Finding("Scene.Cast[1]", "place 'bed1' is already taken by agent 'a'")
+    ]
 
 
 def test_reach_of_an_unknown_place_is_found() -> None:
@@ -171,6 +173,6 @@ def test_reach_of_an_unknown_place_is_found() -> None:
     ]
 
 
-def test_hold_of_what_nobody_is_to_reach_is_found() -> None:
+def test_hold_reached_without_a_reach_is_found() -> None:
     document = scene(hold=Hold(reached="all"))
-    assert texts(check_scene(document, PLACES)) == ["Reached needs a Reach in End, got none"]
+    assert texts(check_scene(document, PLACES)) == ["Reached: expected a Reach in End, got none"]

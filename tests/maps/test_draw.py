@@ -54,5 +54,5 @@ def test_titles_with_special_characters_are_escaped() -> None:
     assert "Ear, Nose & Throat <3>" in {element.text for element in root.iter(f"{SVG}text")}
 
 
-def test_floor_without_anything_can_be_drawn() -> None:
+def test_empty_floor_can_be_drawn() -> None:
     assert ElementTree.fromstring(draw(Map(format="iw.v1", name="empty"))).tag == f"{SVG}svg"

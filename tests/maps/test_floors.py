@@ -1,4 +1,4 @@
-"""The shipped floors measure what the scenarios need. Shapely is the judge, not the project's own geometry."""
+"""The shipped floors have the dimensions that the scenes need. Shapely checks them, not the project's own geometry."""
 
 from __future__ import annotations
 
@@ -74,7 +74,7 @@ def place(document: Map, name: str) -> Place:
 
 
 def clear_width(document: Map, name: str) -> float:
-    """The least distance between the two walls that a doorway's cross line ends at."""
+    """Return the distance between the two walls at the ends of a doorway's cross line."""
     doorway = next(doorway for doorway in document.doorway if doorway.name == name)
     heading = math.radians(doorway.heading_deg)
     across = (-math.sin(heading), math.cos(heading))
@@ -92,7 +92,7 @@ def test_floor_has_a_title_and_a_source(name: str) -> None:
     assert document.source
 
 
-def test_the_floors_of_the_issue_are_there() -> None:
+def test_all_expected_floors_are_there() -> None:
     assert FLOORS == ["corner", "corridor15m", "crossing", "door", "lounge", "room", "square", "ward"]
 
 
@@ -139,7 +139,7 @@ def test_every_goal_is_free_for_a_chair_that_arrives_with_its_heading(name: str)
 
 
 @pytest.mark.parametrize("name", ["door", "room", "ward"])
-def test_door_leaf_swings_to_both_sides_with_six_hundredths_at_the_hinge(name: str) -> None:
+def test_door_leaf_swings_to_both_sides_with_0_06_m_at_the_hinge(name: str) -> None:
     document = floor(name)
     [hinge] = places(document, "door")
     solid = solids(document, 0.0, 2.0)
@@ -153,7 +153,7 @@ def test_door_leaf_swings_to_both_sides_with_six_hundredths_at_the_hinge(name: s
 
 
 @pytest.mark.parametrize("name", ["door", "room", "ward"])
-def test_closed_leaf_fills_its_doorway_but_for_slits(name: str) -> None:
+def test_closed_leaf_fills_its_doorway_except_for_slits(name: str) -> None:
     document = floor(name)
     [hinge] = places(document, "door")
     [(leaf, _, _)] = plan(robot("door"), hinge)
@@ -178,7 +178,7 @@ def test_open_leaf_lets_the_widest_chair_through(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", ["corridor15m", "door", "corner", "ward"])
-def test_corridor_is_two_metres_forty_wide(name: str) -> None:
+def test_corridor_is_2_4_m_wide(name: str) -> None:
     document = floor(name)
     for x in (1.5, 3.5):
         free = LineString([(x, -3.0), (x, 3.0)]).difference(walls(document))
@@ -187,7 +187,7 @@ def test_corridor_is_two_metres_forty_wide(name: str) -> None:
         assert middle.bounds == pytest.approx((x, -1.2, x, 1.2))
 
 
-def test_second_leg_behind_the_corner_is_as_wide() -> None:
+def test_second_leg_of_the_corner_is_as_wide() -> None:
     free = LineString([(5.0, 6.0), (20.0, 6.0)]).difference(walls(floor("corner")))
     [middle] = [piece for piece in shapely.get_parts(free) if piece.distance(Point(11.2, 6.0)) < 1e-9]
     assert middle.length == pytest.approx(2.4, abs=1e-9)
@@ -219,14 +219,14 @@ def test_doors_of_the_ward_are_clear_between_ninety_and_a_hundred_and_fifteen() 
 
 
 @pytest.mark.parametrize("name", FLOORS)
-def test_every_doorway_says_its_clear_width(name: str) -> None:
+def test_every_doorway_states_its_clear_width(name: str) -> None:
     document = floor(name)
     for doorway in document.doorway:
         assert clear_width(document, doorway.name) == pytest.approx(doorway.width, abs=1e-9)
 
 
-def test_ward_has_ten_rooms_and_more_that_a_chair_can_reach() -> None:
-    """From the corridor, a circle of a chair's half width gets to every start place."""
+def test_ward_has_at_least_ten_rooms_that_a_chair_can_reach() -> None:
+    """A circle with half the width of a chair can reach every start place from the corridor."""
     document = floor("ward")
     assert len([zone for zone in document.zone if zone.name not in {"corridor", "lobby"}]) >= 10
     # Grown walls leave the ground that a disc of 0.34 m, half of the widest chair and a bit, can stand on.
@@ -254,7 +254,7 @@ def test_room_has_three_starts_three_goals_a_table_and_a_hinge() -> None:
 
 
 def test_goal_behind_the_door_is_out_of_sight_of_its_sensors() -> None:
-    """Else the door never sees nothing, and never closes."""
+    """Otherwise the door would always see a chair at the goal, and never close."""
     document = floor("room")
     hinge = place(document, "hinge")
     heading = math.radians(hinge.heading_deg)

@@ -23,12 +23,12 @@ def test_hospital_passes_the_checks_of_a_floor() -> None:
     assert check_map(hospital()) == []
 
 
-def test_same_seed_gives_the_same_hospital_and_another_gives_another() -> None:
+def test_hospital_depends_on_the_seed_alone() -> None:
     assert hospital(7) == hospital(7)
     assert hospital(7).wall != hospital(8).wall
 
 
-def test_a_thousand_bodies_find_a_place_whatever_their_heading() -> None:
+def test_thousand_bodies_find_a_place_at_any_heading() -> None:
     document = hospital()
     assert document.grid
     walls = shapely.STRtree(
@@ -47,7 +47,7 @@ def test_a_thousand_bodies_find_a_place_whatever_their_heading() -> None:
 
 
 @pytest.mark.parametrize("seed", [1, 2, 3])
-def test_every_room_is_reached_from_the_first_corridor(seed: int) -> None:
+def test_every_room_can_be_reached_from_the_first_corridor(seed: int) -> None:
     document = hospital(seed)
     assert document.grid
     walls = shapely.union_all(

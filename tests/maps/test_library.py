@@ -26,7 +26,7 @@ def write(folder: Path, name: str, text: str) -> Path:
     return path
 
 
-def test_names_are_sorted_and_without_their_ending() -> None:
+def test_names_are_sorted_and_have_no_ending() -> None:
     for shelf in ("floors", "robots", "scenes"):
         known = names(shelf)
         assert known
@@ -34,8 +34,8 @@ def test_names_are_sorted_and_without_their_ending() -> None:
         assert not any("." in name for name in known)
 
 
-def test_shelf_that_is_none_is_an_error() -> None:
-    with pytest.raises(ValueError, match="expected a shelf"):
+def test_unknown_shelf_is_an_error() -> None:
+    with pytest.raises(ValueError, match="shelf: expected one of floors, robots, scenes"):
         names("cupboards")  # type: ignore[arg-type]
 
 
@@ -54,7 +54,7 @@ def test_every_shipped_scene_loads(name: str) -> None:
     assert scene(name).name == name
 
 
-def test_unknown_name_says_which_there_are() -> None:
+def test_unknown_name_is_refused_with_the_known_ones() -> None:
     with pytest.raises(WireError) as caught:
         floor("wart")
     assert caught.value.text == (
@@ -62,23 +62,23 @@ def test_unknown_name_says_which_there_are() -> None:
     )
 
 
-def test_file_that_is_not_there_is_named(tmp_path: Path) -> None:
+def test_missing_file_is_named(tmp_path: Path) -> None:
     with pytest.raises(WireError) as caught:
         floor(tmp_path / "none.xml")
     assert caught.value.text.startswith(f"{tmp_path}/none.xml: expected a file, got ")
 
 
-def test_own_floor_is_read_by_its_path_and_by_its_path_beside_a_folder(tmp_path: Path) -> None:
+def test_users_floor_is_read_by_its_path_or_relative_to_a_folder(tmp_path: Path) -> None:
     path = write(tmp_path, "mine.xml", MAP.format(wall=WALL, place="goal"))
     assert floor(path) == floor(str(path)) == floor("mine.xml", beside=tmp_path)
     assert floor(path).name == "mine"
 
 
-def test_finding_carries_file_and_line_of_its_element(tmp_path: Path) -> None:
+def test_finding_names_file_and_line(tmp_path: Path) -> None:
     path = write(tmp_path, "mine.xml", MAP.format(wall=WALL, place="start"))
     with pytest.raises(WireError) as caught:
         floor(path)
-    assert caught.value.text == f"{path}:7: place 'start' is there twice, expected names that differ"
+    assert caught.value.text == f"{path}:7: place 'start' exists twice, expected different names"
     assert caught.value.where == f"{path}:7"
     assert caught.value.code == "value"
 
@@ -92,7 +92,7 @@ def test_wall_of_one_corner_is_refused_with_its_line(tmp_path: Path) -> None:
     assert caught.value.text.endswith("at least 2 corners, got 1")
 
 
-def test_every_finding_of_a_file_is_told_at_once(tmp_path: Path) -> None:
+def test_all_findings_of_a_file_are_reported_together(tmp_path: Path) -> None:
     wall = WALL.replace('X="4.0"', 'X="0.0"')
     path = write(tmp_path, "mine.xml", MAP.format(wall=wall, place="start"))
     with pytest.raises(WireError) as caught:
@@ -100,7 +100,7 @@ def test_every_finding_of_a_file_is_told_at_once(tmp_path: Path) -> None:
     assert [line.split(": ")[0] for line in caught.value.text.splitlines()] == [f"{path}:4", f"{path}:7"]
 
 
-def test_attribute_that_is_no_number_is_refused_with_file_line_and_element(tmp_path: Path) -> None:
+def test_attribute_that_is_not_a_number_is_refused_with_file_line_and_element(tmp_path: Path) -> None:
     wall = WALL.replace('X="4.0"', 'X="four"')
     path = write(tmp_path, "mine.xml", MAP.format(wall=wall, place="goal"))
     with pytest.raises(WireError) as caught:
@@ -110,7 +110,7 @@ def test_attribute_that_is_no_number_is_refused_with_file_line_and_element(tmp_p
     assert "four" in caught.value.text
 
 
-def test_scene_finds_its_floor_and_robots_beside_itself(tmp_path: Path) -> None:
+def test_scene_finds_its_floor_and_robots_in_its_own_folder(tmp_path: Path) -> None:
     write(tmp_path, "mine.xml", MAP.format(wall=WALL, place="goal"))
     write(tmp_path, "box.xml", '<Robot Format="iw.v1" Kind="box" Length="1.0" Width="1.0" Center="0.5"/>')
     text = """<Scene Format="iw.v1" Name="s" Map="mine.xml">
@@ -119,7 +119,7 @@ def test_scene_finds_its_floor_and_robots_beside_itself(tmp_path: Path) -> None:
     assert scene(write(tmp_path, "s.xml", text)).map == "mine.xml"
 
 
-def test_scene_whose_chair_of_a_laboratory_is_not_there_is_refused(tmp_path: Path) -> None:
+def test_scene_with_a_missing_laboratory_chair_is_refused(tmp_path: Path) -> None:
     write(tmp_path, "floor.xml", MAP.format(wall=WALL, place="goal"))
     text = """<Scene Format="iw.v1" Name="s" Map="floor.xml">
   <Cast Name="a" Robot="rear-wheel" Mind="drive" Place="start"/>
@@ -130,7 +130,7 @@ def test_scene_whose_chair_of_a_laboratory_is_not_there_is_refused(tmp_path: Pat
         scene(str(write(tmp_path, "scene.xml", text)))
 
 
-def test_scene_of_an_unknown_place_or_robot_is_refused_with_its_line(tmp_path: Path) -> None:
+def test_scene_with_an_unknown_place_or_robot_is_refused_with_its_line(tmp_path: Path) -> None:
     write(tmp_path, "mine.xml", MAP.format(wall=WALL, place="goal"))
     text = """<Scene Format="iw.v1" Name="s" Map="mine.xml">
   <Cast Name="a" Robot="crate" Mind="drive" Place="start"/>

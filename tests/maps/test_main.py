@@ -10,7 +10,7 @@ from intellwheels_maps.__main__ import main
 from intellwheels_maps.hospital import hospital
 
 
-def test_list_prints_every_shelf(capsys: pytest.CaptureFixture[str]) -> None:
+def test_list_prints_floors_robots_and_scenes(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["list"]) == 0
     lines = capsys.readouterr().out.splitlines()
     assert lines[0] == f"floors: {' '.join(names('floors'))}"
@@ -41,7 +41,7 @@ def test_draw_writes_a_plan(tmp_path: Path) -> None:
         ("", ":"),
     ],
 )
-def test_check_of_a_wrong_file_says_where_and_exits_with_one(
+def test_check_names_the_place_in_a_wrong_file_and_exits_with_1(
     text: str, error: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     path = tmp_path / "mine.xml"
@@ -51,12 +51,12 @@ def test_check_of_a_wrong_file_says_where_and_exits_with_one(
 
 
 @pytest.mark.parametrize("command", [["check", "none.xml"], ["draw", "wart", "out.svg"]])
-def test_what_is_not_there_exits_with_one(command: list[str], capsys: pytest.CaptureFixture[str]) -> None:
+def test_missing_file_exits_with_1(command: list[str], capsys: pytest.CaptureFixture[str]) -> None:
     assert main(command) == 1
     assert "expected" in capsys.readouterr().err
 
 
-def test_wrong_usage_exits_with_two(capsys: pytest.CaptureFixture[str]) -> None:
+def test_wrong_usage_exits_with_2(capsys: pytest.CaptureFixture[str]) -> None:
     with pytest.raises(SystemExit) as caught:
         main(["dance"])
     assert caught.value.code == 2

@@ -1,4 +1,4 @@
-"""The shipped robots have the figures of the design: turning radii, heights, what their sensors look at."""
+"""The shipped robots have the dimensions of the design: turning radii, heights, sensor positions."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ CHAIRS = {
 """Length, width, centre of movement as a share of the length from the rear edge, turning radius; metres."""
 
 
-def test_the_robots_of_the_issue_are_there() -> None:
+def test_all_expected_robots_are_there() -> None:
     assert set(names("robots")) >= {*CHAIRS, "door", "table", "person", "crate"}
 
 
@@ -44,7 +44,7 @@ def test_base_of_a_chair_has_its_preset_outline(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", CHAIRS)
-def test_upper_body_is_shorter_and_lies_over_the_base(name: str) -> None:
+def test_upper_body_is_shorter_and_lies_above_the_base(name: str) -> None:
     base, upper = robot(name).part
     assert (upper.bottom, upper.top) == (0.5, 1.3)
     assert upper.length < base.length
@@ -69,7 +69,7 @@ def test_proximity_sensors_sit_on_the_outline_and_look_outwards(name: str) -> No
 
 
 @pytest.mark.parametrize("name", CHAIRS)
-def test_chair_has_what_a_mind_finds_its_way_with(name: str) -> None:
+def test_chair_has_the_sensors_that_a_mind_needs(name: str) -> None:
     document = robot(name)
     assert document.kind == "wheelchair"
     assert 0.9 <= document.top_speed <= 1.1
@@ -83,13 +83,13 @@ def test_acceleration_curves_of_the_chairs_differ() -> None:
 
 @pytest.mark.parametrize("name", names("robots"))
 def test_shipped_robot_has_no_noise_of_its_own(name: str) -> None:
-    """Noise is a scene's choice, so that tests of the motion may use the same robots."""
+    """Noise is set by scenes, so that tests of the motion can use the same robots."""
     document = robot(name)
     assert document.motor_noise == 0.0
     assert all(compass.noise_deg == 0.0 for compass in document.compass)
 
 
-def test_door_is_the_leaf_of_the_paper_with_two_sensors_on_each_side_of_its_frame() -> None:
+def test_door_has_the_papers_leaf_and_two_sensors_on_each_side() -> None:
     document = robot("door")
     assert (document.length, document.width, document.center, document.top) == (1.0, 0.1, 0.99, 2.0)
     assert document.anchored
@@ -101,8 +101,8 @@ def test_door_is_the_leaf_of_the_paper_with_two_sensors_on_each_side_of_its_fram
     assert all(sensor.direction_deg == math.copysign(90, sensor.y) for sensor in outward)
 
 
-def test_door_looks_from_jamb_to_jamb_too() -> None:
-    """Two people's width fits between the cones that look outward, in the plane of the leaf."""
+def test_door_has_a_sensor_from_jamb_to_jamb() -> None:
+    """The gap between the outward cones, in the plane of the leaf, is as wide as two people."""
     [across] = [sensor for sensor in robot("door").proximity if not sensor.y]
     assert across.direction_deg == 0.0
     # From 0.01 m beyond the free edge to the other jamb, 1.06 m away.

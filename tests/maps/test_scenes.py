@@ -1,4 +1,4 @@
-"""The shipped scenes hang together: floor, robots, places, and a way that leads through the door."""
+"""The shipped scenes are consistent: floor, robots, places, and the path through the door."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from intellwheels_maps import floor, names, robot, scene
 
 
 @pytest.mark.parametrize("name", names("scenes"))
-def test_scene_names_a_floor_and_robots_that_are_there(name: str) -> None:
+def test_scene_names_existing_floors_and_robots(name: str) -> None:
     document = scene(name)
     assert document.name == name
     assert floor(document.map).grid
@@ -37,7 +37,7 @@ def test_figure_six_is_judged_on_every_chair_and_on_contacts() -> None:
     assert (document.pace, document.miss) == ("lockstep", "strict")
 
 
-def test_a_chair_of_figure_six_ends_behind_the_door_and_the_others_do_not() -> None:
+def test_one_chair_of_figure_six_ends_behind_the_door() -> None:
     document = scene("figure6")
     ground = floor(document.map)
     assert document.end
@@ -49,7 +49,7 @@ def test_a_chair_of_figure_six_ends_behind_the_door_and_the_others_do_not() -> N
     assert through == ["chair1"]
 
 
-def test_points_of_the_chair_that_goes_through_lead_through_the_middle_of_the_opening() -> None:
+def test_path_through_the_door_leads_through_its_middle() -> None:
     document = scene("figure6")
     [doorway] = floor(document.map).doorway
     [chair] = [cast for cast in document.cast if cast.name == "chair1"]
@@ -59,5 +59,5 @@ def test_points_of_the_chair_that_goes_through_lead_through_the_middle_of_the_op
     partition = box(doorway.x - 0.01, -100, doorway.x + 0.01, 100)
     crossed = way.intersection(partition)
     assert crossed.length > 0
-    # The leaf stands open at one jamb, so the middle of what is left lies a little off the opening's.
+    # The open leaf covers part of the opening at one jamb, so the middle of the rest is slightly off-centre.
     assert abs(crossed.centroid.y - doorway.y) <= 0.1

@@ -4,6 +4,7 @@ import re
 from pathlib import Path
 
 from intellwheels_schemas.channels import CHANNELS
+from intellwheels_schemas.file_records import InputHeader, Inputs, InputTick, Join, TraceBody, TraceHeader, TraceTick
 from intellwheels_schemas.keys_page import keys_page
 from intellwheels_schemas.messages import ERROR_CODES, EVENT_CODES, REFUSED_CODES, RESULT_CODES
 from intellwheels_schemas.shapes import shape_of
@@ -20,6 +21,10 @@ def test_every_key_field_and_code_stands_there() -> None:
         section = PAGE.partition(f"### {name}\n")[2].partition("\n### ")[0]
         for member in shape_of(cls).members:
             assert f"| `{member.wire}` |" in section, (name, member.wire)
+    for record in (InputHeader, InputTick, Inputs, Join, TraceHeader, TraceTick, TraceBody):
+        section = PAGE.partition(f"### {record.__name__}\n")[2].partition("\n### ")[0]
+        for wire in record.__struct_encode_fields__:
+            assert f"| `{wire}` |" in section, (record, wire)
     for code in (*ERROR_CODES, *EVENT_CODES, *REFUSED_CODES, *RESULT_CODES):
         assert f"| `{code}` |" in PAGE
 

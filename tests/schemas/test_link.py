@@ -123,7 +123,7 @@ def test_taken_port_is_told_in_words() -> None:
         other.bind(("127.0.0.1", 0))
         other.listen()
         endpoint = f"tcp/127.0.0.1:{other.getsockname()[1]}"
-        with pytest.raises(ConnectionError, match=f"cannot listen at {endpoint}: it is taken"):
+        with pytest.raises(ConnectionError, match=f"cannot listen at {endpoint}: the port is in use"):
             open_session(Link(listen=(endpoint,)), threading.Event())
 
 

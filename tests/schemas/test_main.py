@@ -44,7 +44,7 @@ def test_class_can_be_said(capsys: pytest.CaptureFixture[str], tmp_path: Path) -
     path.write_bytes(b'{"Text":"open"}\n')
     code, said = run(capsys, str(path))
     assert code == 2
-    assert said.endswith("say it with --as")
+    assert said.endswith("give the class with --as")
     assert run(capsys, str(path), "--as", "Say")[0] == 0
     assert run(capsys, str(path), "--as", "Actions")[0] == 1
 

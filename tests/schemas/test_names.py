@@ -29,7 +29,7 @@ def test_place_may_be_left_out() -> None:
 
 def test_reserved_name_is_a_name_but_no_agents() -> None:
     assert check_name("operator") == "operator"
-    with pytest.raises(WireError, match="agent: expected a name not reserved, got 'operator'"):
+    with pytest.raises(WireError, match="agent: expected a name that is not reserved, got 'operator'"):
         check_agent("operator", "agent")
 
 

@@ -106,7 +106,7 @@ def test_broken_rules_are_told_in_words() -> None:
     assert refusal(Robot(length=1.0)) == "Robot.Width: expected Part, or Length and Width, got no Width"
     assert refusal(
         Scene(format="iw.v1", name="s", map="m", end=End(reach=(Reach(agent="a", place="p", within=1.0),)))
-    ) == ("Scene.End.Reach[0].Agent: expected one of the cast, got 'a'")
+    ) == ("Scene.End.Reach[0].Agent: expected an agent of the cast, got 'a'")
 
 
 def test_fix_without_ok_has_no_place() -> None:
@@ -117,13 +117,15 @@ def test_fix_without_ok_has_no_place() -> None:
 def test_bridge_and_squares_are_of_what_the_scene_has() -> None:
     chair = Cast(name="a", robot="r", mind="m")
     lab = Scene(format="iw.v1", name="s", map="m", cast=(chair,), bridge=(Bridge(agent="b"),))
-    assert refusal(lab) == "Scene.Bridge[0].Agent: expected one of the cast, got 'b'"
+    assert refusal(lab) == "Scene.Bridge[0].Agent: expected an agent of the cast, got 'b'"
     twice = msgspec.structs.replace(lab, bridge=(Bridge(agent="a"), Bridge(agent="a")))
     assert refusal(twice) == "Scene.Bridge[1].Agent: expected each agent once, got 'a' twice"
     level = Level(name="x", bridge=(Bridge(agent="b"),))
     experiment = Experiment(subject="a", factor=(Varied(name="f", level=(level,)),))
     varied = msgspec.structs.replace(lab, bridge=(), experiment=experiment)
-    assert refusal(varied) == "Scene.Experiment.Factor[0].Level[0].Bridge[0].Agent: expected one of the cast, got 'b'"
+    assert (
+        refusal(varied) == "Scene.Experiment.Factor[0].Level[0].Bridge[0].Agent: expected an agent of the cast, got 'b'"
+    )
     squares = Experiment(
         subject="a",
         factor=(Varied(name="f", level=(Level(name="x"),)),),

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from intellwheels_schemas.messages import Leave, Reset, Restore, Result
-from intellwheels_server.log.reported_poses import Reported
+from intellwheels_server.log.reported_poses import ReportedPoses
 from intellwheels_server.log.seekable_log import SeekableLog
 from intellwheels_server.service.playback import Playback
 from intellwheels_server.service.service_state import Options
@@ -37,13 +37,13 @@ def record(path: Path, ticks: int = 50) -> list[Seen]:
             tick = stage.tick
             while stage.tick == tick:
                 stage.work(0.01)
-            note()
+            note_state()
 
-    def note() -> None:
+    def note_state() -> None:
         seen.append(Seen(stage.live_run.state.run, stage.tick, stage.live_run.digest()))
 
     stage.join("chair1")
-    note()
+    note_state()
     go(10)
     stage.join("chair2", instance="b" * 16)
     go(10)
@@ -52,10 +52,10 @@ def record(path: Path, ticks: int = 50) -> list[Seen]:
     stage.ask("leave", "chair2", Leave(session=stage.sessions.pop("chair2")))
     go(ticks - 30)
     assert isinstance(stage.result("reset", Reset(seed="9")), Result)
-    note()
+    note_state()
     go(15)
     stage.result("restore", Restore(slot="s1"))
-    note()
+    note_state()
     go(15)
     stage.live_run.finish(stage.now)
     assert stage.log is not None
@@ -86,11 +86,11 @@ class PlayStage(Stage):
             world="main-play", setup=self.recording.header.world_setup(), speed=speed, quit_at_end=quit_at_end
         )
         self.beside = None if reported is None else SeekableLog(reported)
-        told = None if self.beside is None else Reported(self.recording.runs, self.beside)
+        told = None if self.beside is None else ReportedPoses(self.recording.runs, self.beside)
         self.live_run = Playback(options, self, lambda: 1.8e9 + self.now, self.recording, told)  # type: ignore[assignment]
         self.live_run.begin()
         if not waits:
-            self.live_run._service.paused = False
+            self.live_run._service.pacing.paused = False
         self.work()
 
     def close(self) -> None:

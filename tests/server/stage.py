@@ -31,7 +31,7 @@ from intellwheels_schemas.messages import (
 )
 from intellwheels_server import world
 from intellwheels_server.log.input_log import Line, Log
-from intellwheels_server.service.arrival import Ask, Put, PutKind, Token, Topic
+from intellwheels_server.service.arrival import Put, PutKind, Query, Token, Topic
 from intellwheels_server.service.live_run import LiveRun
 from intellwheels_server.service.service_state import Options
 from intellwheels_server.world.inputs import Inputs
@@ -59,7 +59,7 @@ class Stage:
         self.live_run = LiveRun(
             Options(world="main", setup=setup, **options),
             self,
-            self._floor_of,
+            self._load_floor,
             lambda: 1.8e9 + self.now,
             record=self._record if log else None,
             run=RUN,
@@ -73,11 +73,11 @@ class Stage:
         encode(message, encoding)
         self.sent.append((agent, kind, message, encoding))
 
-    def welcome(self, agent: str, mind: Encoding, body: Encoding) -> None:
-        self.sent.append((agent, "welcome", Robot(), mind))
+    def declare_agent(self, agent: str, mind: Encoding, body: Encoding) -> None:
+        self.sent.append((agent, "declare", Robot(), mind))
 
-    def farewell(self, agent: str) -> None:
-        self.sent.append((agent, "farewell", Robot(), JSON))
+    def undeclare_agent(self, agent: str) -> None:
+        self.sent.append((agent, "undeclare", Robot(), JSON))
 
     def body(self, agent: str, body: Body) -> None:
         self.sent.append((agent, "body", body, JSON))
@@ -98,13 +98,13 @@ class Stage:
     def map(self, info: MapInfo) -> None:
         self.sent.append(("", "map", info, JSON))
 
-    def tell(self, line: str) -> None:
+    def print_line(self, line: str) -> None:
         self.lines.append(line)
 
-    def note(self, line: str) -> None:
+    def log_line(self, line: str) -> None:
         self.notes.append(line)
 
-    def _floor_of(self, load: Load) -> Map:
+    def _load_floor(self, load: Load) -> Map:
         if load.map is not None:
             return load.map
         if load.name != "corner":
@@ -149,7 +149,7 @@ class Stage:
             encode(reply, reply_encoding)
             replies.append((reply, ok))
 
-        self.live_run.take(Ask(topic, name, data, encoding.value, send, lambda: None, **more), self.now)
+        self.live_run.take(Query(topic, name, data, encoding.value, send, lambda: None, **more), self.now)
         self.work()
         return replies
 
@@ -169,10 +169,10 @@ class Stage:
 
     def join_two(self, **more: Any) -> None:
         """Join chair1 and chair2 at one tick: paused, so that the first one's barrier does not open between."""
-        self.live_run._service.paused = True
+        self.live_run._service.pacing.paused = True
         self.join("chair1")
         self.join("chair2", instance="b" * 16, **more)
-        self.live_run._service.paused = False
+        self.live_run._service.pacing.paused = False
         self.work()
 
     def try_join(

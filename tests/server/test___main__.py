@@ -5,9 +5,9 @@ from pathlib import Path
 import pytest
 
 from intellwheels_maps import floor
+from intellwheels_schemas import file_records
 from intellwheels_schemas.link import DEFAULT_WORLD
-from intellwheels_server.__main__ import PLAYED_FROM, main
-from intellwheels_server.log import input_log
+from intellwheels_server.__main__ import PLAY_NAME_LENGTH, main
 from intellwheels_server.log.input_log import Log
 from intellwheels_server.world import Setup
 
@@ -22,14 +22,14 @@ def outcome(*words: str) -> int | str | None:
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        (["--map", "ward"], "--map does not go with it"),
-        (["--pace", "lockstep"], "--pace does not go with it"),
-        (["--open-loop"], "--open-loop does not go with it"),
-        (["--log", "other"], "--log does not go with it"),
+        (["--map", "ward"], "--map is for live runs"),
+        (["--pace", "lockstep"], "--pace is for live runs"),
+        (["--open-loop"], "--open-loop is for live runs"),
+        (["--log", "other"], "--log is for live runs"),
         (["--world", "No Name"], "--world: expected a name"),
     ],
 )
-def test_what_a_log_says_itself_cannot_be_said_of_its_playing(
+def test_playback_refuses_options_of_a_live_run(
     words: list[str], said: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     path = tmp_path / "log"
@@ -38,7 +38,7 @@ def test_what_a_log_says_itself_cannot_be_said_of_its_playing(
     assert said in capsys.readouterr().err
 
 
-def test_a_log_that_is_none_or_not_there_is_said(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_missing_or_invalid_log_is_reported(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert outcome("--play", str(tmp_path / "none")) == 1
     assert "No such file" in capsys.readouterr().err
     (tmp_path / "text").write_text("hello\n")
@@ -46,16 +46,16 @@ def test_a_log_that_is_none_or_not_there_is_said(tmp_path: Path, capsys: pytest.
     assert "text:1: expected the header of an input log" in capsys.readouterr().err
 
 
-def test_the_world_of_an_old_log_is_the_one_that_commands_take_by_default() -> None:
-    assert input_log.DEFAULT_WORLD == DEFAULT_WORLD
-    assert PLAYED_FROM + len("-play") == 32
+def test_old_log_has_the_default_world() -> None:
+    assert file_records.DEFAULT_WORLD == DEFAULT_WORLD
+    assert PLAY_NAME_LENGTH + len("-play") == 32
 
 
-def test_a_log_of_reported_poses_goes_with_one_that_is_played_and_must_be_there(
+def test_log_of_reported_poses_needs_a_playback_and_must_exist(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert outcome("--reported", "ward.jsonl") == 2
-    assert "--reported: it goes with --play" in capsys.readouterr().err
+    assert "--reported: only with --play" in capsys.readouterr().err
     path = tmp_path / "log"
     Log(path, Setup(floor=floor("room")), "0" * 16).close()
     assert outcome("--play", str(path), "--reported", str(tmp_path / "none")) == 1

@@ -147,13 +147,13 @@ def check(state: State, outputs: Outputs) -> None:
         for encoding in (Encoding.JSON, Encoding.XML):
             assert decode(Measures, encode(told, encoding), encoding) == told
         decode(PowerInForce, encode(power_in_force(state, name)))
-        decode(Body, encode(Body(run=state.run, tick=state.tick, robot=state.body_set.figures[name].robot)))
+        decode(Body, encode(Body(run=state.run, tick=state.tick, robot=state.body_set.models[name].robot)))
     world = WorldState(run=state.run, tick=state.tick, time=state.time, entity=entities(state))
     assert decode(WorldState, encode(world)) == world
 
 
 @pytest.mark.parametrize("seed", range(12))
-def test_whatever_happens_can_be_sent_and_is_given_again_by_its_log(seed: int) -> None:
+def test_random_history_can_be_encoded_and_its_log_repeats_it(seed: int) -> None:
     draw = random.Random(seed)
     setup = draw_setup(draw)
     state = begin(setup, "0" * 16)

@@ -15,14 +15,12 @@ def _own_environment(monkeypatch: pytest.MonkeyPatch) -> None:
         monkeypatch.delenv(name, raising=False)
 
 
-def test_folder_the_user_named_is_taken(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_folder_named_by_the_user_is_used(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
     assert kernel_cache.choose() == tmp_path
 
 
-def test_user_s_cache_folder_comes_first_and_is_its_owner_s_alone(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_cache_folder_of_the_user_comes_first_and_is_private(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("HOME", str(tmp_path))
     folder = kernel_cache.choose()
     assert folder.parent == tmp_path / ".cache" / "intellwheels"
@@ -30,9 +28,7 @@ def test_user_s_cache_folder_comes_first_and_is_its_owner_s_alone(
     assert os.environ["NUMBA_CACHE_DIR"] == str(folder)
 
 
-def test_without_a_home_that_can_be_written_the_temporary_folder_serves(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_temporary_folder_is_used_without_a_writable_home(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     blocked = tmp_path / "file"
     blocked.write_text("")
     monkeypatch.setenv("HOME", str(blocked))
@@ -59,7 +55,7 @@ def test_cold_folder_becomes_warm(tmp_path: Path) -> None:
     assert not kernel_cache.is_cold(tmp_path)
 
 
-def test_package_imports_where_nothing_can_be_written_but_the_temporary_folder(tmp_path: Path) -> None:
+def test_package_can_be_imported_if_only_the_temporary_folder_is_writable(tmp_path: Path) -> None:
     environment = {name: value for name, value in os.environ.items() if name not in {"HOME", "XDG_CACHE_HOME"}}
     environment.update(HOME="/proc", TMPDIR=str(tmp_path))
     code = "import intellwheels_server.world.kernels.elementary as e; print(e.sin(0.0))"
@@ -70,9 +66,7 @@ def test_package_imports_where_nothing_can_be_written_but_the_temporary_folder(t
     assert any(tmp_path.rglob("*.nbc"))
 
 
-def test_kernels_of_an_image_are_copied_to_where_they_can_be_written(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_kernels_of_an_image_are_copied_to_a_writable_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     baked = tmp_path / "baked" / "kernels_1"
     baked.mkdir(parents=True)
     (baked / "x.nbc").write_bytes(b"code")

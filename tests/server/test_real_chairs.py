@@ -47,7 +47,7 @@ def chair() -> Reported:
     return made
 
 
-def test_a_pose_that_jumps_is_taken_and_its_speed_is_bounded(chair: Reported) -> None:
+def test_jumping_pose_is_accepted_and_its_speed_is_limited(chair: Reported) -> None:
     chair.say(7.0)
     chair.on()
     assert chair.x == 7.0
@@ -60,7 +60,7 @@ def test_a_pose_that_jumps_is_taken_and_its_speed_is_bounded(chair: Reported) ->
     assert "contact" in chair.stage.events()
 
 
-def test_a_chair_that_is_silent_is_stale_stands_and_is_fresh_again(chair: Reported) -> None:
+def test_silent_chair_is_stale_and_stops_until_it_reports_again(chair: Reported) -> None:
     chair.stage.act("chair1", 0.5, 0.5)
     for _ in range(10):
         chair.stage.act("chair1", 0.5, 0.5)
@@ -75,7 +75,7 @@ def test_a_chair_that_is_silent_is_stale_stands_and_is_fresh_again(chair: Report
     assert chair.x == 2.1
 
 
-def test_a_pose_of_the_tick_before_is_taken_and_an_older_one_is_late(chair: Reported) -> None:
+def test_pose_of_the_last_tick_is_accepted_and_an_older_one_is_late(chair: Reported) -> None:
     tick = chair.stage.tick
     chair.say(2.1, tick=tick - 1, run=RUN)
     chair.on()
@@ -85,7 +85,7 @@ def test_a_pose_of_the_tick_before_is_taken_and_an_older_one_is_late(chair: Repo
     assert (chair.x, chair.codes) == (2.1, ["late"])
 
 
-def test_of_poses_out_of_order_the_newest_counts(chair: Reported) -> None:
+def test_newest_pose_counts_whatever_the_order(chair: Reported) -> None:
     chair.say(2.3, seq=50)
     chair.say(2.2, seq=49)
     chair.on()
@@ -93,7 +93,7 @@ def test_of_poses_out_of_order_the_newest_counts(chair: Reported) -> None:
 
 
 @pytest.mark.parametrize("text", ["NaN", '"NaN"', "Infinity", "1e999", "null", "20000"])
-def test_a_pose_that_is_no_number_is_refused_in_words(chair: Reported, text: str) -> None:
+def test_pose_with_invalid_numbers_gives_an_error(chair: Reported, text: str) -> None:
     data = json.dumps({"Session": chair.session, "Y": 2.6, "Heading": 0.0})[:-1] + f', "X": {text}}}'
     chair.stage.put("chair1", data.encode(), "pose")
     chair.on()
@@ -103,25 +103,25 @@ def test_a_pose_that_is_no_number_is_refused_in_words(chair: Reported, text: str
 
 
 @pytest.mark.parametrize("session", [None, "f" * 16])
-def test_a_pose_of_another_s_session_is_dropped(chair: Reported, session: str | None) -> None:
+def test_pose_with_another_session_is_dropped(chair: Reported, session: str | None) -> None:
     chair.say(3.0, session=session)
     chair.on()
     assert (chair.x, chair.codes) == (2.0, ["session"])
 
 
-def test_a_pose_of_another_run_is_late(chair: Reported) -> None:
+def test_pose_of_another_run_is_late(chair: Reported) -> None:
     chair.say(3.0, run="0" * 16)
     chair.on()
     assert (chair.x, chair.codes) == (2.0, ["late"])
 
 
-def test_a_heading_is_taken_round(chair: Reported) -> None:
+def test_reported_heading_is_wrapped(chair: Reported) -> None:
     chair.say(2.0, heading=1.5 * math.pi)
     chair.on()
     assert chair.stage.of("state")[-1].entity[0].heading == pytest.approx(-math.pi / 2.0, abs=1e-6)
 
 
-def test_two_real_chairs_that_join_in_one_place_are_where_they_say_and_part_when_they_do(chair: Reported) -> None:
+def test_two_real_chairs_may_join_at_one_place_and_separate(chair: Reported) -> None:
     stage = chair.stage
     other = stage.join("chair2", real()).session
     stage.put("chair2", Pose(session=other, x=2.0, y=2.6, heading=0.0, seq=1), "pose")

@@ -7,12 +7,14 @@ from collections.abc import Iterable
 from intellwheels_schemas.messages import (
     Actions,
     Corner,
+    End,
     Event,
     Grid,
     Map,
     Place,
     Position,
     Robot,
+    Timeout,
     Wall,
 )
 from intellwheels_server.world import Outcome, Setup, State, advance, apply, begin
@@ -54,6 +56,28 @@ def world(robots: dict[str, Robot] | None = None, walls: Iterable[Wall] = (), **
         state, outcome, _ = do(state, Join(agent=name, robot=robot))
         assert outcome.code == "ok", outcome.text
     return state
+
+
+def unusual_setup() -> Setup:
+    """Return a setup in which every field has a value other than its default."""
+    setup = Setup(
+        floor=floor_of([box_wall(5.0, 5.0, 6.0, 6.0)]),
+        seed="unusual",
+        period=0.025,
+        say_limit=7,
+        say_range=3.5,
+        say_walls=True,
+        say_loss=0.25,
+        say_delay=0.75,
+        command_timeout=1.25,
+        truth=True,
+        end=End(timeout=Timeout(seconds=60.0)),
+        strict=True,
+    )
+    usual = Setup(floor=floor_of())
+    same = [name for name in Setup.__struct_fields__ if getattr(setup, name) == getattr(usual, name)]
+    assert same == [], f"give these fields another value here: {same}"
+    return setup
 
 
 def do(state: State, change: Change) -> tuple[State, Outcome, tuple[Event, ...]]:

@@ -90,7 +90,7 @@ def run_of_figure6(
     album: Album, top: Path, chromium: Any, scratch: Path, log: Path, themes: Words, sizes: Sizes
 ) -> None:
     """The run: seen while it goes, for the README, then paused and looked at from everywhere."""
-    with Rig(scratch / "rig", scene="figure6", pace="realtime", words=("--log", str(log))) as rig:
+    with Rig(scratch / "rig", scene="figure6", pace="realtime", arguments=("--log", str(log))) as rig:
         with Theatre(scratch / "viewers", WORLD) as stage:
             rig.cast()
             rig.ctl("pause")

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from intellwheels_experiments.run.run_processes import free_port
+from intellwheels_experiments.run.endpoints import free_port
 from intellwheels_viewer.__main__ import main, parser
 from tests.e2e.stage import Stage, run
 

@@ -11,7 +11,7 @@ from contextlib import contextmanager
 import msgspec
 import pytest
 
-from intellwheels_experiments.run.run_processes import free_port
+from intellwheels_experiments.run.endpoints import free_port
 from intellwheels_maps import library
 from intellwheels_schemas.link import Link
 from intellwheels_schemas.messages import Pause, Pose, Result, Speed, UserInput

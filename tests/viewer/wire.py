@@ -11,7 +11,7 @@ from typing import Any, Final
 import msgspec
 import zenoh
 
-from intellwheels_experiments.run.run_processes import free_port
+from intellwheels_experiments.run.endpoints import free_port
 from intellwheels_maps import library
 from intellwheels_schemas import link
 from intellwheels_schemas.codec import decode, encode

@@ -1,9 +1,10 @@
-"""`iw-bridge`: a real chair as a body of the simulation.
+"""`iw-bridge`: a real chair as a body in a simulation.
 
-Two ends. A `Driver` is the chair's electronics: encoders, sonars, battery and joystick come from it, motor power goes
-to it. `RealChair` is the body in the simulation: pose with covariance and stamp up, `out/<agent>/power` down, motors at
-rest after 0.3 s of silence. Nothing of the truth passes: a pose is what the encoders, and fixes if there are any, say.
-`port` knows pyserial; `laboratory` drives a chair of another world through the harness, as any agent does.
+A `Driver` is one end: it reads encoders, sonars, battery and joystick from the chair's electronics and sends them motor
+power. `RealChair` is the other end, the body in the simulation: it reports a pose with covariance and time stamp, and
+receives `out/<agent>/power`. The pose comes from encoders and position fixes only, never from the true state.
+
+`serial_driver` is the only file that knows pyserial. `world_driver` uses a chair in another simulation as hardware.
 """
 
 from __future__ import annotations
@@ -13,7 +14,7 @@ from collections.abc import Sequence
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command and return its exit code."""
-    # Who wants the line protocol alone loads neither the command line nor zenoh.
+    # Importing the line protocol alone loads neither the command line nor zenoh.
     from intellwheels_agents.bridge.__main__ import main as run  # noqa: PLC0415
 
     return run(arguments)

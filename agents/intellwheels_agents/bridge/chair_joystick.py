@@ -1,40 +1,40 @@
-"""The chair's own joystick as a person's hand: what the electronics say of it goes to `user/<agent>`."""
+"""The chair's own joystick as a source of user input: its deflection goes to `user/<agent>`."""
 
 from __future__ import annotations
 
 import threading
+from typing import Final
 
 from intellwheels_agents.bridge.hardware_driver import Reading
-from intellwheels_agents.joystick.wish import NOTHING, Wish
+from intellwheels_agents.bridge.timeouts import STICK_TIMEOUT
+from intellwheels_agents.joystick.input_state import NEUTRAL, InputState
 
-REST = 0.02
-"""Of full deflection: a stick at rest trembles less."""
-SILENCE = 0.3
-"""Seconds after which a stick that is not heard of wants nothing."""
+DEAD_ZONE: Final = 0.02
+"""Share of full deflection that still counts as released: a stick at rest trembles less than this."""
 
 
-class StickSource:
-    """A `joystick.wish.Source` that is told what the stick does."""
+class ChairJoystick:
+    """An `input_state.Source` whose state comes from hardware readings."""
 
     def __init__(self, stop: threading.Event) -> None:
         self._stop = stop
-        self._wish: Wish = NOTHING
-        self._at = float("-inf")
+        self._state: InputState = NEUTRAL
+        self._received = float("-inf")
 
-    def hear(self, reading: Reading) -> None:
-        """Take a reading."""
+    def on_reading(self, reading: Reading) -> None:
+        """Update the stick from a reading; one without a joystick changes nothing."""
         if reading.forward is None or reading.turn is None:
             return
-        rests = max(abs(reading.forward), abs(reading.turn)) < REST
-        self._wish = NOTHING if rests else Wish(forward=reading.forward, turn=reading.turn)
-        self._at = reading.arrived
+        released = max(abs(reading.forward), abs(reading.turn)) < DEAD_ZONE
+        self._state = NEUTRAL if released else InputState(forward=reading.forward, turn=reading.turn)
+        self._received = reading.received
 
     def wait(self, seconds: float) -> None:
-        """Return after so long, or when all ends."""
+        """Wait, or return early when the process stops."""
         self._stop.wait(seconds)
 
-    def wish(self, now: float, time: float | None) -> Wish | None:  # noqa: ARG002 - as `Source` has it
-        """Return what the stick wants, or None at the end."""
+    def state(self, now: float, time: float | None) -> InputState | None:  # noqa: ARG002 - as `Source` has it
+        """Return the stick's state, neutral after `STICK_TIMEOUT`, or None when the process stops."""
         if self._stop.is_set():
             return None
-        return self._wish if now - self._at <= SILENCE else NOTHING
+        return self._state if now - self._received <= STICK_TIMEOUT else NEUTRAL

@@ -1,8 +1,8 @@
-"""What the hardware's clock shows when this one shows something: the quickest of the last messages says it best. Pure.
+"""The offset between this machine's clock and the hardware's, from the fastest of the recent messages. Pure.
 
-A message taken at T on their clock and arriving at t on ours tells t - T = offset + delay, and the delay is never
-negative. So the least t - T of a window is nearest to the offset, however uneven the line is; the window is short
-enough that clocks which run differently by 100 millionths differ by a millisecond in it.
+A message sent at T on the hardware's clock and received at t on ours gives t - T = offset + delay, and the delay is
+never negative. The smallest t - T of a window is therefore closest to the offset, however much the delay varies. The
+window is short: two clocks that differ by 100 parts per million drift apart by one millisecond in it.
 """
 
 from __future__ import annotations
@@ -15,29 +15,29 @@ WINDOW: Final = 10.0
 
 
 class ClockOffset:
-    """An estimate of our clock minus theirs."""
+    """An estimate of our clock minus the hardware's."""
 
     def __init__(self) -> None:
-        # Ascending in both: what came before a quicker one will never again be the quickest.
-        self._kept: deque[tuple[float, float]] = deque()
-        self._theirs = float("-inf")
+        # Ascending in both columns: a message before a faster one can never become the fastest again.
+        self._window: deque[tuple[float, float]] = deque()
+        self._newest = float("-inf")
 
-    def hear(self, theirs: float, ours: float) -> None:
-        """Take a message: seconds on their clock when it was sent, on ours when it arrived."""
-        if theirs < self._theirs - WINDOW:
-            self._kept.clear()  # their clock began anew
-        self._theirs = theirs
-        while self._kept and self._kept[-1][1] >= ours - theirs:
-            self._kept.pop()
-        self._kept.append((ours, ours - theirs))
-        while self._kept[0][0] < ours - WINDOW:
-            self._kept.popleft()
+    def add(self, hardware: float, ours: float) -> None:
+        """Add a message: seconds on the hardware's clock when it was sent, on ours when it was received."""
+        if hardware < self._newest - WINDOW:
+            self._window.clear()  # the hardware's clock restarted
+        self._newest = hardware
+        while self._window and self._window[-1][1] >= ours - hardware:
+            self._window.pop()
+        self._window.append((ours, ours - hardware))
+        while self._window[0][0] < ours - WINDOW:
+            self._window.popleft()
 
-    def renew(self) -> None:
-        """Forget everything: their clock began anew."""
-        self._kept.clear()
-        self._theirs = float("-inf")
+    def reset(self) -> None:
+        """Forget all messages, because the hardware's clock restarted."""
+        self._window.clear()
+        self._newest = float("-inf")
 
-    def ours(self, theirs: float) -> float:
-        """Return what our clock showed when theirs showed this, in seconds; something must have been heard."""
-        return theirs + self._kept[0][1]
+    def to_ours(self, hardware: float) -> float:
+        """Return the time on our clock, in seconds, at a time of the hardware's clock. Needs one message at least."""
+        return hardware + self._window[0][1]

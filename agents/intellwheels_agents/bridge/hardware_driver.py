@@ -1,7 +1,7 @@
-"""What a chair's electronics give and take: the one interface to hardware.
+"""The interface to a chair's electronics.
 
-A driver has its own thread or process behind it. `read` and `write` never wait; what breaks is mended behind them, and
-until then there is nothing to read.
+A driver runs its own thread or process. `read` and `write` never wait. A driver repairs a broken connection by itself;
+until it has done so there is nothing to read.
 """
 
 from __future__ import annotations
@@ -16,12 +16,12 @@ from intellwheels_schemas.messages import Pace, ProximityReading
 
 @dataclass(frozen=True, slots=True)
 class Fix:
-    """A position from outside the chair: a GPS, a tag on the ceiling, a camera.
+    """A position measured from outside the chair: by GPS, a ceiling tag or a camera.
 
     Attributes:
         x, y: Metres, in the map's frame.
         sd: Standard deviation on each axis, in metres.
-        offset_x, offset_y: Metres, where on the body it was measured.
+        offset_x, offset_y: The measured point on the body, in metres from the body's origin.
     """
 
     x: float
@@ -33,25 +33,25 @@ class Fix:
 
 @dataclass(frozen=True, slots=True)
 class Reading:
-    """What the electronics said at one moment.
+    """What the electronics reported at one moment.
 
     Attributes:
-        era: Another whenever the counts began anew.
-        seq: Grows by one a reading within an era.
-        taken: Seconds on the hardware's own clock.
-        arrived: Seconds of this process's monotonic clock.
+        epoch: Differs after each restart of the counters.
+        seq: Grows by one a reading within an epoch.
+        stamp: Seconds on the hardware's own clock.
+        received: Seconds of this process's monotonic clock.
         left, right: Encoder counts, forward positive.
-        tick: The tick of a simulated hardware, else None.
-        proximity: The chair's own sonars, under the ids its document has.
-        fix: A position from outside, where there is one.
+        tick: The tick of simulated hardware, otherwise None.
+        proximity: The chair's own sonars, with the ids of its robot document.
+        fix: A position from outside, if there is one.
         battery: Volts, or None.
-        forward, turn: The chair's own joystick, in [-1, 1], or None where there is none.
+        forward, turn: The chair's own joystick, in [-1, 1], or None without one.
     """
 
-    era: str
+    epoch: str
     seq: int
-    taken: float
-    arrived: float
+    stamp: float
+    received: float
     left: int
     right: int
     tick: int | None = None
@@ -66,46 +66,49 @@ class Driver(Protocol):
     """A chair's electronics.
 
     Attributes:
-        returns: Whether the chair stands at its start again in a new era: a simulated one does.
-        failure: Why it has given up for good, in words, or None.
-        heard: Set when the first reading is there.
+        restarts_at_start: Whether the chair is back at its start in a new epoch. True for simulated hardware.
+        failure: Why the driver has given up for good, as a sentence, or None.
+        connected: Set when the first reading has arrived.
     """
 
-    returns: bool
+    restarts_at_start: bool
     failure: str | None
-    heard: threading.Event
+    connected: threading.Event
 
     def start(self) -> None:
-        """Begin to look for the hardware."""
+        """Start looking for the hardware."""
         ...
 
     def read(self) -> Sequence[Reading]:
-        """Return what was said since the last call, in order of arrival."""
+        """Return the readings received since the last call, in order of arrival."""
         ...
 
     def write(self, left: float, right: float) -> None:
-        """Give the motors these powers, in [-1, 1], until others come; the hardware itself stops on silence."""
-        ...
+        """Set the motor powers, in [-1, 1]. The hardware itself stops when no power follows.
 
-    def enter(self, run: str) -> None:
-        """Be told which run the simulation is in, before its first tick."""
-        ...
-
-    def meet(self, run: str, tick: int, pace: Pace) -> bool:
-        """Be told which tick the simulation is at; return whether the readings are of the same tick.
-
-        Where both are in lockstep this waits for the reading of that tick; real hardware returns False at once.
+        Nothing reaches the hardware before the first `begin_run`: until then the simulator may refuse the bridge.
         """
         ...
 
-    def powered(self, run: str, tick: int) -> None:
-        """Be told that the motors have the power of a tick."""
+    def begin_run(self, run: str) -> None:
+        """Learn that the simulator has accepted the bridge, and its run; again at the start of each new run."""
+        ...
+
+    def sync_tick(self, run: str, tick: int, pace: Pace) -> bool:
+        """Learn the simulation's tick; return whether the readings belong to the same tick.
+
+        When both worlds are in lockstep this waits for the reading of that tick. Real hardware returns False at once.
+        """
+        ...
+
+    def power_received(self, run: str, tick: int) -> None:
+        """Learn that the power of a tick is set."""
         ...
 
     def faults(self) -> dict[str, int]:
-        """Return what went wrong on the hardware's line so far, counts by name."""
+        """Return the number of faults on the hardware's line so far, by name."""
         ...
 
     def close(self) -> None:
-        """Stop the motors and let go."""
+        """Stop the motors and release the hardware."""
         ...

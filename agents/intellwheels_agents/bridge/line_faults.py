@@ -1,4 +1,4 @@
-"""A line that is late, uneven and loses things, for experiments: what it does follows from its seed. Pure."""
+"""A line with delay, jitter and loss, for experiments. The same seed gives the same faults. Pure."""
 
 from __future__ import annotations
 
@@ -9,18 +9,18 @@ from typing import Final, Generic, TypeVar
 
 _T = TypeVar("_T")
 ROUNDING: Final = 1e-9
-"""Seconds by which a time that is a sum of periods may be off."""
+"""Seconds of tolerance for a time that is a sum of periods."""
 
 
 @dataclass(frozen=True, slots=True)
 class Faults:
-    """What is wrong with a line.
+    """The faults of a line.
 
     Attributes:
         delay: Seconds.
-        jitter: Further seconds at most, evenly spread; what is sent later may arrive sooner.
-        loss: Share that never arrives.
-        seed: What happens follows from it.
+        jitter: Largest additional delay in seconds, uniformly distributed; messages may overtake each other.
+        loss: Share of the messages that never arrive, in [0, 1].
+        seed: Determines all of it.
     """
 
     delay: float = 0.0
@@ -30,39 +30,40 @@ class Faults:
 
 
 class FaultyLine(Generic[_T]):
-    """A line with faults. The caller says what time it is.
+    """A line with faults. The caller passes the time.
 
     Attributes:
-        lost: Things that will never arrive.
+        lost: Number of messages that never arrive.
     """
 
     def __init__(self, faults: Faults, name: str) -> None:
-        """Make a line; `name` tells it from others of the same seed."""
+        """Create a line. `name` separates its random numbers from those of other lines with the same seed."""
         self.lost = 0
         self._faults = faults
         self._name = name
-        self.renew()
+        self.reset()
 
-    def renew(self) -> None:
-        """Forget what is on its way, and begin the faults anew."""
+    def reset(self) -> None:
+        """Drop all messages in flight and restart the random numbers."""
         self._random = random.Random(f"{self._faults.seed}/{self._name}")  # noqa: S311 - faults, not secrets
         self._sent = 0
-        self._way: list[tuple[float, int, _T]] = []
+        self._in_flight: list[tuple[float, int, _T]] = []
 
-    def send(self, thing: _T, at: float) -> None:
-        """Send a thing at a time, in seconds."""
-        # Both are drawn for each, so that what one thing meets does not depend on the options.
-        late, luck = self._random.random(), self._random.random()
+    def send(self, message: _T, at: float) -> None:
+        """Send a message at a time, in seconds."""
+        # Both are drawn every time, so that one message's fate does not depend on the options of the other fault.
+        jitter, luck = self._random.random(), self._random.random()
         self._sent += 1
         if luck < self._faults.loss:
             self.lost += 1
             return
-        heapq.heappush(self._way, (at + self._faults.delay + self._faults.jitter * late, self._sent, thing))
+        due = at + self._faults.delay + self._faults.jitter * jitter
+        heapq.heappush(self._in_flight, (due, self._sent, message))
 
-    def arrived(self, by: float) -> list[tuple[float, _T]]:
-        """Return what has arrived by a time, with when, and forget it."""
+    def receive(self, until: float) -> list[tuple[float, _T]]:
+        """Return and remove the messages that have arrived by a time, each with its time of arrival."""
         found = []
-        while self._way and self._way[0][0] <= by + ROUNDING:
-            due, _, thing = heapq.heappop(self._way)
-            found.append((due, thing))
+        while self._in_flight and self._in_flight[0][0] <= until + ROUNDING:
+            due, _, message = heapq.heappop(self._in_flight)
+            found.append((due, message))
         return found

@@ -1,15 +1,15 @@
-"""Two lockstep worlds tick by tick: what the one must wait for in the other.
+"""Two worlds in lockstep, tick by tick: what each must wait for in the other.
 
 Tick t of the laboratory pairs with tick t of the simulation, and their runs pair in order. The laboratory's Measures t
-make the simulation's Pose t; the simulation's Power t - 1, nothing at first, makes the laboratory's Actions t. A run
-counts from joining on: one that is reset before its first tick is seen in one world only would part them for good.
+give the simulation's Pose t. The simulation's Power t - 1 (zero at first) gives the laboratory's Actions t. A run
+counts from the join: a run that is reset before its first tick is seen in one world only and would shift the pairs.
 
-    lab    Measures t ----------------> Actions t -> Measures t+1
-                    |                    ^
-    here   Measures t -> Pose t -> Power t-1 is here already; Power t -> ...
+    laboratory   Measures t ----------------> Actions t -> Measures t+1
+                          |                    ^
+    simulation   Measures t -> Pose t -> Power t-1 is here already; Power t -> ...
 
-So neither waits for what the other cannot give. Whoever is a run behind its partner is not waited with: that run is
-over, as its reset is on its way.
+Neither side waits for what the other cannot give. Nobody waits for a side that is a run behind: that run is over, its
+reset is on its way.
 """
 
 from __future__ import annotations
@@ -19,17 +19,17 @@ import time
 from collections.abc import Callable
 from typing import Final
 
-PATIENCE: Final = 600.0
-"""Seconds a side waits at most. Their own worlds wait ten for an answer, or as long as they are told to."""
+MAX_WAIT: Final = 600.0
+"""Longest wait in seconds. The worlds themselves wait ten seconds for an answer, or as long as they are told to."""
 _SLICE: Final = 0.1
 
 
 class Side:
-    """How far a world is.
+    """The progress of one world.
 
     Attributes:
         number: Runs so far.
-        tick: The newest tick: of measures there, of powers here.
+        tick: The newest tick: of measures in the laboratory, of powers in the simulation.
     """
 
     def __init__(self) -> None:
@@ -37,8 +37,8 @@ class Side:
         self.tick = -1
         self._run = ""
 
-    def enter(self, run: str) -> None:
-        """Note that a run is on."""
+    def begin_run(self, run: str) -> None:
+        """Note that a run is on; the present run changes nothing."""
         if run != self._run:
             self._run = run
             self.number += 1
@@ -50,66 +50,66 @@ class Side:
 
 
 class LockstepPairing:
-    """The two sides."""
+    """The two worlds of a bridge."""
 
     def __init__(self, stop: threading.Event) -> None:
-        """Make it; `stop` ends every wait."""
+        """Create the pairing; `stop` ends every wait."""
         self._stop = stop
-        self._news = threading.Condition()
-        self._lab = Side()
-        self._here = Side()
+        self._changed = threading.Condition()
+        self._laboratory = Side()
+        self._simulation = Side()
 
     @property
-    def here(self) -> int:
+    def simulation_run(self) -> int:
         """The number of the simulation's run."""
-        return self._here.number
+        return self._simulation.number
 
-    def lab_entered(self, run: str) -> int:
+    def laboratory_run_began(self, run: str) -> int:
         """Note that the laboratory is in a run; return the run's number."""
-        with self._news:
-            self._lab.enter(run)
-            return self._lab.number
+        with self._changed:
+            self._laboratory.begin_run(run)
+            return self._laboratory.number
 
-    def lab_measured(self, run: str, tick: int) -> None:
-        """Note that the laboratory's measures of a tick came."""
-        with self._news:
-            self._lab.enter(run)
-            self._lab.tick = tick
-            self._news.notify_all()
+    def laboratory_measured(self, run: str, tick: int) -> None:
+        """Note the arrival of the laboratory's measures of a tick."""
+        with self._changed:
+            self._laboratory.begin_run(run)
+            self._laboratory.tick = tick
+            self._changed.notify_all()
 
-    def here_entered(self, run: str) -> None:
+    def simulation_run_began(self, run: str) -> None:
         """Note that the simulation is in a run."""
-        with self._news:
-            self._here.enter(run)
-            self._news.notify_all()
+        with self._changed:
+            self._simulation.begin_run(run)
+            self._changed.notify_all()
 
-    def here_powered(self, run: str, tick: int) -> None:
-        """Note that the simulation's power of a tick came."""
-        with self._news:
-            if self._here.is_in(run):
-                self._here.tick = max(self._here.tick, tick)
-                self._news.notify_all()
+    def simulation_powered(self, run: str, tick: int) -> None:
+        """Note the arrival of the simulation's power of a tick."""
+        with self._changed:
+            if self._simulation.is_in(run):
+                self._simulation.tick = max(self._simulation.tick, tick)
+                self._changed.notify_all()
 
     def await_measures(self, tick: int) -> bool:
-        """Wait, in the simulation's thread, for the laboratory's measures of a tick; return whether they are here."""
-        return self._await(self._here, self._lab, tick)
+        """Wait in the simulation's thread for the laboratory's measures of a tick; return whether they have come."""
+        return self._await(self._simulation, self._laboratory, tick)
 
     def await_power(self, tick: int) -> bool:
-        """Wait, in the laboratory's thread, for the simulation's power of a tick; return whether it is here."""
-        return self._await(self._lab, self._here, tick)
+        """Wait in the laboratory's thread for the simulation's power of a tick; return whether it has come."""
+        return self._await(self._laboratory, self._simulation, tick)
 
-    def _await(self, mine: Side, other: Side, tick: int) -> bool:
-        number = mine.number
+    def _await(self, own: Side, other: Side, tick: int) -> bool:
+        number = own.number
         return (
             self._wait(lambda: other.number > number or (other.number == number and other.tick >= tick))
             and other.number == number
         )
 
-    def _wait(self, found: Callable[[], bool]) -> bool:
-        until = time.monotonic() + PATIENCE
-        with self._news:
-            while not found():
-                if self._stop.is_set() or time.monotonic() > until:
+    def _wait(self, is_done: Callable[[], bool]) -> bool:
+        deadline = time.monotonic() + MAX_WAIT
+        with self._changed:
+            while not is_done():
+                if self._stop.is_set() or time.monotonic() > deadline:
                     return False
-                self._news.wait(_SLICE)
+                self._changed.wait(_SLICE)
         return True

@@ -1,4 +1,4 @@
-"""Where poses come from: `raw` counts, `calibrated` ones by what UMBmark found, those `corrected` by fixes. Pure."""
+"""The source of poses: `raw` encoders, `calibrated` by UMBmark figures, or `corrected` by position fixes too. Pure."""
 
 from __future__ import annotations
 
@@ -7,34 +7,40 @@ from dataclasses import dataclass
 from typing import Final, Literal, get_args
 
 from intellwheels_agents.bridge.hardware_driver import Reading
-from intellwheels_agents.bridge.pose_estimate import Figures, PoseEstimate, figures_of
+from intellwheels_agents.bridge.pose_estimate import PoseEstimate, WheelGeometry, wheel_geometry
 from intellwheels_schemas.messages import Position, Robot
 
 PoseSourceName = Literal["raw", "calibrated", "corrected"]
 POSE_SOURCES: Final[Sequence[PoseSourceName]] = get_args(PoseSourceName)
 
 DRIFT: Final = 1e-5
-"""m2 a metre and wheel. With a track of 0.57 m the heading is unsure by 8 mrad after a metre, more than the 3.5 mrad
-by which wheels that differ by 0.2 % turn a chair, so fixes a metre apart are believed where they contradict those."""
+"""Variance of a wheel's travel, m2 a metre. With a track of 0.57 m the heading has a standard deviation of 8 mrad after
+a metre. That exceeds the 3.5 mrad by which wheels that differ by 0.2 % turn a chair, so fixes a metre apart win."""
 
 
 @dataclass(frozen=True, slots=True)
 class Calibration:
-    """What a calibration found: `WheelRatio` (E_d), `WheelScale`, `TrackRatio` (E_b)."""
+    """The result of a calibration.
 
-    ratio: float = 1.0
-    scale: float = 1.0
+    Attributes:
+        wheel_ratio: E_d of UMBmark, right wheel over left wheel.
+        wheel_scale: Mean wheel over the nominal one.
+        track_ratio: E_b of UMBmark, track over the nominal one.
+    """
+
+    wheel_ratio: float = 1.0
+    wheel_scale: float = 1.0
     track_ratio: float = 1.0
 
 
 class PoseSource:
-    """Readings in, an estimate out.
+    """Turns readings into a pose estimate.
 
     Attributes:
         estimate: The pose, or None before the first reading.
-        left, right: Counts since the first reading, over all eras.
-        stale: Readings dropped because a newer one was here already.
-        lost: Readings that never came, as far as seen.
+        left, right: Counts since the first reading, over all epochs.
+        overtaken: Number of readings dropped because a newer one had arrived before.
+        missing: Number of readings that never came, counted by the gaps in `seq`.
     """
 
     def __init__(
@@ -44,63 +50,63 @@ class PoseSource:
         calibration: Calibration | None = None,
         *,
         drift: float = DRIFT,
-        returns: bool = False,
+        restarts_at_start: bool = False,
     ) -> None:
-        """Make a source without a pose.
+        """Create a source that has no pose yet.
 
         Args:
-            robot: The chair's data sheet.
-            name: Which source; `raw` takes the data sheet whatever the calibration says.
-            calibration: What the others take.
-            drift: k of the covariance.
-            returns: Whether the chair stands at its start again when an era begins.
+            robot: The chair's nominal figures.
+            name: Which source; `raw` ignores the calibration.
+            calibration: Used by the other two.
+            drift: Variance of a wheel's travel, m2 a metre.
+            restarts_at_start: Whether the chair is back at its start when a new epoch begins.
         """
-        found = calibration if calibration is not None and name != "raw" else Calibration()
-        self._figures: Figures = figures_of(robot, found.ratio, found.scale, found.track_ratio)
-        self._fixes = name == "corrected"
+        used = calibration if calibration is not None and name != "raw" else Calibration()
+        self._geometry: WheelGeometry = wheel_geometry(robot, used.wheel_ratio, used.wheel_scale, used.track_ratio)
+        self._uses_fixes = name == "corrected"
         self._drift = drift
-        self._returns = returns
+        self._restarts_at_start = restarts_at_start
         self._start: Position | None = None
         self._last: Reading | None = None
         self.estimate: PoseEstimate | None = None
         self.left = self.right = 0
-        self.stale = self.lost = 0
+        self.overtaken = self.missing = 0
 
-    def begin(self, start: Position) -> None:
-        """Be told where the chair stands when it is first heard of, and stands again if it `returns`."""
+    def set_start(self, start: Position) -> None:
+        """Set the pose at the first reading; only the first call counts."""
         if self._start is None:
             self._start = start
 
-    def renew(self) -> None:
-        """Forget every reading: the chair is at its start again."""
+    def reset(self) -> None:
+        """Forget every reading, because the chair is back at its start."""
         self.estimate = self._last = None
         self.left = self.right = 0
 
     @property
     def start(self) -> Position:
-        """Where it began."""
+        """The pose at the first reading."""
         if self._start is None:
-            raise RuntimeError("a pose source was asked before it was told where it begins")
+            raise RuntimeError("PoseSource.start was read before set_start")
         return self._start
 
-    def take(self, reading: Reading) -> bool:
-        """Take a reading; return whether it was news."""
+    def add(self, reading: Reading) -> bool:
+        """Add a reading; return False when it was dropped because a newer one had arrived before."""
         last = self._last
-        if last is not None and reading.era == last.era and reading.seq <= last.seq:
-            self.stale += 1
+        if last is not None and reading.epoch == last.epoch and reading.seq <= last.seq:
+            self.overtaken += 1
             return False
-        if self.estimate is None or (last is not None and reading.era != last.era and self._returns):
+        if self.estimate is None or (last is not None and reading.epoch != last.epoch and self._restarts_at_start):
             self.estimate = PoseEstimate(self.start, self._drift)
             self.left = self.right = 0
-        elif last is not None and reading.era == last.era:
-            self.lost += reading.seq - last.seq - 1
-            self._roll(self.estimate, reading.left - last.left, reading.right - last.right)
+        elif last is not None and reading.epoch == last.epoch:
+            self.missing += reading.seq - last.seq - 1
+            self._predict(self.estimate, reading.left - last.left, reading.right - last.right)
         self._last = reading
-        if self._fixes and reading.fix is not None:
-            self.estimate.fix(reading.fix)
+        if self._uses_fixes and reading.fix is not None:
+            self.estimate.update(reading.fix)
         return True
 
-    def _roll(self, estimate: PoseEstimate, left: int, right: int) -> None:
+    def _predict(self, estimate: PoseEstimate, left: int, right: int) -> None:
         self.left += left
         self.right += right
-        estimate.roll(left * self._figures.left, right * self._figures.right, self._figures.track)
+        estimate.predict(left * self._geometry.left, right * self._geometry.right, self._geometry.track)

@@ -1,10 +1,10 @@
-"""The body of a real chair in the simulation: a `Bridge` for the harness, which joins as role `body`.
+"""The body of a real chair in the simulation: a `Bridge` for the harness, which joins with role `body`.
 
-Each tick: what the electronics said becomes a pose, with covariance and the time it was true at. Nothing is reported
-while nothing new was heard for max(3 ticks, 0.3 s), so that the simulator shows the chair as stale; in lockstep, where
-an answer is awaited, the last pose stands. Faults of `Faults` lie between the electronics and all of this.
+Each tick turns the readings received since the last one into a pose, with covariance and time stamp. Without a new
+reading for max(3 ticks, 0.3 s) no pose is reported, and the simulator shows the chair as stale. In lockstep the
+simulator awaits an answer, so the last pose is repeated. `Faults` apply between the electronics and all of this.
 
-Times are seconds: of the monotonic clock in real time, of the simulation in lockstep.
+Times are in seconds: of the monotonic clock in real time, of the simulation in lockstep.
 """
 
 from __future__ import annotations
@@ -13,7 +13,6 @@ import sys
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Final
 
 from intellwheels_agents.bridge.clock_offset import ClockOffset
 from intellwheels_agents.bridge.hardware_driver import Driver, Reading
@@ -21,24 +20,21 @@ from intellwheels_agents.bridge.line_faults import Faults, FaultyLine
 from intellwheels_agents.bridge.motor_deadman import MotorDeadman
 from intellwheels_agents.bridge.pose_source import PoseSource
 from intellwheels_agents.bridge.sensor_merge import SensorMerge
+from intellwheels_agents.bridge.timeouts import POSE_TIMEOUT, POSE_TIMEOUT_TICKS
 from intellwheels_agents.mind import Context
 from intellwheels_schemas.messages import Measures, Pose, PowerInForce
 
-STALE_TICKS: Final = 3
-STALE: Final = 0.3
-"""Seconds; the simulator's own measure of a stale pose."""
-
 
 @dataclass
-class Tally:
-    """What the bridge saw.
+class BridgeStatistics:
+    """What a bridge has counted.
 
     Attributes:
         poses: Poses reported.
-        readings: Readings taken.
-        stale: Times that the hardware fell silent.
-        oldest: The greatest age of what a pose was made of, in seconds.
-        age: The sum of those ages.
+        readings: Readings used.
+        stale: How often the hardware fell silent.
+        oldest: Largest age of a reported pose, in seconds.
+        age: Sum of the ages of all reported poses, in seconds.
     """
 
     poses: int = 0
@@ -49,11 +45,11 @@ class Tally:
 
 
 class RealChair:
-    """A real chair's body. `begin` is the harness's `make`.
+    """A real chair's body. Its method `begin` is what the harness calls to make a mind.
 
     Attributes:
         lockstep: Whether the simulation is in lockstep; None before it is known.
-        tally: What was seen so far.
+        statistics: Counted so far.
     """
 
     def __init__(
@@ -64,32 +60,32 @@ class RealChair:
         merge: SensorMerge,
         *,
         faults: Faults | None = None,
-        hear: Callable[[Reading], None] | None = None,
+        on_reading: Callable[[Reading], None] | None = None,
         clock_offset: float = 0.0,
         clock: Callable[[], float] = time.monotonic,
         wall: Callable[[], float] = time.time,
     ) -> None:
-        """Make a body that is nowhere yet.
+        """Create a body that has no place yet.
 
         Args:
             driver: The electronics.
-            source: Makes poses of their readings.
-            motors: Takes the powers.
-            merge: Makes the chair's own readings what its mind perceives.
-            faults: Of the line that readings come by.
-            hear: Is told of each reading that is news.
-            clock_offset: Seconds added to every stamp: the simulator's clock minus this machine's.
-            clock: Monotonic seconds.
-            wall: Unix seconds.
+            source: Turns their readings into poses.
+            motors: Receives the powers.
+            merge: Selects the chair's own readings that the mind gets.
+            faults: Faults of the line that readings arrive on.
+            on_reading: Called with each new reading.
+            clock_offset: Seconds added to every time stamp: the simulator's clock minus this machine's.
+            clock: Returns monotonic seconds.
+            wall: Returns Unix seconds.
         """
         self.lockstep: bool | None = None
-        self.tally = Tally()
+        self.statistics = BridgeStatistics()
         self._driver = driver
         self._source = source
         self._motors = motors
         self._merge = merge
         self._line: FaultyLine[tuple[float, Reading]] = FaultyLine(faults or Faults(), "up")
-        self._hear = hear
+        self._on_reading = on_reading
         self._clock_offset = clock_offset
         self._clock = clock
         self._wall = wall
@@ -97,99 +93,99 @@ class RealChair:
         self._context: Context | None = None
         self._run = ""
         self._newest: Reading | None = None
-        self._heard = 0.0
+        self._received = 0.0
         self._is_stale = False
 
     @property
     def lost(self) -> int:
-        """Readings that the faults took."""
+        """Number of readings lost on the line."""
         return self._line.lost
 
     def begin(self, context: Context) -> RealChair:
-        """Be told of the simulation that it joined."""
+        """Start in a run of the simulation; the harness calls this after a join and at each new run."""
         self._context = context
         self.lockstep = context.parameters.pace == "lockstep"
-        self._source.begin(context.position)
-        self._driver.enter(context.run)
+        self._source.set_start(context.position)
+        self._driver.begin_run(context.run)
         return self
 
     def decide(self, measures: Measures) -> Pose | None:
-        """Return where the chair is, or None when that is not known."""
+        """Return the chair's pose, or None when it is not known."""
         context = self._context
         if context is None:
-            raise RuntimeError("a real chair decides before it has begun")
-        self._enter(measures.run)
-        paired = self._driver.meet(measures.run, measures.tick, context.parameters.pace)
+            raise RuntimeError("RealChair.decide was called before begin")
+        self._begin_run(measures.run)
+        paired = self._driver.sync_tick(measures.run, measures.tick, context.parameters.pace)
         period = context.parameters.period
         now = measures.tick * period if self.lockstep else self._clock()
         for reading in self._driver.read():
             if paired and reading.tick is not None:
-                came = reading.tick * period
+                received = reading.tick * period
             else:
-                came = now if self.lockstep else reading.arrived
-            self._line.send((came, reading), came)
-        for due, (came, reading) in self._line.arrived(now):
-            self._take(reading, came, due)
-        return self._pose(now, max(STALE_TICKS * period, STALE))
+                received = now if self.lockstep else reading.received
+            self._line.send((received, reading), received)
+        for due, (received, reading) in self._line.receive(now):
+            self._add(reading, received, due)
+        return self._pose(now, max(POSE_TIMEOUT_TICKS * period, POSE_TIMEOUT))
 
     def obey(self, power: PowerInForce) -> None:
-        """Take the power in force."""
+        """Set the power in force; the harness calls this for each `PowerInForce`."""
         context = self._context
         if context is None:
             return
-        # In lockstep the power of a tick is the step's that ends it.
+        # In lockstep the power of a tick belongs to the step that ends it.
         now = (power.tick + 1) * context.parameters.period if self.lockstep else self._clock()
-        self._motors.obey(power, now)
-        self._driver.powered(power.run, power.tick)
+        self._motors.set_power(power, now)
+        self._driver.power_received(power.run, power.tick)
 
-    def _enter(self, run: str) -> None:
+    def _begin_run(self, run: str) -> None:
         if run != self._run:
             self._run = run
-            self._line.renew()
-            self._motors.renew()
-            if self.lockstep and self._driver.returns:
-                # Both worlds begin anew: what is late must not be where it ended.
-                self._source.renew()
+            self._line.reset()
+            self._motors.reset()
+            if self.lockstep and self._driver.restarts_at_start:
+                # Both worlds restart: a late reading of the old run must not set the pose.
+                self._source.reset()
                 self._newest = None
 
-    def _take(self, reading: Reading, came: float, due: float) -> None:
+    def _add(self, reading: Reading, received: float, due: float) -> None:
         newest = self._newest
-        if newest is not None and newest.era != reading.era:
-            self._offset.renew()
-        if not self._source.take(reading):
+        if newest is not None and newest.epoch != reading.epoch:
+            self._offset.reset()
+        if not self._source.add(reading):
             return
-        # By when it came to this machine: what the faults add is an age, not an offset.
-        self._offset.hear(reading.taken, came)
-        self._newest, self._heard = reading, due
-        self.tally.readings += 1
-        if self._hear is not None:
-            self._hear(reading)
+        # The time of arrival at this machine counts: simulated faults make a reading older, not the clock different.
+        self._offset.add(reading.stamp, received)
+        self._newest, self._received = reading, due
+        self.statistics.readings += 1
+        if self._on_reading is not None:
+            self._on_reading(reading)
 
     def _pose(self, now: float, limit: float) -> Pose | None:
         newest, estimate = self._newest, self._source.estimate
         if newest is None or estimate is None:
-            # In lockstep it is awaited, and until the first reading arrived it is where it began.
+            # In lockstep a pose is awaited. Until the first reading arrives the chair is at its start.
             start = self._source.start
             return Pose(x=start.x, y=start.y, heading=start.heading) if self.lockstep else None
-        stale = now - self._heard > limit
+        stale = now - self._received > limit
         if stale != self._is_stale:
             self._is_stale = stale
-            self.tally.stale += stale
+            self.statistics.stale += stale
             _log("stale hardware=silent" if stale else "fresh hardware=heard")
         if stale and not self.lockstep:
             return None
-        age = max(now - self._offset.ours(newest.taken), 0.0)
-        self.tally.poses += 1
-        self.tally.age += age
-        self.tally.oldest = max(self.tally.oldest, age)
+        age = max(now - self._offset.to_ours(newest.stamp), 0.0)
+        self.statistics.poses += 1
+        self.statistics.age += age
+        self.statistics.oldest = max(self.statistics.oldest, age)
         return Pose(
             x=estimate.x,
             y=estimate.y,
             heading=estimate.heading,
-            # A lockstep has no wall clock, and its log must be the same each time.
+            # Lockstep has no wall clock, and its log must be the same each time.
             stamp=None if self.lockstep else self._wall() - age + self._clock_offset,
             covariance=estimate.covariance,
-            sensors=self._merge.forward(newest, self._source),
+            sensors=self._merge.sensors(newest, self._source),
         )
 
 

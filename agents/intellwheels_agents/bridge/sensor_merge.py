@@ -1,11 +1,11 @@
-"""A real chair's document in the simulation, and its readings there. Pure.
+"""A real chair's robot document in the simulation, and its own readings there. Pure.
 
-    sensors   what its mind perceives
-    virtual   the sensors of the robot's file, measured by the simulator at the reported pose
-    real      the chair's own sonars, under their own names, and no virtual ones
-    both      the virtual ones, and the chair's own as `real-<id>`
+    sensors   what the chair's mind gets
+    virtual   the sensors of the robot file, measured by the simulator at the reported pose
+    real      the chair's own sonars, under their own ids, and no virtual ones
+    both      the virtual ones, and the chair's own sonars as `real-<id>`
 
-Encoders and odometry are the chair's in any case: the simulator never turns its wheels.
+Encoders and odometry are always the chair's own: the simulator does not turn the wheels of a real chair.
 """
 
 from __future__ import annotations
@@ -18,13 +18,7 @@ import msgspec
 from intellwheels_agents.bridge.hardware_driver import Reading
 from intellwheels_agents.bridge.pose_source import PoseSource
 from intellwheels_agents.differential_drive import wrapped
-from intellwheels_schemas.messages import (
-    EncodersReading,
-    OdometryReading,
-    Position,
-    Robot,
-    Sensors,
-)
+from intellwheels_schemas.messages import EncodersReading, OdometryReading, Position, Robot, Sensors
 
 SensorsName = Literal["virtual", "real", "both"]
 SENSORS: Final = get_args(SensorsName)
@@ -32,27 +26,27 @@ PREFIX: Final = "real-"
 
 
 class SensorMerge:
-    """What a real chair wears in the simulation.
+    """The sensors of a real chair in the simulation.
 
     Attributes:
-        robot: The document to join with, but for name, role and instance.
+        robot: The document to join with, without name, role and instance.
     """
 
     def __init__(
         self, robot: Robot, chair: Robot, sensors: SensorsName, hardware: Literal["real", "simulated"] = "real"
     ) -> None:
-        """Make the document.
+        """Create the document.
 
         Args:
             robot: The body with its virtual sensors.
             chair: The chair as built, with its own sonars.
-            sensors: Which of them its mind perceives.
-            hardware: Whether the chair is one of another simulation.
+            sensors: Which of the two the mind gets.
+            hardware: `simulated` when the chair is one of another simulation.
         """
         prefix = PREFIX if sensors == "both" else ""
         own = () if sensors == "virtual" else chair.proximity
         self._names = {sensor.id: prefix + sensor.id for sensor in own}
-        # Its rate, latency and errors are in its readings; the simulator must not be told of them.
+        # Rate, latency and errors are in the readings already; the simulator must not add them again.
         forwarded = tuple(
             msgspec.structs.replace(
                 sensor, id=self._names[sensor.id], source="real", every=1, latency=0, model="ideal", dropout=0.0,
@@ -72,8 +66,8 @@ class SensorMerge:
             odometry=tuple(msgspec.structs.replace(one, source="real") for one in robot.odometry),
         )
 
-    def forward(self, reading: Reading, source: PoseSource) -> Sensors:
-        """Return the chair's own readings as its mind will have them."""
+    def sensors(self, reading: Reading, source: PoseSource) -> Sensors:
+        """Return the chair's own readings as its mind gets them."""
         estimate = source.estimate
         x, y, heading = _relative(source.start, estimate.x, estimate.y, estimate.heading) if estimate else (0, 0, 0)
         return Sensors(
@@ -90,6 +84,6 @@ class SensorMerge:
 
 
 def _relative(start: Position, x: float, y: float, heading: float) -> tuple[float, float, float]:
-    """Return a pose as seen from the start."""
+    """Return a pose relative to the start."""
     dx, dy, cos, sin = x - start.x, y - start.y, math.cos(start.heading), math.sin(start.heading)
     return dx * cos + dy * sin, dy * cos - dx * sin, wrapped(heading - start.heading)

@@ -1,28 +1,45 @@
-"""A chair's controller on a serial line: the driver `serial`. The only file that knows pyserial.
+"""The driver `serial`: a chair's controller on a serial line. The only file that knows pyserial.
 
-One thread reads, and opens the line again whenever it is gone; who writes never waits longer than a tenth of a second.
+One thread reads, and opens the line again whenever it is lost. A write never waits longer than a tenth of a second.
+
+One bridge at a time drives a chair. The device is locked as it is opened (`flock`, which holds for root too), and a
+device that another program has locked is given up at once. Nothing is written before the simulator has accepted the
+bridge, so one that is refused by its name never moves a motor.
 """
 
 from __future__ import annotations
 
+import errno
+import os
 import threading
 import time
 from collections import deque
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Final
 
 from intellwheels_agents.bridge.hardware_driver import Fix, Reading
-from intellwheels_agents.bridge.line_protocol import Located, PowerLine, Splitter, Telemetry, read, written
+from intellwheels_agents.bridge.line_protocol import (
+    LineSplitter,
+    PositionFix,
+    PowerLine,
+    Telemetry,
+    decode_line,
+    encode_line,
+)
+from intellwheels_agents.bridge.timeouts import QUIET_LINE, REOPEN_PERIOD
+from intellwheels_agents.bridge.wrapping_counter import WrappingCounter
 from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.messages import Pace, Proximity, ProximityReading
 
 if TYPE_CHECKING:
     import serial
 
-AGAIN: Final = 0.2
-"""Seconds between two tries to open the line."""
-ROOM: Final = 3000
+MAX_READINGS: Final = 3000
 """Readings kept until they are read: a minute at 50 Hz."""
+_READ_TIMEOUT: Final = 0.05
+_WRITE_TIMEOUT: Final = 0.1
+_LOCKED: Final = (errno.EWOULDBLOCK, errno.EBUSY)
+"""Errors of opening a device that another program has locked, by `flock` or by TIOCEXCL."""
 _STATUS: Final = {"n": "none", "c": "near", "f": "fault"}
 
 
@@ -30,152 +47,203 @@ class SerialDriver:
     """The driver `serial`.
 
     Attributes:
-        returns: False: a controller that starts anew is where it was.
-        failure: Why there will never be a line: pyserial is missing.
-        heard: Set when the first reading is there.
+        restarts_at_start: False, because a real chair stays where it is when its controller restarts.
+        failure: Why there will never be a line, or None.
+        connected: Set when the first reading has arrived.
     """
 
-    returns = False
+    restarts_at_start = False
 
-    def __init__(self, name: str, baud: int, sonars: Sequence[Proximity], stop: threading.Event) -> None:
+    def __init__(
+        self,
+        port: str,
+        baud: int,
+        sonars: Sequence[Proximity],
+        stop: threading.Event,
+        waiting: Callable[[str], None] = lambda _reason: None,
+    ) -> None:
         """Prepare to open a line.
 
         Args:
-            name: A device such as /dev/ttyUSB0, or a URL of pyserial's such as socket://HOST:PORT.
+            port: A device such as /dev/ttyUSB0, or a URL of pyserial's such as socket://HOST:PORT.
             baud: Bits a second.
-            sonars: The chair's own, in the order of the telemetry's ranges.
-            stop: Ends the reading.
+            sonars: The chair's own sonars, in the order of the telemetry's ranges.
+            stop: Ends the thread, and is set when the driver gives up.
+            waiting: Called with the reason whenever the driver starts to wait for the device or its telemetry.
         """
         self.failure: str | None = None
-        self.heard = threading.Event()
-        self._name = name
+        self.connected = threading.Event()
+        self._port = port
         self._baud = baud
         self._sonars = tuple(sonars)
         self._stop = stop
-        self._readings: deque[Reading] = deque(maxlen=ROOM)
-        self._splitter = Splitter()
+        self._waiting = waiting
+        self._reason = ""
+        self._accepted = False
+        self._readings: deque[Reading] = deque(maxlen=MAX_READINGS)
+        self._splitter = LineSplitter()
         self._fix: Fix | None = None
+        self._boot = -1
+        self._seq, self._ms = WrappingCounter(), WrappingCounter()
+        self._left, self._right = WrappingCounter(), WrappingCounter()
         self._lock = threading.Lock()
         self._line: serial.Serial | None = None
+        self._quiet = 0.0
         self._garbage = self._opened = self._unwritten = 0
-        self._thread = threading.Thread(target=self._live, name="serial", daemon=True)
+        self._thread = threading.Thread(target=self._run, name="serial", daemon=True)
 
     # ------------------------------------------------------------ the driver
 
     def start(self) -> None:
-        """Begin to look for the controller."""
+        """Start looking for the controller."""
         self._thread.start()
 
     def read(self) -> list[Reading]:
-        """Return what was said since the last call."""
+        """Return the readings since the last call."""
         found = []
         while self._readings:
             found.append(self._readings.popleft())
         return found
 
     def write(self, left: float, right: float) -> None:
-        """Tell the controller a power; where there is no line nothing is told, and it stops by itself."""
+        """Send a power to the controller. Without a line nothing is sent, and the controller stops by itself."""
         with self._lock:
-            if self._line is not None:
-                self._tell(self._line, left, right)
+            if self._line is not None and self._accepted:
+                self._send(self._line, left, right)
 
-    def enter(self, run: str) -> None:
-        """Do nothing: real hardware has no runs."""
+    def begin_run(self, run: str) -> None:  # noqa: ARG002 - as `Driver` has it
+        """Allow writing: the simulator has accepted the bridge. Real hardware has no runs."""
+        self._accepted = True
 
-    def meet(self, run: str, tick: int, pace: Pace) -> bool:  # noqa: ARG002 - as `Driver` has it
+    def sync_tick(self, run: str, tick: int, pace: Pace) -> bool:  # noqa: ARG002 - as `Driver` has it
         """Return False: real hardware waits for nobody."""
         return False
 
-    def powered(self, run: str, tick: int) -> None:
+    def power_received(self, run: str, tick: int) -> None:
         """Do nothing: real hardware has no ticks."""
 
     def faults(self) -> dict[str, int]:
-        """Return what went wrong on the line."""
+        """Return the number of faults on the line so far, by name."""
         return {
-            "garbage": self._garbage + self._splitter.overlong,
+            "garbage": self._garbage + self._splitter.too_long,
             "reopened": max(self._opened - 1, 0),
             "unwritten": self._unwritten,
         }
 
     def close(self) -> None:
-        """Let go; `stop` is set already, and the thread's last word is a zero."""
+        """Wait for the thread, whose last message is a zero if there were others; `stop` is set already."""
         if self._thread.is_alive():
             self._thread.join(timeout=2.0)
 
     # ------------------------------------------------------------ the thread
 
-    def _live(self) -> None:
+    def _run(self) -> None:
         try:
-            import serial  # noqa: PLC0415 - an extra, that agents do without
+            import serial  # noqa: PLC0415 - an optional dependency, which agents do not need
         except ImportError:
-            self.failure = "pyserial is not installed: expected the extra of `pip install intellwheels[bridge]`"
+            self.failure = "the driver serial needs pyserial: pip install 'intellwheels[bridge]'"
             self._stop.set()
             return
         while not self._stop.is_set():
             try:
-                line = serial.serial_for_url(self._name, self._baud, timeout=0.05, write_timeout=0.1)
-            except OSError:
-                self._stop.wait(AGAIN)  # not there yet
+                line = serial.serial_for_url(
+                    self._port, self._baud, timeout=_READ_TIMEOUT, write_timeout=_WRITE_TIMEOUT, exclusive=True
+                )
+            except OSError as error:  # pyserial's own errors are OSErrors
+                if error.errno in _LOCKED:
+                    self.failure = f"{self._port} is in use by another program, perhaps by another iw-bridge"
+                    self._stop.set()
+                    return
+                self._wait_for(f"cannot open {self._port}: {_in_words(error)}")
+                self._stop.wait(REOPEN_PERIOD)
                 continue
+            except ValueError as error:
+                self.failure = f"--port: expected a device or a URL of pyserial's, got {self._port!r}: {error}"
+                self._stop.set()
+                return
             self._opened += 1
             with line:
                 self._use(line)
-            self._stop.wait(AGAIN)
+            self._stop.wait(REOPEN_PERIOD)
 
     def _use(self, line: serial.Serial) -> None:
-        """Listen to an open line until it is gone or all ends."""
+        """Read from an open line until it is lost or the process stops."""
         self._splitter.feed(b"\n")
+        last, self._quiet = time.monotonic(), 0.0
         with self._lock:
             self._line = line
         try:
             while not self._stop.is_set():
-                self._hear(line.read(max(1, line.in_waiting)), time.monotonic())
+                data, now = line.read(max(1, line.in_waiting)), time.monotonic()
+                # A turn that took longer was this process's delay, not the controller's silence.
+                self._quiet += min(now - last, 2.0 * _READ_TIMEOUT)
+                last = now
+                self._on_data(data, now)
+                if self._quiet > QUIET_LINE:
+                    self._wait_for(f"{self._port} is open, but no valid telemetry comes; check controller and --baud")
         except OSError:
-            pass  # gone
+            pass  # lost
         finally:
-            # Nobody writes to a line that is being closed: pyserial's own state is gone under the writer's hands.
+            # Nobody may write while the line closes: pyserial would fail on its own half-closed state.
             with self._lock:
                 self._line = None
-                if self._stop.is_set():
-                    self._tell(line, 0.0, 0.0)
+                if self._stop.is_set() and self._accepted:
+                    self._send(line, 0.0, 0.0)
 
-    def _tell(self, line: serial.Serial, left: float, right: float) -> None:
+    def _send(self, line: serial.Serial, left: float, right: float) -> None:
         try:
-            line.write(written(PowerLine(round(1000.0 * left), round(1000.0 * right))))
-        except OSError:  # pyserial's own errors are OSErrors
+            line.write(encode_line(PowerLine(round(1000.0 * left), round(1000.0 * right))))
+        except OSError:
             self._unwritten += 1
 
-    def _hear(self, data: bytes, now: float) -> None:
+    def _wait_for(self, reason: str) -> None:
+        """Report what the driver waits for, once until telemetry comes or the reason changes."""
+        if reason != self._reason:
+            self._reason = reason
+            self._waiting(reason)
+
+    def _on_data(self, data: bytes, now: float) -> None:
         for line in self._splitter.feed(data):
             try:
-                message = read(line)
+                message = decode_line(line)
             except WireError:
                 self._garbage += 1
                 continue
-            if isinstance(message, Located):
-                self._fix = message.fix()
+            if isinstance(message, PositionFix):
+                self._fix = message.to_fix()
             elif isinstance(message, Telemetry):
                 self._readings.append(self._reading(message, now))
-                self.heard.set()
+                self._quiet, self._reason = 0.0, ""
+                self.connected.set()
 
-    def _reading(self, told: Telemetry, now: float) -> Reading:
+    def _reading(self, telemetry: Telemetry, now: float) -> Reading:
         fix, self._fix = self._fix, None
+        joystick = telemetry.joystick
+        if telemetry.boot != self._boot:
+            self._boot = telemetry.boot
+            for counter in (self._seq, self._ms, self._left, self._right):
+                counter.reset()
         return Reading(
-            era=str(told.boot),
-            seq=told.seq,
-            taken=told.ms / 1000.0,
-            arrived=now,
-            left=told.left,
-            right=told.right,
-            proximity=tuple(_range(sonar, heard) for sonar, heard in zip(self._sonars, told.ranges, strict=False)),
+            epoch=str(telemetry.boot),
+            seq=self._seq.extend(telemetry.seq),
+            stamp=self._ms.extend(telemetry.ms) / 1000.0,
+            received=now,
+            left=self._left.extend(telemetry.left),
+            right=self._right.extend(telemetry.right),
+            proximity=tuple(_range(sonar, value) for sonar, value in zip(self._sonars, telemetry.ranges, strict=False)),
             fix=fix,
-            battery=told.battery / 1000.0,
-            forward=None if told.stick is None else told.stick[0] / 1000.0,
-            turn=None if told.stick is None else told.stick[1] / 1000.0,
+            battery=telemetry.battery / 1000.0,
+            forward=None if joystick is None else joystick[0] / 1000.0,
+            turn=None if joystick is None else joystick[1] / 1000.0,
         )
 
 
-def _range(sonar: Proximity, heard: int | str) -> ProximityReading:
-    if isinstance(heard, int):
-        return ProximityReading(id=sonar.id, value=heard / 1000.0)
-    return ProximityReading(id=sonar.id, status=_STATUS[heard])  # type: ignore[arg-type]
+def _in_words(error: OSError) -> str:
+    """Return the reason alone: pyserial's text repeats the device and wraps another error."""
+    return os.strerror(error.errno) if error.errno is not None else str(error)[:200]
+
+
+def _range(sonar: Proximity, value: int | str) -> ProximityReading:
+    if isinstance(value, int):
+        return ProximityReading(id=sonar.id, value=value / 1000.0)
+    return ProximityReading(id=sonar.id, status=_STATUS[value])  # type: ignore[arg-type]

@@ -1,8 +1,9 @@
-"""`iw-joystick`: a person's hand on `user/<agent>`.
+"""`iw-joystick`: drives a chair by hand, through `user/<agent>`.
 
-What a source (keys, a gamepad, a script, words) makes of itself is a `Wish`; a `Hand` says when a wish is put, a
-`Grip` keeps the lease of `--take`. All of that is pure; `window` knows pygame, `network` the link. Nothing repeats a
-wish but this process: when it dies, the simulator hears nothing, and after 0.3 s nobody wants anything.
+A source (keyboard, terminal, gamepad, script, words) gives an `InputState`. `InputTiming` decides when it is sent,
+`LeaseClient` keeps the lease of `--take`. These are pure; `pygame_source` knows pygame, `terminal_source` the terminal
+and `joystick_peer` the network. Only this process repeats the input: when it dies, the simulator hears nothing and
+stops the chair after 0.3 s.
 """
 
 from __future__ import annotations
@@ -12,7 +13,7 @@ from collections.abc import Sequence
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command and return its exit code."""
-    # Who wants a `Wish` alone loads neither the command line nor zenoh.
+    # Importing an `InputState` alone loads neither the command line nor zenoh.
     from intellwheels_agents.joystick.__main__ import main as run  # noqa: PLC0415
 
     return run(arguments)

@@ -1,4 +1,4 @@
-"""`iw-joystick`: drive a chair by hand, in a process of its own."""
+"""`iw-joystick`: drive a chair by hand."""
 
 from __future__ import annotations
 
@@ -7,13 +7,21 @@ import math
 import sys
 import threading
 from collections.abc import Sequence
+from contextlib import ExitStack
 from pathlib import Path
 
+from intellwheels_agents.joystick.input_state import Source
 from intellwheels_agents.joystick.joystick_peer import operate
-from intellwheels_agents.joystick.pygame_source import DeviceError, GamepadSource, KeyboardSource, is_gamepad_there
+from intellwheels_agents.joystick.pygame_source import (
+    DeviceError,
+    GamepadSource,
+    KeyboardSource,
+    has_display,
+    has_gamepad,
+)
 from intellwheels_agents.joystick.script_source import ScriptError, ScriptSource, read
-from intellwheels_agents.joystick.wish import Source
-from intellwheels_agents.joystick.words_source import Spoken, WordsSource
+from intellwheels_agents.joystick.terminal_source import TerminalSource
+from intellwheels_agents.joystick.words_source import SpokenWords, WordsSource
 from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.link import add_link_options, link_of
 from intellwheels_schemas.names import check_agent
@@ -21,17 +29,19 @@ from intellwheels_schemas.process import add_process_options, stop_on_signals
 
 EXAMPLES = """\
 examples:
-  the gamepad, or else the keyboard, for an agent whose mind takes user input
+  drive an agent whose mind accepts user input, with a gamepad or the keyboard
       iw-agent aided --name chair1 &  iw-joystick chair1
-  take the chair from whatever mind it has, and give it back at the end
+  take a chair from its mind, whatever that is, and give it back at the end
       iw-joystick chair1 --take
-  a voice recogniser that prints words: forward, back, left, right, stop and any other
+  drive by voice, with a recogniser that prints forward, back, left, right, stop and other words
       recogniser | iw-joystick chair1 --source words
-  a script: seconds, forward, turn, and perhaps buttons and a word, a line each
+  drive over ssh, with the keys of the terminal; letting go stops the chair within 0.3 s
+      iw-joystick chair1 --source terminal
+  play a script: on each line seconds, forward, turn, and optionally buttons and a word
       iw-joystick chair1 --source script --script drive.txt
 
-In real time only: a user counts as silent after 0.3 s, which a run as fast as it can is over in no time.
-On standard output: `ready agent=...`, `taken agent=...`, `released agent=...`, `ended agent=...`.
+For worlds in real time: input counts for 0.3 s, and that is no time at all in a run as fast as possible.
+Standard output has the lines `ready agent=...`, `taken agent=...`, `released agent=...`, `ended agent=...`.
 Exit code 0: done; 1: refused or failed; 2: wrong usage.
 """
 
@@ -40,36 +50,41 @@ def parser() -> argparse.ArgumentParser:
     """Return the command line."""
     result = argparse.ArgumentParser(
         prog="iw-joystick",
-        description="Write what a person wants to user/AGENT.",
+        description="Drive a chair by hand: send the input of a person to user/AGENT.",
         epilog=EXAMPLES,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
-    result.add_argument("agent", metavar="AGENT", help="the agent that is driven")
+    result.add_argument("agent", metavar="AGENT", help="the agent to drive")
     result.add_argument(
         "--source",
-        choices=("auto", "keyboard", "gamepad", "script", "words"),
+        choices=("auto", "keyboard", "terminal", "gamepad", "script", "words"),
         default="auto",
-        help="what the person uses (default: auto, a gamepad that is there, or the keyboard)",
+        help="input device (default: auto, which is a gamepad if one is connected, else the keyboard, in a "
+        "window or, without a display, in this terminal)",
     )
-    result.add_argument("--script", type=Path, metavar="FILE", help="the lines of --source script")
+    result.add_argument("--script", type=Path, metavar="FILE", help="the file for --source script")
     result.add_argument(
-        "--clock", choices=("wall", "simulated"), default="wall", help="whose seconds a script counts (default: wall)"
-    )
-    result.add_argument(
-        "--take", action="store_true", help="take a lease: the simulator itself obeys, whatever the agent's mind wants"
+        "--clock", choices=("wall", "simulated"), default="wall", help="clock of the script's seconds (default: wall)"
     )
     result.add_argument(
-        "--forward", type=_share, default=1.0, metavar="SHARE", help="full forward, of what there is (default: 1)"
+        "--take",
+        action="store_true",
+        help="take the chair from its mind: the simulator obeys this joystick under a lease",
     )
     result.add_argument(
-        "--turn", type=_share, default=0.5, metavar="SHARE", help="full turn, of what there is (default: 0.5)"
+        "--forward", type=_share, default=1.0, metavar="SHARE", help="power at full forward, in [0, 1] (default: 1)"
     )
-    result.add_argument("--hold", type=_seconds, default=2.0, metavar="S", help="seconds a word drives (default: 2)")
+    result.add_argument(
+        "--turn", type=_share, default=0.5, metavar="SHARE", help="power at full turn, in [0, 1] (default: 0.5)"
+    )
+    result.add_argument(
+        "--hold", type=_seconds, default=2.0, metavar="S", help="seconds that a word drives (default: 2)"
+    )
     result.add_argument(
         "--retry-for",
         type=_seconds,
         metavar="S",
-        help="give up when nobody answers for so many seconds (default: never)",
+        help="give up after S seconds without a router or simulator (default: never)",
     )
     add_link_options(result)
     add_process_options(result)
@@ -78,16 +93,17 @@ def parser() -> argparse.ArgumentParser:
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command and return its exit code: 0 done, 1 refused or failed, 2 wrong usage."""
-    grammar = parser()
-    options = grammar.parse_args(arguments)
+    command_line = parser()
+    options = command_line.parse_args(arguments)
     if (options.source == "script") != (options.script is not None):
-        grammar.error("--script: expected a file with --source script, and only then")
-    # First of all: a signal may come while the rest is still read.
+        command_line.error("--script: expected a file with --source script, and only with it")
+    # First, because a signal may arrive while the other arguments are read.
     stop = stop_on_signals(options.lifeline)
     try:
         agent, where = check_agent(options.agent, "AGENT"), link_of(options)
-        source = _source(options, stop)
-        return operate(where, agent, source, take=options.take, stop=stop, retry_for=options.retry_for)
+        with ExitStack() as stack:
+            source = _source(options, stop, stack)
+            return operate(where, agent, source, take=options.take, stop=stop, retry_for=options.retry_for)
     except (ScriptError, WireError) as error:
         print(f"iw-joystick: {error}", file=sys.stderr)
         return 2
@@ -96,15 +112,30 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return 1
 
 
-def _source(options: argparse.Namespace, stop: threading.Event) -> Source:
+def _source(options: argparse.Namespace, stop: threading.Event, stack: ExitStack) -> Source:
     name, shares = options.source, (options.forward, options.turn)
+    if name == "auto":
+        name = _automatic()
     if name == "script":
         return ScriptSource(read(options.script), simulated=options.clock == "simulated", stop=stop)
     if name == "words":
-        return WordsSource(Spoken(*shares, options.hold), sys.stdin.fileno())
-    if name == "gamepad" or (name == "auto" and is_gamepad_there()):
+        return WordsSource(SpokenWords(*shares, options.hold), sys.stdin.fileno())
+    if name == "gamepad":
         return GamepadSource(*shares)
+    if name == "terminal":
+        return stack.enter_context(TerminalSource(*shares, sys.stdin.fileno()))
     return KeyboardSource(f"iw-joystick {options.agent}", *shares)
+
+
+def _automatic() -> str:
+    """Return the best source there is: a gamepad, a window, or the terminal; without any of them what says why."""
+    has_terminal = sys.stdin.isatty()
+    try:
+        if has_gamepad():
+            return "gamepad"
+    except DeviceError:
+        return "terminal" if has_terminal else "keyboard"
+    return "terminal" if has_terminal and not has_display() else "keyboard"
 
 
 def _share(text: str) -> float:
@@ -122,7 +153,7 @@ def _seconds(text: str) -> float:
 
 
 def _number(text: str) -> float:
-    """Return a number, NaN for what is none: no range has it."""
+    """Return a number, or NaN when the text is not one: NaN is outside every range."""
     try:
         return float(text)
     except ValueError:

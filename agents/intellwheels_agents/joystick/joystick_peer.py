@@ -1,7 +1,7 @@
-"""A joystick on the network. The only file of it that knows zenoh.
+"""A joystick on the network. The only file of the joystick that knows zenoh.
 
-One loop: what the source wants, what the hand puts, what the grip asks. Questions wait on a thread of their own, or a
-slow answer would silence the hand.
+One loop reads the source, sends its input and keeps the lease. Lease requests wait on a thread of their own, because a
+slow answer must not delay the input.
 """
 
 from __future__ import annotations
@@ -16,9 +16,9 @@ from typing import Final
 import msgspec
 import zenoh
 
+from intellwheels_agents.joystick.input_state import Source
+from intellwheels_agents.joystick.input_timing import REPEAT_PERIOD, InputTiming
 from intellwheels_agents.joystick.lease_client import LeaseClient
-from intellwheels_agents.joystick.wish import Source
-from intellwheels_agents.joystick.wish_timing import EVERY, WishTiming
 from intellwheels_schemas import link
 from intellwheels_schemas.channels import CHANNELS
 from intellwheels_schemas.codec import Encoding, decode, encode, encoding_of
@@ -26,24 +26,24 @@ from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.keys import Keys
 from intellwheels_schemas.messages import Body, Clock, Result, Take, UserInput
 
-ANSWER: Final = 1.5
-"""Seconds an answer is waited for: less than a lease."""
-LAST_ANSWER: Final = ANSWER + 1.0
-"""Seconds until whoever asks says that there was none, and some for a busy machine."""
+ANSWER_TIMEOUT: Final = 1.5
+"""Seconds to wait for an answer: less than a lease."""
+FINAL_TIMEOUT: Final = ANSWER_TIMEOUT + 1.0
+"""Seconds to wait at the end for an outstanding answer: its own time-out, and a second for a busy machine."""
 
 
 def operate(
     where: link.Link, agent: str, source: Source, *, take: bool, stop: threading.Event, retry_for: float | None
 ) -> int:
-    """Put what a source wants until it ends or `stop` is set, and return the exit code: 0, or 1 when refused.
+    """Send the input of a source until it ends or `stop` is set; return the exit code: 0, or 1 when refused.
 
     Args:
         where: The link.
-        agent: Whose user this is.
-        source: What wants.
-        take: Whether the simulator itself shall obey, by a lease.
+        agent: The agent that is driven.
+        source: The input device.
+        take: Whether to take the chair from its mind, by a lease.
         stop: Set when the process must end.
-        retry_for: Seconds to look for a router or simulator; None for ever.
+        retry_for: Seconds to look for a router or simulator; None for no limit.
     """
     try:
         session = link.open_session(where, stop, timeout=retry_for, waiting=lambda why: _log(f"waiting why={why!r}"))
@@ -58,13 +58,13 @@ def operate(
         clock = session.declare_subscriber(keys.clock, inbox.on_sample)
         publisher = link.declare(session, keys.user(agent), CHANNELS["user"], Encoding.JSON)
         with publisher, clock:
-            asker = _Asker(session, keys.ctl("take"))
-            _look_for(session, keys.body(agent), agent, take=take)
-            return _Loop(agent, source, asker, inbox, publisher, take=take).run(stop)
+            requests = _LeaseRequests(session, keys.ctl("take"))
+            _check_agent(session, keys.body(agent), agent, take=take)
+            return _Loop(agent, source, requests, inbox, publisher, take=take).run(stop)
 
 
-class _Asker:
-    """Asks beside the loop."""
+class _LeaseRequests:
+    """Sends lease requests on a thread of their own."""
 
     def __init__(self, session: zenoh.Session, key: str) -> None:
         self._session = session
@@ -72,13 +72,13 @@ class _Asker:
         self.answers: queue.SimpleQueue[Result | None] = queue.SimpleQueue()
 
     def start(self, take: Take) -> None:
-        """Ask; the answer comes into `answers`."""
+        """Send a request; the answer goes to `answers`."""
         threading.Thread(target=lambda: self.answers.put(self.ask(take)), name="take", daemon=True).start()
 
     def ask(self, take: Take) -> Result | None:
-        """Ask, and return the answer, or None when there was none."""
+        """Send a request and return its answer, or None without one."""
         try:
-            answers = link.query(self._session, self._key, encode(take, Encoding.JSON), timeout=ANSWER)
+            answers = link.query(self._session, self._key, encode(take, Encoding.JSON), timeout=ANSWER_TIMEOUT)
             return decode(Result, answers[0].data, encoding_of(answers[0].encoding, answers[0].data), strict=False)
         except (ConnectionError, WireError) as error:
             _log(f"unanswered verb=take why={str(error)!r}")
@@ -86,66 +86,73 @@ class _Asker:
 
 
 class _Loop:
-    """The life of a joystick."""
+    """The main loop of a joystick."""
 
     def __init__(
-        self, agent: str, source: Source, asker: _Asker, inbox: link.Inbox, publisher: zenoh.Publisher, *, take: bool
+        self,
+        agent: str,
+        source: Source,
+        requests: _LeaseRequests,
+        inbox: link.Inbox,
+        publisher: zenoh.Publisher,
+        *,
+        take: bool,
     ) -> None:
         self._agent = agent
         self._source = source
-        self._asker = asker
+        self._requests = requests
         self._inbox = inbox
         self._publisher = publisher
-        self._hand = WishTiming()
+        self._timing = InputTiming()
         self._lease = LeaseClient(agent) if take else None
         self._time: float | None = None
 
     def run(self, stop: threading.Event) -> int:
         lease = self._lease
-        _tell(f"ready agent={self._agent}")
+        _print(f"ready agent={self._agent}")
         try:
             while not stop.is_set():
                 now = time.monotonic()
-                self._hear()
-                wish = self._source.wish(now, self._time)
-                if wish is None:
+                self._read_clock()
+                state = self._source.state(now, self._time)
+                if state is None:
                     break
                 if lease is not None:
-                    self._hold(lease, now)
-                    if lease.lost:
-                        _log(f"not taken agent={self._agent} why={lease.lost!r}")
+                    self._keep_lease(lease, now)
+                    if lease.failure:
+                        _log(f"not taken agent={self._agent} why={lease.failure!r}")
                         return 1
                 if lease is None or lease.lease is not None:
-                    self._send(self._hand.put(wish, now))
-                self._source.wait(EVERY)
+                    self._send(self._timing.message(state, now))
+                self._source.wait(REPEAT_PERIOD)
         finally:
             self._end()
         return 0
 
-    def _hold(self, lease: LeaseClient, now: float) -> None:
-        take = lease.ask(now)
-        if take is not None:
-            self._asker.start(take)
+    def _keep_lease(self, lease: LeaseClient, now: float) -> None:
+        request = lease.request(now)
+        if request is not None:
+            self._requests.start(request)
         while True:
             try:
-                result = self._asker.answers.get_nowait()
+                result = self._requests.answers.get_nowait()
             except queue.Empty:
                 return
             if lease.answered(result, now):
-                _tell(f"taken agent={self._agent}")
+                _print(f"taken agent={self._agent}")
 
     def _end(self) -> None:
-        self._send(self._hand.off(time.monotonic()))
+        self._send(self._timing.final_message(time.monotonic()))
         if self._lease is not None and self._lease.is_asking:
-            # A lease that is being granted is given back too.
+            # A lease may just be granted: wait for it, so that it is given back too.
             with suppress(queue.Empty):
-                self._lease.answered(self._asker.answers.get(timeout=LAST_ANSWER), time.monotonic())
-        back = None if self._lease is None else self._lease.back()
-        if back is not None:
-            result = self._asker.ask(back)
+                self._lease.answered(self._requests.answers.get(timeout=FINAL_TIMEOUT), time.monotonic())
+        release = None if self._lease is None else self._lease.release()
+        if release is not None:
+            result = self._requests.ask(release)
             if result is not None and result.code == "ok":
-                _tell(f"released agent={self._agent}")
-        _tell(f"ended agent={self._agent}")
+                _print(f"released agent={self._agent}")
+        _print(f"ended agent={self._agent}")
 
     def _send(self, user: UserInput | None) -> None:
         if user is None:
@@ -154,7 +161,7 @@ class _Loop:
             user = msgspec.structs.replace(user, lease=self._lease.lease)
         self._publisher.put(encode(user, Encoding.JSON))
 
-    def _hear(self) -> None:
+    def _read_clock(self) -> None:
         for arrival in self._inbox.take():
             if isinstance(arrival, link.Put):
                 try:
@@ -164,19 +171,19 @@ class _Loop:
                     _log(f"dropped message=Clock why={error.text!r}")
 
 
-def _look_for(session: zenoh.Session, key: str, agent: str, *, take: bool) -> None:
-    """Say it when nobody has that name, or takes no user input: a put that nobody wants is silent."""
+def _check_agent(session: zenoh.Session, key: str, agent: str, *, take: bool) -> None:
+    """Log when no agent has that name or it ignores user input: nobody answers a put, so nothing else would tell."""
     try:
-        answers = link.query(session, key, timeout=ANSWER)
+        answers = link.query(session, key, timeout=ANSWER_TIMEOUT)
         body = decode(Body, answers[0].data, encoding_of(answers[0].encoding, answers[0].data), strict=False)
     except (ConnectionError, WireError):
-        _log(f"nobody agent={agent} yet")
+        _log(f"waiting why='no agent {agent} yet'")
         return
     if not take and not {"drive", "words"}.intersection(body.robot.user_input):
-        _log(f"deaf agent={agent} why='its robot declares no driving by user input; --take drives it'")
+        _log(f"ignored agent={agent} why='its robot declares no user input; --take drives it anyway'")
 
 
-def _tell(line: str) -> None:
+def _print(line: str) -> None:
     print(line, flush=True)  # noqa: T201 - what a script waits for
 
 

@@ -1,10 +1,11 @@
-"""Wishes from what is held: keys by name, axes and buttons by number. Knows no device.
+"""Input states from held keys, by name, and from axes and buttons, by number. Knows no device.
 
-up, w / down, s       forward / back
-left, a / right, d    turn
-shift                 half of all that
-0 to 9                buttons
-space                 nothing, whatever else is held
+up, w, i / down, s, k       forward / back
+left, a, j / right, d, l    turn
+q, u / e, o                 forward and left / forward and right
+shift                       half speed
+0 to 9                      buttons
+space                       neutral, whatever else is held
 """
 
 from __future__ import annotations
@@ -12,53 +13,57 @@ from __future__ import annotations
 from collections.abc import Callable, Collection
 from typing import Final
 
-from intellwheels_agents.joystick.wish import NOTHING, Wish
+from intellwheels_agents.joystick.input_state import NEUTRAL, InputState
 
 DEAD_ZONE: Final = 0.12
-"""Share of an axis around its middle that counts as the middle: worn sticks rest up to 0.1 off it."""
-FORWARD_KEYS: Final = ("up", "w"), ("down", "s")
-TURN_KEYS: Final = ("left", "a"), ("right", "d")
+"""Share of an axis that counts as centred: worn sticks rest up to 0.1 off the centre."""
+FORWARD_KEYS: Final = ("up", "w", "i", "q", "u", "e", "o"), ("down", "s", "k")
+TURN_KEYS: Final = ("left", "a", "j", "q", "u"), ("right", "d", "l", "e", "o")
 
 
-def of_keys(held: Collection[str], forward: float, turn: float) -> Wish:
-    """Return what held keys want.
+def from_keys(held: Collection[str], forward: float, turn: float) -> InputState:
+    """Return the state of the held keys.
 
     Args:
-        held: Their names, as above; others do not matter.
-        forward: Share of full forward that a key asks for, in [0, 1].
+        held: Their names, as above; others are ignored.
+        forward: Share of full forward for a key, in [0, 1].
         turn: Share of full turn, in [0, 1].
     """
     if "space" in held:
-        return NOTHING
-    half = 0.5 if "shift" in held else 1.0
-    return Wish(
-        half * forward * _pair(held, *FORWARD_KEYS),
-        half * turn * _pair(held, *TURN_KEYS),
+        return NEUTRAL
+    factor = 0.5 if "shift" in held else 1.0
+    return InputState(
+        factor * forward * _axis(held, *FORWARD_KEYS),
+        factor * turn * _axis(held, *TURN_KEYS),
         tuple(sorted(int(name) for name in held if len(name) == 1 and name.isascii() and name.isdigit())),
     )
 
 
-def _pair(held: Collection[str], more: tuple[str, ...], less: tuple[str, ...]) -> int:
+def _axis(held: Collection[str], positive: tuple[str, ...], negative: tuple[str, ...]) -> int:
     def is_held(names: tuple[str, ...]) -> bool:
         return any(name in held for name in names)
 
-    return is_held(more) - is_held(less)
+    return is_held(positive) - is_held(negative)
 
 
-def of_stick(axis: Callable[[int], float], buttons: Collection[int], forward: float, turn: float) -> Wish:
-    """Return what a gamepad's first stick and buttons want.
+def from_stick(axis: Callable[[int], float], buttons: Collection[int], forward: float, turn: float) -> InputState:
+    """Return the state of a gamepad's first stick and buttons.
 
     Args:
-        axis: An axis' value in [-1, 1] by its number: 0 positive to the right, 1 positive to the user.
-        buttons: The numbers of those held.
-        forward: Share of full forward that a stick quite ahead asks for, in [0, 1].
+        axis: Returns the value in [-1, 1] of an axis: 0 is positive to the right, 1 positive towards the user.
+        buttons: The numbers of the pressed ones.
+        forward: Share of full forward at full deflection, in [0, 1].
         turn: Share of full turn, in [0, 1].
     """
-    return Wish(-forward * eased(axis(1)), -turn * eased(axis(0)), tuple(sorted(b for b in buttons if 0 <= b <= 63)))
+    return InputState(
+        -forward * without_dead_zone(axis(1)),
+        -turn * without_dead_zone(axis(0)),
+        tuple(sorted(b for b in buttons if 0 <= b <= 63)),
+    )
 
 
-def eased(value: float) -> float:
-    """Return an axis' value with its dead zone taken out, rounded so that a trembling stick is one wish."""
+def without_dead_zone(value: float) -> float:
+    """Return an axis value without its dead zone, rounded so that a trembling stick does not change the state."""
     size = min(abs(value), 1.0)
     if size <= DEAD_ZONE:
         return 0.0

@@ -1,7 +1,7 @@
-"""Keyboard and gamepad by pygame, which is loaded when one of them is asked for. The only file that knows it.
+"""Keyboard and gamepad through pygame, which is loaded only when one of them is used. The only file that knows pygame.
 
-The window is for the keyboard's focus and for eyes. Keys are let go when it loses the focus, a stick when it is pulled
-out: what nobody holds must not drive.
+The window gives the keyboard its focus. When it loses the focus all keys count as released, and so does a gamepad that
+is unplugged: nobody holds them, so they must not drive.
 """
 
 from __future__ import annotations
@@ -10,30 +10,30 @@ import os
 from types import ModuleType
 from typing import Any
 
-from intellwheels_agents.joystick.key_bindings import of_keys, of_stick
-from intellwheels_agents.joystick.wish import NOTHING, Wish
+from intellwheels_agents.joystick.input_state import NEUTRAL, InputState
+from intellwheels_agents.joystick.key_bindings import from_keys, from_stick
 
-SIZE = (460, 150)
-"""Pixels of the window."""
-_LINES = ("arrows or w a s d drive, shift halves, space stops", "0-9 buttons, escape ends")
-_UNSEEN = ("offscreen", "dummy")
+WINDOW_SIZE = (560, 150)
+"""In pixels."""
+_HELP = ("arrows, W A S D or I J K L drive, shift for half speed, space stops", "0-9 are buttons, escape ends")
+_INVISIBLE = ("offscreen", "dummy")
 
 
 class DeviceError(RuntimeError):
-    """A device, or what reads it, is not there; the sentence says which."""
+    """An input device, or the software that reads it, is missing; the text says which."""
 
 
 def pygame_of(*, window: bool) -> ModuleType:
-    """Return pygame, started.
+    """Return pygame, initialised.
 
     Args:
-        window: Whether there will be one; without, none is needed, nor a display.
+        window: Whether a window will be opened; otherwise no display is needed.
 
     Raises:
-        DeviceError: It is not installed, or there is no display.
+        DeviceError: pygame is not installed, or there is no display.
     """
     os.environ.setdefault("PYGAME_HIDE_SUPPORT_PROMPT", "1")
-    # Signals are the command's own business; a stick counts whatever window is in front.
+    # The command handles signals itself. A gamepad counts whatever window has the focus.
     os.environ.setdefault("SDL_NO_SIGNAL_HANDLERS", "1")
     os.environ.setdefault("SDL_JOYSTICK_ALLOW_BACKGROUND_EVENTS", "1")
     if not window:
@@ -51,22 +51,22 @@ def pygame_of(*, window: bool) -> ModuleType:
 
 
 class KeyboardSource:
-    """A small window; its keys are the wish, which it shows.
+    """The keyboard, through a small window that also shows the state.
 
     Args:
-        title: Of the window.
-        forward: Share of full forward that a key asks for, in [0, 1].
+        title: Title of the window.
+        forward: Share of full forward for a key, in [0, 1].
         turn: Share of full turn, in [0, 1].
     """
 
     def __init__(self, title: str, forward: float, turn: float) -> None:
         self._pygame = pygame = pygame_of(window=True)
         try:
-            self._screen = pygame.display.set_mode(SIZE)
+            self._screen = pygame.display.set_mode(WINDOW_SIZE)
         except pygame.error as error:
             raise DeviceError(f"no display for the keyboard's window: {error}") from None
-        # Where there is no display SDL makes do with a window that nobody can see or type into.
-        if pygame.display.get_driver() in _UNSEEN and "SDL_VIDEODRIVER" not in os.environ:
+        # Without a display SDL opens a window that nobody can see or type into.
+        if pygame.display.get_driver() in _INVISIBLE and "SDL_VIDEODRIVER" not in os.environ:
             pygame.quit()
             raise DeviceError(
                 "no display for the keyboard's window: expected DISPLAY or WAYLAND_DISPLAY; or give another --source"
@@ -76,29 +76,29 @@ class KeyboardSource:
         self._font = pygame.font.Font(None, 24)
         self._shares = forward, turn
         self._held: set[str] = set()
-        self._over = False
-        self._shown: Wish | None = None
+        self._is_closed = False
+        self._shown: InputState | None = None
 
     def wait(self, seconds: float) -> None:
-        """Return when a key went, at the latest after so long."""
+        """Wait for a key event, at most some seconds."""
         first = self._pygame.event.wait(max(1, round(seconds * 1000.0)))
         for event in (first, *self._pygame.event.get()):
-            self._take(event)
+            self._on_event(event)
 
-    def wish(self, now: float, time: float | None) -> Wish | None:  # noqa: ARG002 - as `Source` has it
-        """Return what the held keys want, or None once the window was closed."""
-        if self._over:
+    def state(self, now: float, time: float | None) -> InputState | None:  # noqa: ARG002 - as `Source` has it
+        """Return the state of the held keys, or None after the window was closed."""
+        if self._is_closed:
             self._pygame.quit()
             return None
-        wish = of_keys(self._held, *self._shares)
-        if wish != self._shown:
-            self._show(wish)
-        return wish
+        state = from_keys(self._held, *self._shares)
+        if state != self._shown:
+            self._show(state)
+        return state
 
-    def _take(self, event: Any) -> None:
+    def _on_event(self, event: Any) -> None:
         pygame = self._pygame
         if event.type == pygame.QUIT or (event.type == pygame.KEYDOWN and event.key == pygame.K_ESCAPE):
-            self._over = True
+            self._is_closed = True
         elif event.type == pygame.KEYDOWN:
             self._held.add(_name(pygame, event.key))
         elif event.type == pygame.KEYUP:
@@ -106,12 +106,12 @@ class KeyboardSource:
         elif event.type == pygame.WINDOWFOCUSLOST:
             self._held.clear()
 
-    def _show(self, wish: Wish) -> None:
-        self._shown = wish
+    def _show(self, state: InputState) -> None:
+        self._shown = state
         self._screen.fill((24, 26, 30))
-        said = f"forward {wish.forward:+.2f}   turn {wish.turn:+.2f}   buttons {wish.buttons or '-'}"
-        for row, text in enumerate((said, *_LINES)):
-            self._screen.blit(self._font.render(text, True, (230, 230, 230)), (16, 20 + 40 * row))
+        text = f"forward {state.forward:+.2f}   turn {state.turn:+.2f}   buttons {state.buttons or '-'}"
+        for row, line in enumerate((text, *_HELP)):
+            self._screen.blit(self._font.render(line, True, (230, 230, 230)), (16, 20 + 40 * row))
         self._pygame.display.flip()
 
 
@@ -121,10 +121,10 @@ def _name(pygame: ModuleType, key: int) -> str:
 
 
 class GamepadSource:
-    """The first gamepad there is; one that was pulled out may come back.
+    """The first gamepad; one that was unplugged may come back.
 
     Args:
-        forward: Share of full forward that the stick asks for, in [0, 1].
+        forward: Share of full forward at full deflection, in [0, 1].
         turn: Share of full turn, in [0, 1].
     """
 
@@ -132,43 +132,48 @@ class GamepadSource:
         self._pygame = pygame_of(window=False)
         self._shares = forward, turn
         self._stick: Any = None
-        self._plug()
+        self._connect()
         if self._stick is None:
-            raise DeviceError("no gamepad is there; give --source keyboard, or connect one")
+            raise DeviceError("no gamepad found: connect one, or give --source keyboard")
 
     def wait(self, seconds: float) -> None:
-        """Return when the stick or a button went, at the latest after so long."""
+        """Wait for an event of the stick or a button, at most some seconds."""
         first = self._pygame.event.wait(max(1, round(seconds * 1000.0)))
         for event in (first, *self._pygame.event.get()):
             if event.type == self._pygame.JOYDEVICEREMOVED:
                 self._stick = None
             if self._stick is None:
-                self._plug()
+                self._connect()
 
-    def wish(self, now: float, time: float | None) -> Wish | None:  # noqa: ARG002 - as `Source` has it
-        """Return what the stick wants; nothing while there is none."""
+    def state(self, now: float, time: float | None) -> InputState | None:  # noqa: ARG002 - as `Source` has it
+        """Return the gamepad's state; neutral while it is unplugged."""
         stick = self._stick
         if stick is None or stick.get_numaxes() < 2:
-            return NOTHING
+            return NEUTRAL
         held = [number for number in range(stick.get_numbuttons()) if stick.get_button(number)]
-        return of_stick(stick.get_axis, held, *self._shares)
+        return from_stick(stick.get_axis, held, *self._shares)
 
-    def _plug(self) -> None:
+    def _connect(self) -> None:
         if self._pygame.joystick.get_count():
             self._stick = self._pygame.joystick.Joystick(0)
 
 
-def is_gamepad_there() -> bool:
+def has_display() -> bool:
+    """Return whether a window can open: there is a display, or the user has chosen a driver of SDL's."""
+    return any(os.environ.get(name) for name in ("DISPLAY", "WAYLAND_DISPLAY", "SDL_VIDEODRIVER"))
+
+
+def has_gamepad() -> bool:
     """Return whether a gamepad is connected.
 
     Raises:
         DeviceError: pygame is not installed.
     """
-    had = os.environ.get("SDL_VIDEODRIVER")
+    driver = os.environ.get("SDL_VIDEODRIVER")
     pygame = pygame_of(window=False)
-    there = bool(pygame.joystick.get_count())
+    found = bool(pygame.joystick.get_count())
     pygame.quit()
-    # The keyboard's window wants a true display.
-    if had is None:
+    # The keyboard's window needs a real display.
+    if driver is None:
         os.environ.pop("SDL_VIDEODRIVER", None)
-    return there
+    return found

@@ -1,6 +1,6 @@
-"""Wishes from a file, for tests and demonstrations.
+"""Input states from a file, for tests and demonstrations.
 
-A line is: seconds, forward, turn, and perhaps buttons and a word; `-` is none, `#` begins a comment.
+A line has seconds, forward and turn, then optionally buttons and a word; `-` means none, `#` starts a comment.
 
     0.0   1    0           # from the start: full ahead
     2.0   0.5  0.5  0,3    # from 2 s on: a bend to the left, buttons 0 and 3 held
@@ -16,74 +16,74 @@ from bisect import bisect_right
 from pathlib import Path
 from typing import NamedTuple
 
-from intellwheels_agents.joystick.wish import NOTHING, Wish
+from intellwheels_agents.joystick.input_state import NEUTRAL, InputState
 from intellwheels_agents.joystick.words_source import is_word
 
 
 class ScriptError(ValueError):
-    """A line that is none; the sentence says which, what was expected and what came."""
+    """A wrong line in a script; the text says where, what was expected and what came."""
 
 
 class Script(NamedTuple):
-    """Wishes by time, ascending."""
+    """States by time, ascending."""
 
     times: tuple[float, ...]
-    wishes: tuple[Wish, ...]
+    states: tuple[InputState, ...]
 
-    def at(self, seconds: float) -> Wish | None:
-        """Return what is wanted so long after the start, or None when the script is over."""
+    def at(self, seconds: float) -> InputState | None:
+        """Return the state at some seconds after the start, or None after the end of the script."""
         if seconds >= self.times[-1]:
             return None
         index = bisect_right(self.times, seconds + 1e-9) - 1
-        return self.wishes[index] if index >= 0 else NOTHING
+        return self.states[index] if index >= 0 else NEUTRAL
 
 
 def read(path: Path) -> Script:
     """Return the script in a file.
 
     Raises:
-        ScriptError: It is no text, a line is none, or there is none.
+        ScriptError: It is not text, a line is wrong, or it has no lines.
         OSError: The file cannot be read.
     """
     try:
         return parse(path.read_text("utf-8"), str(path))
     except UnicodeDecodeError as error:
-        raise ScriptError(f"{path}: expected a text in UTF-8, got byte 0x{error.object[error.start]:02x}") from None
+        raise ScriptError(f"{path}: expected UTF-8 text, got byte 0x{error.object[error.start]:02x}") from None
 
 
 def parse(text: str, where: str) -> Script:
-    """Return the script that a text is.
+    """Return the script in a text.
 
     Args:
         text: The lines.
-        where: Its name, for errors.
+        where: The name of the text, for errors.
 
     Raises:
-        ScriptError: A line is none, or there is none.
+        ScriptError: A line is wrong, or there is none.
     """
     times: list[float] = []
-    wishes: list[Wish] = []
+    states: list[InputState] = []
     for number, raw in enumerate(text.splitlines(), 1):
         words = raw.partition("#")[0].split()
         if not words:
             continue
         try:
-            time, wish = _line(words)
+            time, state = _line(words)
         except ValueError:
             raise ScriptError(
-                f"{where}:{number}: expected seconds, forward and turn in [-1, 1], perhaps buttons (0,3) "
+                f"{where}:{number}: expected seconds, forward and turn in [-1, 1], then optionally buttons (0,3) "
                 f"and a word, got {raw.strip()!r}"
             ) from None
         if not math.isfinite(time) or time < 0.0 or (times and time <= times[-1]):
-            raise ScriptError(f"{where}:{number}: expected seconds that grow from 0, got {words[0]!r}")
+            raise ScriptError(f"{where}:{number}: expected increasing seconds from 0 on, got {words[0]!r}")
         times.append(time)
-        wishes.append(wish)
+        states.append(state)
     if not times:
         raise ScriptError(f"{where}: expected at least one line, got none")
-    return Script(tuple(times), tuple(wishes))
+    return Script(tuple(times), tuple(states))
 
 
-def _line(words: list[str]) -> tuple[float, Wish]:
+def _line(words: list[str]) -> tuple[float, InputState]:
     time, forward, turn = (float(word) for word in words[:3])
     buttons, word = (*words[3:], "-", "-")[:2]
     held = () if buttons == "-" else tuple(sorted({int(button) for button in buttons.split(",")}))
@@ -91,15 +91,15 @@ def _line(words: list[str]) -> tuple[float, Wish]:
         raise ValueError
     if any(not 0 <= button <= 63 for button in held) or (word != "-" and not is_word(word)):
         raise ValueError
-    return time, Wish(forward, turn, held, None if word == "-" else word)
+    return time, InputState(forward, turn, held, None if word == "-" else word)
 
 
 class ScriptSource:
     """Plays a script.
 
     Args:
-        script: What.
-        simulated: Whether its seconds are the simulation's, from the first clock heard, or the wall's.
+        script: The script.
+        simulated: Whether its seconds are simulated ones, from the first clock message on, or real ones.
         stop: Ends a wait.
     """
 
@@ -110,15 +110,15 @@ class ScriptSource:
         self._start: float | None = None
 
     def wait(self, seconds: float) -> None:
-        """Return after so long."""
+        """Wait some seconds."""
         self._stop.wait(seconds)
 
-    def wish(self, now: float, time: float | None) -> Wish | None:
-        """Return what the script wants, or None at its end."""
+    def state(self, now: float, time: float | None) -> InputState | None:
+        """Return the script's state now, or None after its end."""
         at = time if self._simulated else now
         if at is None:
-            return NOTHING
-        # A reset puts the clock back; the script then begins anew.
+            return NEUTRAL
+        # A reset sets the clock back; the script then starts again.
         if self._start is None or at < self._start:
             self._start = at
         return self._script.at(at - self._start)

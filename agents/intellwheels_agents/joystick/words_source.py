@@ -1,10 +1,11 @@
-"""Wishes from words, one after another: what a voice recogniser prints, piped in.
+"""Input states from words, as a voice recogniser prints them.
 
-`forward`, `back`, `left` and `right` drive, for so long only: a recogniser that hears nothing more must not drive a
-chair for ever. `stop` stops at once. Every word is also put as `UserInput.Word`, for minds that know others; a word
-that does not drive leaves the driving as it is, and of several that come at once each is put in its turn. A word that
-drives is put at once, and no more when another did: a mind may drive by it. The end of the input, a recogniser that
-died, stops at once; what waits to be put is put still.
+`forward`, `back`, `left` and `right` drive for a limited time, because a recogniser that hears nothing more must not
+drive a chair for ever. `stop` stops at once. Every word is also sent as `UserInput.Word`, for minds that know others.
+
+A word that drives is sent at once, and dropped when another driving word replaces it. Other words leave the driving
+unchanged and are sent one after the other. The end of the input, such as the death of the recogniser, stops the chair
+at once; the words that still wait are sent.
 """
 
 from __future__ import annotations
@@ -16,31 +17,31 @@ import sys
 from collections import deque
 from typing import Final
 
-from intellwheels_agents.joystick.wish import Wish
+from intellwheels_agents.joystick.input_state import InputState
 from intellwheels_agents.user_input import WORDS
 from intellwheels_schemas.messages import WORD_PATTERN
 
-SAID: Final = 0.3
-"""Seconds a word is put at least before the next: some ticks of any simulation hear it."""
-WAITING: Final = 16
-"""Words that wait their turn at most; of more the oldest are dropped."""
-LONGEST: Final = 4096
-"""Bytes of a line that does not end; it is dropped."""
+WORD_SECONDS: Final = 0.3
+"""Least seconds that a word is sent before the next, so that several ticks of any simulation get it."""
+QUEUE_LENGTH: Final = 16
+"""Most words that wait to be sent; when more come, the oldest are dropped."""
+MAX_LINE: Final = 4096
+"""Bytes of the longest line; a longer one is dropped."""
 _WORD = re.compile(WORD_PATTERN)
 
 
 def is_word(text: str) -> bool:
-    """Return whether the wire takes it as a word."""
+    """Return whether the contract accepts a text as a word."""
     return len(text) <= 64 and _WORD.fullmatch(text) is not None
 
 
-class Spoken:
-    """What was said, and how long it counts.
+class SpokenWords:
+    """The words so far and what they still mean.
 
     Args:
-        forward: Share of full forward that a word asks for, in [0, 1].
+        forward: Share of full forward for a word, in [0, 1].
         turn: Share of full turn, in [0, 1].
-        hold: Seconds a word drives.
+        hold: Seconds that a word drives.
     """
 
     def __init__(self, forward: float, turn: float, hold: float) -> None:
@@ -50,69 +51,69 @@ class Spoken:
         self._drive_until = self._word_until = -1.0
         self._word: str | None = None
         self._next_at = -1.0
-        self._waiting: deque[str] = deque(maxlen=WAITING)
+        self._waiting: deque[str] = deque(maxlen=QUEUE_LENGTH)
 
-    def hear(self, word: str, now: float) -> None:
-        """Take a word; what is none is dropped."""
+    def add(self, word: str, now: float) -> None:
+        """Add a word; one that the contract does not accept is dropped."""
         word = word.lower()
         if not is_word(word):
             return
         if word not in WORDS:
             self._waiting.append(word)
             return
-        self._word, self._next_at = word, now + SAID
+        self._word, self._next_at = word, now + WORD_SECONDS
         forward, turn = WORDS[word]
         self._drive = forward * self._shares[0], turn * self._shares[1]
         self._drive_until = now + self._hold
         self._word_until = self._drive_until if any(self._drive) else self._next_at
 
     def end(self) -> None:
-        """Drive no more; nothing further will be said."""
+        """Stop driving, because no further word will come."""
         self._drive = (0.0, 0.0)
         if self._word in WORDS:
             self._word, self._next_at = None, -1.0
 
-    def wish(self, now: float) -> Wish:
-        """Return what is wanted now."""
+    def state(self, now: float) -> InputState:
+        """Return the state now."""
         if self._waiting and now >= self._next_at:
             self._word = self._waiting.popleft()
-            self._next_at = self._word_until = now + SAID
+            self._next_at = self._word_until = now + WORD_SECONDS
         forward, turn = self._drive if now < self._drive_until else (0.0, 0.0)
-        return Wish(forward, turn, word=self._word if now < self._word_until else None)
+        return InputState(forward, turn, word=self._word if now < self._word_until else None)
 
 
 class WordsSource:
     """Reads words from a file descriptor until it ends."""
 
-    def __init__(self, spoken: Spoken, descriptor: int) -> None:
+    def __init__(self, spoken: SpokenWords, descriptor: int) -> None:
         self._spoken = spoken
         self._descriptor = descriptor
         self._rest = b""
         self._new: list[str] = []
-        self._over = False
+        self._ended = False
 
     def wait(self, seconds: float) -> None:
-        """Return when something was said, at the latest after so long."""
-        heard = () if self._over else (self._descriptor,)
-        if not select.select(heard, (), (), seconds)[0]:
+        """Wait for input, at most some seconds."""
+        open_inputs = () if self._ended else (self._descriptor,)
+        if not select.select(open_inputs, (), (), seconds)[0]:
             return
-        data = os.read(self._descriptor, LONGEST)
-        self._over = not data
+        data = os.read(self._descriptor, MAX_LINE)
+        self._ended = not data
         *lines, self._rest = (self._rest + data).split(b"\n")
-        if self._over:
+        if self._ended:
             lines, self._rest = [*lines, self._rest], b""
-        if len(self._rest) > LONGEST:
+        if len(self._rest) > MAX_LINE:
             print("dropped line=too-long", file=sys.stderr)  # noqa: T201 - the log
             self._rest = b""
         self._new += [word for line in lines for word in line.decode(errors="replace").split()]
 
-    def wish(self, now: float, time: float | None) -> Wish | None:  # noqa: ARG002 - as `Source` has it
-        """Return what is wanted, or None after the end and the last word."""
+    def state(self, now: float, time: float | None) -> InputState | None:  # noqa: ARG002 - as `Source` has it
+        """Return the state now, or None after the end of the input and the last word."""
         for word in self._new:
-            self._spoken.hear(word, now)
+            self._spoken.add(word, now)
         self._new = []
-        if not self._over:
-            return self._spoken.wish(now)
+        if not self._ended:
+            return self._spoken.state(now)
         self._spoken.end()
-        last = self._spoken.wish(now)
-        return None if last.is_nothing else last
+        last = self._spoken.state(now)
+        return None if last.is_neutral else last

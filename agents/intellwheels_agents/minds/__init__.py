@@ -1,7 +1,7 @@
-"""Minds, one file each. A file is a mind when it defines `make(context)` or a class `Mind`.
+"""The shipped minds, one file each. A file is a mind if it defines a class `Mind` or a function `make(context)`.
 
-It may define `equip(robot, options)` too, which returns the robot to join with: a sensor that an option
-asks for.
+It may also define `equip(robot, options)`, which returns the robot to join with, for example with a sensor that an
+option asks for.
 """
 
 from __future__ import annotations
@@ -21,7 +21,13 @@ from intellwheels_schemas.messages import Robot
 
 @dataclass(frozen=True)
 class Source:
-    """Where minds of one sort come from."""
+    """What a mind's file provides.
+
+    Attributes:
+        name: The name or path that was asked for.
+        make: Makes a mind from its context.
+        equip: Returns the robot that the mind needs.
+    """
 
     name: str
     make: Make
@@ -35,13 +41,13 @@ def names() -> list[str]:
 
 
 def find(name_or_path: str) -> Source:
-    """Return where a mind comes from.
+    """Return what the file of a mind provides.
 
     Args:
         name_or_path: The name of a shipped mind, or the path of a Python file.
 
     Raises:
-        OptionError: There is no such mind or file, or the file defines none. What the file itself raises passes.
+        OptionError: There is no such mind or file, or the file defines no mind. Exceptions of the file itself pass.
     """
     if name_or_path.endswith(".py") or "/" in name_or_path:
         module = _loaded(Path(name_or_path))
@@ -52,23 +58,23 @@ def find(name_or_path: str) -> Source:
     make = getattr(module, "make", None) or getattr(module, "Mind", None)
     if not callable(make):
         raise OptionError(f"{name_or_path}: expected make(context) or a class Mind, got neither")
-    return Source(name_or_path, make, getattr(module, "equip", _as_it_is))
+    return Source(name_or_path, make, getattr(module, "equip", _unchanged))
 
 
-def _as_it_is(robot: Robot, _options: Options) -> Robot:
+def _unchanged(robot: Robot, _options: Options) -> Robot:
     return robot
 
 
 def _loaded(path: Path) -> ModuleType:
     if not path.is_file():
         raise OptionError(f"{path}: expected a Python file, got none")
-    # A name of its own: a user's file called json.py must not hide the real one.
+    # A prefixed name: a user's file called json.py must not hide the standard module.
     name = f"intellwheels_user_mind_{path.stem}"
     spec = importlib.util.spec_from_file_location(name, path)
     if spec is None or spec.loader is None:
         raise OptionError(f"{path}: expected a Python file ending in .py, got {path.name!r}")
     module = importlib.util.module_from_spec(spec)
-    # Dataclasses look their module up by name; and a mind may import what lies beside it.
+    # Dataclasses look up their module by name, and a mind may import files from its own folder.
     sys.modules[name] = module
     sys.path.insert(0, str(path.parent.resolve()))
     spec.loader.exec_module(module)

@@ -1,15 +1,16 @@
-"""Drives along a road and gives way to who is on it, or is about to be.
+"""Drives along a road and gives way to anybody who is on it or about to step onto it.
 
-    points   "x y x y": corners of the way after the start, in metres
-    via, to  places of the map; the way goes points, then via in their order, then to
-    speed    metres a second on the free road (default 5.0)
-    clear    metres beside it within which somebody is on the road (default 1.5)
-    within   metres from the end that count as there (default 0.5)
+    points   "x y x y": corners of the path after the start, m
+    via, to  places of the map; the path goes through points, then via in their order, then to
+    speed    speed on the free road, m/s (default 5.0)
+    clear    distance beside the car within which somebody counts as on the road, m (default 1.5)
+    within   distance from the end that counts as arrived, m (default 0.5)
 
     dv/dt = a (1 - (v / v0)^4 - (s' / s)^2),  s' = s0 + v T + v dv / (2 sqrt(a b))
 
-the Intelligent Driver Model with s metres to what is ahead, which it reckons to stand still (dv = v): who crosses a
-road does not drive along it. It looks by a fan of proximity cones, which turns with it, so it takes bends slowly.
+the Intelligent Driver Model, with s the distance to the nearest obstacle ahead. The obstacle is assumed to stand still
+(dv = v), since people cross the road and do not move along it. The car looks with a fan of proximity cones that turns
+with it, so it takes bends slowly.
 
 Source: M. Treiber, A. Hennecke, D. Helbing, Congested traffic states in empirical observations and microscopic
 simulations, Phys. Rev. E 62, 2000.
@@ -25,44 +26,42 @@ from intellwheels_agents.differential_drive import Odometry, powers, wrapped
 from intellwheels_agents.mind import Context
 from intellwheels_agents.options import OptionError, Options
 from intellwheels_agents.pure_pursuit import path_of
-from intellwheels_agents.range_scan import distance, outline
+from intellwheels_agents.range_scan import SENSOR_HEIGHT, distance, outline
 from intellwheels_schemas.messages import Actions, Goal, Measures, Proximity, Robot
 
 CONES = 25
 CONE_DEG = 3.0
-"""Narrow, so that a wall along the road is not on it."""
-SIGHT = 40.0
-"""Metres it looks."""
-EYE = 0.4
-"""Metres over the road it looks at."""
+"""Angle of a cone, degrees: narrow, so that a wall along the road does not seem to be on it."""
+RANGE = 40.0
+"""Range of the cones, m."""
 ACCELERATION = 1.5
-"""Metres a second squared, a."""
-COMFORT = 2.0
-"""Metres a second squared at which it likes to brake, b."""
-HARDEST = 6.0
-"""Metres a second squared at most, braking."""
-STANDOFF = 2.0
-"""Metres, s0."""
-HEADWAY = 1.5
-"""Seconds, T."""
-BEND = 1.5
-"""Metres a second squared to the side, in a bend."""
-TIGHTEST = 4.5
-"""Metres: the least radius."""
+"""a, m/s2."""
+COMFORTABLE_BRAKING = 2.0
+"""b, m/s2."""
+HARDEST_BRAKING = 6.0
+"""Limit of the deceleration, m/s2."""
+STANDSTILL_GAP = 2.0
+"""s0, m."""
+TIME_HEADWAY = 1.5
+"""T, s."""
+LATERAL_ACCELERATION = 1.5
+"""Limit of the lateral acceleration in a bend, m/s2."""
+TURNING_RADIUS = 4.5
+"""Smallest turning radius, m."""
 
 
 def equip(robot: Robot, _options: Options) -> Robot:
-    """Return the robot with the fan of cones in place of its own proximity sensors."""
+    """Return the robot with the fan of cones instead of its own proximity sensors."""
     front = outline(robot).front
     fan = tuple(
         Proximity(
             id=f"fan-{i}",
             x=front,
             y=0.0,
-            z=EYE,
+            z=SENSOR_HEIGHT,
             direction_deg=(i - CONES // 2) * CONE_DEG,
             cone_deg=CONE_DEG,
-            max_range=SIGHT,
+            max_range=RANGE,
         )
         for i in range(CONES)
     )
@@ -70,7 +69,7 @@ def equip(robot: Robot, _options: Options) -> Robot:
 
 
 class Mind:
-    """Drives its way."""
+    """Drives along its path."""
 
     def __init__(self, context: Context) -> None:
         options, robot = context.options, context.robot
@@ -87,36 +86,36 @@ class Mind:
         self._speed = 0.0
 
     def decide(self, measures: Measures) -> Actions:
-        """Return the powers that keep to the way and stop before who is on it."""
+        """Return the powers that follow the path and stop before anybody who is on it."""
         pose, path = self._pose, self._path
         pose.update(measures.sensors)
         if path is not None:
             path.update(pose.x, pose.y)
-        if path is None or path.left <= self._within:
+        if path is None or path.remaining <= self._within:
             self._speed = 0.0
             return Actions(left_motor=0.0, right_motor=0.0, mode="arrived")
         x, y = path.ahead(max(3.0, self._speed))
         bearing = wrapped(math.atan2(y - pose.y, x - pose.x) - pose.heading)
         curvature = 2.0 * math.sin(bearing) / max(math.dist((x, y), (pose.x, pose.y)), 1e-3)
-        curvature = min(max(curvature, -1.0 / TIGHTEST), 1.0 / TIGHTEST)
+        curvature = min(max(curvature, -1.0 / TURNING_RADIUS), 1.0 / TURNING_RADIUS)
         gap = self._gap(measures)
         speed = self._speed + self._period * self._acceleration(gap)
-        bend = math.sqrt(BEND / max(abs(curvature), 1e-6))
-        self._speed = max(0.0, min(speed, bend, math.sqrt(2.0 * COMFORT * path.left)))
+        bend = math.sqrt(LATERAL_ACCELERATION / max(abs(curvature), 1e-6))
+        self._speed = max(0.0, min(speed, bend, math.sqrt(2.0 * COMFORTABLE_BRAKING * path.remaining)))
         left, right = powers(self._robot, self._speed, self._speed * curvature)
         goal = Goal(x=path.end[0], y=path.end[1])
         mode = "driving" if self._speed > 0.0 else "waiting"
         return Actions(left_motor=left, right_motor=right, mode=mode, goal=goal)
 
     def _acceleration(self, gap: float) -> float:
-        """Return dv/dt, m/s2, for `gap` metres to what is ahead."""
+        """Return dv/dt in m/s2 for a gap to the obstacle ahead in m."""
         v = self._speed
-        wanted = STANDOFF + v * HEADWAY + v * v / (2.0 * math.sqrt(ACCELERATION * COMFORT))
+        wanted = STANDSTILL_GAP + v * TIME_HEADWAY + v * v / (2.0 * math.sqrt(ACCELERATION * COMFORTABLE_BRAKING))
         near = (wanted / max(gap, 1e-3)) ** 2
-        return max(ACCELERATION * (1.0 - (v / self._free_speed) ** 4 - near), -HARDEST)
+        return max(ACCELERATION * (1.0 - (v / self._free_speed) ** 4 - near), -HARDEST_BRAKING)
 
     def _gap(self, measures: Measures) -> float:
-        """Return metres to the nearest that is on the road ahead, infinite if there is nothing."""
+        """Return the distance to the nearest obstacle on the road ahead, m; infinite if there is none."""
         gap = math.inf
         for reading in measures.sensors.proximity if measures.sensors else ():
             entry = self._fan.get(reading.id)

@@ -1,14 +1,14 @@
 """An automatic door: a leaf that turns on its hinge.
 
-    swing    left or right: which way the leaf turns to open, seen along its heading (default left)
-    hold     seconds it stays open after it last saw somebody (default 5)
-    range    metres within which it listens to "open" (default 3)
-    time     seconds a whole opening takes (default 4)
-    angle    degrees of a whole opening (default 90)
+    swing    left or right: the side to which the leaf opens, seen along its heading (default left)
+    hold     seconds that it stays open after it last detected somebody (default 5)
+    range    distance within which it obeys the message "open", m (default 3)
+    time     seconds that a full opening takes (default 4)
+    angle    angle of a full opening, degrees (default 90)
 
-It opens when a sensor on its frame sees something nearer than its background, or when it is told "open". It closes
-when its hold has passed and nothing is seen, and opens again when it sees or touches something meanwhile. What the
-sensors see first is their background, so nobody may stand before a door when it starts.
+It opens when a sensor on its frame sees something nearer than the background, or when an agent nearby says "open". It
+closes when the hold time has passed and nothing is detected. If it detects or touches something while it closes, it
+opens again. The first readings of a sensor are its background, so nobody may stand in front of a door when it starts.
 """
 
 from __future__ import annotations
@@ -22,21 +22,21 @@ from intellwheels_agents.range_scan import distance
 from intellwheels_schemas.messages import Actions, Measures, Proximity
 
 NEARER = 0.05
-"""Metres nearer than the background that are somebody."""
-LEARNING = 10
-"""Readings a background is learned from: half a second at 20 Hz."""
-SURE = 2
-"""Readings in a row that make somebody: one alone may be noise."""
-CLOSE_ENOUGH = math.radians(0.5)
-"""An angle that counts as there when it comes near."""
-STILL = math.radians(1.5)
-"""An angle that counts as there when it was: noise must not rattle the leaf."""
+"""Smallest difference to the background that counts as somebody, m."""
+BACKGROUND_READINGS = 10
+"""Readings from which the background is learned: half a second at 20 Hz."""
+DETECTIONS = 2
+"""Successive near readings that count as a detection: a single one may be noise."""
+ARRIVED = math.radians(0.5)
+"""Angle to the target at which the moving leaf has arrived."""
+STAYS = math.radians(1.5)
+"""Angle to the target up to which a resting leaf stays: noise must not make it rattle."""
 COMPASS_SHARE = 0.005
-"""Leaves a twentieth of the compass' noise: a hinge does not slip, so encoders hardly drift."""
+"""Gain of the compass. It keeps a twentieth of the noise; a hinge does not slip, so the encoders hardly drift."""
 
 
 class State(Enum):
-    """What a door is doing; the value is what it says."""
+    """What a door is doing; the value is the message that it sends."""
 
     CLOSED = "door closed"
     OPENING = "door opening"
@@ -44,11 +44,11 @@ class State(Enum):
     CLOSING = "door closing"
 
 
-class Watch:
-    """One sensor and what it sees when nobody is there.
+class Detector:
+    """One sensor, and the background that it sees when nobody is there.
 
     Attributes:
-        somebody: Whether it sees something nearer than that.
+        somebody: Whether the sensor sees something nearer than its background.
     """
 
     def __init__(self, sensor: Proximity) -> None:
@@ -59,24 +59,24 @@ class Watch:
         self.somebody = False
 
     def update(self, metres: float | None) -> None:
-        """Take a reading; None, a failed one, changes nothing."""
+        """Update with a reading in m; None, from a failed sensor, changes nothing."""
         if metres is None:
             return
         metres = min(metres, self._sensor.max_range)
-        if len(self._first) < LEARNING:
+        if len(self._first) < BACKGROUND_READINGS:
             self._first.append(metres)
-            if len(self._first) == LEARNING:
-                # A noisy sensor's background is wide, and only what is clearly nearer is somebody.
+            if len(self._first) == BACKGROUND_READINGS:
+                # The noisier the sensor, the larger the difference that counts.
                 spread = max(self._first) - min(self._first)
-                background = sorted(self._first)[LEARNING // 2]
+                background = sorted(self._first)[BACKGROUND_READINGS // 2]
                 self._threshold = background - max(NEARER, spread)
             return
         self._nearer = self._nearer + 1 if metres < self._threshold else 0
-        self.somebody = self._nearer >= SURE
+        self.somebody = self._nearer >= DETECTIONS
 
 
 class Mind:
-    """Opens and closes."""
+    """Opens and closes the door."""
 
     def __init__(self, context: Context) -> None:
         options, robot = context.options, context.robot
@@ -86,59 +86,61 @@ class Mind:
         self._range = options.number("range", 3.0, 0.0, 1000.0)
         self._angle = math.radians(options.number("angle", 90.0, 10.0, 180.0))
         self._rate = self._angle / options.number("time", 4.0, 0.5, 60.0)
-        self._watches = {sensor.id: (sensor, Watch(sensor)) for sensor in robot.proximity if sensor.mount == "start"}
-        self._turn = Odometry(robot, context.position, COMPASS_SHARE if robot.encoders else 1.0)
+        self._detectors = {
+            sensor.id: (sensor, Detector(sensor)) for sensor in robot.proximity if sensor.mount == "start"
+        }
+        self._pose = Odometry(robot, context.position, COMPASS_SHARE if robot.encoders else 1.0)
         self._closed = context.position.heading
         self._state = State.CLOSED
-        self._told: State | None = None
-        self._seen_at = -math.inf
+        self._announced: State | None = None
+        self._detected_at = -math.inf
         self._period = context.parameters.period
 
     def decide(self, measures: Measures) -> Actions:
-        """Return the powers that turn the leaf, and its state when that changed."""
-        self._turn.update(measures.sensors)
-        opened = self._sign * wrapped(self._turn.heading - self._closed)
+        """Return the powers that turn the leaf, and the door's state as a message whenever it changes."""
+        self._pose.update(measures.sensors)
+        opened = self._sign * wrapped(self._pose.heading - self._closed)
         wanted = self._wanted(measures)
         error = (self._angle if wanted else 0.0) - opened
         resting = self._state is (State.OPEN if wanted else State.CLOSED)
-        there = abs(error) < (STILL if resting else CLOSE_ENOUGH)
+        there = abs(error) < (STAYS if resting else ARRIVED)
         if wanted:
             self._state = State.OPEN if there or self._state is State.OPEN else State.OPENING
         else:
             self._state = State.CLOSED if there or self._state is State.CLOSED else State.CLOSING
-        # The last degree is turned at the speed that ends it in three cycles, so that it is not overshot.
+        # Near the end the rate is such that the rest would take three ticks, so that the leaf does not overshoot.
         rate = min(self._rate, abs(error) / (3.0 * self._period))
         if there:
             rate = 0.0
         left, right = powers(self._robot, 0.0, math.copysign(rate, error) * self._sign)
-        say = self._state.value if self._state is not self._told else None
-        self._told = self._state
+        say = self._state.value if self._state is not self._announced else None
+        self._announced = self._state
         return Actions(left_motor=left, right_motor=right, mode=self._state.name.lower(), say=say)
 
     def _wanted(self, measures: Measures) -> bool:
         """Return whether the door should be open."""
-        somebody = self._sees_somebody(measures) or self._is_told(measures)
+        somebody = self._detects_somebody(measures) or self._hears_open(measures)
         closing = self._state is State.CLOSING
         if somebody or (closing and (measures.collision or measures.contact)):
-            self._seen_at = measures.time
+            self._detected_at = measures.time
             return True
         if self._state is State.OPENING:
             return True
         if self._state is State.OPEN:
-            return measures.time - self._seen_at < self._hold
+            return measures.time - self._detected_at < self._hold
         return False
 
-    def _sees_somebody(self, measures: Measures) -> bool:
+    def _detects_somebody(self, measures: Measures) -> bool:
         if measures.sensors is not None:
             for reading in measures.sensors.proximity:
-                entry = self._watches.get(reading.id)
-                # A sensor with a rate of its own repeats its reading: once is enough.
+                entry = self._detectors.get(reading.id)
+                # A sensor slower than the simulation repeats its last reading, which must count once only.
                 if entry is not None and (reading.tick is None or reading.tick == measures.tick):
-                    sensor, watch = entry
-                    watch.update(distance(reading, sensor))
-        return any(watch.somebody for _sensor, watch in self._watches.values())
+                    sensor, detector = entry
+                    detector.update(distance(reading, sensor))
+        return any(detector.somebody for _sensor, detector in self._detectors.values())
 
-    def _is_told(self, measures: Measures) -> bool:
+    def _hears_open(self, measures: Measures) -> bool:
         return any(
             message.distance <= self._range and message.text.strip().lower() == "open" for message in measures.message
         )

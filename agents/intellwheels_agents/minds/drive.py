@@ -1,11 +1,11 @@
-"""Drives without looking: fixed powers, or a script of them.
+"""Drives without looking: with fixed motor powers, or with a script of them.
 
-    left, right   powers in [-1, 1] (default 0)
-    script        "time:left,right; time:left,right": from each time on, in simulated seconds, these powers;
-                  before the first time nothing
-    say           words, said once at the first tick
+    left, right   motor powers in [-1, 1] (default 0)
+    script        "time:left,right; time:left,right": the powers from each time on, in simulated seconds; 0 before the
+                  first time
+    say           a message, sent once at the first tick
 
-What stands in the way does not matter to it.
+It ignores its sensors, so it drives into whatever is in its way.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from intellwheels_schemas.messages import Actions, Measures
 
 
 class Mind:
-    """Gives the powers it was told."""
+    """Gives the powers of its options."""
 
     def __init__(self, context: Context) -> None:
         options = context.options
@@ -31,9 +31,9 @@ class Mind:
         self._say: str | None = options.text("say") or None
 
     def decide(self, measures: Measures) -> Actions:
-        """Return the powers of this time."""
+        """Return the powers for the present time."""
         say, self._say = self._say, None
-        # A time that is a multiple of the period is a hair off it in floating point.
+        # The time of a tick may be slightly below the decimal number in the script.
         index = bisect_right(self._times, measures.time + 1e-9) - 1
         left, right = self._powers[index] if index >= 0 else (0.0, 0.0)
         return Actions(left_motor=left, right_motor=right, say=say)

@@ -1,25 +1,24 @@
-"""A person at the joystick who sees where the chair is, for runs by hand that are repeated.
+"""A model of a person who drives by joystick and sees the chair, for repeatable runs by hand.
 
-    points   "x y x y": corners of the way the person means to take, in metres
-    to       the place of the map where it ends
-    speed    metres a second meant on the straight (default 0.6)
-    reaction seconds from what is seen to what the hand does (default 0.3)
-    tremor   standard deviation of the hand, in full deflections (default 0.05)
-    tremor_hz  its frequency (default 5)
-    within   metres from the end that count as there (default 0.2)
+    points     "x y x y": corners of the path that the person intends, m
+    to         the place of the map where it ends
+    speed      intended speed on straight stretches, m/s (default 0.6)
+    reaction   delay from seeing to moving the hand, s (default 0.3)
+    tremor     standard deviation of the hand tremor, in full deflections (default 0.05)
+    tremor_hz  frequency of the tremor, Hz (default 5)
+    within     distance from the end that counts as arrived, m (default 0.2)
 
-The eyes are a truth sensor, so the simulation must allow it: a person who drives by hand sees the chair and the floor,
-not a pose that wheels tell. What is seen is a point ahead on the way; what the hand does follows later by the reaction
-time, with the tremor on both axes. Nothing looks after the person: what is touched is touched.
+A person who drives by hand sees the chair and the room, not an odometry estimate. So the model's eyes are a truth
+sensor, which the simulation must allow. The person aims at a point ahead on the path; the hand follows after the
+reaction time, with tremor on both axes. There is no collision avoidance.
 
-The tremor's noise is the simulation's own, so that it follows from the seed of the run as all noise does: a receiver
-that tells the place with an error of standard deviation 1 on each axis, less the true place.
+The noise of the tremor comes from the simulation, so it follows from the seed of the run like all noise: it is the
+error of a GPS receiver with standard deviation 1 on each axis.
 
-Of the three figures of the hand all defaults are chosen, not measured: the reaction, of the size of the delays that
-quasi-linear models of a person who tracks what he sees have (McRuer and Jex 1967, A review of quasi-linear pilot
-models, IEEE
-Transactions on Human Factors in Electronics 8); the tremor's size; and its frequency, among those that are told of
-pathological tremors. A study takes its own.
+The defaults of the hand are chosen, not measured. The reaction time is in the range of the delays in quasi-linear
+models of a person who tracks a target (McRuer and Jex 1967, A review of quasi-linear pilot models, IEEE Transactions on
+Human Factors in Electronics 8); the frequency is in the range reported for pathological tremors. A study should set its
+own.
 """
 
 from __future__ import annotations
@@ -37,16 +36,16 @@ from intellwheels_agents.pure_pursuit import Path, Point
 from intellwheels_schemas.messages import GPS, Actions, Measures, Robot, Truth
 
 HAND = "hand"
-"""The receiver whose error is the noise of the hand."""
+"""Id of the GPS receiver whose error is the noise of the hand."""
 
 
-def equip(robot: Robot, options: Options) -> Robot:  # noqa: ARG001 - as `Equip` has it
-    """Return the robot with the person's eyes and the unrest of the hand."""
+def equip(robot: Robot, options: Options) -> Robot:  # noqa: ARG001 - the signature of `Equip`
+    """Return the robot with the person's eyes (a truth sensor) and the noise of the hand (a GPS receiver)."""
     return msgspec.structs.replace(robot, truth=(Truth(id="eyes"),), gps=(*robot.gps, GPS(id=HAND, noise=1.0)))
 
 
 class Mind:
-    """Steers along a way that is seen."""
+    """Steers along a path by sight."""
 
     def __init__(self, context: Context) -> None:
         options = context.options
@@ -63,59 +62,59 @@ class Mind:
         if len(points) == 1:
             raise OptionError("option points: expected points or to, got none")
         self._path = Path(points)
-        self._eyes = Odometry(context.robot, context.position)
-        self._there = False
+        self._seen = Odometry(context.robot, context.position)
+        self._arrived = False
 
     def decide(self, measures: Measures) -> Actions:
         """Return the powers that the hand gives."""
-        seen = measures.sensors.truth if measures.sensors else ()
-        if seen:
-            self._eyes.x, self._eyes.y, self._eyes.heading = seen[0].x, seen[0].y, seen[0].heading
-        self._hand.append(self._meant())
+        truth = measures.sensors.truth if measures.sensors else ()
+        if truth:
+            self._seen.x, self._seen.y, self._seen.heading = truth[0].x, truth[0].y, truth[0].heading
+        self._hand.append(self._intended())
         left, right = self._hand.popleft()
-        self._there = self._there or math.dist((self._eyes.x, self._eyes.y), self._path.end) <= self._within
-        if self._there:
+        self._arrived = self._arrived or math.dist((self._seen.x, self._seen.y), self._path.end) <= self._within
+        if self._arrived:
             return Actions(left_motor=0.0, right_motor=0.0, mode="arrived")
-        forward, turn = self._shaken(measures)
+        forward, turn = self._tremor(measures)
         return Actions(left_motor=left + forward - turn, right_motor=right + forward + turn, mode="manual")
 
-    def _shaken(self, measures: Measures) -> tuple[float, float]:
-        """Return the hand's unrest on both axes."""
-        found = [one for one in measures.sensors.gps if one.id == HAND] if measures.sensors else []
+    def _tremor(self, measures: Measures) -> tuple[float, float]:
+        """Return the tremor on both axes, in full deflections."""
+        found = [reading for reading in measures.sensors.gps if reading.id == HAND] if measures.sensors else []
         if not found or found[0].x is None or found[0].y is None:
             return self._forward.next(0.0), self._turn.next(0.0)
-        return self._forward.next(found[0].x - self._eyes.x), self._turn.next(found[0].y - self._eyes.y)
+        return self._forward.next(found[0].x - self._seen.x), self._turn.next(found[0].y - self._seen.y)
 
-    def _meant(self) -> tuple[float, float]:
-        path, eyes = self._path, self._eyes
-        path.update(eyes.x, eyes.y)
-        steering = self._pilot.steer(path, eyes, path.left)
+    def _intended(self) -> tuple[float, float]:
+        path, seen = self._path, self._seen
+        path.update(seen.x, seen.y)
+        steering = self._pilot.steer(path, seen, path.remaining)
         rate = steering.turn_rate if steering.turns else steering.speed * steering.curvature
         return powers(self._robot, steering.speed, rate)
 
 
 class Tremor:
-    """A hand that shakes on one axis: white noise through a resonance.
+    """The tremor of a hand on one axis: white noise through a resonance.
 
     Args:
         size: Standard deviation, in full deflections.
-        frequency: Of the resonance, Hz, less than half the rate.
-        period: Between samples, s.
+        frequency: Frequency of the resonance, Hz, less than half the sampling rate.
+        period: Sampling period, s.
     """
 
     DAMPING = 0.9
-    """Radius of the resonance's poles at 20 samples a second: it loses its phase in half a second."""
+    """Radius of the poles of the resonance at 20 samples a second: it loses its phase in half a second."""
 
     def __init__(self, size: float, frequency: float, period: float) -> None:
         radius = math.pow(self.DAMPING, period / 0.05)
         self._a1, self._a2 = 2.0 * radius * math.cos(2.0 * math.pi * frequency * period), -(radius**2)
-        # Variance of x = a1 x' + a2 x'' + e: (1 - a2) / ((1 + a2) ((1 - a2)^2 - a1^2)) of that of e.
+        # The variance of x = a1 x' + a2 x'' + e is (1 - a2) / ((1 + a2) ((1 - a2)^2 - a1^2)) times that of e.
         gain = (1.0 - self._a2) / ((1.0 + self._a2) * ((1.0 - self._a2) ** 2 - self._a1**2))
         self._size = size / math.sqrt(gain)
         self._last = self._before = 0.0
 
     def next(self, noise: float) -> float:
-        """Return the next deflection; `noise` is of standard deviation 1."""
+        """Return the next deflection; `noise` has standard deviation 1."""
         new = self._a1 * self._last + self._a2 * self._before + self._size * noise
         self._last, self._before = new, self._last
         return new

@@ -1,35 +1,25 @@
-"""Follows a leader along the points it says.
+"""Follows a leader along the positions that the leader says.
 
-    leader   the agent that is followed: a `waypoints` with lead=true, or whoever says "at X Y" in metres
-    gap      metres kept to the leader's last point, along its path (default 2.0)
-    speed    metres a second on the straight (default 0.8)
-    stop     metres kept from what stands in the way (default 0.4)
-    silence  seconds without a word of the leader after which it stops (default 3.0)
+    leader   the agent to follow: a `waypoints` with lead=true, or any agent that says "at X Y" in metres
+    gap      distance kept to the leader's last position, along its path, m (default 2.0)
+    speed    speed on straight stretches, m/s (default 0.8)
+    stop     distance kept from obstacles in the way, m (default 0.4)
+    silence  seconds without a message from the leader after which it stops (default 3.0)
 
-It drives by what it hears and by its own odometry, and does not look for the leader. It begins where it stands and
-takes the straight way to the first point it hears.
+It relies on messages and on its own odometry, and does not look for the leader. From its start it drives straight to
+the first position that it hears.
 """
 
 from __future__ import annotations
 
-import re
-
 from intellwheels_agents.differential_drive import Odometry, powers
 from intellwheels_agents.mind import Context
 from intellwheels_agents.options import OptionError
-from intellwheels_agents.path_follower import CREEP, PathFollower, braking
-from intellwheels_agents.pure_pursuit import Path, Point
+from intellwheels_agents.path_follower import MIN_SPEED, PathFollower, braking
+from intellwheels_agents.position_message import position_in
+from intellwheels_agents.pure_pursuit import Path
 from intellwheels_agents.range_scan import RangeScan
 from intellwheels_schemas.messages import Actions, Goal, Measures
-
-_NUMBER = r"(-?\d{1,5}(?:\.\d{1,9})?)"
-_POINT = re.compile(rf"at {_NUMBER} {_NUMBER}")
-
-
-def point_in(text: str) -> Point | None:
-    """Return the point that a leader says, or None where the words are none."""
-    found = _POINT.fullmatch(text)
-    return (float(found.group(1)), float(found.group(2))) if found else None
 
 
 class Mind:
@@ -47,16 +37,16 @@ class Mind:
         self._gap = options.number("gap", 2.0, 0.1, 100.0)
         self._stop = options.number("stop", 0.4, 0.05, 10.0)
         self._silence = options.number("silence", 3.0, 0.1, 60.0)
-        self._pilot = PathFollower(options.number("speed", 0.8, CREEP, 20.0))
+        self._pilot = PathFollower(options.number("speed", 0.8, MIN_SPEED, 20.0))
         self._pose = Odometry(robot, context.position)
-        self._around = RangeScan(robot)
+        self._scan = RangeScan(robot)
         self._path: Path | None = None
         self._heard_at: float | None = None
 
     def decide(self, measures: Measures) -> Actions:
-        """Return the powers that keep to the leader's path, at a distance."""
+        """Return the powers that follow the leader's path at a distance."""
         self._pose.update(measures.sensors)
-        self._around.update(measures.sensors)
+        self._scan.update(measures.sensors)
         self._listen(measures)
         if self._path is None or self._heard_at is None:
             return Actions(left_motor=0.0, right_motor=0.0, mode="listening")
@@ -65,17 +55,17 @@ class Mind:
         goal = Goal(x=path.end[0], y=path.end[1])
         if measures.time - self._heard_at >= self._silence:
             return Actions(left_motor=0.0, right_motor=0.0, mode="silent", goal=goal)
-        room = min(path.left - self._gap, self._around.gap - self._stop)
-        if braking(room) < CREEP:
+        stopping_distance = min(path.remaining - self._gap, self._scan.gap - self._stop)
+        if braking(stopping_distance) < MIN_SPEED:
             return Actions(left_motor=0.0, right_motor=0.0, mode="near", goal=goal)
-        steering = self._pilot.steer(path, self._pose, room)
+        steering = self._pilot.steer(path, self._pose, stopping_distance)
         turn_rate = steering.turn_rate if steering.turns else steering.speed * steering.curvature
         left, right = powers(self._robot, steering.speed, turn_rate)
         return Actions(left_motor=left, right_motor=right, mode="following", goal=goal)
 
     def _listen(self, measures: Measures) -> None:
-        for words in measures.message:
-            point = point_in(words.text) if words.sender == self._leader else None
+        for message in measures.message:
+            point = position_in(message.text) if message.sender == self._leader else None
             if point is None:
                 continue
             self._heard_at = measures.time

@@ -1,26 +1,21 @@
-"""Drives as its user wants, and does not look.
+"""Drives as its user wants, without looking.
 
-    speed    share of the power that full forward gives, in [0, 1] (default 1)
-    turn     share of the power that full turn gives, in [0, 1] (default 1)
-    words    share of full that a word alone asks for: forward, back, left, right, stop (default 0.5)
+    speed    share of the motor power at full forward, in [0, 1] (default 1)
+    turn     share of the motor power at full turn, in [0, 1] (default 1)
+    words    deflection that a word alone stands for: forward, back, left, right, stop (default 0.5)
 
-The user is whoever writes `user/<agent>`: `iw-joystick`, a page, a voice recogniser. A user who is silent for 0.3 s
-wants nothing; the simulator sees to that. What stands in the way does not matter to it: `aided` looks.
+The user is whoever writes `user/<agent>`: `iw-joystick`, the viewer, a voice recogniser. If the user is silent for
+0.3 s, the simulator clears the input and the chair stops. This mind ignores obstacles; `aided` stops for them.
 """
 
 from __future__ import annotations
 
-import msgspec
-
 from intellwheels_agents.mind import Context
-from intellwheels_agents.options import Options
 from intellwheels_agents.user_input import mixed, wanted
-from intellwheels_schemas.messages import Actions, Measures, Robot
+from intellwheels_agents.user_input import takes_drive as equip
+from intellwheels_schemas.messages import Actions, Measures
 
-
-def equip(robot: Robot, options: Options) -> Robot:  # noqa: ARG001 - as `Equip` has it
-    """Return the robot with user input declared."""
-    return msgspec.structs.replace(robot, user_input=("drive", "words"))
+__all__ = ["Mind", "equip"]
 
 
 class Mind:
@@ -33,7 +28,7 @@ class Mind:
         self._words = options.number("words", 0.5, 0.0, 1.0)
 
     def decide(self, measures: Measures) -> Actions:
-        """Return the powers for what is wanted now."""
+        """Return the powers for the present user input."""
         forward, turn = wanted(measures.user_input, self._words)
         left, right = mixed(forward * self._speed, turn * self._turn)
         return Actions(left_motor=left, right_motor=right, mode="manual")

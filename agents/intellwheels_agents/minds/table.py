@@ -1,7 +1,4 @@
-"""A table stands. It answers, so that a lockstep may await it, and does nothing.
-
-Serves for any obstacle.
-"""
+"""A table, or any other obstacle: it does nothing, but answers every tick, so that a lockstep can wait for it."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
-"""A start for a project of one's own: mind, body, scene and test, that run as they are. Nothing is overwritten.
+"""The starter project of `iw-agent new`: a mind, a robot, a scene and a test, ready to run. It overwrites nothing.
 
-The test's file has another name here, so that a search for tests never finds it in an installed package.
+The test file has another name in the package, so that pytest never collects it from an installed package.
 """
 
 from __future__ import annotations
@@ -16,23 +16,23 @@ FILES: Final = {
     "scene.xml": "scene.xml",
     "trial.py": "test_mind.py",
 }
-"""The files as they are here, and their names in the new folder."""
+"""The files of the template, and their names in the new folder."""
 
 
 def write(folder: Path) -> list[Path]:
-    """Write the starter into a folder, which is made if it is not there, and return the files.
+    """Write the starter project into a folder, created if needed, and return the files.
 
     Raises:
-        FileExistsError: One of the files is there already; then none is written.
-        OSError: They cannot be written.
+        FileExistsError: One of the files exists already; then none is written.
+        OSError: A file cannot be written.
     """
-    wanted = {name: folder / target for name, target in FILES.items()}
-    there = [path.name for path in wanted.values() if path.exists()]
-    if there:
-        raise FileExistsError(f"{folder}: expected none of the starter's files, got {', '.join(there)}")
+    targets = {name: folder / target for name, target in FILES.items()}
+    existing = [path.name for path in targets.values() if path.exists()]
+    if existing:
+        raise FileExistsError(f"{folder}: expected none of the starter's files, got {', '.join(existing)}")
     folder.mkdir(parents=True, exist_ok=True)
-    for name, path in wanted.items():
-        # Exclusively: what came in between is not overwritten either.
+    for name, path in targets.items():
+        # Mode x: a file that appeared since the check is not overwritten either.
         with path.open("xb") as file:
             file.write(files(__name__).joinpath("template", name).read_bytes())
-    return list(wanted.values())
+    return list(targets.values())

@@ -1,1 +1,1 @@
-"""Many runs of an experiment: workers, stored results, statistics and the report."""
+"""Many runs of an experiment: workers, stored runs, statistics and the report."""

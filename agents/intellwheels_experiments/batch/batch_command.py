@@ -1,6 +1,6 @@
-"""`iw-run SCENE --seeds N`: a batch from the command line to its files.
+"""`iw-run SCENE --seeds N`: runs a batch and writes its files.
 
-`run_store` writes the files of each run; beside them are `batch.csv`, `summary.json`, `junit.xml` and `report.html`.
+`run_store` writes the files of each run. Beside them are `batch.csv`, `summary.json`, `junit.xml` and `report.html`.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ import shlex
 import sys
 import threading
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Final
 
@@ -24,12 +24,12 @@ from rich.table import Table
 
 from intellwheels_experiments.batch.experiment_rows import Row
 from intellwheels_experiments.batch.html_report import HtmlReport, floor_hash, render
-from intellwheels_experiments.batch.report_drawings import Drawn, timeline
-from intellwheels_experiments.batch.run_batch import Batch, read_batch, run_batch, shares_of
-from intellwheels_experiments.batch.run_store import StoredRun, place_of, read_tum, table
-from intellwheels_experiments.batch.summary import Summary, sum_up, to_json, to_junit
+from intellwheels_experiments.batch.report_drawings import PlottedRun, timeline
+from intellwheels_experiments.batch.run_batch import Batch, pending_runs, read_batch, run_batch
+from intellwheels_experiments.batch.run_store import StoredRun, read_tum, run_folder, runs_csv
+from intellwheels_experiments.batch.summary import Summary, summarize, to_json, to_junit
 from intellwheels_experiments.batch.sweep import sweep
-from intellwheels_experiments.batch.umbmark import Figure, Squares, squares
+from intellwheels_experiments.batch.umbmark import Factor, UmbmarkResult, umbmark_of
 from intellwheels_experiments.run.progress import PLAIN_EVERY
 from intellwheels_experiments.run.run_report import versions
 from intellwheels_schemas.messages import Experiment, Robot, Scene
@@ -38,70 +38,75 @@ ABOUT: Final = "batch.json"
 
 
 class About(msgspec.Struct, frozen=True, kw_only=True):
-    """What a batch's folder is of: another scene does not go on in it."""
+    """The scene and the floor of a batch's folder. A batch of another scene or floor is refused there."""
 
     scene: Scene
     floor: str
 
 
 class OtherBatchError(ValueError):
-    """A folder is another batch's; the text says so."""
+    """The folder belongs to another batch."""
 
 
 def perform_batch(batch: Batch, scene: Scene, console: Console, stop: threading.Event) -> Summary:
-    """Run what is left of a batch, write its files and return it summed up.
+    """Make the pending runs of a batch, write its files and return its summary.
+
+    Args:
+        batch: The batch.
+        scene: Its scene.
+        console: Where to show the progress.
+        stop: Set from outside to abort. Finished runs stay, and the files cover them.
 
     Raises:
-        OtherBatchError: The folder is another batch's.
+        OtherBatchError: The folder belongs to another batch.
         OSError: A file cannot be written.
     """
-    _claim(batch, scene)
-    left = sum(len(seeds) for _, seeds in shares_of(batch))
+    _claim_folder(batch, scene)
+    pending = sum(len(seeds) for _, seeds in pending_runs(batch))
     total = len(batch.rows) * len(batch.seeds)
-    if left < total:
-        console.print(f"going on: {total - left} of {total} runs are there", markup=False, highlight=False)
-    said = time.monotonic()
+    if pending < total:
+        console.print(f"resuming: {total - pending} of {total} runs are done", markup=False, highlight=False)
+    printed = time.monotonic()
     with _bar(console) as bar:
-        task = bar.add_task(scene.name, total=total, completed=total - left)
+        task = bar.add_task(scene.name, total=total, completed=total - pending)
 
-        def told(kept: StoredRun) -> None:
-            nonlocal said
+        def on_run(run: StoredRun) -> None:
+            nonlocal printed
             bar.advance(task)
-            if not console.is_terminal and time.monotonic() >= said + PLAIN_EVERY:
-                said = time.monotonic()
+            if not console.is_terminal and time.monotonic() >= printed + PLAIN_EVERY:
+                printed = time.monotonic()
                 console.print(f"progress done={bar.tasks[task].completed:.0f} of={total}", highlight=False)
-            if kept.died:
-                console.print(f"died row={kept.row} seed={kept.seed} why={kept.died}", markup=False, highlight=False)
+            if run.died:
+                console.print(f"died row={run.row} seed={run.seed} why={run.died}", markup=False, highlight=False)
 
-        run_batch(batch, told, stop)
+        run_batch(batch, on_run, stop)
     return write_files(batch, scene)
 
 
 def write_files(
     batch: Batch, scene: Scene, timelines: Mapping[str, Sequence[tuple[str, str]]] | None = None
 ) -> Summary:
-    """Write what is told of all runs, and return it.
+    """Write the files about all runs, and return the summary.
 
     Args:
         batch: The batch.
         scene: Its scene.
-        timelines: Further drawings of a row, by its name: what it shows and the SVG.
+        timelines: Further drawings, by row: the title and the SVG of each.
     """
     runs = read_batch(batch)
-    summary = sum_up(batch.rows, runs, scene.experiment)
+    summary = summarize(batch.rows, runs, scene.experiment)
     out = batch.out
-    if scene.experiment is not None and (asked := scene.experiment.umbmark) is not None:
-        summary = msgspec.structs.replace(summary, umbmark=squares(out, runs, asked))
-    (out / "batch.csv").write_text(table(runs))
+    if scene.experiment is not None and (spec := scene.experiment.umbmark) is not None:
+        summary = msgspec.structs.replace(summary, umbmark=umbmark_of(out, runs, spec))
+    (out / "batch.csv").write_text(runs_csv(runs))
     (out / "summary.json").write_bytes(to_json(summary))
     (out / "junit.xml").write_text(to_junit(scene.name, summary, runs))
-    drawn = {row.name: _drawn(batch, row, runs) for row in batch.rows}
     page = HtmlReport(
         scene=scene,
         floor=batch.floor,
         summary=summary,
         runs=runs,
-        drawn=drawn,
+        plotted={row.name: _plotted(batch, row, runs) for row in batch.rows},
         drift={row.name: _drift(batch, row) for row in batch.rows},
         origin=_origin(batch, scene),
         timelines={**{row.name: _doors(batch, row) for row in batch.rows}, **(timelines or {})},
@@ -114,81 +119,85 @@ def show(summary: Summary, console: Console, experiment: Experiment | None = Non
     """Print a batch: tables on a terminal, plain lines elsewhere.
 
     Args:
-        summary: The batch.
-        console: Where to.
-        experiment: Of a batch with several factors: a terminal shows its grid too.
+        summary: The summary of the batch.
+        console: Where to print.
+        experiment: The scene's experiment. If it has several factors, a terminal shows the grid of its rows too.
     """
-    if not console.is_terminal:
-        for line in summary.lines:
-            low, high = line.interval
-            console.file.write(
-                f"row name={line.name} runs={line.runs} succeeded={line.succeeded} low={low:.3f} high={high:.3f} "
-                f"reached={line.reached} collided={line.collided} physical={line.physical} virtual={line.virtual} "
-                f"died={len(line.died)}\n"
-            )
-        for one in summary.comparisons:
-            words = f"compare first={one.first} second={one.second or '-'} expect={one.expect or '-'}"
-            if one.paired is not None:
-                words += f" difference={one.paired.difference:+.3f} p={one.paired.p:.4f}"
-                words += f" equivalent={'yes' if one.paired.equivalent else 'no'}"
-            console.file.write(f"{words} found={one.verdict.replace(' ', '-')}\n")
-        for name, figure in _figures(summary.umbmark):
-            error = "-" if figure.error is None else f"{figure.error:.5f}"
-            console.file.write(f"umbmark figure={name} true={figure.true:.4f} found={figure.found:.4f} error={error}\n")
+    if console.is_terminal:
+        _show_tables(summary, console, experiment)
+    else:
+        for line in _lines(summary):
+            # Not with the console's print, which would wrap what a script reads.
+            console.file.write(line + "\n")
         console.file.flush()
-        return
-    shown = Table("row", "runs", "succeeded", "95 %", "collided", "physical", "virtual", "time", "odometry error")
-    for line in summary.lines:
-        low, high = line.interval
-        cells = [
-            markup.escape(line.title),
-            str(line.runs),
-            str(line.succeeded),
-            f"{100 * low:.0f} to {100 * high:.0f} %",
-        ]
-        cells += [str(line.collided), str(line.physical), str(line.virtual)]
+
+
+def _lines(summary: Summary) -> Iterator[str]:
+    """Yield the lines for a script: the verb first, then `name=value`."""
+    for row in summary.lines:
+        low, high = row.interval
+        yield (
+            f"row name={row.name} runs={row.runs} succeeded={row.succeeded} low={low:.3f} high={high:.3f} "
+            f"reached={row.reached} collided={row.collided} physical={row.physical} virtual={row.virtual} "
+            f"died={len(row.died)}"
+        )
+    for one in summary.comparisons:
+        line = f"compare first={one.first} second={one.second or '-'} expect={one.expect or '-'}"
+        if one.paired is not None:
+            line += f" difference={one.paired.difference:+.3f} p={one.paired.p:.4f}"
+            line += f" equivalent={'yes' if one.paired.equivalent else 'no'}"
+        yield f"{line} found={one.verdict.replace(' ', '-')}"
+    for name, factor in _factors(summary.umbmark):
+        error = "-" if factor.error is None else f"{factor.error:.5f}"
+        yield f"umbmark figure={name} true={factor.true:.4f} found={factor.found:.4f} error={error}"
+
+
+def _show_tables(summary: Summary, console: Console, experiment: Experiment | None) -> None:
+    table = Table("row", "runs", "succeeded", "95 %", "collided", "physical", "virtual", "time", "odometry error")
+    for row in summary.lines:
+        low, high = row.interval
+        cells = [markup.escape(row.title), str(row.runs), str(row.succeeded), f"{100 * low:.0f} to {100 * high:.0f} %"]
+        cells += [str(row.collided), str(row.physical), str(row.virtual)]
         for name, form in (("time", "{:.1f} s"), ("odometry_error", "{:.3f} m")):
-            cells.append(form.format(line.spread[name].median) if name in line.spread else "-")
-        shown.add_row(*cells)
-    console.print(shown)
+            cells.append(form.format(row.spread[name].median) if name in row.spread else "-")
+        table.add_row(*cells)
+    console.print(table)
     _show_sweep(summary, console, experiment)
     for one in summary.comparisons:
-        against = f" against {one.second}" if one.second else ""
-        console.print(
-            f"{one.first}{against}: expected {one.expect or 'nothing'}, found: {one.verdict}", highlight=False
-        )
-    for name, figure in _figures(summary.umbmark):
-        error = "" if figure.error is None else f" +- {figure.error:.4f}"
-        console.print(f"UMBmark {name}: truly {figure.true:.4f}, found {figure.found:.4f}{error}", highlight=False)
+        pair = f"{one.first} and {one.second}" if one.second else one.first
+        result = "not as expected" if one.verdict == "otherwise" else one.verdict
+        expected = f"expected {one.expect}; result: {result}" if one.expect else "no expectation"
+        console.print(f"{pair}: {expected}", highlight=False)
+    for name, factor in _factors(summary.umbmark):
+        error = "" if factor.error is None else f" +- {factor.error:.4f}"
+        console.print(f"UMBmark {name}: true {factor.true:.4f}, found {factor.found:.4f}{error}", highlight=False)
 
 
 def _show_sweep(summary: Summary, console: Console, experiment: Experiment | None) -> None:
-    found = sweep(experiment, summary.lines)
-    if found is None:
+    grid = sweep(experiment, summary.lines)
+    if grid is None:
         return
-    across = " and ".join(title.lower() for title in found.across)
-    heads = (*found.down, *("\n".join(column) for column in found.columns))
-    shown = Table(*map(markup.escape, heads), title=markup.escape(f"Succeeded, by {across}"))
-    for levels, cells in found.rows:
-        shown.add_row(
-            *map(markup.escape, levels), *(f"{line.succeeded} / {line.runs}" if line else "" for line in cells)
-        )
-    console.print(shown)
+    across = " and ".join(title.lower() for title in grid.across)
+    heads = (*grid.down, *("\n".join(column) for column in grid.columns))
+    table = Table(*map(markup.escape, heads), title=markup.escape(f"Successful runs, by {across}"))
+    for levels, cells in grid.rows:
+        table.add_row(*map(markup.escape, levels), *(f"{row.succeeded} / {row.runs}" if row else "" for row in cells))
+    console.print(table)
 
 
-def _figures(found: Squares | None) -> tuple[tuple[str, Figure], ...]:
-    return () if found is None else (("E_d", found.wheels), ("E_b", found.base))
+def _factors(result: UmbmarkResult | None) -> tuple[tuple[str, Factor], ...]:
+    return () if result is None else (("E_d", result.wheels), ("E_b", result.base))
 
 
-def _claim(batch: Batch, scene: Scene) -> None:
-    """Make the folder this batch's."""
+def _claim_folder(batch: Batch, scene: Scene) -> None:
+    """Note in the folder which batch it belongs to, or raise if it belongs to another."""
     about = About(scene=scene, floor=floor_hash(batch.floor))
     path = batch.out / ABOUT
     batch.out.mkdir(parents=True, exist_ok=True)
     text = msgspec.json.format(msgspec.json.encode(about), indent=2) + b"\n"
     if path.exists():
         if path.read_bytes() != text:
-            raise OtherBatchError(f"{batch.out}: expected an empty folder or one of this scene, got another batch's")
+            raise OtherBatchError(f"{batch.out}: expected an empty folder or that of this scene, got another batch's")
         return
     path.write_bytes(text)
 
@@ -198,54 +207,55 @@ def _bar(console: Console) -> Progress:
     return Progress(*columns, TimeRemainingColumn(), console=console, disable=not console.is_terminal)
 
 
-def _drawn(batch: Batch, row: Row, runs: Sequence[StoredRun]) -> list[Drawn]:
-    found = []
+def _plotted(batch: Batch, row: Row, runs: Sequence[StoredRun]) -> list[PlottedRun]:
+    """Return the finished runs of a row, read from their files."""
+    plotted = []
     for run in runs:
-        place = place_of(batch.out, run.row, run.seed)
-        true = read_tum(place / "true.tum") if run.row == row.name and run.measured else None
+        folder = run_folder(batch.out, run.row, run.seed)
+        true = read_tum(folder / "true.tum") if run.row == row.name and run.measured else None
         if true is None or run.measured is None:
             continue
-        lines = np.loadtxt(place / "along.csv", delimiter=",", skiprows=1, usecols=(1, 2), ndmin=2)
-        hits = [line.split(",") for line in (place / "contacts.csv").read_text().splitlines()[1:]]
-        found.append(
-            Drawn(
+        lines = np.loadtxt(folder / "along.csv", delimiter=",", skiprows=1, usecols=(1, 2), ndmin=2)
+        contacts = [line.split(",") for line in (folder / "contacts.csv").read_text().splitlines()[1:]]
+        plotted.append(
+            PlottedRun(
                 seed=run.seed,
                 success=run.measured.success,
                 true=true,
-                reported=read_tum(place / "reported.tum"),
+                reported=read_tum(folder / "reported.tum"),
                 clearance=lines[:, 0],
                 speed=lines[:, 1],
-                contacts=[(float(hit[3]), float(hit[4])) for hit in hits],
+                contacts=[(float(contact[3]), float(contact[4])) for contact in contacts],
             )
         )
-    return found
+    return plotted
 
 
 def _doors(batch: Batch, row: Row) -> list[tuple[str, str]]:
-    """Return the timeline of the doors of a row, in the first of its runs that has them."""
+    """Return the timeline of a row's doors, from its first run that has one."""
     doors = [cast.name for cast in row.scene.cast if cast.mind == "door"]
     for seed in batch.seeds:
-        place = place_of(batch.out, row.name, seed)
-        path, true = place / "bodies.csv", read_tum(place / "true.tum")
+        folder = run_folder(batch.out, row.name, seed)
+        path, true = folder / "bodies.csv", read_tum(folder / "true.tum")
         if not doors or true is None or not path.exists():
             continue
         values = np.atleast_1d(np.genfromtxt(path, delimiter=",", names=True))
         series = []
         for door in doors:
             if f"{door}_heading" in (values.dtype.names or ()):
-                turned = np.degrees(np.unwrap(values[f"{door}_heading"]) - values[f"{door}_heading"][0])
-                series.append((f"{door}: leaf (deg)", values["time"], np.abs(turned)))
-                off = np.hypot(true[:, 1] - values[f"{door}_x"], true[:, 2] - values[f"{door}_y"])
-                series.append((f"{batch.subject} to the hinge of {door} (0.1 m)", true[:, 0], 10.0 * off))
+                angle = np.degrees(np.unwrap(values[f"{door}_heading"]) - values[f"{door}_heading"][0])
+                series.append((f"{door}: opening angle (deg)", values["time"], np.abs(angle)))
+                distance = np.hypot(true[:, 1] - values[f"{door}_x"], true[:, 2] - values[f"{door}_y"])
+                series.append((f"{batch.subject}: distance from the hinge (0.1 m)", true[:, 0], 10.0 * distance))
         if series:
             return [(f"Door over time, seed {seed}", timeline(series, "deg, 0.1 m"))]
     return []
 
 
 def _drift(batch: Batch, row: Row) -> tuple[float, float]:
-    """Return the variance of a row's wheels and its track, from the first of its logs."""
+    """Return the variance of a row's wheels, per metre in m, and its track in m, from its first run with a robot."""
     for seed in batch.seeds:
-        robot = _robot(place_of(batch.out, row.name, seed) / "robot.json")
+        robot = _robot(run_folder(batch.out, row.name, seed) / "robot.json")
         if robot is not None:
             return (robot.encoders[0].drift if robot.encoders else 0.0), robot.track
     return 0.0, 1.0
@@ -260,15 +270,15 @@ def _robot(path: Path) -> Robot | None:
 
 def _origin(batch: Batch, scene: Scene) -> dict[str, str]:
     seeds = batch.seeds
-    told = f"{seeds[0]} to {seeds[-1]} ({len(seeds)})" if len(seeds) > 1 else seeds[0]
-    found = {"scene": batch.source, "floor": f"{batch.floor.name} {floor_hash(batch.floor)}"}
+    listed = f"{seeds[0]} to {seeds[-1]} ({len(seeds)})" if len(seeds) > 1 else seeds[0]
+    origin = {"scene": batch.source, "floor": f"{batch.floor.name} {floor_hash(batch.floor)}"}
     if batch.floor.source:
-        found["floor from"] = batch.floor.source
-    found |= {"seeds": told, "period": f"{scene.period:g} s", "pace": "lockstep, strict"}
-    found |= versions()
-    found["processor"] = f"{_processor()}, {os.cpu_count()} cores, {platform.system()} {platform.machine()}"
-    found["command"] = shlex.join(["iw-run", *sys.argv[1:]])
-    return found
+        origin["source of the floor"] = batch.floor.source
+    origin |= {"seeds": listed, "period": f"{scene.period:g} s", "pace": "lockstep, strict"}
+    origin |= versions()
+    origin["processor"] = f"{_processor()}, {os.cpu_count()} cores, {platform.system()} {platform.machine()}"
+    origin["command"] = shlex.join(["iw-run", *sys.argv[1:]])
+    return origin
 
 
 def _processor() -> str:

@@ -1,4 +1,4 @@
-"""Room around a body and the shortest way on a floor. Pure: floors, robots and poses in, metres out."""
+"""Clearance around a body, and the shortest path on a floor. Pure: floors, robots and poses in, metres out."""
 
 from __future__ import annotations
 
@@ -22,42 +22,42 @@ Geometries = NDArray[Any]
 
 
 def clearance(poses: Floats, robot: Robot, floor: Map, others: Mapping[str, tuple[Robot, Floats]]) -> Floats:
-    """Return metres between a body and what is nearest to it at each tick, float64[n]; 0 where they touch.
+    """Return the distance from a body to the nearest thing at each tick, float64[n], in m; 0 where they touch.
 
-    Only what shares a height with a part of it counts.
+    Only things that overlap a part of the body in height count.
 
     Args:
-        poses: float64[n, 3], of the body.
+        poses: The body's poses, float64[n, 3]: x and y in m, heading in rad.
         robot: The body.
-        floor: Its walls and obstacles count.
-        others: The other bodies by name: robot and poses, NaN where one is not there.
+        floor: The floor, for its walls and obstacles.
+        others: The other bodies by name: robot and poses, NaN where a body is absent.
     """
-    found = np.full(len(poses), math.inf)
+    distance = np.full(len(poses), math.inf)
     for part in parts_of(robot):
-        shape = _placed(part, poses)
-        solid = [piece for bottom, top, piece in _solids(floor) if _meet(part.bottom, part.top, bottom, top)]
-        if solid:
-            found = np.minimum(found, shapely.distance(shape, shapely.union_all(solid)))
-        for other, at in others.values():
-            for their in parts_of(other):
-                if _meet(part.bottom, part.top, their.bottom, their.top):
-                    found = np.fmin(found, shapely.distance(shape, _placed(their, at)))
-    return found
+        shape = _polygons(part, poses)
+        solids = [piece for bottom, top, piece in _solids(floor) if _overlap(part.bottom, part.top, bottom, top)]
+        if solids:
+            distance = np.minimum(distance, shapely.distance(shape, shapely.union_all(solids)))
+        for other, other_poses in others.values():
+            for other_part in parts_of(other):
+                if _overlap(part.bottom, part.top, other_part.bottom, other_part.top):
+                    distance = np.fmin(distance, shapely.distance(shape, _polygons(other_part, other_poses)))
+    return distance
 
 
-def shortest_way(floor: Map, start: tuple[float, float], goal: tuple[float, float], room: float) -> float:
-    """Return the length of the shortest way between two points that keeps a distance from all that is solid, m.
+def shortest_path(floor: Map, start: tuple[float, float], goal: tuple[float, float], margin: float) -> float:
+    """Return the length of the shortest path between two points, in m; inf where there is none.
 
-    It is inf where there is none. Bodies do not count, and doors are open.
+    The path keeps `margin` from walls and obstacles. Other bodies do not count, and doors are open.
 
     Args:
         floor: The floor.
-        start: Where from.
-        goal: Where to.
-        room: Half the width of who goes, m.
+        start: x and y in m.
+        goal: x and y in m.
+        margin: Half the width of the body that drives, in m.
     """
-    # A little less than the room, so that a start that just fits is free.
-    blocked = shapely.union_all([shapely.buffer(piece, room - 1e-6, quad_segs=8) for _, _, piece in _solids(floor)])
+    # Slightly less than the margin, so that a start that just fits counts as free.
+    blocked = shapely.union_all([shapely.buffer(piece, margin - 1e-6, quad_segs=8) for _, _, piece in _solids(floor)])
     shapely.prepare(blocked)
     inner = shapely.buffer(blocked, -1e-6)
     shapely.prepare(inner)
@@ -69,12 +69,12 @@ def shortest_way(floor: Map, start: tuple[float, float], goal: tuple[float, floa
     lengths = np.hypot(*(ends[:, 1] - ends[:, 0]).T)
     rows, columns = np.array(pairs).T
     graph: Any = csr_array((lengths[free], (rows[free], columns[free])), shape=(len(points), len(points)))
-    found: Any = dijkstra(graph, directed=False, indices=[0])
-    return float(found[0, 1])
+    lengths_from_start: Any = dijkstra(graph, directed=False, indices=[0])
+    return float(lengths_from_start[0, 1])
 
 
 def half_width(robot: Robot) -> float:
-    """Return how far a body reaches to its wider side, m."""
+    """Return how far a body extends to its wider side, in m."""
     return max(abs(part.y) + part.width / 2.0 for part in parts_of(robot))
 
 
@@ -86,20 +86,20 @@ def _solids(floor: Map) -> Iterable[tuple[float, float, Any]]:
         yield obstacle.bottom, obstacle.top, shapely.polygons([(corner.x, corner.y) for corner in obstacle.corner])
 
 
-def _meet(bottom: float, top: float, other_bottom: float, other_top: float) -> bool:
+def _overlap(bottom: float, top: float, other_bottom: float, other_top: float) -> bool:
     return bottom < other_top and other_bottom < top
 
 
-def _placed(part: Part, poses: Floats) -> Geometries:
-    """Return a part at each pose as a polygon; missing where the pose is NaN."""
+def _polygons(part: Part, poses: Floats) -> Geometries:
+    """Return a part's polygon at each pose; None where the pose is NaN."""
     corners = np.array(_corners(part))
     c, s = np.cos(poses[:, 2])[:, None], np.sin(poses[:, 2])[:, None]
     x = poses[:, 0][:, None] + c * corners[:, 0] - s * corners[:, 1]
     y = poses[:, 1][:, None] + s * corners[:, 0] + c * corners[:, 1]
-    there = np.isfinite(poses).all(axis=1)
-    found: Geometries = np.full(len(poses), None, dtype=object)
-    found[there] = shapely.polygons(np.stack([x, y], axis=2)[there])
-    return found
+    present = np.isfinite(poses).all(axis=1)
+    polygons: Geometries = np.full(len(poses), None, dtype=object)
+    polygons[present] = shapely.polygons(np.stack([x, y], axis=2)[present])
+    return polygons
 
 
 def _corners(part: Part) -> Sequence[tuple[float, float]]:

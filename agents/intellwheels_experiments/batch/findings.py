@@ -1,6 +1,6 @@
-"""What a batch says, in sentences for who has not read the paper. Pure: a summary in, text out.
+"""The findings of a batch in plain sentences. Pure: a summary in, text out.
 
-A sentence claims no more than the runs tell: a difference is told when its 95 % interval leaves out zero.
+A sentence claims no more than the runs show: it mentions a difference only if its 95 % interval excludes zero.
 """
 
 from __future__ import annotations
@@ -9,64 +9,68 @@ from collections.abc import Iterator
 from typing import Final
 
 from intellwheels_experiments.batch.statistics import Interval
-from intellwheels_experiments.batch.summary import Comparison, Line, Summary
+from intellwheels_experiments.batch.summary import Comparison, RowSummary, Summary
 
-_EXPECTED: Final = {"worse": "be worse than", "better": "be better than", "equivalent": "be as good as"}
-_TOLD: Final = {
-    "clearance": ("kept {} more room", "came {} nearer to something", 100.0, "cm", 1),
-    "time": ("took {} longer", "took {} less", 1.0, "s", 1),
+_EXPECTED: Final = {"worse": "do worse than", "better": "do better than", "equivalent": "do as well as"}
+_DIFFERENCES: Final = {
+    "clearance": ("kept {} more clearance", "kept {} less clearance", 100.0, "cm", 1),
+    "time": ("took {} longer", "took {} less time", 1.0, "s", 1),
     "path": ("drove {} further", "drove {} less", 100.0, "cm", 0),
-    "odometry_error": ("knew its place {} worse", "knew its place {} better", 100.0, "cm", 1),
+    "odometry_error": ("had {} more odometry error", "had {} less odometry error", 100.0, "cm", 1),
 }
-"""How a positive and a negative difference of a measure is said, of what unit, and with how many digits."""
+"""By measure: the words for a positive and a negative difference, the scale to the unit, the unit, the decimals."""
 
 
 def sentences(summary: Summary) -> list[str]:
-    """Return what the comparisons of a batch say, a sentence or two for each; none where nothing is compared."""
-    lines = {line.name: line for line in summary.lines}
-    return [_sentence(one, lines) for one in summary.comparisons]
+    """Return one or two sentences per comparison of a batch; an empty list if nothing is compared."""
+    rows = {row.name: row for row in summary.lines}
+    return [_sentence(comparison, rows) for comparison in summary.comparisons]
 
 
-def _sentence(one: Comparison, lines: dict[str, Line]) -> str:
-    first = lines[one.first]
-    if one.second is None:
-        return _alone(one, first)
-    second = lines[one.second]
-    counts = f"{_count(first)} succeeded against {_count(second)}"
-    claim = f"{first.title} was expected to {_EXPECTED[one.expect]} {second.title}" if one.expect in _EXPECTED else ""
-    told = {
-        "as expected": f"{claim}, and it was: {counts}.",
-        "otherwise": f"{claim}. It was not: {counts}{_within(one)}.",
-        "undecided": f"{claim}. By success these runs do not tell: {counts}.",
-        "not asked": f"{first.title} beside {second.title}: {counts}.",
-    }[one.verdict]
-    return " ".join([told, *_further(one)])
+def _sentence(comparison: Comparison, rows: dict[str, RowSummary]) -> str:
+    first = rows[comparison.first]
+    if comparison.second is None:
+        return _single(comparison, first)
+    second = rows[comparison.second]
+    counts = f"{_count(first)} runs succeeded, against {_count(second)}"
+    expected = _EXPECTED.get(comparison.expect or "", "")
+    claim = f"{first.title} was expected to {expected} {second.title}"
+    finding = {
+        "as expected": f"{claim}, and it did: {counts}.",
+        "otherwise": f"{claim}, but it did not: {counts}{_within_margin(comparison)}.",
+        "undecided": f"{claim}. The success rates do not settle it: {counts}.",
+        "not asked": f"{first.title} compared with {second.title}: {counts}.",
+    }[comparison.verdict]
+    return " ".join([finding, *_differences(comparison)])
 
 
-def _within(one: Comparison) -> str:
-    is_close = one.expect != "equivalent" and one.paired is not None and one.paired.equivalent
-    return ", which is as good within the margin" if is_close else ""
+def _within_margin(comparison: Comparison) -> str:
+    paired = comparison.paired
+    close = comparison.expect != "equivalent" and paired is not None and paired.equivalent
+    return ". The two are equivalent within the margin" if close else ""
 
 
-def _alone(one: Comparison, line: Line) -> str:
-    if one.verdict == "undecided":
-        return f"{line.title} was expected to touch nothing. No run came to an end."
-    if one.verdict == "as expected":
-        return f"{line.title} touched nothing in {line.runs} runs, as expected."
-    return f"{line.title} was expected to touch nothing. It touched something in {line.collided} of {line.runs} runs."
+def _single(comparison: Comparison, row: RowSummary) -> str:
+    if comparison.verdict == "undecided":
+        return f"{row.title} was expected to touch nothing, but no run finished."
+    if comparison.verdict == "as expected":
+        return f"{row.title} touched nothing in {row.runs} runs, as expected."
+    return f"{row.title} was expected to touch nothing, but it did in {row.collided} of {row.runs} runs."
 
 
-def _further(one: Comparison) -> Iterator[str]:
-    told = []
-    for name, (more, less, scale, unit, digits) in _TOLD.items():
-        if name in one.differences:
-            mean, interval = one.differences[name]
+def _differences(comparison: Comparison) -> Iterator[str]:
+    """Yield one sentence about the measures that differ, if any does."""
+    phrases = []
+    for name, (more, less, scale, unit, digits) in _DIFFERENCES.items():
+        if name in comparison.differences:
+            mean, interval = comparison.differences[name]
             if interval.low > 0.0 or interval.high < 0.0:
                 size = f"{scale * abs(mean):.{digits}f} {unit} ({_interval(interval, scale, digits)})"
-                told.append((more if mean > 0.0 else less).format(size))
-    if told:
-        head = ", ".join(told[:-1])
-        yield f"Where both reached their place, the first {head + ' and ' if head else ''}{told[-1]}."
+                phrases.append((more if mean > 0.0 else less).format(size))
+    if phrases:
+        *others, last = phrases
+        listed = f"{', '.join(others)} and {last}" if others else last
+        yield f"In the runs in which both reached their place, the first {listed}."
 
 
 def _interval(interval: Interval, scale: float, digits: int) -> str:
@@ -74,5 +78,5 @@ def _interval(interval: Interval, scale: float, digits: int) -> str:
     return f"{low:.{digits}f} to {high:.{digits}f}"
 
 
-def _count(line: Line) -> str:
-    return f"{line.succeeded} of {line.runs}"
+def _count(row: RowSummary) -> str:
+    return f"{row.succeeded} of {row.runs}"

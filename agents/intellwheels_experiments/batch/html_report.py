@@ -1,4 +1,4 @@
-"""A batch as one page of HTML that needs nothing else: tables, drawings, and where all of it comes from."""
+"""The report of a batch: one self-contained HTML page with findings, tables, drawings and the origin of the data."""
 
 from __future__ import annotations
 
@@ -13,9 +13,9 @@ import msgspec
 
 from intellwheels_experiments.batch import report_drawings
 from intellwheels_experiments.batch.findings import sentences
-from intellwheels_experiments.batch.report_drawings import Drawn
+from intellwheels_experiments.batch.report_drawings import PlottedRun
 from intellwheels_experiments.batch.run_store import StoredRun
-from intellwheels_experiments.batch.summary import Comparison, Line, Summary
+from intellwheels_experiments.batch.summary import Comparison, RowSummary, Summary
 from intellwheels_experiments.batch.sweep import sweep
 from intellwheels_schemas.agent_colours import colour_of, css
 from intellwheels_schemas.messages import Map, Scene
@@ -45,68 +45,68 @@ pre { background: #f4f4f1; padding: .6rem; overflow-x: auto; font-size: .8rem }
 """
 
 EXACT: Final = 1e-3
-"""Metres of odometry error below which there is none."""
+"""Metres of odometry error below which the odometry counts as exact."""
 MANY: Final = 12
-"""Rows from which on what is told of each is folded."""
+"""If a batch has more rows than this, the details of its rows are folded."""
 
 _MEASURES: Final = (
-    ("reached", "runs that were within the place at the end"),
-    ("time", "simulated time to the end of the run, when all who have a place are there or time is up, s"),
-    ("way", "length of the true path, m"),
-    ("clearance", "least distance from anything in the run, m; the least of all runs in brackets"),
-    ("SPL", "success weighted by path length, in [0, 1]; the mean of a batch is its SPL (Anderson et al. 2018)"),
-    ("SPARC", "spectral arc length of the speed; nearer to 0 is smoother (Balasubramanian et al. 2015)"),
-    ("LDLJ", "log dimensionless jerk of the speed; nearer to 0 is smoother (the same)"),
-    ("effort", "way of the user's stick in full deflections (after Urdiales et al. 2011); only where a person drives"),
-    ("odometry error", "between the place that the wheels tell and the true one at the end, m"),
+    ("reached", "runs in which the chair was at its place at the end"),
+    ("time", "simulated time until all agents were at their places or the time was up, s"),
+    ("path", "length of the true path, m"),
+    ("clearance", "smallest distance from anything during the run, m; in brackets the smallest of all runs"),
+    ("SPL", "success weighted by path length, in [0, 1]; the SPL of a batch is the mean (Anderson et al. 2018)"),
+    ("SPARC", "spectral arc length of the speed; closer to 0 is smoother (Balasubramanian et al. 2015)"),
+    ("LDLJ", "log dimensionless jerk of the speed; closer to 0 is smoother (same source)"),
+    ("effort", "length of the joystick's path in full deflections, if a person drives (after Urdiales et al. 2011)"),
+    ("odometry error", "distance between the reported and the true position at the end, m"),
 )
 
 
 _DIFFERENCES: Final = (
-    ("clearance", "clearance", "m", 3), ("time", "time", "s", 2), ("way", "path", "m", 2),
+    ("clearance", "clearance", "m", 3), ("time", "time", "s", 2), ("path", "path", "m", 2),
     ("odometry error", "odometry_error", "m", 3),
 )  # fmt: skip
-"""What a column is called, the measure, its unit and the digits."""
+"""The column's title, the measure, its unit and its decimals."""
 
 
 @dataclass(frozen=True)
 class HtmlReport:
-    """What the page is about.
+    """What the page shows.
 
     Attributes:
         scene: The scene.
         floor: Its floor.
-        summary: The batch summed up.
+        summary: The summary of the batch.
         runs: Its runs.
-        drawn: The runs of each row as they are drawn.
-        drift: For each row the variance of its wheels, m, and its track, m.
-        origin: Where it comes from: names and values.
-        timelines: Further drawings of a row, by its name: what it shows and the SVG.
+        plotted: The runs to draw, by row.
+        drift: By row: the variance of each wheel's distance per metre, in m, and the track, in m.
+        origin: Where the data comes from: names and values.
+        timelines: Further drawings, by row: the title and the SVG of each.
     """
 
     scene: Scene
     floor: Map
     summary: Summary
     runs: Sequence[StoredRun]
-    drawn: Mapping[str, Sequence[Drawn]]
+    plotted: Mapping[str, Sequence[PlottedRun]]
     drift: Mapping[str, tuple[float, float]]
     origin: Mapping[str, str]
     timelines: Mapping[str, Sequence[tuple[str, str]]]
 
 
 def floor_hash(floor: Map) -> str:
-    """Return the floor's hash as the simulator tells it: 16 hex digits of BLAKE2b-64 over its JSON."""
+    """Return the floor's hash as the simulator reports it: 16 hex digits, BLAKE2b-64 of its JSON."""
     return hashlib.blake2b(msgspec.json.encode(floor), digest_size=8).hexdigest()
 
 
 def render(page: HtmlReport) -> str:
-    """Return the page."""
+    """Return the page as HTML text."""
     title = page.scene.title or page.scene.name
     seeds = len({run.seed for run in page.runs})
-    lead = f"{len(page.summary.lines)} rows, {seeds} seeds each, on the floor {page.floor.title or page.floor.name}."
+    lead = f"{len(page.summary.lines)} rows with {seeds} seeds each on the floor {page.floor.title or page.floor.name}."
     parts = [
-        f"<h1>{escape(title)}</h1><p class=lead>{escape(lead)} Rows share their seeds. Everything is scored by where "
-        "the chair truly was, never by what it believed.</p>",
+        f"<h1>{escape(title)}</h1><p class=lead>{escape(lead)} All rows use the same seeds. Runs are scored by the "
+        "chair's true pose, not by the pose that the chair reports.</p>",
         _sweep(page),
         _findings(page),
         _results(page),
@@ -114,7 +114,7 @@ def render(page: HtmlReport) -> str:
         _umbmark(page),
         _measures(page),
         _died(page),
-        *(_folded(page, _row(page, line), line) for line in page.summary.lines if page.drawn.get(line.name)),
+        *(_folded(page, _row(page, row), row) for row in page.summary.lines if page.plotted.get(row.name)),
         _origin(page),
     ]
     body = "\n".join(part for part in parts if part)
@@ -126,42 +126,42 @@ def render(page: HtmlReport) -> str:
 
 
 def _sweep(page: HtmlReport) -> str:
-    """Return the rows of several factors as a grid of how many succeeded."""
-    found = sweep(page.scene.experiment, page.summary.lines)
-    if found is None:
+    """Return the grid of an experiment with several factors: how many runs of each row succeeded."""
+    grid = sweep(page.scene.experiment, page.summary.lines)
+    if grid is None:
         return ""
-    head = "".join(f"<th class=t>{escape(title)}</th>" for title in found.down)
-    head += "".join(f"<th>{'<br>'.join(escape(one) for one in column)}</th>" for column in found.columns)
+    head = "".join(f"<th class=t>{escape(title)}</th>" for title in grid.down)
+    head += "".join(f"<th>{'<br>'.join(escape(level) for level in column)}</th>" for column in grid.columns)
     body = "".join(
         "<tr>" + "".join(f"<td class=t>{escape(level)}</td>" for level in levels)
-        + "".join(_cell(line) for line in cells) + "</tr>"
-        for levels, cells in found.rows
+        + "".join(_cell(row) for row in cells) + "</tr>"
+        for levels, cells in grid.rows
     )  # fmt: skip
-    across = escape(" and ".join(title.lower() for title in found.across))
+    across = escape(" and ".join(title.lower() for title in grid.across))
     return (
-        f"<h2>At a glance</h2><p>Runs that succeeded, of how many; across: {across}. Green: all, yellow: some, "
+        f"<h2>At a glance</h2><p>Successful runs / all runs. Across: {across}. Green: all succeeded, yellow: some, "
         "red: none.</p>"
         f"<div class=wide><table class=grid><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table></div>"
     )
 
 
-def _cell(line: Line | None) -> str:
-    if line is None or not line.runs:
+def _cell(row: RowSummary | None) -> str:
+    if row is None or not row.runs:
         return "<td></td>"
-    kind = "all" if line.succeeded == line.runs else "some" if line.succeeded else "none"
-    return f"<td class={kind}>{line.succeeded} / {line.runs}</td>"
+    kind = "all" if row.succeeded == row.runs else "some" if row.succeeded else "none"
+    return f"<td class={kind}>{row.succeeded} / {row.runs}</td>"
 
 
-def _folded(page: HtmlReport, text: str, line: Line | None = None) -> str:
-    """Return what is long of a batch with many rows behind a line that opens it."""
+def _folded(page: HtmlReport, text: str, row: RowSummary | None = None) -> str:
+    """Return a text folded behind a line that opens it, if the batch has many rows."""
     if len(page.summary.lines) <= MANY:
         return text
-    title = "Row by row" if line is None else f"{escape(line.title)}: {line.succeeded} / {line.runs}"
+    title = "Row by row" if row is None else f"{escape(row.title)}: {row.succeeded} / {row.runs}"
     return f"<details><summary>{title}</summary>{text}</details>"
 
 
 def _row_title(page: HtmlReport) -> str:
-    """Return what tells the rows apart."""
+    """Return the title of the column that names the rows."""
     factors = page.scene.experiment.factor if page.scene.experiment else ()
     return escape(", ".join(factor.title or factor.name for factor in factors)) or "row"
 
@@ -173,146 +173,154 @@ def _results(page: HtmlReport) -> str:
         "succeeded",
         "95 % interval",
         "runs with a collision",
-        "contacts physical",
-        "virtual",
+        "physical contacts",
+        "virtual contacts",
     )
     rows = [
         (
-            escape(line.title), str(line.runs),
-            f"<b>{_percent(line.succeeded, line.runs)}</b> <small>{line.succeeded}</small>",
-            f"{100 * line.interval.low:.0f} to {100 * line.interval.high:.0f} %", str(line.collided),
-            str(line.physical), str(line.virtual),
+            escape(row.title), str(row.runs),
+            f"<b>{_percent(row.succeeded, row.runs)}</b> <small>{row.succeeded}</small>",
+            f"{100 * row.interval.low:.0f} to {100 * row.interval.high:.0f} %", str(row.collided),
+            str(row.physical), str(row.virtual),
         )
-        for line in page.summary.lines
+        for row in page.summary.lines
     ]  # fmt: skip
-    points = [(one.title, one.succeeded / one.runs if one.runs else 0.0, *one.interval) for one in page.summary.lines]
+    points = [(row.title, row.succeeded / row.runs if row.runs else 0.0, *row.interval) for row in page.summary.lines]
     return (
-        "<h2>Results</h2><p>A run succeeds when the chair reaches its place and touches nothing where it "
-        "truly is. A contact counts where it begins; physical ones are of a chair of hardware with what is "
-        "really there, "
-        "virtual ones are within a simulation, where a chair of hardware is shown as it is reported. "
-        "Intervals are Wilson's.</p>"
-        + _folded(page, _table(heads, rows) + f"<figure>{report_drawings.intervals(points)}</figure>")
+        "<h2>Results</h2><p>A run succeeds if the chair reaches its place and touches nothing at its true pose. A "
+        "contact that lasts counts once. Physical contacts are those of a real chair with real things. Virtual "
+        "contacts happen inside a simulation, where a real chair is at its reported pose. The intervals are Wilson's."
+        "</p>" + _folded(page, _table(heads, rows) + f"<figure>{report_drawings.intervals(points)}</figure>")
     )
 
 
 def _findings(page: HtmlReport) -> str:
-    told = "".join(f"<li>{escape(sentence)}</li>" for sentence in sentences(page.summary))
-    return f"<h2>What these runs say</h2><ul>{told}</ul>" if told else ""
+    findings = "".join(f"<li>{escape(sentence)}</li>" for sentence in sentences(page.summary))
+    return f"<h2>Findings</h2><ul>{findings}</ul>" if findings else ""
 
 
 def _comparisons(page: HtmlReport) -> str:
     if not page.summary.comparisons:
         return ""
-    titles = {line.name: line.title for line in page.summary.lines}
+    titles = {row.name: row.title for row in page.summary.lines}
     margin = page.scene.experiment.margin if page.scene.experiment else 0.0
     heads = (
-        "first, against second", "expected of the first", "difference", "95 % interval", "only first / only second",
-        "p", "equivalent", "found",
+        "first and second row", "expectation", "difference", "95 % interval", "only first / only second succeeded",
+        "p", "equivalent", "result",
     )  # fmt: skip
     rows = [_comparison(one, titles) for one in page.summary.comparisons]
     return (
-        "<h2>Comparisons</h2><p>Two rows are compared seed by seed. The difference is that of their success, first "
-        "less second, in percentage points, with Tango's score interval; p is of McNemar's exact test, two-sided, over "
-        f"the seeds that only one of the two succeeded with. Rows are equivalent when the difference is within "
-        f"{100 * margin:.0f} points at 5 % each way. What these runs cannot tell is said to be undecided.</p>"
-        + _table(heads, rows, words=2)
+        "<h2>Comparisons</h2><p>Two rows are compared seed by seed. The difference is the success rate of the first "
+        "row minus that of the second, in percentage points, with Tango's score interval. The p value is that of "
+        "McNemar's exact two-sided test over the seeds with which only one of the two rows succeeded. Two rows are "
+        f"equivalent if the difference is within {100 * margin:.0f} points, tested at 5 % on each side. A result that "
+        "these runs cannot settle is called undecided.</p>"
+        + _table(heads, rows, text_columns=2)
         + _differences(page.summary.comparisons, titles)
     )
 
 
 def _differences(comparisons: Sequence[Comparison], titles: Mapping[str, str]) -> str:
-    heads = ("first, against second", *(f"{name}, {unit}" for name, _, unit, _ in _DIFFERENCES))
+    heads = ("first and second row", *(f"{name}, {unit}" for name, _, unit, _ in _DIFFERENCES))
     rows = []
     for one in comparisons:
         if one.second is None or not one.differences:
             continue
-        cells = [f"{escape(titles[one.first])}, against {escape(titles[one.second])}"]
+        cells = [_pair(one, titles)]
         for _, key, _, digits in _DIFFERENCES:
             mean, (low, high) = one.differences.get(key, (math.nan, (0.0, 0.0)))
-            told = f"{mean:+.{digits}f}<br><small>{low:+.{digits}f} to {high:+.{digits}f}</small>"
-            cells.append("" if math.isnan(mean) else told)
+            cell = f"{mean:+.{digits}f}<br><small>{low:+.{digits}f} to {high:+.{digits}f}</small>"
+            cells.append("" if math.isnan(mean) else cell)
         rows.append(cells)
     if not rows:
         return ""
     return (
-        "<p>How far the measures differ, first less second: the mean over the seeds that both reached their place "
-        "with, and its 95 % interval by Student's t of the paired differences.</p>" + _table(heads, rows)
+        "<p>Differences of the measures, first row minus second: the mean over the seeds with which both rows reached "
+        "their place, and its 95 % interval by Student's t of the paired differences.</p>" + _table(heads, rows)
     )
 
 
-def _comparison(one: Comparison, titles: Mapping[str, str]) -> tuple[str, ...]:
-    name = escape(titles[one.first]) + (f", against {escape(titles[one.second])}" if one.second else "")
-    style = {"as expected": "yes", "otherwise": "no", "undecided": "open"}.get(one.verdict, "")
-    expected = {"worse": "it is worse", "better": "it is better", "equivalent": "they are equivalent",
-                "collision-free": "it touches nothing"}.get(one.expect or "", "")  # fmt: skip
-    found = f'<span class="{style}">{one.verdict}</span>' if style else ""
-    paired = one.paired
+def _pair(comparison: Comparison, titles: Mapping[str, str]) -> str:
+    first = escape(titles[comparison.first])
+    return first + (f" and {escape(titles[comparison.second])}" if comparison.second else "")
+
+
+def _comparison(comparison: Comparison, titles: Mapping[str, str]) -> tuple[str, ...]:
+    pair = _pair(comparison, titles)
+    style = {"as expected": "yes", "otherwise": "no", "undecided": "open"}.get(comparison.verdict, "")
+    expectation = {"worse": "first is worse", "better": "first is better", "equivalent": "they are equivalent",
+                   "collision-free": "it touches nothing"}.get(comparison.expect or "", "")  # fmt: skip
+    result = {"otherwise": "not as expected"}.get(comparison.verdict, comparison.verdict)
+    cell = f'<span class="{style}">{result}</span>' if style else ""
+    paired = comparison.paired
     if paired is None:
-        return name, expected, "", "", "", "", "", found
+        return pair, expectation, "", "", "", "", "", cell
     low, high = (100 * value for value in paired.interval)
     return (
-        name, expected, f"{100 * paired.difference:+.0f}", f"{low:+.0f} to {high:+.0f}",
-        f"{paired.first_only} / {paired.second_only}", _p(paired.p), "yes" if paired.equivalent else "no", found,
+        pair, expectation, f"{100 * paired.difference:+.0f}", f"{low:+.0f} to {high:+.0f}",
+        f"{paired.first_only} / {paired.second_only}", _p(paired.p), "yes" if paired.equivalent else "no", cell,
     )  # fmt: skip
 
 
 def _umbmark(page: HtmlReport) -> str:
-    found = page.summary.umbmark
-    if found is None:
+    result = page.summary.umbmark
+    if result is None:
         return ""
-    told = (
-        ("E<sub>d</sub>, the right wheel's diameter over the left one's", found.wheels),
-        ("E<sub>b</sub>, the true track over the nominal one", found.base),
+    factors = (
+        ("E<sub>d</sub>, right wheel diameter / left wheel diameter", result.wheels),
+        ("E<sub>b</sub>, true track / nominal track", result.base),
     )
     rows = [
         (
             name, f"{one.true:.4f}", f"<b>{one.found:.4f}</b>", "" if one.error is None else f"{one.error:.5f}",
             f"{one.found - one.true:+.4f}",
         )
-        for name, one in told
+        for name, one in factors
     ]  # fmt: skip
     return (
-        f"<h2>UMBmark</h2><p>The chair drives squares of {found.side:g} m by its odometry, which knows its data sheet "
-        f"alone ({found.track:g} m between the wheels). How far it truly ends from where the odometry says, to the "
-        f"left and to the right, tells how its wheels really are (Borenstein and Feng 1996; {found.seeds} squares each "
-        "way). A chair as its data sheet says has 1. The method supposes small errors and turns on the spot: "
-        "it is right to about 0.0005 here, whatever the standard error.</p>"
-        + _table(("figure", "true", "found", "standard error", "found less true"), rows)
+        f"<h2>UMBmark</h2><p>The chair drives squares of {result.side:g} m by odometry that uses the nominal wheel "
+        f"data ({result.track:g} m between the wheels). The distance between its true end and its end by odometry, "
+        "for squares to the left and to the right, reveals the true wheel data (Borenstein and Feng 1996; "
+        f"{result.seeds} squares in each direction). Both factors are 1 for a chair that matches its data sheet. The "
+        "method assumes small errors and turns on the spot. Here it is accurate to about 0.0005, however small the "
+        "standard error.</p>" + _table(("factor", "true", "found", "standard error", "found minus true"), rows)
     )
 
 
 def _measures(page: HtmlReport) -> str:
     heads = (_row_title(page), *(name for name, _ in _MEASURES))
     rows = []
-    for line in page.summary.lines:
-        clearance = _spread(line, "clearance", 2)
-        if clearance and (spread := line.spread.get("clearance")):
+    for row in page.summary.lines:
+        clearance = _spread(row, "clearance", 2)
+        if clearance and (spread := row.spread.get("clearance")):
             clearance += f" <small>({max(0.0, spread.least):.2f})</small>"
         rows.append(
             (
-                escape(line.title), f"{line.reached} / {line.runs}", _spread(line, "time", 1), _spread(line, "path", 2),
-                clearance, _spread(line, "spl", 2), _spread(line, "sparc", 2), _spread(line, "ldlj", 1),
-                _spread(line, "effort", 1), _spread(line, "odometry_error", 3),
+                escape(row.title), f"{row.reached} / {row.runs}", _spread(row, "time", 1), _spread(row, "path", 2),
+                clearance, _spread(row, "spl", 2), _spread(row, "sparc", 2), _spread(row, "ldlj", 1),
+                _spread(row, "effort", 1), _spread(row, "odometry_error", 3),
             )
         )  # fmt: skip
-    # A measure that no row has tells nothing.
-    columns = [at for at in range(len(heads)) if any(row[at] for row in rows)]
-    told = "; ".join(f"<b>{name}</b>: {what}" for at, (name, what) in enumerate(_MEASURES, start=1) if at in columns)
-    shown = _table([heads[at] for at in columns], [[row[at] for at in columns] for row in rows])
-    return f"<h2>Measures</h2><p>Medians, with the quartiles below. {told}.</p>" + _folded(page, shown)
+    # A measure that no row has gets no column.
+    columns = [at for at in range(len(heads)) if any(cells[at] for cells in rows)]
+    legend = "; ".join(f"<b>{name}</b>: {what}" for at, (name, what) in enumerate(_MEASURES, start=1) if at in columns)
+    table = _table([heads[at] for at in columns], [[cells[at] for at in columns] for cells in rows])
+    return f"<h2>Measures</h2><p>Medians, with the quartiles below. {legend}.</p>" + _folded(page, table)
 
 
 def _died(page: HtmlReport) -> str:
     died = [run for run in page.runs if run.measured is None]
     if not died:
         return ""
-    told = "\n".join(f"{run.row}, seed {run.seed}: {run.died}" for run in died)
-    return f"<h2>Runs that came to no end</h2><p>They count nowhere above.</p><pre>{escape(told)}</pre>"
+    reasons = "\n".join(f"{run.row}, seed {run.seed}: {run.died}" for run in died)
+    return (
+        "<h2>Unfinished runs</h2><p>These runs did not reach their end. None of the numbers above includes them.</p>"
+        f"<pre>{escape(reasons)}</pre>"
+    )
 
 
-def _row(page: HtmlReport, line: Line) -> str:
-    runs = page.drawn[line.name]
+def _row(page: HtmlReport, row: RowSummary) -> str:
+    runs = page.plotted[row.name]
     subject = page.scene.experiment.subject if page.scene.experiment else page.scene.cast[0].name
     goals = page.scene.end.reach if page.scene.end else ()
     reach = next((one for one in goals if one.agent == subject), None)
@@ -320,55 +328,56 @@ def _row(page: HtmlReport, line: Line) -> str:
     place = next((one for one in places if reach and one.name == reach.place), None)
     goal = (place.x, place.y, reach.within) if place and reach else None
     colour = css(colour_of(subject))
-    drift = report_drawings.drift(runs, *page.drift.get(line.name, (0.0, 1.0)))
+    drift = report_drawings.drift(runs, *page.drift.get(row.name, (0.0, 1.0)))
     key = (
-        f'<span><i style="border-color:{colour}"></i>where it truly was</span>'
-        f'<span><i style="border-color:{report_drawings.REPORTED};border-top-style:dashed"></i>'
-        "where it was reported</span>"
-        f'<span style="color:{report_drawings.HIT}"><b>&times;</b> contact</span>'
+        f'<span><i style="border-color:{colour}"></i>true path</span>'
+        f'<span><i style="border-color:{report_drawings.REPORTED};border-top-style:dashed"></i>reported path</span>'
+        f'<span style="color:{report_drawings.CONTACT}"><b>&times;</b> contact</span>'
     )
     parts = [
-        f"<h2>{escape(line.title)}</h2><p>{_percent(line.succeeded, line.runs)} of {line.runs} runs succeeded, "
-        f"{line.collided} with a collision.</p>",
+        f"<h2>{escape(row.title)}</h2><p>{_percent(row.succeeded, row.runs)} of {row.runs} runs succeeded. "
+        f"Runs with a collision: {row.collided}.</p>",
         f"<figure><p class=key>{key}</p>{report_drawings.paths(page.floor, runs, goal, colour)}</figure>",
-        f"<h3>Clearance and speed along the way</h3><p>Median and middle 80 % of the runs.</p>"
+        f"<h3>Clearance and speed along the path</h3><p>The median and the middle 80 % of the runs.</p>"
         f"<figure>{report_drawings.along(runs)}</figure>",
     ]
-    errors = line.spread.get("odometry_error")
-    # Of a chair whose odometry is exact there is nothing to be seen.
+    errors = row.spread.get("odometry_error")
+    # A chair with exact odometry has no error to show.
     if drift and errors is not None and errors.most >= EXACT:
         parts.append(
-            "<h3>Drift of what is reported</h3><p>How far the reported place is from the true one. The band is what "
-            "independent errors of the two wheels alone explain on a straight way, sd = &radic;(2kL<sup>3</sup>/3)/b; "
-            f"what lies above it is systematic.</p><figure>{drift}</figure>"
+            "<h3>Drift of the reported position</h3><p>The distance between the reported and the true position. The "
+            "band shows what independent random errors of the two wheels explain on a straight path, "
+            "sd = &radic;(2kL<sup>3</sup>/3)/b. Errors above the band are systematic.</p>"
+            f"<figure>{drift}</figure>"
         )
-    parts += [f"<h3>{escape(what)}</h3><figure>{drawn}</figure>" for what, drawn in page.timelines.get(line.name, ())]
+    parts += [f"<h3>{escape(title)}</h3><figure>{svg}</figure>" for title, svg in page.timelines.get(row.name, ())]
     return "\n".join(parts)
 
 
 def _origin(page: HtmlReport) -> str:
-    told = "".join(f"<dt>{escape(name)}</dt><dd>{escape(value)}</dd>" for name, value in page.origin.items())
-    return f"<h2>Where this comes from</h2><dl>{told}</dl>"
+    items = "".join(f"<dt>{escape(name)}</dt><dd>{escape(value)}</dd>" for name, value in page.origin.items())
+    return f"<h2>Origin of the data</h2><dl>{items}</dl>"
 
 
-def _table(heads: Sequence[str], rows: Sequence[Sequence[str]], words: int = 1) -> str:
+def _table(heads: Sequence[str], rows: Sequence[Sequence[str]], text_columns: int = 1) -> str:
     head = "".join(f"<th>{name}</th>" for name in heads)
     lines = [
-        "".join(f"<td{' class=t' if at < words else ''}>{cell}</td>" for at, cell in enumerate(row)) for row in rows
+        "".join(f"<td{' class=t' if at < text_columns else ''}>{cell}</td>" for at, cell in enumerate(row))
+        for row in rows
     ]
     body = "".join(f"<tr>{line}</tr>" for line in lines)
     return f"<div class=wide><table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table></div>"
 
 
-def _spread(line: Line, name: str, digits: int) -> str:
-    found = line.spread.get(name)
-    if found is None:
+def _spread(row: RowSummary, name: str, digits: int) -> str:
+    spread = row.spread.get(name)
+    if spread is None:
         return ""
-    return f"{found.median:.{digits}f}<br><small>{found.low:.{digits}f} to {found.high:.{digits}f}</small>"
+    return f"{spread.median:.{digits}f}<br><small>{spread.low:.{digits}f} to {spread.high:.{digits}f}</small>"
 
 
 def _percent(part: int, whole: int) -> str:
-    return f"{100 * part / whole:.0f} %" if whole else "no run"
+    return f"{100 * part / whole:.0f} %" if whole else "none"
 
 
 def _p(value: float) -> str:

@@ -1,7 +1,7 @@
 """Measures of a run by their published definitions. Pure: arrays in, numbers out; no files, no network.
 
-Everything is measured on what was true; what the chair believed enters only where the error of that belief is meant.
-Arrays are float64[n] over the ticks of the run, equally spaced in time; metres, radians, seconds.
+All measures use the true motion. Odometry enters only where its error is the measure. Arrays are float64[n], one value
+per tick of the run, in metres, radians and seconds.
 """
 
 from __future__ import annotations
@@ -16,34 +16,34 @@ Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 
 SPARC_CUTOFF: Final = 10.0
-"""Hz: the highest frequency that counts, by Balasubramanian et al. (2015)."""
+"""Hz: the highest frequency that counts, from Balasubramanian et al. (2015)."""
 SPARC_THRESHOLD: Final = 0.05
-"""Share of the greatest amplitude below which the spectrum's end does not count, by the same."""
+"""Share of the largest amplitude: the spectrum counts up to the last frequency that reaches it. Same source."""
 SPARC_PADDING: Final = 4
-"""Powers of two by which the transform is longer than the movement, by the same."""
+"""Powers of two by which the Fourier transform is longer than the movement. Same source."""
 DISAGREES: Final = 0.1
-"""Share of full power by which what was done must differ from what was wanted to be an intervention."""
+"""Share of full power by which the chair must deviate from the user's command to count as an intervention."""
 
 
 def rising_edges(flags: Flags) -> int:
-    """Return how often something began: true where the tick before was not, or at the first tick."""
+    """Return how often the flags turn true, counting a true first flag."""
     if not len(flags):
         return 0
     return int(flags[0]) + int(np.count_nonzero(flags[1:] & ~flags[:-1]))
 
 
 def path_length(x: Floats, y: Floats) -> float:
-    """Return the length of a path through points, m."""
+    """Return the length of the path through the points, in m."""
     return float(np.hypot(np.diff(x), np.diff(y)).sum())
 
 
 def success_weighted_by_path_length(success: bool, shortest: float, length: float) -> float:
-    """Return SPL of one run, in [0, 1]: success times shortest way over the way driven.
+    """Return the SPL of one run, in [0, 1]: the shortest path divided by the path driven; 0 without success.
 
     Args:
-        success: Whether it got there as it should.
-        shortest: The shortest way there is, m, greater than 0.
-        length: The way that was driven, m.
+        success: Whether the run succeeded.
+        shortest: The length of the shortest path, in m, greater than 0.
+        length: The length of the path driven, in m.
 
     Source:
         Anderson et al. (2018), On evaluation of embodied navigation agents, arXiv:1807.06757. A batch's SPL is the
@@ -53,14 +53,14 @@ def success_weighted_by_path_length(success: bool, shortest: float, length: floa
 
 
 def log_dimensionless_jerk(speed: Floats, period: float) -> float:
-    """Return LDLJ of a movement: -ln(D^3 / v_peak^2 times the integral of (d2v/dt2)^2). Greater is smoother.
+    """Return the LDLJ of a movement: -ln(D^3 / v_peak^2 times the integral of (d2v/dt2)^2). Greater is smoother.
 
-    The least jerky movement from rest to rest has -ln 204.8 = -5.322. A movement without speed, or at constant speed
-    (no jerk at all), has none: NaN.
+    The smoothest movement from rest to rest has -ln 204.8 = -5.322. The value is NaN for a movement without speed or
+    without jerk, as at constant speed.
 
     Args:
-        speed: Of the movement from its begin to its end, m/s.
-        period: Between samples, s.
+        speed: The speed from the start of the movement to its end, in m/s.
+        period: The time between samples, in s.
 
     Source:
         Balasubramanian, Melendez-Calderon, Roby-Brami and Burdet (2015), On the analysis of movement smoothness,
@@ -76,14 +76,14 @@ def log_dimensionless_jerk(speed: Floats, period: float) -> float:
 
 
 def spectral_arc_length(speed: Floats, period: float) -> float:
-    """Return SPARC of a movement: minus the length of its normalised amplitude spectrum. Greater is smoother.
+    """Return the SPARC of a movement: minus the arc length of its normalised amplitude spectrum. Greater is smoother.
 
-    The spectrum counts up to 10 Hz and up to the last frequency with 5 % of its greatest amplitude. A movement
-    without speed has none: NaN.
+    The spectrum counts up to 10 Hz and up to the last frequency that has 5 % of the largest amplitude. The value is NaN
+    for a movement without speed.
 
     Args:
-        speed: Of the movement from its begin to its end, m/s.
-        period: Between samples, s; at most 0.05, for 10 Hz to be within the spectrum.
+        speed: The speed from the start of the movement to its end, in m/s.
+        period: The time between samples, in s; at most 0.05, so that the spectrum reaches 10 Hz.
 
     Source:
         Balasubramanian et al. (2015), as above, equation 9 and the values it recommends.
@@ -94,9 +94,9 @@ def spectral_arc_length(speed: Floats, period: float) -> float:
     frequency = np.fft.rfftfreq(size, period)
     amplitude = np.abs(np.fft.rfft(speed, size))
     amplitude = (amplitude / amplitude.max())[frequency <= SPARC_CUTOFF + 1e-9]
-    kept = np.nonzero(amplitude >= SPARC_THRESHOLD)[0]
-    shown = slice(int(kept[0]), int(kept[-1]) + 1)
-    selected, height = frequency[: len(amplitude)][shown], amplitude[shown]
+    loud = np.nonzero(amplitude >= SPARC_THRESHOLD)[0]
+    counted = slice(int(loud[0]), int(loud[-1]) + 1)
+    selected, height = frequency[: len(amplitude)][counted], amplitude[counted]
     band = float(selected[-1] - selected[0])
     if band == 0.0:
         return math.nan
@@ -104,16 +104,16 @@ def spectral_arc_length(speed: Floats, period: float) -> float:
 
 
 def moving(speed: Floats, turn_rate: Floats) -> slice:
-    """Return the movement in a run: from the first tick that moves to the last."""
+    """Return the slice of a run that is movement: from the first tick with motion to the last."""
     ticks = np.nonzero((np.abs(speed) > 1e-3) | (np.abs(turn_rate) > 1e-3))[0]
     return slice(int(ticks[0]), int(ticks[-1]) + 1) if len(ticks) else slice(0, 0)
 
 
 def user_effort(forward: Floats, turn: Floats) -> float:
-    """Return how much a joystick was moved about: the length of its way, in units of full deflection.
+    """Return how much a joystick was moved: the length of its path, in units of full deflection.
 
-    The definition is this project's: the sum over ticks of hypot(change of forward, change of turn), from rest. It is
-    no paper's number; joystick variation as a measure of effort is common in work on shared control, as in Urdiales
+    It is the sum over ticks of hypot(change of forward, change of turn), starting from rest. The definition is this
+    project's own. Joystick variation is a common measure of effort in work on shared control, for example in Urdiales
     et al. (2011), A new multi-criteria optimization strategy for shared control in wheelchair assisted navigation,
     Autonomous Robots 30.
     """
@@ -121,42 +121,44 @@ def user_effort(forward: Floats, turn: Floats) -> float:
 
 
 def agreement(wanted: Floats, done: Floats) -> float:
-    """Return how far what was done pointed where the user wanted, in [0, 1]; NaN where nothing was ever wanted.
+    """Return how well the motors followed the direction of the user's command, in [0, 1]; NaN if there was none.
 
-    It is 1 - |angle| / pi, averaged over the ticks at which something was wanted; where nothing is done then, it is 0.
-    The angle is between the two as vectors of forward and turn. The definition is this project's, after the idea of
-    Urdiales et al. (2011), as above, to measure how far user and chair point the same way; it is no paper's number.
+    It is 1 - |angle| / pi, averaged over the ticks with a command. The angle is between the command and the motors'
+    motion, both as vectors of forward and turn; a tick without motion counts 0. The definition is this project's own,
+    after an idea of Urdiales et al. (2011), cited above: to measure how far user and chair agree on the direction.
 
     Args:
-        wanted: float64[n, 2], forward and turn of the user.
-        done: float64[n, 2], forward and turn that the motors got.
+        wanted: The user's command, float64[n, 2]: forward and turn.
+        done: What the motors got, float64[n, 2]: forward and turn.
     """
-    asked = np.hypot(wanted[:, 0], wanted[:, 1]) > 1e-6
-    if not asked.any():
+    commanded = np.hypot(wanted[:, 0], wanted[:, 1]) > 1e-6
+    if not commanded.any():
         return math.nan
-    want, did = wanted[asked], done[asked]
+    want, did = wanted[commanded], done[commanded]
     angle = np.arctan2(want[:, 1], want[:, 0]) - np.arctan2(did[:, 1], did[:, 0])
     off = np.abs(np.angle(np.exp(1j * angle))) / math.pi
     return float(np.where(np.hypot(did[:, 0], did[:, 1]) > 1e-6, 1.0 - off, 0.0).mean())
 
 
 def interventions(wanted: Floats, done: Floats) -> int:
-    """Return how often the chair began to do other than its user wanted, by more than a tenth of full power.
+    """Return how often the chair began to deviate from its user's command by more than a tenth of full power.
 
     Args:
-        wanted: float64[n, 2], forward and turn of the user.
-        done: float64[n, 2], forward and turn that the motors got.
+        wanted: The user's command, float64[n, 2]: forward and turn.
+        done: What the motors got, float64[n, 2]: forward and turn.
     """
     return rising_edges(np.abs(wanted - done).max(axis=1, initial=0.0) > DISAGREES)
 
 
 def drift_band(length: Floats, variance: float, track: float) -> tuple[Floats, Floats]:
-    """Return by what odometry without systematic error errs after a way straight on: sd of heading, rad, and aside, m.
+    """Return the standard deviations of odometry on a straight path: of the heading in rad, of the lateral error in m.
+
+    Only the random errors of the wheels count, no systematic ones.
 
     Args:
-        length: The way, m.
-        variance: k, of a metre of each wheel, m.
-        track: b, between the wheels, m.
+        length: L, the distance driven, in m.
+        variance: k, the variance of each wheel's distance per metre, in m.
+        track: b, the distance between the wheels, in m.
 
     Source:
         sd(heading) = sqrt(2 k L) / b and sd(y) = sqrt(2 k L^3 / 3) / b: the heading is a sum of independent errors, y
@@ -166,14 +168,16 @@ def drift_band(length: Floats, variance: float, track: float) -> tuple[Floats, F
 
 
 def umbmark(left: Floats, right: Floats, side: float, track: float) -> tuple[float, float]:
-    """Return what squares driven by odometry tell of a chair's wheels: E_d, right wheel over left one, and E_b.
+    """Return the odometry calibration that follows from squares driven by odometry: the factors E_d and E_b.
+
+    E_d is the right wheel's diameter divided by the left wheel's, E_b the true track divided by the nominal one.
 
     Args:
-        left: float64[n, 2], where the chair truly ended less where its odometry says, x and y, m, after squares to the
-            left from the origin along x.
+        left: True end minus end by odometry, float64[n, 2]: x and y in m, after squares to the left that start at the
+            origin along x.
         right: The same after squares to the right.
-        side: Of the square, m.
-        track: Nominal, m.
+        side: The side of the square, in m.
+        track: The nominal track, in m.
 
     Source:
         Borenstein and Feng (1996), Measurement and correction of systematic odometry errors in mobile robots, IEEE

@@ -1,7 +1,7 @@
-"""A batch: every row of an experiment with every seed, several at a time; what is done is not done again.
+"""Runs a batch: every row of an experiment with every seed, several at a time. Finished runs are not repeated.
 
-A worker takes a share of a row's seeds, puts up one stand and runs them one after the other. A run that dies costs its
-stand, which is put up anew for the rest; the run is named in what is told.
+Each thread takes some seeds of a row, starts one worker and runs the seeds on it one after the other. A run that dies
+takes its worker with it. It is stored with the reason, and a new worker runs the remaining seeds.
 """
 
 from __future__ import annotations
@@ -16,33 +16,32 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
-import msgspec
-
 from intellwheels_experiments.batch.experiment_rows import Row
-from intellwheels_experiments.batch.run_measures import measured
-from intellwheels_experiments.batch.run_store import LOG, StoredRun, done, keep
-from intellwheels_experiments.batch.run_worker import RunWorker, RunWorkerError, Site, StoppedError
+from intellwheels_experiments.batch.run_measures import measure_run
+from intellwheels_experiments.batch.run_store import LOG, StoredRun, finished_run, load_run, store_run
+from intellwheels_experiments.batch.run_worker import RunWorker, RunWorkerError, StoppedError, WorkerSettings
 from intellwheels_experiments.batch.trace_reader import read_trace
+from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.messages import Map
 
-SHARE: Final = 10
-"""Seeds of a row that a stand runs before another may take over: small enough that all workers end together."""
+SEEDS_PER_WORKER: Final = 10
+"""Seeds of a row that one worker runs: few enough that all threads finish at about the same time."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Batch:
-    """What is to be run.
+    """What to run.
 
     Attributes:
         rows: The rows.
-        seeds: The seeds of each.
-        subject: Whose runs they are.
+        seeds: The seeds that each row runs with.
+        subject: The agent that is measured.
         floor: The floor.
-        source: The scene as the simulator is told it.
-        folder: Where relative paths in it start from, or None for a shipped scene.
+        source: The scene's name or path, as the simulator gets it.
+        folder: Where relative paths in the scene start; None for a shipped scene.
         out: The batch's folder.
-        jobs: Stands at a time.
-        timeout: Seconds of wall time a run may take.
+        jobs: Number of workers at a time.
+        timeout: Seconds of wall time that a run may take.
     """
 
     rows: tuple[Row, ...]
@@ -56,101 +55,96 @@ class Batch:
     timeout: float
 
 
-def shares_of(batch: Batch) -> list[tuple[Row, tuple[str, ...]]]:
-    """Return what is still to be run, in shares of a stand each."""
-    shares = []
+def pending_runs(batch: Batch) -> list[tuple[Row, tuple[str, ...]]]:
+    """Return the runs that still have to be made, as rows with the seeds for one worker each."""
+    pending = []
     for row in batch.rows:
-        left = [seed for seed in batch.seeds if done(batch.out, row.name, seed) is None]
-        shares += [(row, tuple(left[i : i + SHARE])) for i in range(0, len(left), SHARE)]
-    return shares
+        seeds = [seed for seed in batch.seeds if finished_run(batch.out, row.name, seed) is None]
+        pending += [(row, tuple(seeds[i : i + SEEDS_PER_WORKER])) for i in range(0, len(seeds), SEEDS_PER_WORKER)]
+    return pending
 
 
-def run_batch(batch: Batch, told: Callable[[StoredRun], None], stop: threading.Event) -> None:
-    """Run what is still to be run.
+def run_batch(batch: Batch, on_run: Callable[[StoredRun], None], stop: threading.Event) -> None:
+    """Make the runs that are still pending, and store them.
 
     Args:
-        batch: What.
-        told: Called with each run that came to its end or died, on the thread that ran it.
-        stop: Set from outside to break off; what is done stays.
+        batch: The batch.
+        on_run: Called with each run that finished or died, on the thread that made it.
+        stop: Set from outside to abort. Finished runs stay.
 
     Raises:
-        Exception: What a worker ran into that is no run's fault, once all have ended.
+        Exception: What went wrong other than a run that died, such as a full disk. It is raised when all threads have
+            ended.
     """
-    shares = deque(shares_of(batch))
+    pending = deque(pending_runs(batch))
     failures: list[BaseException] = []
 
     def work() -> None:
         try:
             while not stop.is_set() and not failures:
                 try:
-                    row, seeds = shares.popleft()
+                    row, seeds = pending.popleft()
                 except IndexError:
                     return
-                _run_share(batch, row, seeds, told, stop)
+                _run_seeds(batch, row, seeds, on_run, stop)
         except StoppedError:
             return
         except BaseException as error:
             failures.append(error)
 
-    workers = [threading.Thread(target=work, name=f"stand-{number}") for number in range(batch.jobs)]
-    for worker in workers:
-        worker.start()
-    for worker in workers:
-        worker.join()
+    threads = [threading.Thread(target=work, name=f"worker-{number}") for number in range(batch.jobs)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
     if failures:
         raise failures[0]
 
 
-def _run_share(
-    batch: Batch, row: Row, seeds: Sequence[str], told: Callable[[StoredRun], None], stop: threading.Event
+def _run_seeds(
+    batch: Batch, row: Row, seeds: Sequence[str], on_run: Callable[[StoredRun], None], stop: threading.Event
 ) -> None:
-    left = deque(seeds)
-    while left:
-        scratch = Path(tempfile.mkdtemp(prefix=".stand-", dir=batch.out))
-        site = Site(
+    remaining = deque(seeds)
+    while remaining:
+        scratch = Path(tempfile.mkdtemp(prefix=".worker-", dir=batch.out))
+        settings = WorkerSettings(
             source=batch.source, folder=batch.folder, logs=scratch, runs=scratch / "runs", timeout=batch.timeout
         )
         try:
-            with RunWorker(site, row, stop) as stand:
-                while left:
-                    _run_one(batch, row, stand, left[0], told)
-                    left.popleft()
+            with RunWorker(settings, row, stop) as worker:
+                while remaining:
+                    _run_seed(batch, row, worker, remaining[0], on_run)
+                    remaining.popleft()
         except RunWorkerError as error:
-            kept = StoredRun(row=row.name, seed=left.popleft(), died=str(error))
-            keep(batch.out, kept)
-            told(kept)
+            run = StoredRun(row=row.name, seed=remaining.popleft(), died=str(error))
+            store_run(batch.out, run)
+            on_run(run)
         finally:
             shutil.rmtree(scratch, ignore_errors=True)
 
 
-def _run_one(batch: Batch, row: Row, stand: RunWorker, seed: str, told: Callable[[StoredRun], None]) -> None:
+def _run_seed(batch: Batch, row: Row, worker: RunWorker, seed: str, on_run: Callable[[StoredRun], None]) -> None:
     begun = time.monotonic()
-    place, shown = stand.run(seed)
+    folders = worker.run(seed)
+    truth, mirror = folders
     try:
-        trace = read_trace(place / "trace.jsonl", place / LOG)
-        image = None if shown is None else read_trace(shown / "trace.jsonl", shown / LOG)
-    except (OSError, msgspec.MsgspecError) as error:
+        trace = read_trace(truth / "trace.jsonl", truth / LOG)
+        mirrored = None if mirror is None else read_trace(mirror / "trace.jsonl", mirror / LOG)
+    except (OSError, WireError) as error:
         raise RunWorkerError(f"the simulator's files of the run cannot be read: {error}") from error
-    numbers, course = measured(trace, row.scene, batch.floor, batch.subject, real=row.real, image=image)
-    kept = StoredRun(row=row.name, seed=seed, measured=numbers, wall=time.monotonic() - begun)
-    keep(batch.out, kept, course, place / LOG, None if shown is None else shown / LOG)
-    for each in (place, shown):
-        if each is not None:
-            shutil.rmtree(each, ignore_errors=True)
-    told(kept)
+    numbers, series = measure_run(trace, row.scene, batch.floor, batch.subject, real=row.real, mirror=mirrored)
+    run = StoredRun(row=row.name, seed=seed, measured=numbers, wall=time.monotonic() - begun)
+    store_run(batch.out, run, series, truth / LOG, None if mirror is None else mirror / LOG)
+    for folder in folders:
+        if folder is not None:
+            shutil.rmtree(folder, ignore_errors=True)
+    on_run(run)
 
 
 def read_batch(batch: Batch) -> list[StoredRun]:
-    """Return what came of every run in the order of rows and seeds; one that is not done or died says so."""
-    found = []
-    for row in batch.rows:
-        for seed in batch.seeds:
-            kept = done(batch.out, row.name, seed)
-            if kept is None:
-                path = batch.out / "runs" / row.name / seed / "result.json"
-                try:
-                    kept = msgspec.json.decode(path.read_bytes(), type=StoredRun)
-                except (OSError, msgspec.MsgspecError):
-                    kept = StoredRun(row=row.name, seed=seed, died="it was not run")
-            found.append(kept)
-    return found
+    """Return every run of a batch, by row and then by seed. A run that is missing or died says so in `died`."""
+    return [
+        load_run(batch.out, row.name, seed) or StoredRun(row=row.name, seed=seed, died="it was not run")
+        for row in batch.rows
+        for seed in batch.seeds
+    ]

@@ -1,4 +1,4 @@
-"""A run measured: from what was true and what was believed to a row of numbers. Pure."""
+"""Measures a run: a trace in, numbers and time series out. Pure."""
 
 from __future__ import annotations
 
@@ -10,38 +10,39 @@ import msgspec
 import numpy as np
 
 from intellwheels_experiments.batch import metrics
-from intellwheels_experiments.batch.clearance import clearance, half_width, shortest_way
+from intellwheels_experiments.batch.clearance import clearance, half_width, shortest_path
 from intellwheels_experiments.batch.metrics import Floats
-from intellwheels_experiments.batch.trace_reader import Shown, Trace, commanded, reported
+from intellwheels_experiments.batch.trace_reader import Trace, commanded, reported
+from intellwheels_schemas.file_records import TraceBody
 from intellwheels_schemas.messages import Event, Map, Robot, Scene
 
 MANUAL: Final = "manual"
-"""The mode of a mind that is its own user: what it gives is what is wanted."""
+"""The mode of a mind that plays the user itself: its powers are the user's command."""
 
 
-class Measured(msgspec.Struct, frozen=True, kw_only=True):
-    """The numbers of a run; None where there is none.
+class RunMeasures(msgspec.Struct, frozen=True, kw_only=True):
+    """The measures of a run; None where a measure does not apply. A contact that lasts counts once.
 
     Attributes:
-        success: It reached its place and touched nothing.
-        reached: It was within its place at the end.
-        collided: It touched something where it truly was, or, of a chair in a laboratory, a body that is in the
-            simulation alone.
-        contacts_physical: Episodes of contact with what is really there.
-        contacts_virtual: Episodes of contact with what a simulation alone has there.
-        clearance: Least distance from anything, m.
-        time: Simulated time to the end, s.
-        path: Length of the true path, m.
-        shortest: Length of the shortest way, m.
-        spl: Success weighted by path length.
+        success: Whether it reached its place and touched nothing.
+        reached: Whether it was at its place at the end.
+        collided: Whether it touched something at its true pose or, for a chair in a laboratory, a body that exists in
+            the simulation only.
+        contacts_physical: Number of contacts with real things.
+        contacts_virtual: Number of contacts with simulated things.
+        clearance: Smallest distance from anything, in m.
+        time: Simulated time to the end, in s.
+        path: Length of the true path, in m.
+        shortest: Length of the shortest path, in m.
+        spl: Success weighted by path length, in [0, 1].
         ldlj: Log dimensionless jerk of the speed while it moved.
-        sparc: Spectral arc length of the same.
-        effort: Way of the user's stick, in full deflections.
-        agreement: Of what was done with what the user wanted.
-        interventions: Times at which it did other than its user wanted, or was taken from its mind.
-        odometry_error: Between reported and true place at the end, m.
-        heading_error: Between reported and true heading at the end, rad, not negative.
-        hash: Of the last state.
+        sparc: Spectral arc length of the speed while it moved.
+        effort: Length of the joystick's path, in full deflections.
+        agreement: Agreement of the motion with the user's command, in [0, 1].
+        interventions: How often it began to deviate from the user's command, or was taken from its mind.
+        odometry_error: Distance between the reported and the true position at the end, in m.
+        heading_error: Absolute difference between the reported and the true heading at the end, in rad.
+        hash: The hash of the last state.
     """
 
     success: bool
@@ -65,19 +66,19 @@ class Measured(msgspec.Struct, frozen=True, kw_only=True):
 
 
 @dataclass(frozen=True)
-class Course:
-    """A run along its time, arrays over its ticks.
+class RunSeries:
+    """A run over time: arrays with one entry per tick. A pose is x and y in m and the heading in rad.
 
     Attributes:
-        times: s.
-        true: float64[n, 3], x, y, heading.
-        reported: The same as its own wheels tell, or None.
-        commanded: The same as the powers alone lead.
-        clearance: m.
-        speed: m/s.
-        contacts: The events.
+        times: Simulated times, float64[n], in s.
+        true: True poses, float64[n, 3].
+        reported: The poses that odometry or the bridge reported, float64[n, 3]; None without either.
+        commanded: The poses that would follow from the motor powers alone, float64[n, 3].
+        clearance: Distance from the nearest thing, float64[n], in m.
+        speed: float64[n], in m/s.
+        contacts: The contact events.
         robot: The body as it joined.
-        others: The other bodies that moved, by name: float64[n, 3].
+        others: The poses of the other bodies that moved, by name: float64[n, 3].
     """
 
     times: Floats
@@ -91,22 +92,22 @@ class Course:
     others: dict[str, Floats]
 
 
-def measured(
-    trace: Trace, scene: Scene, floor: Map, subject: str, *, real: bool, image: Trace | None = None
-) -> tuple[Measured, Course]:
-    """Return the numbers of a run, and the run along its time.
+def measure_run(
+    trace: Trace, scene: Scene, floor: Map, subject: str, *, real: bool, mirror: Trace | None = None
+) -> tuple[RunMeasures, RunSeries]:
+    """Return the measures of a run and its time series.
 
     Args:
-        trace: The world that its chair is truly in.
-        scene: What was run.
+        trace: The trace of the world in which the chair truly was.
+        scene: The scene.
         floor: Its floor.
-        subject: Whose run it is.
-        real: Whether what it touches there is really there.
-        image: The world that shows the chair where it is reported, of a chair in a laboratory.
+        subject: The agent that is measured.
+        real: Whether the things that it touches there count as real.
+        mirror: For a chair in a laboratory, the trace of the world that mirrored it at its reported poses.
     """
-    shown, robot = trace.shown(subject), trace.robots[subject]
-    course = _course(trace, floor, subject, shown, robot, image)
-    x, y, _ = course.true.T
+    states, robot = trace.shown(subject), trace.robots[subject]
+    series = _series(trace, floor, subject, states, robot, mirror)
+    x, y, _ = series.true.T
     reach = next((one for one in scene.end.reach if one.agent == subject), None) if scene.end else None
     place = (
         next((one for one in floor.grid.position if reach and one.name == reach.place), None) if floor.grid else None
@@ -115,28 +116,28 @@ def measured(
     if reach is not None and place is not None:
         reached = math.hypot(x[-1] - place.x, y[-1] - place.y) <= reach.within + 1e-9
         start = float(x[0]), float(y[0])
-        shortest = max(0.0, shortest_way(floor, start, (place.x, place.y), half_width(robot)) - reach.within)
-    contacts, length = len(course.contacts), metrics.path_length(x, y)
-    seen = _seen(course, image, subject)
-    # What stands in the simulation alone is touched there; its walls are in the laboratory too.
-    touched = contacts + sum(one.other != "wall" for one in seen)
+        shortest = max(0.0, shortest_path(floor, start, (place.x, place.y), half_width(robot)) - reach.within)
+    contacts, length = len(series.contacts), metrics.path_length(x, y)
+    mirrored = _mirrored_contacts(series, mirror, subject)
+    # Bodies that exist in the simulation only are touched there. Its walls are in the laboratory too.
+    touched = contacts + sum(contact.other != "wall" for contact in mirrored)
     success = reached and touched == 0
-    rate = np.array([one.turn_rate for one in shown])
-    movement = course.speed[metrics.moving(course.speed, rate)]
-    wanted, done = _wish(shown)
+    turn_rate = np.array([state.turn_rate for state in states])
+    movement = series.speed[metrics.moving(series.speed, turn_rate)]
+    wanted, done = _command_and_motion(states)
     taken = sum(event.code == "taken" and event.agent == subject for event in trace.events)
-    # The image of the last tick may not have been made any more.
-    last = -1 if image is None else -2
-    off = course.reported[last] - course.true[last] if course.reported is not None else np.full(3, math.nan)
+    # The mirror may not have had the time to show the last tick.
+    last = -1 if mirror is None else -2
+    error = series.reported[last] - series.true[last] if series.reported is not None else np.full(3, math.nan)
     return (
-        Measured(
+        RunMeasures(
             success=success,
             reached=reached,
             collided=touched > 0,
             contacts_physical=contacts if real else 0,
-            contacts_virtual=len(seen) if real else contacts,
-            clearance=_finite(float(course.clearance.min())),
-            time=float(course.times[-1]),
+            contacts_virtual=len(mirrored) if real else contacts,
+            clearance=_finite(float(series.clearance.min())),
+            time=float(series.times[-1]),
             path=length,
             shortest=_finite(shortest),
             spl=_finite(metrics.success_weighted_by_path_length(success, shortest, length)),
@@ -145,11 +146,11 @@ def measured(
             effort=metrics.user_effort(*wanted.T) if wanted is not None else None,
             agreement=_finite(metrics.agreement(wanted, done)) if wanted is not None else None,
             interventions=taken + (metrics.interventions(wanted, done) if wanted is not None else 0),
-            odometry_error=_finite(float(np.hypot(off[0], off[1]))),
-            heading_error=abs(math.remainder(float(off[2]), math.tau)) if math.isfinite(off[2]) else None,
+            odometry_error=_finite(float(np.hypot(error[0], error[1]))),
+            heading_error=abs(math.remainder(float(error[2]), math.tau)) if math.isfinite(error[2]) else None,
             hash=trace.moments[-1].hash,
         ),
-        course,
+        series,
     )
 
 
@@ -157,49 +158,50 @@ def _finite(value: float) -> float | None:
     return value if math.isfinite(value) else None
 
 
-def _course(trace: Trace, floor: Map, subject: str, shown: list[Shown], robot: Robot, image: Trace | None) -> Course:
+def _series(
+    trace: Trace, floor: Map, subject: str, states: list[TraceBody], robot: Robot, mirror: Trace | None
+) -> RunSeries:
     true = trace.poses(subject)
     others = {name: (other, trace.poses(name)) for name, other in trace.robots.items() if name != subject}
-    return Course(
+    return RunSeries(
         times=trace.times,
         true=true,
-        reported=reported(shown, robot) if image is None else _image(image, subject, len(shown)),
-        commanded=commanded(shown, robot, trace.heading.period),
+        reported=reported(states, robot) if mirror is None else _mirrored_poses(mirror, subject, len(states)),
+        commanded=commanded(states, robot, trace.heading.period),
         clearance=clearance(true, robot, floor, others),
-        speed=np.array([one.speed for one in shown]),
+        speed=np.array([state.speed for state in states]),
         contacts=_contacts(trace, subject),
         robot=robot,
         others={name: poses for name, (_, poses) in others.items() if np.nanmax(np.ptp(poses, axis=0)) > 0.0},
     )
 
 
-def _image(image: Trace, subject: str, ticks: int) -> Floats:
-    """Return where a chair was shown at each tick of its laboratory.
+def _mirrored_poses(mirror: Trace, subject: str, ticks: int) -> Floats:
+    """Return where a chair was mirrored at each tick of its laboratory, float64[ticks, 3].
 
-    The laboratory's last tick needs no more of the image than the tick before, so that is all there surely is: it
-    stands for the last one too.
+    The laboratory may end before the mirror shows the last tick. So the pose of the tick before is repeated for it.
     """
-    poses = image.poses(subject)[: max(1, ticks - 1)]
+    poses = mirror.poses(subject)[: max(1, ticks - 1)]
     return np.concatenate([poses, np.repeat(poses[-1:], ticks - len(poses), axis=0)])
 
 
-def _seen(course: Course, image: Trace | None, subject: str) -> tuple[Event, ...]:
-    """Return the contacts of a chair's image, of a chair in a laboratory."""
-    if image is None:
+def _mirrored_contacts(series: RunSeries, mirror: Trace | None, subject: str) -> tuple[Event, ...]:
+    """Return the contacts of a chair in its mirror, for a chair in a laboratory."""
+    if mirror is None:
         return ()
-    return tuple(one for one in _contacts(image, subject) if one.tick < len(course.times) - 1)
+    return tuple(contact for contact in _contacts(mirror, subject) if contact.tick < len(series.times) - 1)
 
 
 def _contacts(trace: Trace, subject: str) -> tuple[Event, ...]:
-    return tuple(one for one in trace.events if one.code == "contact" and subject in (one.agent, one.other))
+    return tuple(event for event in trace.events if event.code == "contact" and subject in (event.agent, event.other))
 
 
-def _wish(shown: list[Shown]) -> tuple[Floats | None, Floats]:
-    """Return what the user wanted, None without a user, and what the motors got: float64[n, 2], forward and turn."""
-    power = np.array([one.power for one in shown[1:]], dtype=np.float64).reshape(-1, 2)
+def _command_and_motion(states: list[TraceBody]) -> tuple[Floats | None, Floats]:
+    """Return the user's command, None without a user, and what the motors got: float64[n, 2], forward and turn."""
+    power = np.array([state.power for state in states[1:]], dtype=np.float64).reshape(-1, 2)
     done = np.column_stack([power.mean(axis=1), (power[:, 1] - power[:, 0]) / 2.0])
-    if any(one.user is not None for one in shown):
-        return np.array([one.user or (0.0, 0.0) for one in shown[1:]], dtype=np.float64).reshape(-1, 2), done
-    if any(one.mode == MANUAL for one in shown):
+    if any(state.user is not None for state in states):
+        return np.array([state.user or (0.0, 0.0) for state in states[1:]], dtype=np.float64).reshape(-1, 2), done
+    if any(state.mode == MANUAL for state in states):
         return done, done
     return None, done

@@ -1,13 +1,13 @@
-"""The files of a batch: a folder of each run, and what is told of all. A run is done when its `result.json` is there.
+"""The files of a batch: one folder per run, and the files about all runs. A run is finished once it has `result.json`.
 
     runs/ROW/SEED/  input.jsonl   the input log, for `iw-server --resimulate` and `--play`
-                    image.jsonl   of a chair in a laboratory, the log of the world that shows it
+                    image.jsonl   for a chair in a laboratory, the log of the world that mirrors it
                     true.tum reported.tum command.tum   trajectories: t x y z qx qy qz qw
                     contacts.csv  along.csv  bodies.csv (the others that moved)  robot.json  measures.csv  result.json
-    batch.json      what is run, and where with
-    batch.csv       a line a run; no wall time, host or date, so that equal batches have equal files
+    batch.json      the scene and the floor of the batch
+    batch.csv       one line per run, without wall time, host or date, so that equal batches have equal files
 
-`result.json` is put in its place at once, so that a process that is killed leaves no half of it.
+`result.json` is written under another name and then renamed, so that a killed process never leaves half a file.
 """
 
 from __future__ import annotations
@@ -24,98 +24,106 @@ import msgspec
 import numpy as np
 
 from intellwheels_experiments.batch.metrics import Floats
-from intellwheels_experiments.batch.run_measures import Course, Measured
+from intellwheels_experiments.batch.run_measures import RunMeasures, RunSeries
 
 RESULT: Final = "result.json"
 LOG: Final = "input.jsonl"
-IMAGE: Final = "image.jsonl"
+MIRROR_LOG: Final = "image.jsonl"
 
 
 class StoredRun(msgspec.Struct, frozen=True, kw_only=True):
-    """What came of a run.
+    """A run as `result.json` has it.
 
     Attributes:
         row: Its row.
         seed: Its seed.
-        died: Why it came to no end, or empty.
-        measured: Its numbers, or None where it came to no end.
-        wall: Seconds of wall time; not for the CSV.
+        died: Why it did not reach its end; empty if it did.
+        measured: Its measures; None if it did not reach its end.
+        wall: Wall time in s. The CSV leaves it out.
     """
 
     row: str
     seed: str
     died: str = ""
-    measured: Measured | None = None
+    measured: RunMeasures | None = None
     wall: float = 0.0
 
 
-def place_of(folder: Path, row: str, seed: str) -> Path:
-    """Return the folder of a run."""
+def run_folder(folder: Path, row: str, seed: str) -> Path:
+    """Return the folder of a run in the folder of its batch."""
     return folder / "runs" / row / seed
 
 
-def done(folder: Path, row: str, seed: str) -> StoredRun | None:
-    """Return what came of a run that came to its end, or None: then it is to be run."""
+def load_run(folder: Path, row: str, seed: str) -> StoredRun | None:
+    """Return a stored run, whether it finished or died; None if there is none or its file cannot be read."""
     try:
-        kept = msgspec.json.decode((place_of(folder, row, seed) / RESULT).read_bytes(), type=StoredRun)
+        return msgspec.json.decode((run_folder(folder, row, seed) / RESULT).read_bytes(), type=StoredRun)
     except (OSError, msgspec.MsgspecError):
         return None
-    return kept if kept.measured is not None else None
 
 
-def keep(
-    folder: Path, kept: StoredRun, course: Course | None = None, log: Path | None = None, image: Path | None = None
+def finished_run(folder: Path, row: str, seed: str) -> StoredRun | None:
+    """Return a stored run that reached its end; None if the run still has to be made."""
+    run = load_run(folder, row, seed)
+    return run if run is not None and run.measured is not None else None
+
+
+def store_run(
+    folder: Path, run: StoredRun, series: RunSeries | None = None, log: Path | None = None, mirror: Path | None = None
 ) -> None:
     """Write the files of a run, `result.json` last.
 
     Args:
-        folder: The batch's.
-        kept: What came of it.
-        course: The run along its time.
-        log: The input log of the world that its chair was truly in.
-        image: That of the world that showed it, of a chair in a laboratory.
+        folder: The batch's folder.
+        run: The run.
+        series: Its time series.
+        log: The input log of the world in which its chair truly was.
+        mirror: For a chair in a laboratory, the input log of the world that mirrored it.
     """
-    place = place_of(folder, kept.row, kept.seed)
-    place.mkdir(parents=True, exist_ok=True)
+    target = run_folder(folder, run.row, run.seed)
+    target.mkdir(parents=True, exist_ok=True)
     if log is not None:
-        shutil.copyfile(log, place / LOG)
-    if image is not None:
-        shutil.copyfile(image, place / IMAGE)
-    if course is not None:
-        _write_course(place, course)
-        (place / "robot.json").write_bytes(msgspec.json.encode(course.robot) + b"\n")
-    if kept.measured is not None:
-        (place / "measures.csv").write_text(table([kept]))
-    draft = place / f"{RESULT}.part"
-    draft.write_bytes(msgspec.json.format(msgspec.json.encode(kept), indent=2) + b"\n")
-    draft.replace(place / RESULT)
+        shutil.copyfile(log, target / LOG)
+    if mirror is not None:
+        shutil.copyfile(mirror, target / MIRROR_LOG)
+    if series is not None:
+        _write_series(target, series)
+        (target / "robot.json").write_bytes(msgspec.json.encode(series.robot) + b"\n")
+    if run.measured is not None:
+        (target / "measures.csv").write_text(runs_csv([run]))
+    draft = target / f"{RESULT}.part"
+    draft.write_bytes(msgspec.json.format(msgspec.json.encode(run), indent=2) + b"\n")
+    draft.replace(target / RESULT)
 
 
-def _write_course(place: Path, course: Course) -> None:
-    for name, poses in (("true", course.true), ("reported", course.reported), ("command", course.commanded)):
+def _write_series(target: Path, series: RunSeries) -> None:
+    for name, poses in (("true", series.true), ("reported", series.reported), ("command", series.commanded)):
         if poses is not None:
-            (place / f"{name}.tum").write_text(tum(course.times, poses))
-    heads = ("time", "agent", "other", "x", "y", "speed")
-    rows = [(one.tick, one.agent, one.other, one.x, one.y, one.speed) for one in course.contacts]
-    (place / "contacts.csv").write_text(_csv([("tick", *heads[1:]), *rows]))
-    if course.others:
-        titles = [f"{name}_{what}" for name in course.others for what in ("x", "y", "heading")]
-        values = np.column_stack([course.times, *course.others.values()])
+            (target / f"{name}.tum").write_text(tum(series.times, poses))
+    contacts = [(one.tick, one.agent, one.other, one.x, one.y, one.speed) for one in series.contacts]
+    (target / "contacts.csv").write_text(_csv([("tick", "agent", "other", "x", "y", "speed"), *contacts]))
+    if series.others:
+        titles = [f"{name}_{what}" for name in series.others for what in ("x", "y", "heading")]
+        values = np.column_stack([series.times, *series.others.values()])
         lines = [[f"{value:.6g}" for value in line] for line in values]
-        (place / "bodies.csv").write_text(_csv([("time", *titles), *lines]))
-    error = np.full((len(course.times), 2), math.nan)
-    if course.reported is not None:
-        error = course.reported[:, :2] - course.true[:, :2]
-    series = zip(course.times, course.clearance, course.speed, *error.T, strict=True)
-    lines = [[f"{value:.6g}" for value in line] for line in series]
-    (place / "along.csv").write_text(_csv([("time", "clearance", "speed", "error_x", "error_y"), *lines]))
+        (target / "bodies.csv").write_text(_csv([("time", *titles), *lines]))
+    error = np.full((len(series.times), 2), math.nan)
+    if series.reported is not None:
+        error = series.reported[:, :2] - series.true[:, :2]
+    columns = zip(series.times, series.clearance, series.speed, *error.T, strict=True)
+    lines = [[f"{value:.6g}" for value in line] for line in columns]
+    (target / "along.csv").write_text(_csv([("time", "clearance", "speed", "error_x", "error_y"), *lines]))
 
 
 def tum(times: Floats, poses: Floats) -> str:
-    """Return a trajectory as a line a pose: t x y z qx qy qz qw, s and m, z 0 and a turn about z.
+    """Return a trajectory as text, one line per pose: t x y z qx qy qz qw, in s and m; z is 0, the turn is about z.
+
+    Args:
+        times: float64[n], in s.
+        poses: float64[n, 3]: x and y in m, heading in rad.
 
     Source:
-        The trajectory format of the TUM RGB-D benchmark, Sturm et al. (2012), which evo and others read.
+        The trajectory format of the TUM RGB-D benchmark, Sturm et al. (2012), which tools such as evo read.
     """
     half = poses[:, 2] / 2.0
     lines = [
@@ -126,23 +134,23 @@ def tum(times: Floats, poses: Floats) -> str:
 
 
 def read_tum(path: Path) -> Floats | None:
-    """Return a trajectory, float64[n, 4]: t, x, y, heading; None where there is none."""
+    """Return a trajectory, float64[n, 4]: t in s, x and y in m, heading in rad; None if the file cannot be opened."""
     try:
-        found = np.loadtxt(path, ndmin=2)
+        values = np.loadtxt(path, ndmin=2)
     except OSError:
         return None
-    return np.column_stack([found[:, :3], 2.0 * np.arctan2(found[:, 6], found[:, 7])])
+    return np.column_stack([values[:, :3], 2.0 * np.arctan2(values[:, 6], values[:, 7])])
 
 
-FIELDS: Final = Measured.__struct_fields__
+FIELDS: Final = RunMeasures.__struct_fields__
 
 
-def table(runs: Iterable[StoredRun]) -> str:
-    """Return runs as CSV, a line each; what has no value is empty."""
+def runs_csv(runs: Iterable[StoredRun]) -> str:
+    """Return runs as CSV, one line each. A measure without a value is empty."""
     lines: list[Sequence[object]] = [("row", "seed", "died", *FIELDS)]
-    for kept in runs:
-        values = [_cell(getattr(kept.measured, name)) if kept.measured else "" for name in FIELDS]
-        lines.append((kept.row, kept.seed, "yes" if kept.died else "no", *values))
+    for run in runs:
+        values = [_cell(getattr(run.measured, name)) if run.measured else "" for name in FIELDS]
+        lines.append((run.row, run.seed, "yes" if run.died else "no", *values))
     return _csv(lines)
 
 

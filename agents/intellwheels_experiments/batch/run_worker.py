@@ -1,9 +1,12 @@
-"""A row's simulator and cast, kept alive from run to run: each begins by a reset with its own seed.
+"""Runs one row of an experiment again and again: its simulator and agents stay alive, and a reset starts each run.
 
-Once the cast is there the world is paused, and again at the end of each run: so every run begins alike, the first too.
-A row with bridges has a second world, the laboratory, which plays the building; the two go tick by tick, so they are
-paused, reset and resumed together. The laboratory says when a run is over, as its chairs are truly there; the world
-that shows them ends by time alone, and begins anew once more at the end, which completes its files.
+The world is paused as soon as the agents have joined, and again at the end of each run. So every run starts from the
+same situation, the first one too.
+
+A row with bridges has a second world, the laboratory, which plays the building. The two worlds advance tick by tick
+together, so they are paused, reset and resumed together. The laboratory decides when a run is over, as its chairs are
+at their true poses. The mirror, which is the world that shows the chairs where their bridges report them, ends at the
+timeout only. It is reset once more after the run, which completes its files.
 """
 
 from __future__ import annotations
@@ -11,17 +14,17 @@ from __future__ import annotations
 import sys
 import threading
 import time
-from collections.abc import Callable
-from contextlib import ExitStack
+from contextlib import ExitStack, suppress
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import Final, Self
+from typing import Final, NamedTuple, NoReturn, Self
 
 from intellwheels_experiments.batch.experiment_rows import Row
-from intellwheels_experiments.run.child_processes import ChildProcesses, Exited, Line
+from intellwheels_experiments.run.child_processes import READY_LIMIT, ChildProcesses, WaitError
+from intellwheels_experiments.run.endpoints import free_endpoint
 from intellwheels_experiments.run.launch_spec import (
-    DEADLINE,
+    ANSWER_DEADLINE,
     LAB,
     LABORATORY,
     SERVER,
@@ -29,66 +32,65 @@ from intellwheels_experiments.run.launch_spec import (
     agent_command,
     bridge_child,
     bridge_command,
-    laboratory_words,
-    link_words,
+    laboratory_arguments,
+    link_arguments,
     mind_command,
-    parse,
     resolved,
 )
-from intellwheels_experiments.run.run_processes import free_port
 from intellwheels_experiments.run.world_watch import WorldWatch, watching
 from intellwheels_schemas.keys import Verb
-from intellwheels_schemas.link import Link
+from intellwheels_schemas.link import DEFAULT_WORLD, Link
 from intellwheels_schemas.messages import Cast, End, Pause, Record, Reset, Resume
 
-READY_LIMIT: Final = 180.0
-"""Seconds for the simulator to be ready: a first start compiles its kernels, on a small machine slowly."""
 JOIN_LIMIT: Final = 90.0
-"""Seconds for the cast to join, and for a run to begin: the machine is full of runs."""
-ANSWER_LIMIT: Final = 20.0
-"""Seconds for the simulator to answer a verb."""
-WORLD: Final = "main"
+"""Seconds for the agents to join, and for a run to start: other runs keep the machine busy."""
+CONTROL_LIMIT: Final = 20.0
+"""Seconds for the simulator to answer a control verb."""
+INTERVAL: Final = 0.1
+"""Seconds between two looks at whether the batch was told to stop."""
+LAST_WORDS: Final = 0.5
+"""Seconds to wait for the reason that a simulator prints when it does not answer."""
 
 
 class RunWorkerError(RuntimeError):
-    """A run came to no end, and its stand is of no further use; the text says why."""
+    """A run did not reach its end, and its worker cannot be used any more. The text says why."""
 
 
 class StoppedError(RuntimeError):
-    """Told to stop."""
+    """The batch was told to stop."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Branch:
-    """A run to begin as.
+    """A recorded run whose beginning each run repeats.
 
     Attributes:
-        log: Its input log, of the world that its chair was truly in.
-        at: The tick up to which it is followed.
-        image: Of a chair in a laboratory, the log of the world that showed it.
+        log: The input log of the world in which its chair truly was.
+        at: The tick up to which the log is followed.
+        mirror: For a chair in a laboratory, the input log of the world that mirrored it.
     """
 
     log: Path
     at: int
-    image: Path | None = None
+    mirror: Path | None = None
 
-    def words(self, *, of_image: bool) -> list[str]:
-        """Return how a simulator is told."""
-        log = self.image if of_image and self.image is not None else self.log
+    def arguments(self, *, of_mirror: bool) -> list[str]:
+        """Return the arguments that make a simulator follow the log."""
+        log = self.mirror if of_mirror and self.mirror is not None else self.log
         return ["--branch", str(log.absolute()), "--at", str(self.at)]
 
 
 @dataclass(frozen=True, kw_only=True)
-class Site:
-    """Where and how stands are put up.
+class WorkerSettings:
+    """Where and how the workers of a batch run.
 
     Attributes:
-        source: The scene, a name or a path, as the simulator is told it.
-        folder: Where relative paths in it start from, or None for a shipped scene.
-        logs: A folder for the processes' logs.
-        runs: A folder for what the simulator writes of each run.
-        timeout: Seconds of wall time a run may take.
-        branch: Each run begins as that one went.
+        source: The scene's name or path, as the simulator gets it.
+        folder: Where relative paths in the scene start; None for a shipped scene.
+        logs: A folder for the logs of the processes.
+        runs: A folder for the files that the simulators write of each run.
+        timeout: Seconds of wall time that a run may take.
+        branch: A run whose beginning each run repeats, or None.
     """
 
     source: str
@@ -99,28 +101,43 @@ class Site:
     branch: Branch | None = None
 
 
-class RunWorker:
-    """A simulator and the cast of a row. To be used in a `with`, which ends them all.
+class RunFolders(NamedTuple):
+    """The folders of what the simulators wrote of a run.
 
-    Args:
-        site: Where.
-        row: Which row.
-        stop: Set from outside to give up.
+    Attributes:
+        truth: Of the world in which the chair truly was.
+        mirror: For a row with bridges, of the world that mirrored the chair; else None.
     """
 
-    def __init__(self, site: Site, row: Row, stop: threading.Event) -> None:
-        self._site = site
+    truth: Path
+    mirror: Path | None
+
+
+class RunWorker:
+    """A simulator and the agents of a row. Use it in a `with`, which starts and ends them.
+
+    Args:
+        settings: Where and how it runs.
+        row: The row.
+        stop: Set from outside to give up.
+
+    Raises:
+        RunWorkerError: A process did not start, or an agent did not join.
+        StoppedError: `stop` was set.
+    """
+
+    def __init__(self, settings: WorkerSettings, row: Row, stop: threading.Event) -> None:
+        self._settings = settings
         self._row = row
         self._stop = stop
         self._stack = ExitStack()
-        self._children = self._stack.enter_context(ChildProcesses(site.logs))
+        self._children = self._stack.enter_context(ChildProcesses(settings.logs))
         self._watches: dict[str, WorldWatch] = {}
         self._endpoints: dict[str, str] = {}
-        self._said: dict[str, list[tuple[str, str | None]]] = {SERVER: [], LABORATORY: []}
 
     def __enter__(self) -> Self:
         try:
-            self._begin()
+            self._start()
         except BaseException:
             self._stack.close()
             raise
@@ -130,139 +147,145 @@ class RunWorker:
         self.close()
 
     def close(self) -> None:
-        """End the processes: the agents first, which leave in words."""
-        living = self._children.living
-        self._children.end([child for child in living if child not in self._servers], grace=2.0)
+        """End the processes. The agents go first: each says that it leaves, and the simulator must hear it."""
+        self._children.end([child for child in self._children.running if child not in self._servers], grace=2.0)
         self._stack.close()
 
-    def run(self, seed: str) -> tuple[Path, Path | None]:
-        """Run the scene with a seed to its end.
-
-        Returns:
-            The folders of what the simulators wrote of it: of the world that its chair was truly in, and, of a row
-            with bridges, of the one that showed it.
+    def run(self, seed: str) -> RunFolders:
+        """Run the scene with a seed to its end, and return where the files of the run are.
 
         Raises:
-            StandError: It came to no end.
-            StoppedError: Told to stop.
+            RunWorkerError: The run did not reach its end.
+            StoppedError: `stop` was set.
         """
-        deadline = time.monotonic() + self._site.timeout
-        shown = self._reset(SERVER, seed)
-        truth = self._reset(LABORATORY, seed) if self._row.bridges else shown
+        deadline = time.monotonic() + self._settings.timeout
+        mirror = self._reset(SERVER, seed)
+        truth = self._reset(LABORATORY, seed) if self._row.bridges else mirror
         for server in self._servers:
-            self._ask(server, "resume", Resume())
+            self._control(server, "resume", Resume())
         self._await(self._servers[-1], "ended", max(1.0, deadline - time.monotonic()), run=truth)
         self._pause()
         if self._row.bridges:
             self._reset(SERVER, seed)
-        runs = self._site.runs
-        return runs / truth, runs / shown if self._row.bridges else None
+        runs = self._settings.runs
+        return RunFolders(runs / truth, runs / mirror if self._row.bridges else None)
 
     @property
     def _servers(self) -> tuple[str, ...]:
-        """The simulators, the one that tells the truth last."""
+        """The simulators, last the one with the true poses."""
         return (SERVER, LABORATORY) if self._row.bridges else (SERVER,)
 
-    def _begin(self) -> None:
-        for server, world in zip(self._servers, (WORLD, LAB), strict=False):
-            self._endpoints[server] = f"tcp/127.0.0.1:{free_port()}"
-            self._children.start(server, partial(self._server_command, server, world))
-            # One after the other: a first start compiles the kernels, which the second one then finds.
+    def _start(self) -> None:
+        for server, world in zip(self._servers, (DEFAULT_WORLD, LAB), strict=False):
+            self._endpoints[server] = free_endpoint()
+            self._children.launch(server, partial(self._server_command, server, world))
+            # One after the other: the first start compiles the kernels, and the second finds them compiled.
             self._await(server, "ready", READY_LIMIT)
             link = Link(world, connect=(self._endpoints[server],))
             try:
-                self._watches[server] = self._stack.enter_context(watching(link, self._stop, listens=False))
+                self._watches[server] = self._stack.enter_context(watching(link, self._stop, subscribes=False))
             except ConnectionError as error:
                 raise StoppedError from error if self._stop.is_set() else RunWorkerError(str(error))
         for cast in self._row.scene.cast:
             if cast.name in self._row.bridges:
-                self._children.start(bridge_child(cast.name), partial(self._bridge_command, cast))
-            self._children.start(agent_child(cast.name), partial(self._agent_command, cast))
+                self._children.launch(bridge_child(cast.name), partial(self._bridge_command, cast))
+            self._children.launch(agent_child(cast.name), partial(self._agent_command, cast))
         for server in self._servers:
             self._await(server, "running", JOIN_LIMIT)
         self._pause()
 
     def _pause(self) -> None:
         for server in self._servers:
-            self._ask(server, "pause", Pause())
+            self._control(server, "pause", Pause())
 
     def _reset(self, server: str, seed: str) -> str:
-        """Begin a world anew and return its run."""
+        """Start a new run in a world and return its id."""
         end = self._row.scene.end
         if self._row.bridges and server == SERVER:
             end = End(timeout=end.timeout) if end is not None else None
-        run = self._ask(server, "reset", Reset(seed=seed, end=end))
+        run = self._control(server, "reset", Reset(seed=seed, end=end))
         self._await(server, "running", JOIN_LIMIT, run=run)
         return run
 
-    def _server_command(self, server: str, world: str, lifeline: int) -> list[str]:
-        site, row = self._site, self._row
-        words = [*link_words(world, [self._endpoints[server]]), "--pace", "lockstep", "--miss", "strict"]
-        words += ["--deadline", f"{DEADLINE:g}", "--runs", str(site.runs.absolute())]
-        if server == LABORATORY and site.branch is None:
-            words += laboratory_words(row.scene, row.bridges, site.folder)
-        elif server == LABORATORY:
-            words += ["--expect", ",".join(row.bridges), "--hide-truth"]
-        else:
-            words += ["--expect", ",".join(cast.name for cast in row.scene.cast)]
-            if site.branch is None:
-                words += ["--scene", resolved(site.source, site.folder), *row.words]
-        if site.branch is not None:
-            words += site.branch.words(of_image=server == SERVER and bool(row.bridges))
-        return [sys.executable, "-m", "intellwheels_server", *words, "--lifeline", str(lifeline)]
+    # ------------------------------------------------------------ commands
 
-    def _words(self, lifeline: int) -> list[str]:
-        words = link_words(WORLD, (), [self._endpoints[SERVER]])
-        return [*words, "--retry-for", f"{JOIN_LIMIT:g}", "--lifeline", str(lifeline)]
+    def _server_command(self, server: str, world: str, lifeline: int) -> list[str]:
+        settings, row = self._settings, self._row
+        arguments = [*link_arguments(world, [self._endpoints[server]]), "--pace", "lockstep", "--miss", "strict"]
+        arguments += ["--deadline", f"{ANSWER_DEADLINE:g}", "--runs", str(settings.runs.absolute())]
+        if server == LABORATORY and settings.branch is None:
+            arguments += laboratory_arguments(row.scene, row.bridges, settings.folder)
+        elif server == LABORATORY:
+            arguments += ["--expect", ",".join(row.bridges), "--hide-truth"]
+        else:
+            arguments += ["--expect", ",".join(cast.name for cast in row.scene.cast)]
+            if settings.branch is None:
+                arguments += ["--scene", resolved(settings.source, settings.folder), *row.arguments]
+        if settings.branch is not None:
+            arguments += settings.branch.arguments(of_mirror=server == SERVER and bool(row.bridges))
+        return [sys.executable, "-m", "intellwheels_server", *arguments, "--lifeline", str(lifeline)]
+
+    def _client_arguments(self, lifeline: int) -> list[str]:
+        arguments = link_arguments(DEFAULT_WORLD, (), [self._endpoints[SERVER]])
+        return [*arguments, "--retry-for", f"{JOIN_LIMIT:g}", "--lifeline", str(lifeline)]
 
     def _agent_command(self, cast: Cast, lifeline: int) -> list[str]:
-        told = mind_command if cast.name in self._row.bridges else agent_command
-        return told(cast, self._site.folder, self._words(lifeline))
+        make = mind_command if cast.name in self._row.bridges else agent_command
+        return make(cast, self._settings.folder, self._client_arguments(lifeline))
 
     def _bridge_command(self, cast: Cast, lifeline: int) -> list[str]:
-        laboratory, words = (LAB, self._endpoints[LABORATORY]), self._words(lifeline)
-        return bridge_command(cast, self._row.bridges[cast.name], self._site.folder, laboratory, words)
+        laboratory, arguments = (LAB, self._endpoints[LABORATORY]), self._client_arguments(lifeline)
+        return bridge_command(cast, self._row.bridges[cast.name], self._settings.folder, laboratory, arguments)
 
-    def _ask(self, server: str, verb: Verb, message: Record) -> str:
-        """Ask for a verb and return the run it is of then."""
+    # ------------------------------------------------------------ the simulators
+
+    def _control(self, server: str, verb: Verb, message: Record) -> str:
+        """Ask a simulator for a control verb and return the id of the run that it has then."""
         try:
-            result = self._watches[server].control(verb, message, ANSWER_LIMIT)
+            result = self._watches[server].control(verb, message, CONTROL_LIMIT)
         except ConnectionError as error:
-            # The reason may be on its way.
-            self._hear(server, 0.5, lambda _verb, _run: False)
+            # What a process prints last is a better reason, and it may be on its way.
+            with suppress(WaitError):
+                self._children.wait(self._check, "reason", LAST_WORDS)
             raise RunWorkerError(f"{server}: no answer to {verb}: {error}") from error
         if result.code != "ok" or result.run is None:
             raise RunWorkerError(f"{server}: {verb}: {result.text or result.code}")
         return result.run
 
     def _await(self, server: str, verb: str, limit: float, run: str | None = None) -> None:
-        # A run before this one may have ended, too: a short one does before it can be paused.
-        if not self._hear(server, limit, lambda said, of: said == verb and run in (None, of)):
-            raise RunWorkerError(self._with_tail(server, f"did not say {verb!r} within {limit:.0f} s"))
+        """Wait until a simulator prints a verb, about a given run if there is one."""
+        values = {} if run is None else {"run": run}
 
-    def _hear(self, server: str, limit: float, found: Callable[[str, str | None], bool]) -> bool:
-        """Hear the processes until a simulator says something; return whether it did in time."""
-        if (said := next((one for one in self._said[server] if found(*one)), None)) is not None:
-            self._said[server].remove(said)
-            return True
-        deadline = time.monotonic() + limit
-        while time.monotonic() < deadline:
+        def look() -> dict[str, str] | None:
             if self._stop.is_set():
                 raise StoppedError
-            match self._children.news(0.1):
-                case Line(child=child, text=text) if child in self._servers:
-                    verb, values = parse(text)
-                    if verb in ("miss", "differs"):
-                        who = agent_child(values["agent"]) if "agent" in values else child
-                        raise RunWorkerError(self._with_tail(who, text))
-                    of = values.get("run")
-                    if child == server and found(verb, of):
-                        return True
-                    self._said[child].append((verb, of))
-                case Exited(child=child) as exited:
-                    raise RunWorkerError(self._with_tail(child, exited.how))
-        return False
+            self._check_misses()
+            # An earlier run may have ended, too: a short one does before it can be paused.
+            found = self._children.find_line(server, verb, **values)
+            if found is None:
+                self._check()
+            return found
 
-    def _with_tail(self, child: str, what: str) -> str:
+        try:
+            self._children.wait(look, f"line {verb!r} of {server}", limit, interval=INTERVAL)
+        except WaitError:
+            self._fail(server, f"did not print {verb!r} within {limit:.0f} s")
+
+    def _check(self) -> None:
+        """Raise if a simulator ended its run early, or if a process ended."""
+        self._check_misses()
+        for child, exited in self._children.exits.items():
+            self._fail(child, exited.how)
+
+    def _check_misses(self) -> None:
+        for server in self._servers:
+            if server not in self._endpoints:
+                continue
+            for verb in ("miss", "differs"):
+                if (values := self._children.find_line(server, verb)) is not None:
+                    who = agent_child(values["agent"]) if "agent" in values else server
+                    self._fail(who, " ".join([verb, *(f"{name}={value}" for name, value in values.items())]))
+
+    def _fail(self, child: str, what: str) -> NoReturn:
         tail = [line for line in self._children.tail(child, 40) if not line.startswith("asked ")][-6:]
-        return "\n  ".join([f"{child}: {what}", *tail])
+        raise RunWorkerError("\n  ".join([f"{child}: {what}", *tail]))

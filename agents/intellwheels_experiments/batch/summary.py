@@ -1,4 +1,4 @@
-"""A batch summed up: a line for each row, a line for each comparison. Pure: runs in, numbers, JSON and JUnit out."""
+"""The summary of a batch: its rows and its comparisons. Pure: runs in, numbers, JSON and JUnit out."""
 
 from __future__ import annotations
 
@@ -11,27 +11,35 @@ import msgspec
 import numpy as np
 
 from intellwheels_experiments.batch.experiment_rows import Row
-from intellwheels_experiments.batch.run_measures import Measured
+from intellwheels_experiments.batch.run_measures import RunMeasures
 from intellwheels_experiments.batch.run_store import StoredRun
 from intellwheels_experiments.batch.statistics import Interval, Paired, compare, mean_difference, wilson
-from intellwheels_experiments.batch.umbmark import Squares
+from intellwheels_experiments.batch.umbmark import UmbmarkResult
 from intellwheels_schemas.messages import Compare, Experiment
 
 _NOT_XML: Final = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
-"""What XML 1.0 has no way to write."""
+"""Characters that XML 1.0 cannot represent."""
 DECIDES: Final = 0.05
-"""p below which one row is worse than another."""
+"""The p value below which two rows differ."""
 SPREAD: Final = ("clearance", "time", "path", "spl", "ldlj", "sparc", "effort", "agreement", "odometry_error")
-"""Measures that are told by their median and quartiles."""
-
+"""Measures that are summarized by their median and quartiles."""
 DIFFERENCES: Final = ("clearance", "time", "path", "odometry_error")
-"""Measures that two rows are compared by beside their success."""
+"""Measures that are compared between two rows, besides success."""
 
 Verdict: TypeAlias = Literal["as expected", "otherwise", "undecided", "not asked"]
 
 
 class Spread(msgspec.Struct, frozen=True, kw_only=True):
-    """A measure over the runs that have it."""
+    """The distribution of a measure.
+
+    Attributes:
+        runs: Number of runs that have the measure.
+        median: The median.
+        low: The lower quartile.
+        high: The upper quartile.
+        least: The smallest value.
+        most: The largest value.
+    """
 
     runs: int
     median: float
@@ -41,19 +49,21 @@ class Spread(msgspec.Struct, frozen=True, kw_only=True):
     most: float
 
 
-class Line(msgspec.Struct, frozen=True, kw_only=True):
-    """A row.
+class RowSummary(msgspec.Struct, frozen=True, kw_only=True):
+    """The summary of a row.
 
     Attributes:
-        runs: Runs that came to an end.
-        died: Seeds of those that did not.
-        succeeded: Runs that reached their place and touched nothing.
-        interval: Wilson's 95 % interval of that share.
-        reached: Runs that reached their place.
-        collided: Runs that touched something.
-        physical: Contacts with what is really there, in all runs.
-        virtual: Contacts with what a simulation alone has.
-        spread: Of the other measures, by name.
+        name: The row's name.
+        title: The row's title.
+        runs: Number of runs that reached their end.
+        died: The seeds of the runs that did not.
+        succeeded: Number of runs that reached their place and touched nothing.
+        interval: Wilson's 95 % interval of the success rate.
+        reached: Number of runs that reached their place.
+        collided: Number of runs that touched something.
+        physical: Number of contacts with real things, in all runs.
+        virtual: Number of contacts with simulated things, in all runs.
+        spread: The distributions of the other measures, by name.
     """
 
     name: str
@@ -70,12 +80,16 @@ class Line(msgspec.Struct, frozen=True, kw_only=True):
 
 
 class Comparison(msgspec.Struct, frozen=True, kw_only=True):
-    """Two rows, or one alone, and what came of what was expected.
+    """The comparison of two rows, or the check of one row alone.
 
     Attributes:
-        paired: Their successes compared; None of a row alone, or without a common seed.
-        differences: Of further measures by name, first less second: the mean over the seeds that both reached their
-            place with, and its interval.
+        first: The first row.
+        second: The second row; None for the check of one row.
+        expect: What the experiment expects of the first row; None if nothing.
+        verdict: Whether the runs bear it out.
+        paired: The comparison of their success; None for one row, or without a common seed.
+        differences: The difference of further measures by name, first minus second: its mean over the seeds with which
+            both rows reached their place, and its interval.
     """
 
     first: str
@@ -87,37 +101,40 @@ class Comparison(msgspec.Struct, frozen=True, kw_only=True):
 
 
 class Summary(msgspec.Struct, frozen=True, kw_only=True):
-    """A batch.
+    """The summary of a batch, as `summary.json` has it.
 
     Attributes:
-        lines: Its rows.
-        comparisons: What is expected of them.
-        umbmark: The wheel figures that its squares tell, of an experiment that asks for them.
+        lines: The summaries of its rows.
+        comparisons: The comparisons that the experiment asks for.
+        umbmark: The UMBmark of its squares, if the experiment asks for it.
     """
 
-    lines: tuple[Line, ...]
+    lines: tuple[RowSummary, ...]
     comparisons: tuple[Comparison, ...]
-    umbmark: Squares | None = None
+    umbmark: UmbmarkResult | None = None
 
 
-def sum_up(rows: Sequence[Row], runs: Sequence[StoredRun], experiment: Experiment | None) -> Summary:
-    """Return a batch summed up."""
+def summarize(rows: Sequence[Row], runs: Sequence[StoredRun], experiment: Experiment | None) -> Summary:
+    """Return the summary of a batch.
+
+    Args:
+        rows: Its rows.
+        runs: The runs of all rows.
+        experiment: The scene's experiment, which says what to compare.
+    """
     of_row = {row.name: [run for run in runs if run.row == row.name] for row in rows}
-    lines = {row.name: _line(row, of_row[row.name]) for row in rows}
-    # Of a batch of some rows only those comparisons are made that it has both rows of.
-    asked = (
-        [one for one in experiment.compare if {one.first, one.second or one.first} <= lines.keys()]
-        if experiment
-        else []
-    )
+    summaries = {row.name: _summarize_row(row, of_row[row.name]) for row in rows}
+    # A batch may have some of the rows only. A comparison is made if the batch has both of its rows.
+    wanted = experiment.compare if experiment else ()
+    possible = [compared for compared in wanted if {compared.first, compared.second or compared.first} <= of_row.keys()]
     margin = experiment.margin if experiment else 0.0
     return Summary(
-        lines=tuple(lines.values()),
-        comparisons=tuple(_comparison(one, lines, of_row, margin) for one in asked),
+        lines=tuple(summaries.values()),
+        comparisons=tuple(_comparison(compared, summaries, of_row, margin) for compared in possible),
     )
 
 
-def _line(row: Row, runs: Sequence[StoredRun]) -> Line:
+def _summarize_row(row: Row, runs: Sequence[StoredRun]) -> RowSummary:
     ended = [run.measured for run in runs if run.measured is not None]
     succeeded = sum(one.success for one in ended)
     spread = {}
@@ -128,7 +145,7 @@ def _line(row: Row, runs: Sequence[StoredRun]) -> Line:
             spread[name] = Spread(
                 runs=len(values), median=median, low=low, high=high, least=min(values), most=max(values)
             )
-    return Line(
+    return RowSummary(
         name=row.name,
         title=row.title,
         runs=len(ended),
@@ -144,38 +161,38 @@ def _line(row: Row, runs: Sequence[StoredRun]) -> Line:
 
 
 def _comparison(
-    asked: Compare, lines: dict[str, Line], of_row: dict[str, list[StoredRun]], margin: float
+    compared: Compare, summaries: dict[str, RowSummary], of_row: dict[str, list[StoredRun]], margin: float
 ) -> Comparison:
-    if asked.second is None:
-        line = lines[asked.first]
-        verdict: Verdict = "undecided" if line.runs == 0 else "as expected" if line.collided == 0 else "otherwise"
-        return Comparison(first=asked.first, second=None, expect=asked.expect, verdict=verdict)
-    second = {run.seed: run.measured for run in of_row[asked.second]}
+    if compared.second is None:
+        row = summaries[compared.first]
+        verdict: Verdict = "undecided" if row.runs == 0 else "as expected" if row.collided == 0 else "otherwise"
+        return Comparison(first=compared.first, second=None, expect=compared.expect, verdict=verdict)
+    second = {run.seed: run.measured for run in of_row[compared.second]}
     pairs = [
         (run.measured, other)
-        for run in of_row[asked.first]
+        for run in of_row[compared.first]
         if run.measured is not None and (other := second.get(run.seed)) is not None
     ]
     if not pairs:
-        verdict = "not asked" if asked.expect is None else "undecided"
-        return Comparison(first=asked.first, second=asked.second, expect=asked.expect, verdict=verdict)
+        verdict = "not asked" if compared.expect is None else "undecided"
+        return Comparison(first=compared.first, second=compared.second, expect=compared.expect, verdict=verdict)
     paired = compare([a.success for a, _ in pairs], [b.success for _, b in pairs], margin)
-    there = [(a, b) for a, b in pairs if a.reached and b.reached]
+    reached = [(a, b) for a, b in pairs if a.reached and b.reached]
     return Comparison(
-        first=asked.first,
-        second=asked.second,
-        expect=asked.expect,
-        verdict=_verdict(asked.expect, paired, margin),
+        first=compared.first,
+        second=compared.second,
+        expect=compared.expect,
+        verdict=_verdict(compared.expect, paired, margin),
         paired=paired,
-        differences={name: found for name in DIFFERENCES if (found := _difference(name, there)) is not None},
+        differences={name: found for name in DIFFERENCES if (found := _difference(name, reached)) is not None},
     )
 
 
-def _difference(name: str, pairs: Sequence[tuple[Measured, Measured]]) -> tuple[float, Interval] | None:
-    """Return how far a measure differs; None with fewer than two seeds whose runs both have it."""
-    told = [(getattr(a, name), getattr(b, name)) for a, b in pairs]
-    values = [pair for pair in told if None not in pair]
-    return mean_difference(*zip(*values, strict=True)) if len(values) > 1 else None
+def _difference(name: str, pairs: Sequence[tuple[RunMeasures, RunMeasures]]) -> tuple[float, Interval] | None:
+    """Return the mean difference of a measure and its interval; None if fewer than two pairs of runs have it."""
+    values = [(getattr(a, name), getattr(b, name)) for a, b in pairs]
+    complete = [pair for pair in values if None not in pair]
+    return mean_difference(*zip(*complete, strict=True)) if len(complete) > 1 else None
 
 
 def _verdict(expect: str | None, paired: Paired, margin: float) -> Verdict:
@@ -183,43 +200,43 @@ def _verdict(expect: str | None, paired: Paired, margin: float) -> Verdict:
         return "not asked"
     differs = paired.p < DECIDES
     if expect == "equivalent":
-        # What differs by more than the margin is not equivalent; what may or may not is not decided.
+        # An interval that is wholly outside the margin rules equivalence out. One that straddles it decides nothing.
         apart = paired.interval.low > margin or paired.interval.high < -margin
         return "as expected" if paired.equivalent else "otherwise" if apart else "undecided"
-    wanted = paired.difference < 0.0 if expect == "worse" else paired.difference > 0.0
+    right_direction = paired.difference < 0.0 if expect == "worse" else paired.difference > 0.0
     if differs:
-        return "as expected" if wanted else "otherwise"
-    # Within the margin there is no worse and no better that would matter.
+        return "as expected" if right_direction else "otherwise"
+    # A difference within the margin is too small to count as worse or better.
     return "otherwise" if paired.equivalent else "undecided"
 
 
 def to_json(summary: Summary) -> bytes:
-    """Return a summary as indented JSON."""
+    """Return a summary as indented JSON with a final newline."""
     return msgspec.json.format(msgspec.json.encode(summary), indent=2) + b"\n"
 
 
 def to_junit(name: str, summary: Summary, runs: Sequence[StoredRun]) -> str:
-    """Return a batch as JUnit XML: a case for each run, an error where it died; a case for each thing expected."""
+    """Return a batch as JUnit XML: a case per run, with an error if it died, and a case per expectation."""
     suites = Tree.Element("testsuites", name=name)
-    for line in summary.lines:
-        here = [run for run in runs if run.row == line.name]
-        suite = Tree.SubElement(suites, "testsuite", name=line.name, tests=str(len(here)), errors=str(len(line.died)))
-        for run in here:
-            case = Tree.SubElement(suite, "testcase", classname=f"{name}.{line.name}", name=f"seed {run.seed}")
+    for row in summary.lines:
+        of_row = [run for run in runs if run.row == row.name]
+        suite = Tree.SubElement(suites, "testsuite", name=row.name, tests=str(len(of_row)), errors=str(len(row.died)))
+        for run in of_row:
+            case = Tree.SubElement(suite, "testcase", classname=f"{name}.{row.name}", name=f"seed {run.seed}")
             if run.died:
                 died = _NOT_XML.sub("\ufffd", run.died)
                 Tree.SubElement(case, "error", message=died.splitlines()[0]).text = died
-    asked = [one for one in summary.comparisons if one.verdict != "not asked"]
-    failed = sum(one.verdict == "otherwise" for one in asked)
-    skipped = sum(one.verdict == "undecided" for one in asked)
-    suite = Tree.SubElement(suites, "testsuite", name="expected", tests=str(len(asked)))
+    expectations = [comparison for comparison in summary.comparisons if comparison.verdict != "not asked"]
+    failed = sum(comparison.verdict == "otherwise" for comparison in expectations)
+    skipped = sum(comparison.verdict == "undecided" for comparison in expectations)
+    suite = Tree.SubElement(suites, "testsuite", name="expected", tests=str(len(expectations)))
     suite.attrib |= {"failures": str(failed), "skipped": str(skipped)}
-    for one in asked:
-        title = f"{one.first} {one.expect}" + (f" {one.second}" if one.second else "")
+    for comparison in expectations:
+        title = f"{comparison.first} {comparison.expect}" + (f" {comparison.second}" if comparison.second else "")
         case = Tree.SubElement(suite, "testcase", classname=f"{name}.expected", name=title)
-        if one.verdict == "otherwise":
-            Tree.SubElement(case, "failure", message="it is otherwise")
-        elif one.verdict == "undecided":
-            Tree.SubElement(case, "skipped", message="these runs do not decide it")
+        if comparison.verdict == "otherwise":
+            Tree.SubElement(case, "failure", message="the runs contradict the expectation")
+        elif comparison.verdict == "undecided":
+            Tree.SubElement(case, "skipped", message="the runs do not decide it")
     Tree.indent(suites)
     return Tree.tostring(suites, encoding="unicode", xml_declaration=True) + "\n"

@@ -1,4 +1,4 @@
-"""A sweep at a glance: the rows of several factors as a grid, the last factors across. Pure: a batch in, cells out."""
+"""A sweep as a grid: factors down, the last factors across. Pure: the rows of a batch in, cells out."""
 
 from __future__ import annotations
 
@@ -7,41 +7,42 @@ from dataclasses import dataclass
 from itertools import product
 from typing import Final
 
-from intellwheels_experiments.batch.summary import Line
+from intellwheels_experiments.batch.summary import RowSummary
 from intellwheels_schemas.messages import Experiment, Level, Varied
 
 ACROSS: Final = 2
-"""Factors across where there are more than two; of two it is the last."""
+"""Number of factors across, if there are more than two. Of two factors the last one is across."""
 
 
 @dataclass(frozen=True)
 class Sweep:
-    """Rows as a grid.
+    """The rows of a batch as a grid.
 
     Attributes:
-        down: Titles of the factors whose levels go down.
-        across: Titles of the factors whose levels go across.
-        columns: The levels of each column.
-        rows: The levels of each line and its cells, in the order of the columns; None where a row was not run.
+        down: The titles of the factors whose levels go down.
+        across: The titles of the factors whose levels go across.
+        columns: The titles of the levels of each column.
+        rows: The titles of the levels of each line, and its cells in the order of the columns; None for a row that was
+            not run.
     """
 
     down: tuple[str, ...]
     across: tuple[str, ...]
     columns: tuple[tuple[str, ...], ...]
-    rows: tuple[tuple[tuple[str, ...], tuple[Line | None, ...]], ...]
+    rows: tuple[tuple[tuple[str, ...], tuple[RowSummary | None, ...]], ...]
 
 
-def sweep(experiment: Experiment | None, lines: Sequence[Line]) -> Sweep | None:
-    """Return the rows of a batch as a grid, None of an experiment with less than two factors or with one row."""
+def sweep(experiment: Experiment | None, summaries: Sequence[RowSummary]) -> Sweep | None:
+    """Return the rows of a batch as a grid; None with fewer than two factors or fewer than two rows."""
     factors = experiment.factor if experiment else ()
-    if len(factors) < 2 or len(lines) < 2:
+    if len(factors) < 2 or len(summaries) < 2:
         return None
     cut = len(factors) - (ACROSS if len(factors) > ACROSS else 1)
-    known = {line.name: line for line in lines}
+    by_name = {summary.name: summary for summary in summaries}
     columns = list(product(*(factor.level for factor in factors[cut:])))
     rows = []
     for levels in product(*(factor.level for factor in factors[:cut])):
-        cells = tuple(known.get("+".join(level.name for level in (*levels, *column))) for column in columns)
+        cells = tuple(by_name.get("+".join(level.name for level in (*levels, *column))) for column in columns)
         if any(cells):
             rows.append((_titles(levels), cells))
     if not rows:

@@ -10,46 +10,25 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TypeVar
 
 import msgspec
 import numpy as np
 
 from intellwheels_experiments.batch.metrics import Floats
-from intellwheels_schemas.codec import from_plain
+from intellwheels_schemas.errors import WireError
+from intellwheels_schemas.file_records import (
+    InputHeader,
+    InputTick,
+    Join,
+    TraceBody,
+    TraceHeader,
+    TraceTick,
+    read_header,
+)
 from intellwheels_schemas.messages import Event, Robot
 
-
-class Shown(msgspec.Struct, frozen=True, kw_only=True, rename="pascal"):
-    """A body at a tick, as the simulator's trace has it."""
-
-    pose: tuple[float, float, float]
-    speed: float = 0.0
-    turn_rate: float = 0.0
-    power: tuple[float, float] = (0.0, 0.0)
-    touching: bool = False
-    mode: str | None = None
-    wheels: tuple[int, int] | None = None
-    odometry: tuple[float, float, float] | None = None
-    user: tuple[float, float] | None = None
-
-
-class Moment(msgspec.Struct, frozen=True, kw_only=True, rename="pascal"):
-    """A tick of a trace."""
-
-    tick: int
-    body: dict[str, Shown]
-    event: tuple[Event, ...] = ()
-    hash: str
-
-
-class Heading(msgspec.Struct, frozen=True, kw_only=True, rename="pascal"):
-    """The first line of a trace."""
-
-    run: str
-    seed: str
-    period: float
-    floor: str
+_T = TypeVar("_T", InputTick, TraceTick)
 
 
 @dataclass(frozen=True)
@@ -62,8 +41,8 @@ class Trace:
         robots: The bodies as they joined, by name.
     """
 
-    heading: Heading
-    moments: Sequence[Moment]
+    heading: TraceHeader
+    moments: Sequence[TraceTick]
     robots: dict[str, Robot]
 
     @property
@@ -76,7 +55,7 @@ class Trace:
         nowhere = (math.nan, math.nan, math.nan)
         return np.array([moment.body[name].pose if name in moment.body else nowhere for moment in self.moments])
 
-    def shown(self, name: str) -> list[Shown]:
+    def shown(self, name: str) -> list[TraceBody]:
         """Return a body at each tick at which it was there."""
         return [moment.body[name] for moment in self.moments if name in moment.body]
 
@@ -95,28 +74,38 @@ def read_trace(trace: Path, log: Path) -> Trace:
 
     Raises:
         OSError: One cannot be read.
-        msgspec.MsgspecError: One is not what the simulator writes.
+        WireError: One is not what this release of the simulator writes; the text says which line.
     """
-    first, *rest = trace.read_bytes().splitlines()
-    moments = msgspec.json.Decoder(Moment)
-    return Trace(msgspec.json.decode(first, type=Heading), [moments.decode(line) for line in rest], _robots(log))
+    first, *rest = trace.read_bytes().splitlines() or [b""]
+    heading = read_header(TraceHeader, first, f"{trace}:1")
+    decoder = msgspec.json.Decoder(TraceTick)
+    moments = [_tick(decoder, line, f"{trace}:{number}") for number, line in enumerate(rest, start=2)]
+    return Trace(heading, moments, _robots(log))
 
 
 def _robots(log: Path) -> dict[str, Robot]:
     robots: dict[str, Robot] = {}
+    decoder = msgspec.json.Decoder(InputTick)
     with log.open("rb") as file:
-        next(file)
-        for line in file:
-            plain: dict[str, Any] = msgspec.json.decode(line)
-            for change in plain["Inputs"].get("Changes", ()):
-                if change["Do"] == "Join" and change["Robot"].get("Role", "both") != "mind":
-                    robots[change["Agent"]] = from_plain(Robot, change["Robot"])
-            if plain["Tick"] > 0:
+        read_header(InputHeader, file.readline(), f"{log}:1")
+        for number, text in enumerate(file, start=2):
+            line = _tick(decoder, text, f"{log}:{number}")
+            for change in line.inputs.changes:
+                if isinstance(change, Join) and change.robot.role != "mind":
+                    robots[change.agent] = change.robot
+            if line.tick > 0:
                 break
     return robots
 
 
-def reported(shown: Sequence[Shown], robot: Robot) -> Floats | None:
+def _tick(decoder: msgspec.json.Decoder[_T], line: bytes, where: str) -> _T:
+    try:
+        return decoder.decode(line)
+    except (msgspec.MsgspecError, UnicodeDecodeError) as error:
+        raise WireError("malformed", f"{where}: expected the line of a tick, got {error}", where) from None
+
+
+def reported(shown: Sequence[TraceBody], robot: Robot) -> Floats | None:
     """Return the pose that a body's own wheels tell, float64[n, 3] in the map's frame; None of one without encoders.
 
     It is that of its odometry sensor, else the encoders' counts integrated by exact arcs with the nominal figures.
@@ -132,7 +121,7 @@ def reported(shown: Sequence[Shown], robot: Robot) -> Floats | None:
     return rolled(start, way, robot.track)
 
 
-def commanded(shown: Sequence[Shown], robot: Robot, period: float) -> Floats:
+def commanded(shown: Sequence[TraceBody], robot: Robot, period: float) -> Floats:
     """Return where the powers alone lead, float64[n, 3]: wheels that turn at once and as they are told."""
     power = np.array([one.power for one in shown[1:]], dtype=np.float64).reshape(-1, 2)
     return rolled(np.array(shown[0].pose), power * robot.top_speed * period, robot.track)

@@ -1,4 +1,4 @@
-"""What squares driven by odometry tell of a chair's wheels, beside what they truly were: UMBmark of a batch's runs."""
+"""UMBmark of a batch: the odometry calibration that its squares yield, compared with the true wheels."""
 
 from __future__ import annotations
 
@@ -12,20 +12,20 @@ import numpy as np
 
 from intellwheels_experiments.batch import metrics
 from intellwheels_experiments.batch.metrics import Floats
-from intellwheels_experiments.batch.run_store import IMAGE, StoredRun, place_of, read_tum
+from intellwheels_experiments.batch.run_store import MIRROR_LOG, StoredRun, read_tum, run_folder
 from intellwheels_schemas.messages import Robot, Umbmark
 
-ROUND: Final = 0.5
-"""Metres from its start within which a chair that believes so has come round."""
+CLOSED: Final = 0.5
+"""Metres: a square counts as driven if its end by odometry is this close to its start."""
 
 
-class Figure(msgspec.Struct, frozen=True, kw_only=True):
-    """A figure of a chair, 1 where it is as its data sheet says.
+class Factor(msgspec.Struct, frozen=True, kw_only=True):
+    """A calibration factor of a chair; 1 for a chair that matches its data sheet.
 
     Attributes:
-        true: What it truly was in the runs.
-        found: What the ends of the squares tell.
-        error: Standard error of that: of the mean over the seeds; None of a single one.
+        true: The true value in the runs.
+        found: The value that follows from the ends of the squares.
+        error: The standard error of `found`, as a mean over the seeds; None with a single seed.
     """
 
     true: float
@@ -33,66 +33,67 @@ class Figure(msgspec.Struct, frozen=True, kw_only=True):
     error: float | None
 
 
-class Squares(msgspec.Struct, frozen=True, kw_only=True):
-    """UMBmark of a batch.
+class UmbmarkResult(msgspec.Struct, frozen=True, kw_only=True):
+    """The UMBmark of a batch.
 
     Attributes:
-        seeds: Seeds with a run each way.
-        side: Of the squares, m.
-        track: Nominal, m.
-        wheels: E_d, the right wheel's diameter over the left one's.
-        base: E_b, the true track over the nominal one.
+        seeds: Number of seeds with a usable run in each direction.
+        side: The side of the squares, in m.
+        track: The nominal track, in m.
+        wheels: E_d, the right wheel's diameter divided by the left wheel's.
+        base: E_b, the true track divided by the nominal one.
     """
 
     seeds: int
     side: float
     track: float
-    wheels: Figure
-    base: Figure
+    wheels: Factor
+    base: Factor
 
 
-def squares(out: Path, runs: Sequence[StoredRun], asked: Umbmark) -> Squares | None:
-    """Return what the squares of a batch tell, over the seeds whose chair came round both ways and touched nothing.
+def umbmark_of(out: Path, runs: Sequence[StoredRun], spec: Umbmark) -> UmbmarkResult | None:
+    """Return the UMBmark of a batch.
 
-    It is None without any, and of a chair without encoders.
+    A seed counts if in both directions its chair closed the square by its odometry and touched nothing. The result is
+    None if no seed counts, as for a chair without encoders.
 
     Args:
-        out: The batch's folder, where the runs' trajectories and robots are.
-        runs: What came of them.
-        asked: Which rows are squares, and how large.
+        out: The batch's folder, which has the trajectories and robots of the runs.
+        runs: The runs.
+        spec: Which rows are the squares, and their side.
     """
     ends = {
-        (run.row, run.seed): off
+        (run.row, run.seed): error
         for run in runs
-        if run.row in (asked.left, asked.right) and run.measured is not None and not run.measured.collided
-        if (off := _off(place_of(out, run.row, run.seed))) is not None
+        if run.row in (spec.left, spec.right) and run.measured is not None and not run.measured.collided
+        if (error := _end_error(run_folder(out, run.row, run.seed))) is not None
     }
-    seeds = [seed for row, seed in ends if row == asked.left and (asked.right, seed) in ends]
+    seeds = [seed for row, seed in ends if row == spec.left and (spec.right, seed) in ends]
     if not seeds:
         return None
-    left, right = (np.array([ends[row, one] for one in seeds]) for row in (asked.left, asked.right))
-    robot = msgspec.json.decode((place_of(out, asked.left, seeds[0]) / "robot.json").read_bytes(), type=Robot)
-    found = metrics.umbmark(left, right, asked.side, robot.track)
-    each = [metrics.umbmark(*one, asked.side, robot.track) for one in zip(left[:, None], right[:, None], strict=True)]
+    left, right = (np.array([ends[row, seed] for seed in seeds]) for row in (spec.left, spec.right))
+    robot = msgspec.json.decode((run_folder(out, spec.left, seeds[0]) / "robot.json").read_bytes(), type=Robot)
+    found = metrics.umbmark(left, right, spec.side, robot.track)
+    each = [metrics.umbmark(*pair, spec.side, robot.track) for pair in zip(left[:, None], right[:, None], strict=True)]
     errors = np.std(each, axis=0, ddof=1) / math.sqrt(len(seeds)) if len(seeds) > 1 else (None, None)
     wheels, base = (
-        Figure(true=true, found=value, error=None if error is None else float(error))
+        Factor(true=true, found=value, error=None if error is None else float(error))
         for true, value, error in zip((robot.wheel_ratio, robot.track_ratio), found, errors, strict=True)
     )
-    return Squares(seeds=len(seeds), side=asked.side, track=robot.track, wheels=wheels, base=base)
+    return UmbmarkResult(seeds=len(seeds), side=spec.side, track=robot.track, wheels=wheels, base=base)
 
 
-def _off(place: Path) -> Floats | None:
-    """Return where a chair truly ended less where its odometry says, x as it started: float64[2], m.
+def _end_error(folder: Path) -> Floats | None:
+    """Return the true end of a run minus its end by odometry, float64[2] in m, with x along the start heading.
 
-    It is None where nothing was reported, or not that it came round.
+    It is None if nothing was reported, or if by its odometry the chair did not close the square.
     """
-    true, reported = read_tum(place / "true.tum"), read_tum(place / "reported.tum")
+    true, reported = read_tum(folder / "true.tum"), read_tum(folder / "reported.tum")
     if true is None or reported is None or len(true) < 2 or len(reported) < 2:
         return None
-    # A world that shows a chair of a laboratory repeats at its end the pose of the tick before.
-    last = -2 if (place / IMAGE).exists() else -1
-    if float(np.hypot(*(reported[last, 1:3] - reported[0, 1:3]))) > ROUND:
+    # The mirror of a chair in a laboratory repeats the pose of the tick before as its last one.
+    last = -2 if (folder / MIRROR_LOG).exists() else -1
+    if float(np.hypot(*(reported[last, 1:3] - reported[0, 1:3]))) > CLOSED:
         return None
     x, y = true[last, 1:3] - reported[last, 1:3]
     cos, sin = math.cos(true[0, 3]), math.sin(true[0, 3])

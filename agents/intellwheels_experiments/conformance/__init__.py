@@ -1,1 +1,1 @@
-"""`iw-check-agent`: does a program, in any language, keep the contract? A scripted simulator plays to it and looks."""
+"""`iw-check-agent`: a scripted simulator that checks whether a program, in any language, keeps the contract."""

@@ -1,25 +1,32 @@
-"""The check's simulator on the network and the program's process. The only file of the check that knows the link.
+"""The check's simulator on the network, and the program's process. The only file of the check that knows the link.
 
-The process is a group of its own, so that whatever the command starts ends with it. What Zenoh's threads bring goes
-into an inbox; a simulator that goes closes its session, as one that crashed would, and its inbox goes with it.
+What Zenoh's threads receive goes into an inbox. A simulator that disappears closes its session, as a crashed one would,
+and its inbox goes with it.
 """
 
 from __future__ import annotations
 
 import contextlib
-import os
 import signal
-import subprocess
 import tempfile
 import threading
 import time
 from collections import deque
 from collections.abc import Mapping, Sequence
 from contextlib import ExitStack
+from pathlib import Path
 from types import TracebackType
-from typing import IO, Final, Literal, Self
+from typing import Final, Literal, Self
 
-from intellwheels_experiments.conformance.contract_points import Acted, Asked, Ended, Left, News, Seen
+from intellwheels_experiments.conformance.probe import (
+    ActionsPut,
+    JoinRequest,
+    LeaveRequest,
+    ProgramEvent,
+    ProgramExit,
+    TokenChange,
+)
+from intellwheels_experiments.run.child_processes import ChildProcesses
 from intellwheels_schemas.channels import CHANNELS
 from intellwheels_schemas.codec import Encoding, encode, encoding_of
 from intellwheels_schemas.errors import WireError
@@ -39,22 +46,26 @@ from intellwheels_schemas.link import (
 from intellwheels_schemas.messages import Map, Result
 
 SLICE: Final = 0.05
-"""Seconds of one wait; between two the process is looked at."""
-GONE: Final = 3.0
-"""Seconds that the tokens of a process that was killed may stay."""
-PRINTED: Final = 64 * 1024
-"""Bytes of its output that are looked at."""
+"""Seconds of one wait for the network. Between two waits the check looks at the process."""
+OPEN_LIMIT: Final = 20.0
+"""Seconds to open the session."""
+TOKENS_GONE: Final = 3.0
+"""Seconds for which the tokens of a killed process may remain."""
+OUTPUT_LIMIT: Final = 64 * 1024
+"""Bytes at the end of the program's output that are read."""
+
+_STOPPED: Final = "told to stop before the check was over"
 
 
 class NetworkProbe:
-    """A `Stand` of a real process and a real session. Leaving the `with` ends both.
+    """A `Probe` of a real process and a real session. Leaving the `with` ends both.
 
     Args:
         command: The program and its arguments.
-        environment: What it gets beside this process's own.
-        link: Where to listen, or which router to meet at, and the world.
+        environment: Variables to add to those of this process.
+        link: The world, and where to listen or which router to connect to.
         agent: The program's name.
-        floor: What a program is given that asks for the map.
+        floor: The answer for a program that asks for the map.
         stop: Set when this process must end.
     """
 
@@ -68,18 +79,20 @@ class NetworkProbe:
         stop: threading.Event,
     ) -> None:
         self._command = list(command)
-        self._environment = {**os.environ, **environment}
+        self._environment = environment
         self._link = link
         self._agent = agent
         self._keys = Keys(link.world)
         self._floor = floor
         self._stop = stop
+        self._stack = ExitStack()
+        logs = self._stack.enter_context(tempfile.TemporaryDirectory(prefix="iw-check-agent-"))
+        self._children = self._stack.enter_context(ChildProcesses(Path(logs)))
+        self._program: str | None = None
+        self._exit_told = False
         self._simulator: _Simulator | None = None
-        self._process: subprocess.Popen[bytes] | None = None
-        self._ended = False
-        self._output: IO[bytes] = tempfile.TemporaryFile()  # noqa: SIM115 - closed by __exit__
         self._tokens: set[str] = set()
-        self._news: deque[News] = deque()
+        self._events: deque[ProgramEvent] = deque()
 
     def __enter__(self) -> Self:
         return self
@@ -88,70 +101,58 @@ class NetworkProbe:
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         self._kill()
-        self.fall()
-        self._output.close()
+        self.stop_simulator()
+        self._stack.close()
 
     def now(self) -> float:
-        """Return seconds of a monotonic clock."""
+        """Return the seconds of a monotonic clock."""
         return time.monotonic()
 
     # ------------------------------------------------------------ the program
 
-    def start(self) -> None:
+    def start_program(self) -> None:
         """Start the program.
 
         Raises:
             OSError: It cannot be started.
         """
-        self._output.seek(0)
-        self._output.truncate()
-        self._ended = False
-        self._process = subprocess.Popen(
-            self._command,
-            stdin=subprocess.DEVNULL,
-            stdout=self._output,
-            stderr=subprocess.STDOUT,
-            process_group=0,
-            env=self._environment,
-        )
+        self._program = self._children.launch("program", lambda _: self._command, self._environment, merge_errors=True)
+        self._exit_told = False
 
-    def interrupt(self) -> None:
-        """Tell the program to end: SIGTERM to all its processes."""
+    def interrupt_program(self) -> None:
+        """Send SIGTERM to the program and to what it started."""
         self._signal(signal.SIGTERM)
 
-    def end(self) -> None:
-        """Kill the program, and wait until its token is gone."""
+    def kill_program(self) -> None:
+        """Kill the program, and wait until its tokens are gone."""
         self._kill()
-        deadline = self.now() + GONE
+        deadline = self.now() + TOKENS_GONE
         while self._simulator is not None and self._tokens and self.now() < deadline:
             self._gather(SLICE)
         self._gather(0.0)
-        self._news.clear()
+        self._events.clear()
 
-    def printed(self) -> str:
-        """Return what the program printed since its start."""
-        # The place in the file is the program's too, so it is not moved.
-        size = os.fstat(self._output.fileno()).st_size
-        start = max(0, size - PRINTED)
-        return os.pread(self._output.fileno(), size - start, start).decode("utf-8", "backslashreplace")
+    def output(self) -> str:
+        """Return what the program printed since its start, on standard output and standard error."""
+        if self._program is None:
+            return ""
+        return self._children.log_of(self._program).read_bytes()[-OUTPUT_LIMIT:].decode("utf-8", "backslashreplace")
 
     def _kill(self) -> None:
-        process, self._process = self._process, None
-        if process is not None:
-            # The leader may be gone and others of its group not.
-            with contextlib.suppress(ProcessLookupError, PermissionError):
-                os.killpg(process.pid, signal.SIGKILL)
-            process.wait(timeout=GONE)
+        if self._program is not None and not self._exit_told:
+            self._signal(signal.SIGKILL)
+            self._children.exit(self._program)
+            self._exit_told = True
 
     def _signal(self, number: signal.Signals) -> None:
-        if self._process is not None and self._process.poll() is None:
+        if self._program is not None and self._program in self._children.running:
             with contextlib.suppress(ProcessLookupError, PermissionError):
-                os.killpg(self._process.pid, number)
+                self._children.signal(self._program, number)
 
     # ------------------------------------------------------------ the simulator
 
-    def rise(self) -> None:
-        """Be there.
+    def start_simulator(self) -> None:
+        """Make the simulator present. Does nothing if it is.
 
         Raises:
             ConnectionError: The port is taken, the router does not answer, or this process must end.
@@ -159,58 +160,59 @@ class NetworkProbe:
         if self._simulator is None:
             self._simulator = _Simulator(self._link, self._keys, self._agent, self._stop)
 
-    def fall(self) -> None:
-        """Be gone."""
+    def stop_simulator(self) -> None:
+        """Make the simulator disappear with its connections."""
         if self._simulator is not None:
             self._simulator.close()
             self._simulator = None
         self._tokens.clear()
-        self._news.clear()
+        self._events.clear()
 
     def put(self, kind: Literal["measures", "error"], data: bytes, encoding: Encoding) -> None:
-        """Put something for the program; nothing when the simulator is gone."""
+        """Publish a message for the program. Without a simulator nothing happens."""
         if self._simulator is not None:
             self._simulator.put(kind, data, encoding)
 
-    def wait(self, seconds: float) -> News | None:
-        """Return what happened next.
+    def next_event(self, timeout: float) -> ProgramEvent | None:
+        """Return the next event, or None if there is none within `timeout` seconds.
 
         Raises:
             ConnectionError: This process must end.
         """
-        deadline = self.now() + seconds
-        while not self._news and (left := deadline - self.now()) > 0.0:
+        deadline = self.now() + timeout
+        while not self._events and (left := deadline - self.now()) > 0.0:
             if self._stop.is_set():
-                raise ConnectionError("told to stop before the check was over")
+                raise ConnectionError(_STOPPED)
             self._gather(min(SLICE, left))
-        return self._news.popleft() if self._news else None
+        return self._events.popleft() if self._events else None
 
     def _gather(self, seconds: float) -> None:
-        """Turn what arrives within so many seconds into news."""
-        ended = self._process is not None and not self._ended and self._process.poll() is not None
+        """Turn what arrives within some seconds into events."""
+        self._children.receive()
+        exited = self._children.exited(self._program) if self._program is not None and not self._exit_told else None
         if self._simulator is not None:
             for arrival in self._simulator.take(seconds):
                 self._take(arrival)
         else:
             self._stop.wait(seconds)
-        # Last: what it put before its end came before.
-        if ended and self._process is not None:
-            self._ended = True
-            self._news.append(Ended(self._process.returncode))
+        # Last, because everything that the program put came before its end.
+        if exited is not None:
+            self._exit_told = True
+            self._events.append(ProgramExit(exited.code))
 
     def _take(self, arrival: Arrival) -> None:
         if isinstance(arrival, Put):
             if arrival.key == self._keys.actions(self._agent):
-                self._news.append(Acted(arrival.data, arrival.encoding))
+                self._events.append(ActionsPut(arrival.data, arrival.encoding))
         elif isinstance(arrival, Presence):
             token = self._keys.parse_token(arrival.key)
             if token is not None and token.agent == self._agent:
                 (self._tokens.add if arrival.alive else self._tokens.discard)(arrival.key)
-                self._news.append(Seen(token.role, token.instance, arrival.alive))
+                self._events.append(TokenChange(token.role, token.instance, arrival.alive))
         elif isinstance(arrival, Ask):
-            self._replied(arrival)
+            self._reply(arrival)
 
-    def _replied(self, ask: Ask) -> None:
+    def _reply(self, ask: Ask) -> None:
         try:
             encoding = encoding_of(ask.encoding, ask.data) if ask.encoding else Encoding.JSON
         except WireError:
@@ -221,27 +223,27 @@ class NetworkProbe:
                 (ask.reply if granted else ask.refuse)(data, encoding)
                 ask.close()
 
-            self._news.append(Asked(ask.data, ask.encoding, answer))
+            self._events.append(JoinRequest(ask.data, ask.encoding, answer))
         elif ask.key == self._keys.leave(self._agent):
             ask.reply(encode(Result(code="ok"), encoding), encoding)
             ask.close()
-            self._news.append(Left())
+            self._events.append(LeaveRequest())
         elif ask.key == self._keys.map:
             ask.reply(encode(self._floor, encoding), encoding)
             ask.close()
 
 
 class _Simulator:
-    """What an agent sees of a simulator: presence, queries answered, measures.
+    """What an agent sees of a simulator: its presence, its answers to queries, and Measures.
 
     Raises:
         ConnectionError: The port is taken, the router does not answer, or this process must end.
     """
 
     def __init__(self, link: Link, keys: Keys, agent: str, stop: threading.Event) -> None:
-        session = open_session(link, stop, timeout=20.0)
+        session = open_session(link, stop, timeout=OPEN_LIMIT)
         if session is None:
-            raise ConnectionError("told to stop before the check was over")
+            raise ConnectionError(_STOPPED)
         self._inbox = Inbox()
         with ExitStack() as stack:
             stack.enter_context(session)
@@ -250,8 +252,7 @@ class _Simulator:
             for key in (keys.join(agent), keys.leave(agent), keys.map):
                 stack.enter_context(session.declare_queryable(key, self._inbox.on_query))
             self._publishers = {
-                kind: stack.enter_context(declare(session, keys.out(agent, kind), CHANNELS[kind], encoding))
-                for encoding in (Encoding.JSON,)
+                kind: stack.enter_context(declare(session, keys.out(agent, kind), CHANNELS[kind], Encoding.JSON))
                 for kind in _KINDS
             }
             stack.enter_context(declare_token(session, keys.alive))

@@ -1,1 +1,1 @@
-"""One run of a scene: its processes, its record and its verdict."""
+"""One run of a scene: its processes, the record of what happened, and the verdict."""

@@ -1,4 +1,4 @@
-"""How a run is started: the command line of each of its processes. Pure: a plan in, words out."""
+"""The command line of each process of a run. Pure: a `LaunchSpec` in, lists of arguments out."""
 
 from __future__ import annotations
 
@@ -13,52 +13,52 @@ import msgspec
 from intellwheels_schemas.messages import Bridge, Cast, Map, Pace, Scene
 
 SERVER: Final = "server"
-"""The simulator among the children."""
+"""The simulator's name among the children."""
 
 VIEWER: Final = "viewer"
-"""The viewer among the children."""
+"""The viewer's name among the children."""
 
 LABORATORY: Final = "laboratory"
-"""A second simulator among the children, that real chairs are in."""
+"""The name among the children of a second simulator, which holds the real chairs."""
 
 LAB: Final = "lab"
-"""Its world."""
+"""The laboratory's world."""
 
-DEADLINE: Final = 60.0
-"""Seconds one of two worlds waits for an answer that may be waiting for the other world."""
+ANSWER_DEADLINE: Final = 60.0
+"""Seconds that a simulator waits for an answer where its agent may be waiting for a second world, or in a batch."""
 
 WALL_LIMIT: Final = 600.0
-"""Seconds of wall time a run may take beyond what its pace needs."""
+"""Seconds of wall time that a run may take beyond what its pace needs."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class LaunchSpec:
-    """A run to be started.
+    """What to start for a run, and how.
 
     Attributes:
         scene: The scene, with the pace and the seed of this run.
-        source: Its name, or its path, as the simulator is told it.
-        folder: Where relative paths in it start from, or None for a shipped scene.
-        floor: Its floor.
+        source: The scene's name or path, as the simulator gets it.
+        folder: Where relative paths in the scene start; None for a shipped scene.
+        floor: The scene's floor.
         world: The world's name.
-        listen: Endpoints where the simulator listens; the others connect there.
-        connect: Endpoints of a router that all go through; then nobody need listen.
-        config: A Zenoh configuration of all, or None.
+        listen: Endpoints at which the simulator listens. The other processes connect to them.
+        connect: Endpoints of a router to which all processes connect. Nobody needs to listen then.
+        config: A Zenoh configuration for all processes, or None.
         logs: The folder of the processes' logs.
-        speed: Factor of real time, at pace `realtime`.
-        encoding: What the agents speak, `json` or `xml`.
-        log: The input log that the simulator writes, if any.
-        timeout: Seconds of wall time after which the run is broken off.
-        view: The port of the viewer's page, 0 for any free one; None for no viewer.
-        laboratory: Where the laboratory of a scene with bridges listens, an endpoint.
+        speed: Multiple of real time, at pace `realtime`.
+        encoding: The encoding of the agents' messages, `json` or `xml`.
+        log: The input log that the simulator writes, or None.
+        timeout: Seconds of wall time after which the run is aborted.
+        view: The port of the viewer's page, 0 for any free port; None for no viewer.
+        laboratory: The endpoint at which the laboratory listens, for a scene with bridges.
     """
 
     scene: Scene
     source: str
     floor: Map
+    world: str
     logs: Path
     folder: Path | None = None
-    world: str = "main"
     listen: tuple[str, ...] = ()
     connect: tuple[str, ...] = ()
     config: Path | None = None
@@ -76,77 +76,77 @@ class LaunchSpec:
 
     @property
     def meeting(self) -> tuple[str, ...]:
-        """The endpoints where everybody but the simulator connects."""
+        """The endpoints to which every process but the simulator connects."""
         return self.connect or self.listen
-
-    def server_command(self, lifeline: int) -> list[str]:
-        """Return the command of the simulator; it goes on after the end, so that it can be asked how it was."""
-        words = ["--scene", self.source, *self._link_words(self.listen, self.connect)]
-        return self._simulator(words, self.log, lifeline)
-
-    def laboratory_command(self, lifeline: int) -> list[str]:
-        """Return the command of the laboratory; its log is beside the other, with `-lab` behind its name."""
-        words = [*link_words(self.lab, [self.laboratory]), "--miss", self.scene.miss]
-        words += laboratory_words(self.scene, self.bridges, self.folder)
-        log = None if self.log is None else self.log.with_stem(f"{self.log.stem}-lab")
-        return self._simulator(words, log, lifeline)
-
-    def bridge_command(self, cast: Cast, lifeline: int) -> list[str]:
-        """Return the command of the bridge of one of the cast that has one."""
-        laboratory = self.lab, self.laboratory
-        return bridge_command(cast, self.bridges[cast.name], self.folder, laboratory, self._agent_words(lifeline))
-
-    def agent_command(self, cast: Cast, lifeline: int) -> list[str]:
-        """Return the command of one of the cast; of one with a bridge, of its mind."""
-        words = self._agent_words(lifeline)
-        if cast.name in self.bridges:
-            return mind_command(cast, self.folder, words)
-        return agent_command(cast, self.folder, words)
 
     @property
     def bridges(self) -> Mapping[str, Bridge]:
-        """The bridges by their agents."""
+        """The scene's bridges by agent."""
         return {bridge.agent: bridge for bridge in self.scene.bridge}
 
     @property
     def lab(self) -> str:
-        """The laboratory's world."""
+        """The laboratory's world, which differs from the run's own."""
         return LAB if self.world != LAB else f"{LAB}2"
 
-    def _agent_words(self, lifeline: int) -> list[str]:
-        words = [*self._link_words((), self.meeting), "--encoding", self.encoding, "--lifeline", str(lifeline)]
-        # It may have to wait for the laboratory first.
-        return [*words, "--retry-for", f"{DEADLINE:g}"] if self.scene.bridge else words
+    def server_command(self, lifeline: int) -> list[str]:
+        """Return the simulator's command. It keeps running after the end of the run, so that it can be queried."""
+        arguments = ["--scene", self.source, *self._link_arguments(self.listen, self.connect)]
+        return self._simulator_command(arguments, self.log, lifeline)
 
-    def _simulator(self, words: list[str], log: Path | None, lifeline: int) -> list[str]:
-        words += ["--seed", self.scene.seed, "--pace", self.pace, "--lifeline", str(lifeline)]
-        if self.scene.bridge:
-            words += ["--deadline", f"{DEADLINE:g}"]
-        if self.pace == "realtime":
-            words += ["--speed", repr(self.speed)]
-        if self.pace == "free":
-            words += ["--open-loop"]
-        if log is not None:
-            words += ["--log", str(log.absolute())]
-        return [sys.executable, "-m", "intellwheels_server", *words]
+    def laboratory_command(self, lifeline: int) -> list[str]:
+        """Return the laboratory's command. Its log is beside the run's, with `-lab` appended to the stem."""
+        arguments = [*link_arguments(self.lab, [self.laboratory]), "--miss", self.scene.miss]
+        arguments += laboratory_arguments(self.scene, self.bridges, self.folder)
+        log = None if self.log is None else self.log.with_stem(f"{self.log.stem}-lab")
+        return self._simulator_command(arguments, log, lifeline)
+
+    def bridge_command(self, cast: Cast, lifeline: int) -> list[str]:
+        """Return the command of the bridge of an agent that has one."""
+        laboratory = self.lab, self.laboratory
+        return bridge_command(cast, self.bridges[cast.name], self.folder, laboratory, self._agent_arguments(lifeline))
+
+    def agent_command(self, cast: Cast, lifeline: int) -> list[str]:
+        """Return the command of an agent; if a bridge has its body, the command of its mind."""
+        arguments = self._agent_arguments(lifeline)
+        if cast.name in self.bridges:
+            return mind_command(cast, self.folder, arguments)
+        return agent_command(cast, self.folder, arguments)
 
     def viewer_command(self, lifeline: int) -> list[str]:
-        """Return the command of the viewer."""
-        words = ["--port", str(self.view or 0), *self._link_words((), self.meeting), "--lifeline", str(lifeline)]
-        return [sys.executable, "-m", "intellwheels_viewer", *words]
+        """Return the viewer's command."""
+        arguments = ["--port", str(self.view or 0), *self._link_arguments((), self.meeting)]
+        return [sys.executable, "-m", "intellwheels_viewer", *arguments, "--lifeline", str(lifeline)]
 
-    def _link_words(self, listen: tuple[str, ...], connect: tuple[str, ...]) -> list[str]:
-        words = link_words(self.world, listen, connect)
-        return words if self.config is None else [*words, "--config", str(self.config.absolute())]
+    def _agent_arguments(self, lifeline: int) -> list[str]:
+        arguments = [*self._link_arguments((), self.meeting), "--encoding", self.encoding, "--lifeline", str(lifeline)]
+        # With a laboratory the join may have to wait for the other world.
+        return [*arguments, "--retry-for", f"{ANSWER_DEADLINE:g}"] if self.scene.bridge else arguments
+
+    def _simulator_command(self, arguments: list[str], log: Path | None, lifeline: int) -> list[str]:
+        arguments += ["--seed", self.scene.seed, "--pace", self.pace, "--lifeline", str(lifeline)]
+        if self.scene.bridge:
+            arguments += ["--deadline", f"{ANSWER_DEADLINE:g}"]
+        if self.pace == "realtime":
+            arguments += ["--speed", repr(self.speed)]
+        if self.pace == "free":
+            arguments += ["--open-loop"]
+        if log is not None:
+            arguments += ["--log", str(log.absolute())]
+        return [sys.executable, "-m", "intellwheels_server", *arguments]
+
+    def _link_arguments(self, listen: tuple[str, ...], connect: tuple[str, ...]) -> list[str]:
+        arguments = link_arguments(self.world, listen, connect)
+        return arguments if self.config is None else [*arguments, "--config", str(self.config.absolute())]
 
 
-def agent_command(cast: Cast, folder: Path | None, words: Sequence[str]) -> list[str]:
+def agent_command(cast: Cast, folder: Path | None, arguments: Sequence[str]) -> list[str]:
     """Return the command of an agent.
 
     Args:
-        cast: Who, with which mind and body, where. An empty robot: the mind's own.
-        folder: Where its relative paths start from; None: the working directory.
-        words: The rest of the command line.
+        cast: The agent's name, mind, robot, place and options. An empty robot means the mind's own.
+        folder: Where relative paths in it start; None: the working directory.
+        arguments: The rest of the command line.
     """
     command = [sys.executable, "-m", "intellwheels_agents", resolved(cast.mind, folder), "--name", cast.name]
     if cast.robot:
@@ -155,87 +155,91 @@ def agent_command(cast: Cast, folder: Path | None, words: Sequence[str]) -> list
         command += ["--place", cast.place]
     for option in cast.option:
         command += ["--option", f"{option.name}={option.value}"]
-    return [*command, *words]
+    return [*command, *arguments]
 
 
-def mind_command(cast: Cast, folder: Path | None, words: Sequence[str]) -> list[str]:
-    """Return the command of the mind of an agent whose body is a bridge's; arguments as of `agent_command`."""
-    own = tuple(one for one in cast.option if not one.name[0].isupper())
+def mind_command(cast: Cast, folder: Path | None, arguments: Sequence[str]) -> list[str]:
+    """Return the command of the mind of an agent whose body is a bridge's. It takes the same as `agent_command`."""
+    own = tuple(option for option in cast.option if not is_robot_field(option.name))
     mind = msgspec.structs.replace(cast, robot="", place=None, option=own)
-    return agent_command(mind, folder, ["--role", "mind", *words])
+    return agent_command(mind, folder, ["--role", "mind", *arguments])
 
 
 def bridge_command(
-    cast: Cast, bridge: Bridge, folder: Path | None, laboratory: tuple[str, str], words: Sequence[str]
+    cast: Cast, bridge: Bridge, folder: Path | None, laboratory: tuple[str, str], arguments: Sequence[str]
 ) -> list[str]:
     """Return the command of a bridge.
 
     Args:
-        cast: Whose body it is in the simulation, and where.
-        bridge: The chair as built, and how it is reported.
-        folder: Where relative paths start from; None: the working directory.
-        laboratory: The world that the chair is in, and where it listens.
-        words: The rest of the command line.
+        cast: The agent whose body the bridge is, and its place.
+        bridge: The chair as built, and how its pose is reported.
+        folder: Where relative paths start; None: the working directory.
+        laboratory: The laboratory's world and endpoint.
+        arguments: The rest of the command line.
     """
-    told = ["world", "--name", cast.name, "--robot", resolved(cast.robot, folder)]
-    told += ["--lab-world", laboratory[0], "--lab-connect", laboratory[1]]
-    told += ["--chair", resolved(bridge.chair, folder)] if bridge.chair is not None else []
-    told += ["--place", cast.place] if cast.place is not None else []
+    own = ["world", "--name", cast.name, "--robot", resolved(cast.robot, folder)]
+    own += ["--lab-world", laboratory[0], "--lab-connect", laboratory[1]]
+    own += ["--chair", resolved(bridge.chair, folder)] if bridge.chair is not None else []
+    own += ["--place", cast.place] if cast.place is not None else []
     for option in cast.option:
-        told += ["--option", f"{option.name}={option.value}"] if option.name[0].isupper() else []
+        own += ["--option", f"{option.name}={option.value}"] if is_robot_field(option.name) else []
     for option in bridge.option:
-        is_field = option.name[0].isupper()
-        told += ["--chair-option", f"{option.name}={option.value}"] if is_field else [f"--{option.name}", option.value]
-    return [sys.executable, "-m", "intellwheels_agents.bridge", *told, *words]
+        field = is_robot_field(option.name)
+        own += ["--chair-option", f"{option.name}={option.value}"] if field else [f"--{option.name}", option.value]
+    return [sys.executable, "-m", "intellwheels_agents.bridge", *own, *arguments]
 
 
-def laboratory_words(scene: Scene, bridges: Mapping[str, Bridge], folder: Path | None) -> list[str]:
-    """Return what makes a simulator the laboratory of a scene: its floor, whom it awaits, that truth stays there."""
-    words = ["--expect", ",".join(bridges), "--map", resolved(scene.map, folder), "--hide-truth"]
-    return [*words, "--period", repr(scene.period)]
+def laboratory_arguments(scene: Scene, bridges: Mapping[str, Bridge], folder: Path | None) -> list[str]:
+    """Return what makes a simulator the laboratory of a scene: its floor, its chairs, and that it hides the truth."""
+    arguments = ["--expect", ",".join(bridges), "--map", resolved(scene.map, folder), "--hide-truth"]
+    return [*arguments, "--period", repr(scene.period)]
 
 
-def bridge_child(name: str) -> str:
-    """Return the name of an agent's bridge among the children."""
-    return f"bridge-{name}"
+def is_robot_field(option: str) -> bool:
+    """Return whether an option of a scene sets a field of the robot, such as `MotorNoise`, and not one of the mind."""
+    return option[:1].isupper()
 
 
-def link_words(world: str, listen: Sequence[str] = (), connect: Sequence[str] = ()) -> list[str]:
-    """Return how a command is told its world and whom it meets where."""
-    words = ["--world", world]
+def agent_child(agent: str) -> str:
+    """Return an agent's name among the children. The prefix keeps an agent called `server` apart from the simulator."""
+    return f"agent-{agent}"
+
+
+def bridge_child(agent: str) -> str:
+    """Return the name among the children of an agent's bridge."""
+    return f"bridge-{agent}"
+
+
+def link_arguments(world: str, listen: Sequence[str] = (), connect: Sequence[str] = ()) -> list[str]:
+    """Return the arguments that give a command its world and endpoints."""
+    arguments = ["--world", world]
     for option, endpoints in (("--listen", listen), ("--connect", connect)):
         for endpoint in endpoints:
-            words += [option, endpoint]
-    return words
+            arguments += [option, endpoint]
+    return arguments
 
 
 def resolved(name_or_path: str, folder: Path | None) -> str:
-    """Return a path from a folder on as an absolute one, and the name of something shipped as it is."""
+    """Return a path as an absolute one that starts at `folder`, and the name of something shipped unchanged."""
     is_path = "/" in name_or_path or name_or_path.endswith((".xml", ".py"))
     return str((folder or Path()).absolute() / name_or_path) if is_path else name_or_path
 
 
-def filled(word: str, values: Mapping[str, str]) -> str:
-    """Return a word of a command with each `{name}` replaced by its value; other braces stay."""
+def filled(argument: str, values: Mapping[str, str]) -> str:
+    """Return an argument with each `{name}` replaced by its value. Other braces stay."""
     for name, value in values.items():
-        word = word.replace(f"{{{name}}}", value)
-    return word
+        argument = argument.replace(f"{{{name}}}", value)
+    return argument
 
 
 def wall_limit(scene: Scene, speed: float) -> float:
-    """Return how many seconds of wall time a run of the scene may take."""
+    """Return how many seconds of wall time a run of the scene may take.
+
+    Args:
+        scene: The scene, with its pace and its end.
+        speed: Multiple of real time, at pace `realtime`.
+    """
     if scene.pace != "realtime":
         return WALL_LIMIT
     simulated = scene.end.timeout.seconds if scene.end and scene.end.timeout else 0.0
     return WALL_LIMIT + simulated / speed
-
-
-def agent_child(name: str) -> str:
-    """Return the name of an agent among the children; `server` is a good name for an agent too."""
-    return f"agent-{name}"
-
-
-def parse(line: str) -> tuple[str, Mapping[str, str]]:
-    """Return the verb and the values of a line a script waits for: `ended tick=812 hash=...`."""
-    verb, *words = line.split() or [""]
-    return verb, dict(word.split("=", 1) for word in words if "=" in word)

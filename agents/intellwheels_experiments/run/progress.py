@@ -1,4 +1,4 @@
-"""How a run goes on, for whoever waits: one living line on a terminal, plain lines elsewhere."""
+"""Progress of a run: one line that is updated on a terminal, a plain line every few seconds elsewhere."""
 
 from __future__ import annotations
 
@@ -22,9 +22,9 @@ class Progress:
     """Shows how far a run is.
 
     Args:
-        console: Where to; the error stream's, as standard output is for the result.
+        console: A console on standard error, as standard output is for the result.
         scene: The scene.
-        floor: Its floor, for the places to be reached.
+        floor: Its floor, for the places that agents must reach.
     """
 
     def __init__(self, console: Console, scene: Scene, floor: Map) -> None:
@@ -50,16 +50,16 @@ class Progress:
             self._status = None
 
     def say(self, text: str) -> None:
-        """Show a line that stays."""
+        """Print a line."""
         self._console.print(text, markup=False, highlight=False, soft_wrap=True)
 
     def doing(self, text: str) -> None:
-        """Show what is going on just now, where a line can live."""
+        """Show what is going on now; on a terminal only."""
         if self._status is not None:
             self._status.update(Text(f"{self._scene.name}: {text}"))
 
     def follow(self, record: RunRecord) -> None:
-        """Show how far the run is; cheap enough to be called ten times a second."""
+        """Show how far the run is. It is cheap enough to be called ten times a second."""
         if self._status is not None:
             self.doing(describe(record, self._goals))
         elif time.monotonic() >= self._next:
@@ -68,15 +68,15 @@ class Progress:
 
 
 def describe(record: RunRecord, goals: dict[str, tuple[float, float, float]]) -> str:
-    """Return how far a run is, in a line.
+    """Return how far a run is, as one line.
 
     Args:
-        record: What was seen.
-        goals: For each agent that must reach a place, its x and y and how near is there, in m.
+        record: What was seen of the run.
+        goals: By agent that must reach a place: the place's x and y, and the distance that counts as reached, in m.
     """
     clock = record.clock
     if clock is None:
-        return "nothing seen yet"
+        return "nothing received yet"
     words = [f"{clock.state} {clock.time:.1f} s, {clock.factor:.1f} times real time"]
     if clock.waiting:
         words.append(f"waiting for {', '.join(clock.waiting)}")
@@ -84,5 +84,5 @@ def describe(record: RunRecord, goals: dict[str, tuple[float, float, float]]) ->
     for agent, (x, y, within) in goals.items():
         if agent in positions:
             distance = math.dist(positions[agent], (x, y))
-            words.append(f"{agent} {'there' if distance <= within else f'{distance:.1f} m to go'}")
+            words.append(f"{agent} {'at its goal' if distance <= within else f'{distance:.1f} m to go'}")
     return ", ".join(words)

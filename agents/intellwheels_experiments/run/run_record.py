@@ -1,7 +1,7 @@
-"""What was seen of a run: clocks, states and events become tracks. Pure: messages in, no network, no time.
+"""What was seen of a run, from its clock, state and event messages. Pure: no network, no clock.
 
-Messages come in any order and some are lost; order is (Run, Tick), events are numbered. A new
-run clears what was known of the last, and what comes late from a past run is dropped.
+Messages arrive in any order and some are lost. States are ordered by (Run, Tick), events by their number. A new run
+clears the record, and late messages of an earlier run are dropped.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from typing import Final
 from intellwheels_schemas.messages import Clock, Entity, Event, Events, WorldState
 
 EVENT_LIMIT: Final = 100_000
-"""Events kept: a run with more is counted on, its later ones are not kept."""
+"""Events stored. Later events of a run are neither stored nor counted."""
 
 
 @dataclass(slots=True)
@@ -25,8 +25,8 @@ class Track:
         first: Its state when first seen.
         last: Its state when last seen.
         tick: When last seen.
-        length: Sum of the straight stretches between the states seen, in m: a lower bound of its path.
-        turned: Greatest angle seen between its heading and its first one, in rad, in [0, pi].
+        length: Sum of the straight distances between the states seen, in m: a lower bound of its path.
+        turned: Largest angle seen between its heading and its first one, in rad, in [0, pi].
     """
 
     first: Entity
@@ -36,7 +36,7 @@ class Track:
     turned: float = 0.0
 
     def follow(self, entity: Entity, tick: int) -> None:
-        """Take a later state; an older one changes nothing."""
+        """Add a state. One that is not newer than the last changes nothing."""
         if tick <= self.tick:
             return
         self.length += math.hypot(entity.x - self.last.x, entity.y - self.last.y)
@@ -50,12 +50,12 @@ class RunRecord:
     """What was seen of the newest run.
 
     Attributes:
-        run: The run, or None when nothing was seen yet.
-        clock: Its newest clock.
-        tracks: By body.
-        events: By number.
-        counts: Number of events by code.
-        ended: The event that ended the run.
+        run: The run's id, or None before the first message.
+        clock: Its newest clock message.
+        tracks: The tracks by body.
+        events: The events by number.
+        counts: The number of events by code.
+        ended: The event that ended the run, or None.
     """
 
     run: str | None = None
@@ -64,19 +64,19 @@ class RunRecord:
     events: dict[int, Event] = field(default_factory=dict)
     counts: dict[str, int] = field(default_factory=dict)
     ended: Event | None = None
-    _past: set[str] = field(default_factory=set)
-    _next: int = 0
+    _past_runs: set[str] = field(default_factory=set)
+    _next_event: int = 0
 
     def on_clock(self, clock: Clock) -> None:
-        """Take a clock."""
-        # While a run waits or is paused its tick stands and its state changes: the later of equals counts.
+        """Add a clock message."""
+        # While a run waits or is paused, its tick stays and its state changes: of equal ticks the newest stamp counts.
         if self._is_current(clock.run) and (
             self.clock is None or (clock.tick, clock.stamp) >= (self.clock.tick, self.clock.stamp)
         ):
             self.clock = clock
 
     def on_state(self, state: WorldState) -> None:
-        """Take a part of the state."""
+        """Add a part of the state."""
         if not self._is_current(state.run):
             return
         for entity in state.entity:
@@ -87,10 +87,10 @@ class RunRecord:
                 track.follow(entity, state.tick)
 
     def on_event(self, event: Event) -> None:
-        """Take an event, once by its number."""
+        """Add an event, unless its number is known."""
         if not self._is_current(event.run):
             return
-        self._next = max(self._next, event.number + 1)
+        self._next_event = max(self._next_event, event.number + 1)
         if event.number in self.events or len(self.events) >= EVENT_LIMIT:
             return
         self.events[event.number] = event
@@ -99,18 +99,18 @@ class RunRecord:
             self.ended = event
 
     def on_events(self, events: Events) -> None:
-        """Take the simulator's own list of events."""
+        """Add the simulator's own list of events."""
         if self._is_current(events.run):
-            self._next = max(self._next, events.next)
+            self._next_event = max(self._next_event, events.next)
             for event in events.event:
                 self.on_event(event)
 
     @property
-    def wanted(self) -> int:
+    def next_missing(self) -> int:
         """The lowest number of an event that was not seen."""
-        if len(self.events) == self._next:
-            return self._next
-        return next(number for number in range(self._next) if number not in self.events)
+        if len(self.events) == self._next_event:
+            return self._next_event
+        return next(number for number in range(self._next_event) if number not in self.events)
 
     def positions(self) -> Mapping[str, tuple[float, float]]:
         """Return where each body was last seen, in m."""
@@ -119,13 +119,13 @@ class RunRecord:
     def _is_current(self, run: str) -> bool:
         if run == self.run:
             return True
-        if run in self._past:
+        if run in self._past_runs:
             return False
         if self.run is not None:
-            self._past.add(self.run)
+            self._past_runs.add(self.run)
         self.run = run
         self.clock = self.ended = None
-        self._next = 0
-        for known in (self.tracks, self.events, self.counts):
-            known.clear()
+        self._next_event = 0
+        for of_run in (self.tracks, self.events, self.counts):
+            of_run.clear()
         return True

@@ -1,7 +1,8 @@
-"""What came of a run, for people and for programs. Pure text: a result in, a table, lines or JSON out."""
+"""The result of a run, for people and for programs. Pure: a result in, a table, lines or JSON out."""
 
 from __future__ import annotations
 
+import math
 import platform
 from collections.abc import Iterator
 from importlib.metadata import PackageNotFoundError, version
@@ -13,16 +14,16 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from intellwheels_experiments.run.verdict import Row, Verdict
+from intellwheels_experiments.run.verdict import AgentResult
 
 Finish: TypeAlias = Literal["ended", "missed", "died", "interrupted", "overtime"]
 
 _DISTRIBUTIONS: Final = ("intellwheels", "eclipse-zenoh", "msgspec", "numpy", "numba")
-_HEADS: Final = ("agent", "mind", "robot", "place", "there", "distance", "contacts", "path", "turned")
+_HEADS: Final = ("agent", "mind", "robot", "place", "reached", "distance", "contacts", "path", "turned")
 
 
 class Result(msgspec.Struct, frozen=True, kw_only=True):
-    """Everything about a run that is worth keeping; the fields of `--json`.
+    """The result of a run, as `--json` writes it.
 
     Attributes:
         scene: The scene's name.
@@ -31,20 +32,21 @@ class Result(msgspec.Struct, frozen=True, kw_only=True):
         pace: The pace.
         world: The world's name.
         run: The run's id.
-        finish: How it finished.
-        words: What was said about that.
-        held: Whether everything held that had to.
-        failed: A sentence for each thing that did not.
-        hash: The state hash at the end, None when there was no end.
-        ticks: Steps made.
+        finish: How it finished: `ended` as the scene says, `missed` for a lockstep answer that did not come, `died`
+            for a process that ended, `interrupted` from outside, `overtime` after too much wall time.
+        words: The details of that.
+        held: Whether all conditions of the scene held.
+        failed: A sentence for each condition that did not.
+        hash: The state hash at the end; None if the run did not reach its end.
+        ticks: Number of ticks.
         time: Simulated time in s.
-        wall: Wall time from the first step to the last in s.
-        factor: Simulated time over wall time.
-        late: Ticks that began late.
-        contacts: Contacts of the run.
+        wall: Wall time from the first tick to the last in s.
+        factor: Simulated time divided by wall time.
+        late: Number of ticks that began late.
+        contacts: Number of contacts.
         events: Number of events by code.
-        agents: A row for each of the cast.
-        versions: Of Python, this distribution and what it stands on.
+        agents: One result per agent of the cast.
+        versions: Versions of Python, of this distribution and of its main dependencies.
     """
 
     scene: str
@@ -65,7 +67,7 @@ class Result(msgspec.Struct, frozen=True, kw_only=True):
     late: int
     contacts: int
     events: dict[str, int]
-    agents: tuple[Row, ...]
+    agents: tuple[AgentResult, ...]
     versions: dict[str, str]
 
 
@@ -84,22 +86,22 @@ def show(result: Result, console: Console) -> None:
         console.print(Text(_headline(result), style="bold green" if result.held else "bold red"), soft_wrap=True)
         return
     for line in lines(result):
-        # Not the console's print: it would wrap and colour what a script reads.
+        # Not with the console's print, which would wrap and colour what a script reads.
         console.file.write(line + "\n")
     console.file.flush()
 
 
 def lines(result: Result) -> Iterator[str]:
-    """Return the result as lines for a log: verb first, then `name=value`."""
-    for row in result.agents:
-        yield "agent " + " ".join(f"{head}={value}" for head, value in zip(_KEYS, _cells(row), strict=True))
+    """Return the result as lines for a script: the verb first, then `name=value`."""
+    for agent in result.agents:
+        yield "agent " + " ".join(f"{head}={value}" for head, value in zip(_KEYS, _cells(agent), strict=True))
     yield _figures(result)
     yield from (f"failed {sentence}" for sentence in result.failed)
     yield _headline(result)
 
 
 def versions() -> dict[str, str]:
-    """Return the versions that a result depends on."""
+    """Return the versions of Python, of this distribution and of its main dependencies, by name."""
     found = {"python": platform.python_version()}
     for distribution in _DISTRIBUTIONS:
         try:
@@ -109,25 +111,20 @@ def versions() -> dict[str, str]:
     return found
 
 
-def verdict_fields(verdict: Verdict) -> dict[str, object]:
-    """Return the fields of a result that are the verdict's."""
-    return {name: getattr(verdict, name) for name in verdict.__struct_fields__}
-
-
 _KEYS: Final = ("name", "mind", "robot", "place", "reached", "distance", "contacts", "path", "turned_deg")
 
 
-def _cells(row: Row) -> tuple[str, ...]:
+def _cells(agent: AgentResult) -> tuple[str, ...]:
     return (
-        row.name,
-        row.mind,
-        row.robot,
-        row.place or "-",
-        {True: "yes", False: "no", None: "-"}[row.reached],
-        "-" if row.distance is None else f"{row.distance:.3f}m",
-        str(row.contacts),
-        f"{row.path:.2f}m",
-        f"{row.turned * 57.29577951308232:.0f}",
+        agent.name,
+        agent.mind,
+        agent.robot,
+        agent.place or "-",
+        {True: "yes", False: "no", None: "-"}[agent.reached],
+        "-" if agent.distance is None else f"{agent.distance:.3f}m",
+        str(agent.contacts),
+        f"{agent.path:.2f}m",
+        f"{math.degrees(agent.turned):.0f}",
     )
 
 
@@ -136,9 +133,9 @@ def _table(result: Result) -> Table:
     table = Table(box=box.SIMPLE_HEAD, title=title, title_justify="left", padding=0)
     for index, head in enumerate(_HEADS):
         table.add_column(head, justify="left" if index < 5 else "right", no_wrap=True)
-    for row in result.agents:
-        style = "red" if row.reached is False or not row.seen else None
-        cells = _cells(row)
+    for agent in result.agents:
+        style = "red" if agent.reached is False or not agent.seen else None
+        cells = _cells(agent)
         table.add_row(*cells[:-1], f"{cells[-1]}°", style=style)
     return table
 

@@ -1,10 +1,11 @@
-"""A run from its first process to its last: start, wait for the barrier, watch, end all, judge.
+"""One run of a scene: start its processes, wait for the barrier, watch the run, end the processes, judge the run.
 
-Every wait has a deadline, and however it finishes there is a result.
+Every wait has a deadline. However the run finishes, there is a result.
 """
 
 from __future__ import annotations
 
+import math
 import threading
 import time
 from collections.abc import Callable, Mapping
@@ -13,7 +14,7 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Final, Protocol
 
-from intellwheels_experiments.run.child_processes import ChildProcesses, Exited, Line
+from intellwheels_experiments.run.child_processes import READY_LIMIT, ChildProcesses, Exited, WaitError
 from intellwheels_experiments.run.launch_spec import (
     LABORATORY,
     SERVER,
@@ -21,34 +22,33 @@ from intellwheels_experiments.run.launch_spec import (
     LaunchSpec,
     agent_child,
     bridge_child,
-    parse,
 )
 from intellwheels_experiments.run.progress import Progress
 from intellwheels_experiments.run.run_record import RunRecord
 from intellwheels_experiments.run.run_report import Finish, Result, versions
 from intellwheels_experiments.run.verdict import judge
 
-READY_LIMIT: Final = 180.0
-"""Seconds for the simulator to be ready: a first start compiles its kernels, on a small machine slowly."""
-
 START_LIMIT: Final = 60.0
-"""Seconds for all agents to be at the barrier once they were started."""
+"""Seconds for all agents to join once they were started."""
 
 VIEW_LIMIT: Final = 60.0
 """Seconds for the viewer to serve its page."""
 
 COLD_START: Final = 5.0
-"""Seconds after which a start that is still going on is surely a first one."""
+"""Seconds after which a start that still goes on must be compiling the kernels."""
+
+INTERVAL: Final = 0.1
+"""Seconds between two looks at a run."""
 
 
 class Watch(Protocol):
-    """What sees a run from outside."""
+    """Receives what a world publishes, and queries it."""
 
-    def pour(self, record: RunRecord) -> None:
-        """Put what arrived since the last time into the record."""
+    def drain(self, record: RunRecord) -> None:
+        """Put what arrived since the last call into the record."""
 
-    def complete(self, record: RunRecord) -> None:
-        """Ask the simulator for what is true now and for events that were not seen."""
+    def query_all(self, record: RunRecord) -> None:
+        """Ask the simulator for its clock, the present state and the events that were missed."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,43 +59,52 @@ class _Finished:
     hash: str | None = None
 
 
+class _StartError(Exception):
+    """A run finished before it began."""
+
+    def __init__(self, finish: _Finished) -> None:
+        super().__init__(finish.words)
+        self.finish = finish
+
+
 def perform(
-    plan: LaunchSpec,
+    spec: LaunchSpec,
     watching: Callable[[threading.Event], AbstractContextManager[Watch]],
     progress: Progress,
     stop: threading.Event,
 ) -> Result:
-    """Run a scene and return what came of it.
+    """Run a scene and return its result.
 
     Args:
-        plan: What to run.
-        watching: Begins to watch the world of the plan; called once its simulator is ready.
-        progress: Shows how it goes on.
-        stop: Set from outside to break the run off.
+        spec: What to run.
+        watching: Connects to the world of the spec. Called once, when the simulator is ready.
+        progress: Shows how far the run is.
+        stop: Set from outside to abort the run.
 
     Raises:
         OSError: A process cannot be started.
     """
     record = RunRecord()
     stopwatch = _Stopwatch()
-    with ChildProcesses(plan.logs) as children:
-        finish = _start(plan, children, progress, stop)
-        if finish is None:
-            try:
-                with watching(stop) as watch:
-                    finish = _follow(plan, children, watch, record, progress, stop, stopwatch)
-                    watch.pour(record)
-                    if SERVER in children.living:
-                        watch.complete(record)
-                    if finish.how == "ended" and VIEWER in children.living:
-                        _stay(children, progress, stop)
-            except ConnectionError as error:
-                finish = _Finished("interrupted" if stop.is_set() else "died", str(error))
+    with ChildProcesses(spec.logs) as children:
+        try:
+            _start(spec, children, progress, stop)
+            with watching(stop) as watch:
+                finish = _follow(spec, children, watch, record, progress, stop, stopwatch)
+                watch.drain(record)
+                if SERVER in children.running:
+                    watch.query_all(record)
+                if finish.how == "ended" and VIEWER in children.running:
+                    _keep_page(children, progress, stop)
+        except _StartError as error:
+            finish = error.finish
+        except ConnectionError as error:
+            finish = _Finished("interrupted" if stop.is_set() else "died", str(error))
         progress.doing("ending the processes")
-        # The agents first: they leave in words, which needs somebody to hear them.
-        children.end([child for child in children.living if child not in (SERVER, LABORATORY, VIEWER)])
-        children.end(list(children.living), grace=5.0)
-    return _result(plan, record, finish, stopwatch.seconds)
+        # The agents first: each says that it leaves, and the simulator must still be there to hear it.
+        children.end([child for child in children.running if child not in (SERVER, LABORATORY, VIEWER)])
+        children.end(children.running, grace=5.0)
+    return _result(spec, record, finish, stopwatch.seconds)
 
 
 class _Stopwatch:
@@ -106,10 +115,15 @@ class _Stopwatch:
         self._end: float | None = None
 
     def begin(self) -> None:
-        self._begin = time.monotonic()
+        if self._begin is None:
+            self._begin = time.monotonic()
 
     def end(self) -> None:
         self._end = time.monotonic()
+
+    @property
+    def begun(self) -> bool:
+        return self._begin is not None
 
     @property
     def seconds(self) -> float:
@@ -118,77 +132,84 @@ class _Stopwatch:
         return (self._end or time.monotonic()) - self._begin
 
 
-def _start(plan: LaunchSpec, children: ChildProcesses, progress: Progress, stop: threading.Event) -> _Finished | None:
-    """Start all processes once the simulator is ready; return how the run finished, if it did already."""
-    # One after the other: a first start compiles the kernels, which the second one then finds.
-    servers = {SERVER: plan.server_command, LABORATORY: plan.laboratory_command}
-    for server in (SERVER, LABORATORY) if plan.scene.bridge else (SERVER,):
-        children.start(server, servers[server])
-        if (finish := _await_ready(server, children, progress, stop)) is not None:
-            return finish
-    if plan.view is not None and (finish := _open_view(plan, children, progress, stop)) is not None:
-        return finish
-    for cast in plan.scene.cast:
-        if cast.name in plan.bridges:
-            children.start(bridge_child(cast.name), partial(plan.bridge_command, cast))
-        children.start(agent_child(cast.name), partial(plan.agent_command, cast))
+def _start(spec: LaunchSpec, children: ChildProcesses, progress: Progress, stop: threading.Event) -> None:
+    """Start all processes, the simulator first.
+
+    Raises:
+        _StartError: A process ended or was not ready in time, or `stop` was set.
+    """
+    # One after the other: the first start compiles the kernels, and the second finds them compiled.
+    servers = {SERVER: spec.server_command, LABORATORY: spec.laboratory_command}
+    for server in (SERVER, LABORATORY) if spec.scene.bridge else (SERVER,):
+        children.launch(server, servers[server])
+        _await_ready(server, READY_LIMIT, children, stop, progress)
+    if spec.view is not None:
+        children.launch(VIEWER, spec.viewer_command)
+        ready = _await_ready(VIEWER, VIEW_LIMIT, children, stop)
+        # Before anything moves.
+        progress.say(f"view it at {ready.get('url', '?')}")
+    for cast in spec.scene.cast:
+        if cast.name in spec.bridges:
+            children.launch(bridge_child(cast.name), partial(spec.bridge_command, cast))
+        children.launch(agent_child(cast.name), partial(spec.agent_command, cast))
     progress.say(
-        f"started world={plan.world} at={','.join(plan.meeting)} agents={len(plan.scene.cast)} logs={plan.logs}"
+        f"started world={spec.world} at={','.join(spec.meeting)} agents={len(spec.scene.cast)} logs={spec.logs}"
     )
-    if plan.scene.bridge:
-        progress.say(f"laboratory world={plan.lab} at={plan.laboratory} chairs={','.join(plan.bridges)}")
-    return None
+    if spec.scene.bridge:
+        progress.say(f"laboratory world={spec.lab} at={spec.laboratory} chairs={','.join(spec.bridges)}")
 
 
-def _await_ready(server: str, children: ChildProcesses, progress: Progress, stop: threading.Event) -> _Finished | None:
-    """Wait until a simulator is ready; return how the run finished, if it did already."""
+def _await_ready(
+    child: str, limit: float, children: ChildProcesses, stop: threading.Event, progress: Progress | None = None
+) -> Mapping[str, str]:
+    """Wait until a process prints `ready`; return the values of that line.
+
+    Args:
+        child: The process.
+        limit: Seconds that it has.
+        children: All processes.
+        stop: Set to abort.
+        progress: Where to say that the kernels are being compiled, if it takes long; None: do not say it.
+
+    Raises:
+        _StartError: A process ended, the time is over, or `stop` was set.
+    """
     begun = time.monotonic()
-    shown = False
-    while True:
-        waited = time.monotonic() - begun
-        match children.news(0.2):
-            case Line(child=child, text=text) if child == server and parse(text)[0] == "ready":
-                return None
-            case Exited() as exited:
-                return _died(children, exited)
+    announced = progress is None
+
+    def look() -> Mapping[str, str] | None:
+        nonlocal announced
+        if (values := children.find_line(child, "ready")) is not None:
+            return values
+        for exited in children.exits.values():
+            raise _StartError(_died(children, exited))
         if stop.is_set():
-            return _Finished("interrupted", "before the simulator was ready")
-        if waited > READY_LIMIT:
-            return _Finished("overtime", _with_tail(children, server, f"not ready after {READY_LIMIT:.0f} s"))
-        if waited > COLD_START and not shown:
-            progress.say("the simulator compiles its kernels: once, about 45 s")
-            shown = True
+            raise _StartError(_Finished("interrupted", f"before the {child} was ready"))
+        if progress is not None and not announced and time.monotonic() - begun > COLD_START:
+            progress.say("compiling the simulator's kernels: once, about 45 s")
+            announced = True
+        return None
+
+    try:
+        return children.wait(look, f"line 'ready' of {child}", limit, interval=INTERVAL)
+    except WaitError:
+        finish = _Finished("overtime", _with_tail(children, child, f"not ready after {limit:.0f} s"))
+        raise _StartError(finish) from None
 
 
-def _open_view(
-    plan: LaunchSpec, children: ChildProcesses, progress: Progress, stop: threading.Event
-) -> _Finished | None:
-    """Start the viewer and say where its page is, before anything moves; return how the run finished, if it did."""
-    children.start(VIEWER, plan.viewer_command)
-    begun = time.monotonic()
-    while True:
-        match children.news(0.2):
-            case Line(child=child, text=text) if child == VIEWER and parse(text)[0] == "ready":
-                progress.say(f"view it at {parse(text)[1].get('url', '?')}")
-                return None
-            case Exited() as exited:
-                return _died(children, exited)
-        if stop.is_set():
-            return _Finished("interrupted", "before the viewer was ready")
-        if time.monotonic() - begun > VIEW_LIMIT:
-            return _Finished("overtime", _with_tail(children, VIEWER, f"no page after {VIEW_LIMIT:.0f} s"))
-
-
-def _stay(children: ChildProcesses, progress: Progress, stop: threading.Event) -> None:
-    """Leave the last picture on the page until told to stop, or until nobody shows it any more."""
+def _keep_page(children: ChildProcesses, progress: Progress, stop: threading.Event) -> None:
+    """Keep the last picture on the page until told to stop, or until the simulator or the viewer ends."""
     progress.say("the run is over; the page stays until Ctrl-C")
     progress.doing("over; the page stays until Ctrl-C")
-    while not stop.is_set() and {SERVER, VIEWER} <= set(children.living):
-        children.news(0.2)
+
+    def over() -> bool | None:
+        return True if stop.is_set() or not {SERVER, VIEWER} <= set(children.running) else None
+
+    children.wait(over, "Ctrl-C", math.inf, interval=INTERVAL)
 
 
 def _follow(
-    plan: LaunchSpec,
+    spec: LaunchSpec,
     children: ChildProcesses,
     watch: Watch,
     record: RunRecord,
@@ -198,40 +219,47 @@ def _follow(
 ) -> _Finished:
     """Watch the run until it finishes."""
     begun = time.monotonic()
-    running = False
-    while True:
-        news = children.news(0.1)
-        waited = time.monotonic() - begun
-        if isinstance(news, Line) and news.child == SERVER:
-            verb, values = parse(news.text)
-            if verb == "running" and not running:
-                running = True
-                stopwatch.begin()
-            elif verb == "ended":
-                stopwatch.end()
-                return _Finished("ended", tick=_number(values.get("tick")), hash=values.get("hash"))
-            elif verb == "miss":
-                stopwatch.end()
-                return _Finished("missed", _missed(children, values), _number(values.get("tick")))
-        elif isinstance(news, Line) and news.child == LABORATORY and parse(news.text)[0] == "miss":
-            stopwatch.end()
-            return _Finished("missed", _with_tail(children, LABORATORY, news.text))
-        elif isinstance(news, Exited) and news.child == VIEWER:
-            progress.say(_with_tail(children, VIEWER, f"{news.how}; the run goes on without a page"))
-        elif isinstance(news, Exited) and (news.child in (SERVER, LABORATORY) or news.code != 0):
-            stopwatch.end()
-            return _died(children, news)
-        watch.pour(record)
+    has_page = spec.view is not None
+
+    def look() -> _Finished | None:
+        nonlocal has_page
+        if children.find_line(SERVER, "running") is not None:
+            stopwatch.begin()
+        finish = _printed(children, spec)
+        if finish is not None:
+            return finish
+        if has_page and (exited := children.exited(VIEWER)) is not None:
+            progress.say(_with_tail(children, VIEWER, f"{exited.how}; the run continues without a page"))
+            has_page = False
+        for child, exited in children.exits.items():
+            if child in (SERVER, LABORATORY) or (child != VIEWER and exited.code != 0):
+                return _died(children, exited)
+        watch.drain(record)
         progress.follow(record)
         if stop.is_set():
-            stopwatch.end()
             return _Finished("interrupted")
-        if not running and waited > START_LIMIT:
+        if not stopwatch.begun and time.monotonic() - begun > START_LIMIT:
             awaited = ", ".join(record.clock.waiting) if record.clock else ""
-            return _Finished("overtime", f"not running after {START_LIMIT:.0f} s, waiting for {awaited or 'nobody'}")
-        if waited > plan.timeout:
-            stopwatch.end()
-            return _Finished("overtime", f"broken off after {plan.timeout:.0f} s of wall time")
+            return _Finished("overtime", f"not running after {START_LIMIT:.0f} s; waiting for {awaited or 'nobody'}")
+        return None
+
+    try:
+        finish = children.wait(look, "end of the run", spec.timeout, interval=INTERVAL)
+    except WaitError:
+        finish = _Finished("overtime", f"aborted after {spec.timeout:.0f} s of wall time")
+    stopwatch.end()
+    return finish
+
+
+def _printed(children: ChildProcesses, spec: LaunchSpec) -> _Finished | None:
+    """Return how the run finished by what a simulator printed, or None."""
+    if (values := children.find_line(SERVER, "miss")) is not None:
+        return _Finished("missed", _missed(children, values), _number(values.get("tick")))
+    if (values := children.find_line(SERVER, "ended")) is not None:
+        return _Finished("ended", tick=_number(values.get("tick")), hash=values.get("hash"))
+    if spec.scene.bridge and (values := children.find_line(LABORATORY, "miss")) is not None:
+        return _Finished("missed", _with_tail(children, LABORATORY, f"missed tick {values.get('tick', '?')}"))
+    return None
 
 
 def _died(children: ChildProcesses, exited: Exited) -> _Finished:
@@ -246,25 +274,24 @@ def _missed(children: ChildProcesses, values: Mapping[str, str]) -> str:
 
 def _with_tail(children: ChildProcesses, child: str, what: str) -> str:
     tail = children.tail(child)
-    words = f"{child}: {what}"
-    return "\n".join([f"{words}; the last lines of {children.log_of(child)}:", *(f"  {line}" for line in tail)])
+    return "\n".join([f"{child}: {what}; the last lines of {children.log_of(child)}:", *(f"  {line}" for line in tail)])
 
 
 def _number(text: str | None) -> int | None:
     return int(text) if text is not None and text.isdecimal() else None
 
 
-def _result(plan: LaunchSpec, record: RunRecord, finish: _Finished, wall: float) -> Result:
+def _result(spec: LaunchSpec, record: RunRecord, finish: _Finished, wall: float) -> Result:
     clock = record.clock
     tick = finish.tick if finish.tick is not None else clock.tick if clock else 0
-    verdict = judge(plan.scene, plan.floor, record, ended=finish.how == "ended")
-    simulated = tick * plan.scene.period
+    verdict = judge(spec.scene, spec.floor, record, ended=finish.how == "ended")
+    simulated = tick * spec.scene.period
     return Result(
-        scene=plan.scene.name,
-        map=plan.floor.name,
-        seed=plan.scene.seed,
-        pace=plan.pace,
-        world=plan.world,
+        scene=spec.scene.name,
+        map=spec.floor.name,
+        seed=spec.scene.seed,
+        pace=spec.pace,
+        world=spec.world,
         run=record.run,
         finish=finish.how,
         words=finish.words,

@@ -1,6 +1,6 @@
-"""Whether a run did what its scene says must hold. Pure: a scene, its floor and a record in, a verdict out.
+"""Whether a run met the conditions of its scene. Pure: a scene, its floor and a record in, a verdict out.
 
-Judged by true poses and by events, never by what an agent believes of itself.
+The verdict uses true poses and events only, never what an agent believes about itself.
 """
 
 from __future__ import annotations
@@ -13,19 +13,20 @@ from intellwheels_experiments.run.run_record import RunRecord
 from intellwheels_schemas.messages import Map, Scene
 
 
-class Row(Struct, frozen=True, kw_only=True):
+class AgentResult(Struct, frozen=True, kw_only=True):
     """What one agent of the cast did.
 
     Attributes:
         name: The agent.
         mind: Its mind, as the scene names it.
         robot: Its body, as the scene names it.
-        place: The place it had to reach, None if none.
-        distance: Of its centre of movement from that place when last seen, in m; None without either.
-        reached: Whether that distance is within what the scene asks; None without a place.
-        contacts: Episodes of contact.
-        path: Length of its path as far as seen, a lower bound, in m.
-        turned: Greatest turn away from its first heading, in rad, in [0, pi].
+        place: The place that it had to reach; None without one.
+        distance: From its centre of movement to that place when last seen, in m; None if there is no place, or if the
+            agent was never seen.
+        reached: Whether the distance is within the scene's limit; None without a place.
+        contacts: Number of contacts. A contact that lasts counts once.
+        path: Length of its path as far as it was seen, in m: a lower bound.
+        turned: Largest angle from its first heading, in rad, in [0, pi].
         seen: Whether it was seen at all.
     """
 
@@ -42,18 +43,18 @@ class Row(Struct, frozen=True, kw_only=True):
 
 
 class Verdict(Struct, frozen=True, kw_only=True):
-    """What came of a run.
+    """The verdict on a run.
 
     Attributes:
-        held: Whether everything held that had to.
-        failed: A sentence for each thing that did not.
-        agents: A row for each of the cast, in its order.
-        contacts: Number of contacts of the run: two bodies that touch are one.
+        held: Whether all conditions held.
+        failed: A sentence for each condition that did not.
+        agents: One result per agent of the cast, in its order.
+        contacts: Number of contacts of the run. A contact of two bodies counts once.
     """
 
     held: bool
     failed: tuple[str, ...]
-    agents: tuple[Row, ...]
+    agents: tuple[AgentResult, ...]
     contacts: int
 
 
@@ -61,42 +62,42 @@ def judge(scene: Scene, floor: Map, record: RunRecord, *, ended: bool = True) ->
     """Return the verdict on a run.
 
     Args:
-        scene: What was run.
-        floor: The floor of the scene, for its places.
-        record: What was seen.
-        ended: Whether the run came to its end; one that was broken off does not hold.
+        scene: The scene that was run.
+        floor: Its floor, for the places.
+        record: What was seen of the run.
+        ended: Whether the run reached its end. The conditions of an aborted run do not hold.
     """
-    rows = _rows(scene, floor, record)
+    agents = _agents(scene, floor, record)
     contacts = record.counts.get("contact", 0)
     failed = []
     if not ended:
-        failed.append("the run did not come to its end")
+        failed.append("the run did not reach its end")
         if not record.tracks:
-            # What was never begun fell short of everything, which helps nobody to see why.
-            return Verdict(held=False, failed=tuple(failed), agents=rows, contacts=contacts)
-    failed += [f"agent {row.name!r} was never seen" for row in rows if not row.seen]
+            # A run that never began misses every condition. Listing them would hide the cause.
+            return Verdict(held=False, failed=tuple(failed), agents=agents, contacts=contacts)
+    failed += [f"agent {agent.name!r} was never seen" for agent in agents if not agent.seen]
     hold = scene.hold
     if hold is not None and hold.contacts is not None:
-        # A body's own count stands even when more happened than the simulator keeps events for.
-        most = max([contacts, *(row.contacts for row in rows)])
+        # A body's own count is complete even where the simulator no longer has all events.
+        most = max([contacts, *(agent.contacts for agent in agents)])
         if most > hold.contacts:
             failed.append(f"contacts: expected at most {hold.contacts}, got {most}")
     if hold is not None and hold.reached == "all":
-        failed += [_shortfall(row) for row in rows if row.reached is False]
-    return Verdict(held=not failed, failed=tuple(failed), agents=rows, contacts=contacts)
+        failed += [_shortfall(agent) for agent in agents if agent.reached is False]
+    return Verdict(held=not failed, failed=tuple(failed), agents=agents, contacts=contacts)
 
 
-def _rows(scene: Scene, floor: Map, record: RunRecord) -> tuple[Row, ...]:
+def _agents(scene: Scene, floor: Map, record: RunRecord) -> tuple[AgentResult, ...]:
     places = {place.name: place for place in floor.grid.position} if floor.grid else {}
     goals = {reach.agent: reach for reach in scene.end.reach} if scene.end else {}
-    rows = []
+    agents = []
     for cast in scene.cast:
         reach = goals.get(cast.name)
         place = places[reach.place] if reach else None
         track = record.tracks.get(cast.name)
         distance = math.hypot(track.last.x - place.x, track.last.y - place.y) if track and place else None
-        rows.append(
-            Row(
+        agents.append(
+            AgentResult(
                 name=cast.name,
                 mind=cast.mind,
                 robot=cast.robot,
@@ -110,10 +111,10 @@ def _rows(scene: Scene, floor: Map, record: RunRecord) -> tuple[Row, ...]:
                 seen=track is not None,
             )
         )
-    return tuple(rows)
+    return tuple(agents)
 
 
-def _shortfall(row: Row) -> str:
-    if row.distance is None:
-        return f"agent {row.name!r} did not reach {row.place!r}"
-    return f"agent {row.name!r} did not reach {row.place!r}: {row.distance:.2f} m short of it"
+def _shortfall(agent: AgentResult) -> str:
+    if agent.distance is None:
+        return f"agent {agent.name!r} did not reach {agent.place!r}"
+    return f"agent {agent.name!r} did not reach {agent.place!r}: it ended {agent.distance:.2f} m away"

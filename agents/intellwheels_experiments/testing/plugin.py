@@ -1,13 +1,13 @@
-"""Test an agent with pytest over real processes: the fixture `intellwheels` starts worlds and ends them.
+"""The pytest fixture `intellwheels`: tests an agent in a simulated world, with real processes.
 
-    def test_chair_touches_nobody(intellwheels):
+    def test_chair_touches_nothing(intellwheels):
         sim = intellwheels(floor="corner", seed="1")
         sim.agent("chair1", mind="my_mind.py", robot="rear-wheel", place="leader")
         sim.run_until(lambda now: now["chair1"].x > 8.0, seconds=20.0)
         assert sim.contacts == []
 
-`rig.Rig` says all that a world can do. pytest loads this file at every start, in projects that have nothing to do with
-us too: what is heavy is imported when the fixture is used.
+`python -m pydoc intellwheels_experiments.testing.rig` describes everything that `sim` can do. pytest loads this file
+whenever it starts, in other projects too. So heavy modules are imported only when the fixture is used.
 """
 
 from __future__ import annotations
@@ -27,10 +27,12 @@ RIGS = pytest.StashKey[list["Rig"]]()
 
 @pytest.fixture
 def intellwheels(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[Callable[..., Rig]]:
-    """Start a world: `intellwheels(floor="corner", pace="lockstep", seed="1")`; takes what `rig.Rig` takes.
+    """Start simulated worlds for a test, each as a running `Rig`.
 
-    Relative paths start from the test's own folder. All processes end with the test; when it fails, its report shows
-    what they printed last.
+    For example `sim = intellwheels(floor="corner", seed="1")`. The arguments are those of `Rig` other than `logs`;
+    `python -m pydoc intellwheels_experiments.testing.rig` describes them. A test may start several worlds. Relative
+    paths start at the folder of the test file. All processes end with the test. If it fails, its report shows what they
+    printed last.
     """
     from intellwheels_experiments.testing.rig import Rig  # noqa: PLC0415 - heavy, see above
 
@@ -40,17 +42,17 @@ def intellwheels(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[Cal
         def start(**options: Any) -> Rig:
             folder = options.pop("folder", request.path.parent)
             rig = Rig(tmp_path / f"intellwheels-{len(rigs) + 1}", folder=folder, **options)
-            # Before it starts, so that a start that fails is reported too.
+            # Noted before it starts, so that a failed start is reported too.
             rigs.append(rig)
             return stack.enter_context(rig)
 
         yield start
 
 
-# The older form of a wrapper: a user's pytest may be older than ours.
+# The old form of a hook wrapper, as a user's pytest may be older than ours.
 @pytest.hookimpl(hookwrapper=True)
 def pytest_runtest_makereport(item: pytest.Item) -> Generator[None, Any, None]:
-    """Show what the processes of a failing test printed."""
+    """Add what the processes printed to the report of a failed test."""
     outcome = yield
     report = outcome.get_result()
     if report.failed:

@@ -1,25 +1,32 @@
-"""A simulator, agents and faults for a test, as real processes. It knows no test framework; `plugin` is for pytest.
+"""A simulator, agents and faults for tests, as real processes. `plugin` makes it a pytest fixture.
 
-In lockstep the world stands between calls and goes one step at a time within them: every tick is looked at, and none
-is made beyond the one at which a condition held. At the other paces it goes on by itself and what it publishes is
-looked at. Nothing is waited for by sleeping, and every wait has a deadline.
+    with Rig(Path("logs"), floor="corner", seed="1") as sim:
+        sim.agent("chair1", mind="my_mind.py", robot="rear-wheel", place="leader")
+        sim.run_until(lambda now: now["chair1"].x > 8.0, seconds=20.0)
+        assert sim.contacts == []
+
+In lockstep, the default, the world stands still between the calls. Within a call it advances one tick at a time, so a
+condition sees every tick, and no tick follows the one at which it held. At the other paces the world runs by itself,
+and a condition sees what the world publishes.
+
+Lengths are in m, angles in rad, speeds in m/s. Simulated times are in s since the start of the run. Every wait has a
+deadline.
 """
 
 from __future__ import annotations
 
 import importlib.util
 import math
-import signal
 import threading
 import time
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from contextlib import ExitStack, contextmanager, suppress
+from contextlib import ExitStack, suppress
 from itertools import chain
 from pathlib import Path
 from typing import Any, Final, Self
 
+from intellwheels_experiments.run.child_processes import DEADLINE, SLICE, WaitError
 from intellwheels_experiments.run.launch_spec import resolved
-from intellwheels_experiments.run.run_processes import DEADLINE, SLICE, AwaitedError
 from intellwheels_experiments.run.world_watch import WorldWatch, watching
 from intellwheels_experiments.testing.history import AbsentError, History, Moment, Point
 from intellwheels_experiments.testing.process_group import GRACE, WORLD, ProcessGroup
@@ -30,23 +37,33 @@ from intellwheels_schemas.link import Link
 from intellwheels_schemas.messages import Event, Miss, Pace, Result, Step
 
 ROUNDING: Final = 1e-9
-"""Seconds by which a simulated time may be short of what was asked for: sums of periods round."""
+"""Seconds by which a simulated time may be too short, as sums of periods are rounded."""
 
 
 class Rig(ProcessGroup):
-    """A world on a free port of this machine with the agents of a test. To be used in a `with`.
+    """A world at a free port of this machine, with the agents of a test. Use it in a `with`, which ends all processes.
 
     Args:
-        logs: The folder of the processes' logs; it is made if it is not there.
-        floor: A shipped floor or a path; default: the scene's, or `room`.
-        scene: A shipped scene or a path, for its floor, seed, period and end; `cast` starts its agents.
-        pace: What makes a tick begin; default: the scene's, or `lockstep`.
-        seed: All noise follows from it; default: the scene's, or `1`.
-        miss: In lockstep, of an answer that does not come: end the run (`strict`) or go on (`elastic`).
-        speed: Times real time, at pace `realtime`.
-        router: Whether the agents meet the simulator at a router, which can be cut.
-        words: Further words for `iw-server`, such as `("--truth", "--grace", "1")`.
-        folder: Where relative paths start from; default: the working directory.
+        logs: The folder of the processes' logs. It is made if it does not exist.
+        floor: A shipped floor or the path of one. Default: the scene's floor, or `room`.
+        scene: A shipped scene or the path of one, for its floor, seed, period and end. `cast` starts its agents.
+        pace: `lockstep`, `realtime` or `free`. Default: the scene's pace, or `lockstep`.
+        seed: The seed of all noise. Default: the scene's seed, or `1`.
+        miss: What happens in lockstep if an answer does not come: `strict` ends the run, `elastic` continues without
+            it. Default: the scene's choice, or `strict`.
+        speed: Multiple of real time, at pace `realtime`.
+        router: Whether the agents connect to the simulator through a router, which `cut_router` can kill.
+        arguments: Further arguments for `iw-server`, such as `("--truth", "--grace", "1")`.
+        folder: Where relative paths start. Default: the working directory.
+
+    Attributes:
+        pace: The pace of the world.
+        endpoint: The Zenoh endpoint at which the simulator listens.
+        processes: The child processes, for their ids and logs.
+
+    Raises:
+        WireError: The scene cannot be read.
+        WaitError: On entering the `with`: the simulator did not get ready.
     """
 
     def __init__(
@@ -60,7 +77,7 @@ class Rig(ProcessGroup):
         miss: Miss | None = None,
         speed: float = 1.0,
         router: bool = False,
-        words: Sequence[str] = (),
+        arguments: Sequence[str] = (),
         folder: Path | None = None,
     ) -> None:
         self._source = None if scene is None else resolved(scene, folder)
@@ -75,7 +92,7 @@ class Rig(ProcessGroup):
             chosen += ["--speed", repr(speed)]
         if self.pace == "free":
             chosen += ["--open-loop"]
-        super().__init__(logs, [*chosen, *words], router=router, folder=folder)
+        super().__init__(logs, [*chosen, *arguments], router=router, folder=folder)
         self._history = History()
         self._watch: WorldWatch | None = None
         self._session = ExitStack()
@@ -96,23 +113,23 @@ class Rig(ProcessGroup):
         self.close()
 
     def close(self) -> None:
-        """End everything. More than once does nothing."""
+        """End all processes. A second call does nothing."""
         self._session.close()
         super().close()
 
     def _begin(self) -> None:
-        """Start the simulator and be connected to it."""
+        """Start the simulator and connect to it."""
         if importlib.util.find_spec("numba") is None:
-            raise AwaitedError(
-                "the simulator is not installed: expected the extra of `pip install intellwheels[server]`"
+            raise WaitError(
+                "the simulator is not installed: expected the extra `server`, as by `pip install intellwheels[server]`"
             )
         self._start_simulator()
         link = Link(WORLD, connect=(self.endpoint,))
-        stands = self.pace == "lockstep"
-        self._watch = self._session.enter_context(watching(link, threading.Event(), listens=not stands))
-        if stands:
+        steps = self.pace == "lockstep"
+        self._watch = self._session.enter_context(watching(link, threading.Event(), subscribes=not steps))
+        if steps:
             self.ctl("pause")
-        self._look()
+        self._query()
 
     # ------------------------------------------------------------ agents
 
@@ -127,82 +144,92 @@ class Rig(ProcessGroup):
         may_end: bool = False,
         **options: object,
     ) -> None:
-        """Start an agent as a process of its own and wait until it joined.
+        """Start an agent as a process of its own and wait until it has joined.
 
         Args:
             name: Its name.
-            mind: A shipped mind, the path of a Python file, or the command of any program: its words, in which
-                `{endpoint}`, `{world}` and `{name}` are replaced; they are in its environment too, as IW_ENDPOINT ...
-            robot: Its body, a shipped robot or a path; default: the mind's own. Not for a command.
-            place: Where it starts, a place of the floor; default: any that is free. Not for a command.
-            encoding: What it speaks, `json` or `xml`. Not for a command.
-            may_end: Whether it may end otherwise than with code 0 without the test failing.
-            options: Options of the mind; with a capital letter, fields of its robot. Not for a command.
+            mind: A shipped mind, the path of a Python file, or the command of any program as a sequence of arguments.
+                In a command `{endpoint}`, `{world}` and `{name}` are replaced. The program also finds them in its
+                environment, as IW_ENDPOINT, IW_WORLD and IW_NAME.
+            robot: Its body: a shipped robot or the path of one. Default: the mind's own. Not for a command.
+            place: The place of the floor where it starts. Default: any free place. Not for a command.
+            encoding: The encoding of its messages, `json` or `xml`. Not for a command.
+            may_end: Whether the process may end with another code than 0. Otherwise that fails the test.
+            options: Options of the mind. Names that begin with a capital letter set fields of its robot, such as
+                `MotorNoise=0.02`. Not for a command.
 
         Raises:
-            AwaitedError: It did not join.
+            WireError: The name is not a valid name of an agent.
+            ValueError: A command was given with a robot, a place or options.
+            WaitError: It did not join, or a process ended.
         """
-        self._watched().look(self._history)
-        since = self._history.wanted
+        self._watched().query(self._history)
+        since = self._history.next_missing
         self._start_agent(name, mind, robot, place, encoding, options)
         if may_end:
             self._may_end.add(self._child(name))
         self._await_joined([name], since)
 
     def cast(self, *names: str) -> None:
-        """Start agents of the scene, by default all, and wait until all of them joined.
+        """Start agents of the scene and wait until all of them have joined.
+
+        Args:
+            names: The names of the agents. Default: all of the scene.
 
         Raises:
-            AwaitedError: One did not join, or there is no scene.
-            LookupError: The scene has nobody of a name.
+            WaitError: There is no scene, an agent did not join, or a process ended.
+            LookupError: The scene has no agent of such a name.
         """
         if self._scene is None or self._source is None:
-            raise AwaitedError("cast: expected a scene, got a floor only")
+            raise WaitError("cast: expected a rig with a scene, got one with a floor only")
         folder = Path(self._source).parent if Path(self._source).is_absolute() else None
         known = [cast.name for cast in self._scene.cast]
         for name in names:
             if name not in known:
-                raise LookupError(f"cast: expected one of the scene's ({', '.join(known) or 'none'}), got {name!r}")
-        wanted = [cast for cast in self._scene.cast if not names or cast.name in names]
-        self._watched().look(self._history)
-        since = self._history.wanted
-        for cast in wanted:
-            self._start_agent_of(cast, folder, "json")
-        self._await_joined([cast.name for cast in wanted], since)
+                agents = ", ".join(known) or "none"
+                raise LookupError(f"cast: expected an agent of the scene ({agents}), got {name!r}")
+        chosen = [cast for cast in self._scene.cast if not names or cast.name in names]
+        self._watched().query(self._history)
+        since = self._history.next_missing
+        for cast in chosen:
+            self._start_cast(cast, folder, "json")
+        self._await_joined([cast.name for cast in chosen], since)
 
     def _await_joined(self, names: Iterable[str], since: int) -> None:
-        missing = list(names)
+        wanted = list(names)
 
         def joined() -> bool | None:
             self._check()
-            self._look()
-            come = {
+            present = {
                 event.agent for event in self.events if event.code in ("joined", "returned") and event.number >= since
             }
-            return True if come.issuperset(missing) else None
+            return True if present.issuperset(wanted) else None
 
-        self.processes.wait(joined, f"join of {', '.join(missing)}", unless=self._simulator)
+        self.processes.wait(joined, f"join of {', '.join(wanted)}", unless=self._simulator)
 
     # ------------------------------------------------------------ time
 
     def run_until(self, condition: Callable[[Moment], object] | None = None, seconds: float = 20.0) -> Moment:
-        """Let the world go on until a condition holds, and return the moment at which it did.
+        """Let the world run until a condition holds.
 
-        In lockstep the condition sees every tick, and the world stands at that tick; at other paces it sees what is
-        published.
+        In lockstep the condition sees every tick, and the world stops at the tick at which it held. At the other paces
+        it sees the states that the world publishes.
 
         Args:
-            condition: Is shown each moment, the present one first. None: the time alone. One that looks at a body that
-                is not there does not hold.
-            seconds: Simulated seconds after which it is given up.
+            condition: Called with each moment, the present one first. It does not hold while it looks up a body that
+                is absent. None: run for `seconds`.
+            seconds: The simulated time in s within which the condition must hold.
+
+        Returns:
+            The moment at which the condition held.
 
         Raises:
-            AwaitedError: The condition did not hold, the run came to its end, or a process died.
-            ValueError: `seconds` is no time that ends.
+            WaitError: The condition did not hold in time, the run ended, or a process ended that should not have.
+            ValueError: `seconds` is negative or not finite.
         """
         __tracebackhide__ = True
         if not 0.0 <= seconds < math.inf:
-            raise ValueError(f"seconds: expected simulated seconds from 0 on, got {seconds}")
+            raise ValueError(f"seconds: expected a finite number of simulated seconds, at least 0, got {seconds}")
         begun = self.now
         until = begun.time + seconds - ROUNDING
         for now in chain([begun], self._moments(begun, seconds)):
@@ -216,156 +243,146 @@ class Rig(ProcessGroup):
                 if condition is None:
                     return now
                 what = f"run_until: the condition did not hold within {seconds:g} s of simulated time{why}"
-                raise AwaitedError(f"{what}\n{now.describe()}")
-        raise AssertionError("unreachable")  # moments go on or raise
+                raise WaitError(f"{what}\n{now.describe()}")
+        raise AssertionError("unreachable")  # the moments have no end
 
     def run_for(self, seconds: float) -> Moment:
-        """Let the world go on for so many simulated seconds and return the moment then.
+        """Let the world run for some simulated seconds, and return the moment then.
 
         Raises:
-            AwaitedError: The run came to its end, or a process died.
+            WaitError: The run ended, or a process ended that should not have.
+            ValueError: `seconds` is negative or not finite.
         """
         __tracebackhide__ = True
         return self.run_until(None, seconds)
 
     def _moments(self, begun: Moment, seconds: float) -> Iterator[Moment]:
-        """Yield the moments after this one, without end; the world goes on as far as they are taken."""
+        """Yield the moments after this one, without end. In lockstep the world advances with each one taken."""
         if self.pace == "lockstep":
             while True:
                 yield self._step()
         factor = self._speed if self.pace == "realtime" else 1.0
         deadline = time.monotonic() + seconds / factor + DEADLINE
         watch, history = self._watched(), self._history
-        history.fresh.clear()
+        history.unread.clear()
         while True:
             self._check(SLICE)
-            watch.pour(history)
-            # The event may come before the state it is in.
+            watch.drain(history)
+            # The event may arrive before the state of its tick.
             over = history.ended is not None
             if over:
-                watch.look(history)
-            while history.fresh:
-                now = history.fresh.popleft()
+                watch.query(history)
+            while history.unread:
+                now = history.unread.popleft()
                 if over or now.tick != begun.tick:
                     yield now
             if over:
-                raise AwaitedError(f"the run came to its end\n{self.now.describe()}")
+                raise WaitError(f"the run ended\n{self.now.describe()}")
             if time.monotonic() > deadline:
-                raise AwaitedError(f"the simulated time does not go on\n{self.now.describe()}")
+                raise WaitError(f"the simulated time does not advance\n{self.now.describe()}")
 
     def _step(self) -> Moment:
         try:
             result = self._watched().control("step", Step(count=1), DEADLINE)
         except ConnectionError as error:
-            # The reason is in its log, once it is gone.
-            self.processes.wait(lambda: self.processes.ended(self._simulator), f"answer of the simulator ({error})")
+            # The simulator's log says why, once its process has ended.
+            self.processes.wait(lambda: self.processes.exited(self._simulator), f"answer of the simulator ({error})")
             self._check()
             raise
         if result.code == "failed":
-            # It may be about to end; then its own words say why.
-            with suppress(AwaitedError):
+            # The simulator may be about to end. Then its log says why.
+            with suppress(WaitError):
                 self.processes.exit(self._simulator, GRACE)
         self._check()
-        self._history.fresh.clear()
-        self._look()
+        self._history.unread.clear()
+        self._query()
         if result.code != "ok":
-            raise AwaitedError(f"the world does not go on: {result.text or result.code}\n{self._newest().describe()}")
+            raise WaitError(f"the world does not advance: {result.text or result.code}\n{self._newest().describe()}")
         return self._newest()
 
     def ctl(self, verb: Verb, **fields: Any) -> Result:
-        """Ask the simulator for a control verb, such as `ctl("delete", agent="chair1")`; return its answer.
+        """Ask the simulator for a control verb, such as `ctl("delete", agent="chair1")`.
 
         Args:
             verb: The verb.
-            fields: Its fields by their names in `intellwheels_schemas.messages`.
+            fields: The fields of its message, with their names in `intellwheels_schemas.messages`.
+
+        Returns:
+            The answer. Its `code` is `ok`, or says why the simulator refused.
 
         Raises:
-            ConnectionError: There was no answer.
+            ConnectionError: No answer came in time.
         """
         return self._watched().control(verb, VERB_CLASSES[verb](**fields), DEADLINE)
 
-    # ------------------------------------------------------------ what is seen
+    # ------------------------------------------------------------ what happened
 
     @property
     def now(self) -> Moment:
-        """The world as it is, asked for."""
-        self._look()
+        """The present moment, queried from the simulator."""
+        self._query()
         return self._newest()
 
     @property
     def events(self) -> tuple[Event, ...]:
-        """All events of the newest run, in order."""
+        """All events of the present run, in order."""
         return self.now.events
 
     @property
     def contacts(self) -> list[tuple[str, str]]:
-        """Who touched whom in the newest run, in order: two bodies, or a body and `wall`."""
+        """The pairs that came into contact in the present run, in order: two bodies, or a body and `wall`."""
         return self.now.contacts
 
     def pose(self, name: str) -> Point:
-        """Return where a body is now.
+        """Return the present time and the true pose of a body.
 
         Raises:
-            AbsentError: It is not there.
+            AbsentError: There is no such body.
         """
         now = self.now
         body = now[name]
         return Point(now.time, body.x, body.y, body.heading)
 
     def path(self, name: str) -> list[Point]:
-        """Return where a body was in the newest run: in lockstep at every tick, else as far as published.
+        """Return the true poses of a body in the present run: in lockstep of every tick, else of the published states.
 
         Raises:
-            AbsentError: It was never there.
+            AbsentError: There was no such body.
         """
-        self._look()
+        self._query()
         if name not in self._history.paths:
-            there = ", ".join(self._history.paths) or "nobody"
-            raise AbsentError(f"expected a body that was there ({there}), got {name!r}")
+            known = ", ".join(self._history.paths) or "none"
+            raise AbsentError(f"expected one of the bodies of this run ({known}), got {name!r}")
         return list(self._history.paths[name])
 
-    # ------------------------------------------------------------ within, and what others do to it
+    # ------------------------------------------------------------ restart
 
     def restart_simulator(self) -> None:
-        """Kill the simulator and start it anew; wait until all agents that live joined the new run.
+        """Kill the simulator, start it again, and wait until all running agents have joined the new run.
+
+        Frozen agents are not awaited.
 
         Raises:
-            AwaitedError: One did not.
+            WaitError: The simulator did not get ready, or an agent did not join.
         """
         self._session.close()
         self._kill_simulator()
         self._history = History()
         awake = self._awake()
-        # Who joins before the new world stands would make it go on by a chance number of ticks.
-        with self._held(awake if self.pace == "lockstep" else ()):
+        # An agent that joins before the new world is paused would let it run for a random number of ticks.
+        with self._stopped(awake if self.pace == "lockstep" else ()):
             self._begin()
         self._await_joined(awake, 0)
 
-    @contextmanager
-    def _held(self, names: Iterable[str]) -> Iterator[None]:
-        held = [self._child(name) for name in names]
-
-        def signal_all(number: signal.Signals) -> None:
-            for child in held:
-                # One that is gone is not held; `_check` will say so.
-                with suppress(ProcessLookupError):
-                    self.processes.signal(child, number)
-
-        signal_all(signal.SIGSTOP)
-        try:
-            yield
-        finally:
-            signal_all(signal.SIGCONT)
-
     def _watched(self) -> WorldWatch:
         if self._watch is None:
-            raise ValueError("expected a rig that was entered with `with`")
+            raise ValueError("expected a rig in a `with`, got one that was not started")
         return self._watch
 
-    def _look(self) -> None:
-        self._watched().look(self._history)
+    def _query(self) -> None:
+        self._watched().query(self._history)
 
     def _newest(self) -> Moment:
         if self._history.newest is None:
-            raise AwaitedError(f"the simulator does not say how the world is\n{self.processes.report()}")
+            raise WaitError(f"the simulator did not report the state of the world\n{self.processes.report()}")
         return self._history.newest

@@ -1,1 +1,1 @@
-"""The log of a run: what it holds, how it is run again, sought, cut and traced. Knows no service."""
+"""Input logs: written, read, run again, played, branched and traced. Nothing here imports `service`."""

@@ -1,8 +1,8 @@
-"""A run that begins as another went: up to a tick the inputs are those of its log, from there on those that come.
+"""A branch: a run that repeats the log of another run up to a tick, and from there follows its own agents.
 
-Whoever joins lives through the ticks before as well, perceives what was perceived and is asked for answers, which are
-not obeyed: at the branch a mind has the memory it would have. Up to there the states are the parent's, to the hash; a
-body that is another than the parent's shows at once.
+Agents join at tick 0. Before the branch they get the same measures as in the parent run and are asked for answers,
+which have no effect; so at the branch a mind remembers what it would remember in the parent run. Up to the branch all
+states equal those of the parent, to the hash, and a body that differs from the parent's is noticed at once.
 """
 
 from __future__ import annotations
@@ -23,13 +23,13 @@ _NOTES: Final = ("paused", "resumed", "speed")
 
 @dataclass(frozen=True, slots=True)
 class Branch:
-    """What of a log a branch takes.
+    """The part of a log that a branch repeats.
 
     Attributes:
-        header: Of the log.
-        at: The first tick that is not taken.
+        header: The first line of the log.
+        at: The first tick that is not repeated.
         lines: The steps before it, by tick.
-        agents: Who joined before the first step: whom the branch awaits.
+        agents: The agents that joined before the first step, for which the branch waits.
     """
 
     header: Header
@@ -38,32 +38,32 @@ class Branch:
     agents: tuple[str, ...]
 
     def inputs(self, tick: int) -> Inputs | None:
-        """Return what acted on the step from a tick, less who joined; None from the branch on."""
+        """Return what acted on the step from a tick, without joins; None from the branch on."""
         line = self.lines.get(tick)
         return None if line is None else msgspec.structs.replace(line.inputs, changes=())
 
     def differs(self, tick: int, hashed: str) -> str | None:
-        """Return in words that the step from a tick led elsewhere than in the parent, if it did."""
+        """Return how the hash after the step from a tick differs from the parent's, or None if it does not."""
         line = self.lines.get(tick)
         if line is None or line.hash == hashed:
             return None
         return f"tick {tick + 1}: expected the parent's hash {line.hash}, got {hashed}"
 
     def setup(self, changes: Mapping[str, object]) -> Setup:
-        """Return what the world is made of: as the parent's, with changes."""
+        """Return the setup of the parent, with changes."""
         return msgspec.structs.replace(self.header.world_setup(), **changes)
 
 
 def read_branch(path: Path, at: int) -> Branch:
-    """Return what a branch takes of a log.
+    """Return the part of a log that a branch repeats.
 
     Args:
         path: The log of one run, as `iw-server --runs` or `iw-run` writes it.
-        at: The tick to branch at.
+        at: The tick of the branch.
 
     Raises:
-        LogError: The file is no log, has no such tick, or has changes before it that nobody can make again.
-        OSError: It cannot be read.
+        LogError: The file is no log, has no such tick, or has changes before it that a branch cannot repeat.
+        OSError: The file cannot be read.
     """
     lines: dict[int, Line] = {}
     agents: list[str] = []

@@ -1,8 +1,4 @@
-"""The input log: what a run is a function of, one line a tick.
-
-JSON Lines. A header says what the world was made of; each line after it has what acted on a tick and the hash of the
-state that came of it. A line with `"Stepped": false` changed the world without a step: a reset, or what came last.
-"""
+"""Writes and reads the input log: what a run is a function of, one line per tick. `file_records` declares its lines."""
 
 from __future__ import annotations
 
@@ -11,48 +7,24 @@ import platform
 from collections.abc import Iterator
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
-from typing import IO, Annotated, Final
+from typing import IO, Final
 
 import msgspec
-from msgspec import Meta
 
-from intellwheels_schemas.messages import End, Hex, Map
+from intellwheels_schemas import file_records
+from intellwheels_schemas.errors import WireError
+from intellwheels_schemas.file_records import DEFAULT_WORLD, FORMAT, InputHeader, InputTick, WorldRules
 from intellwheels_server.world import Setup
-from intellwheels_server.world.inputs import Inputs
 
-FORMAT: Final = "iw.v1"
-DEFAULT_WORLD: Final = "main"
-"""The world of a log that does not say it."""
 FLUSH_AFTER: Final = 1.0
-"""Seconds a line waits at most before it is in the file."""
+"""Seconds that a line is buffered at most."""
+
+Line = InputTick
+"""A line after the header."""
 
 
-class Rules(msgspec.Struct, frozen=True, kw_only=True, rename="pascal"):
-    """What a world is made of besides map, seed and period. Bounds are those of `iw-server`'s options."""
-
-    say_limit: Annotated[int, Meta(ge=1, le=1000)]
-    say_range: Annotated[float, Meta(gt=0.0)]
-    command_timeout: Annotated[float, Meta(gt=0.0)]
-    truth: bool
-    strict: bool
-    end: End | None = None
-    say_walls: bool = False
-    say_loss: Annotated[float, Meta(ge=0.0, le=1.0)] = 0.0
-    say_delay: Annotated[float, Meta(ge=0.0, le=3600.0)] = 0.0
-
-
-class Header(msgspec.Struct, frozen=True, kw_only=True, rename="pascal"):
+class Header(InputHeader, frozen=True, kw_only=True):
     """The first line."""
-
-    log: str
-    run: Hex
-    map: Map
-    seed: str
-    period: Annotated[float, Meta(ge=0.001, le=1.0)]
-    setup: Rules
-    world: str = DEFAULT_WORLD
-    versions: dict[str, str] = {}
-    cpu: str = ""
 
     def world_setup(self) -> Setup:
         """Return what the world is made of."""
@@ -72,15 +44,6 @@ class Header(msgspec.Struct, frozen=True, kw_only=True, rename="pascal"):
         )
 
 
-class Line(msgspec.Struct, frozen=True, kw_only=True, rename="pascal", omit_defaults=True):
-    """What acted on the step from `tick`, and the hash after it; without a step, the hash at `tick`."""
-
-    tick: int
-    inputs: Inputs
-    hash: str
-    stepped: bool = True
-
-
 class LogError(ValueError):
     """A log that cannot be read; the text says where."""
 
@@ -90,13 +53,13 @@ _parse = msgspec.json.Decoder(Line).decode
 
 
 class Log:
-    """A log being written. Lines are kept back for about a second; `close` writes the rest.
+    """A log being written. Lines are buffered for about a second; `close` writes the rest.
 
     Args:
-        path: The file; what was there is lost.
+        path: The file; an existing one is replaced.
         setup: What the world is made of.
-        run: The run's name.
-        world: The world's name.
+        run: The name of the run.
+        world: The name of the world.
 
     Raises:
         OSError: The file cannot be written.
@@ -112,7 +75,7 @@ class Log:
             map=setup.floor,
             seed=setup.seed,
             period=setup.period,
-            setup=Rules(
+            setup=WorldRules(
                 say_limit=setup.say_limit,
                 say_range=setup.say_range,
                 say_walls=setup.say_walls,
@@ -131,21 +94,21 @@ class Log:
         self.flush()
 
     def write(self, line: Line, now: float) -> None:
-        """Keep a line, and write what was kept when it is old enough."""
+        """Add a line, and write the buffer to the file if a second has passed."""
         self._lines.append(_write(line))
         if now >= self._flush_at:
             self.flush()
             self._flush_at = now + FLUSH_AFTER
 
     def flush(self) -> None:
-        """Write what was kept."""
+        """Write the buffer to the file."""
         if self._lines:
             self._file.write(b"\n".join(self._lines) + b"\n")
             self._lines.clear()
         self._file.flush()
 
     def close(self) -> None:
-        """Write what was kept and close the file."""
+        """Write the buffer to the file and close it."""
         self.flush()
         self._file.close()
 
@@ -154,23 +117,20 @@ def read_header(file: IO[bytes], name: str) -> Header:
     """Return the first line of a log.
 
     Raises:
-        LogError: It is none.
+        LogError: It is not the header of an input log, or of a version that this release cannot read.
     """
-    first = file.readline()
     try:
-        header = msgspec.json.decode(first, type=Header)
-    except (msgspec.MsgspecError, UnicodeDecodeError) as error:
-        raise LogError(f"{name}:1: expected the header of an input log, got {error}") from None
-    if header.log != FORMAT:
-        raise LogError(f"{name}:1: expected a log of format {FORMAT}, got {header.log!r}")
-    return header
+        header = file_records.read_header(InputHeader, file.readline(), f"{name}:1")
+    except WireError as error:
+        raise LogError(error.text) from None
+    return Header(**msgspec.structs.asdict(header))
 
 
 def read_lines(file: IO[bytes], name: str) -> Iterator[Line | None]:
-    """Yield the lines after the header; a last line that was cut is None.
+    """Yield the lines after the header, and None for an incomplete last line.
 
     Raises:
-        LogError: A line that is not the last cannot be read.
+        LogError: A complete line cannot be read.
     """
     for number, text in enumerate(file, start=2):
         line = parse_line(text, f"{name}:{number}")
@@ -180,10 +140,10 @@ def read_lines(file: IO[bytes], name: str) -> Iterator[Line | None]:
 
 
 def parse_line(text: bytes, where: str) -> Line | None:
-    """Return one line after the header, or None when it is a last one that was cut.
+    """Return a line after the header, or None for an incomplete last line.
 
     Raises:
-        LogError: It cannot be read.
+        LogError: A complete line cannot be read.
     """
     try:
         return _parse(text)

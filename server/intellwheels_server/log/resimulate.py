@@ -1,4 +1,4 @@
-"""Running a log again: the same inputs must give the same hash at every tick."""
+"""Re-simulation: the inputs of a log must give the recorded hash at every tick."""
 
 from __future__ import annotations
 
@@ -11,15 +11,15 @@ from intellwheels_server.world import Outputs, State, advance, apply, begin, dig
 
 
 @dataclass(frozen=True, slots=True)
-class Finding:
-    """What came of running a log again.
+class Resimulation:
+    """The result of a re-simulation.
 
     Attributes:
-        ticks: Steps that were made.
-        tick: Where the run is.
-        hash: The hash after the last step, which is the one a run that ended told; who left after it does not count.
-        cut: Whether the last line was cut and dropped.
-        differs: In words, the first tick whose hash differs, or None.
+        ticks: Steps made.
+        tick: The last tick.
+        hash: The hash after the last step, as the run printed it; leaves after that step are ignored.
+        cut: Whether the last line was incomplete and dropped.
+        differs: Where the first hash differs, as text, or None.
     """
 
     ticks: int
@@ -30,10 +30,10 @@ class Finding:
 
 
 def first_state(header: Header, name: str) -> State:
-    """Return the state at the beginning of a log.
+    """Return the first state of a log.
 
     Raises:
-        LogError: There is no such world.
+        LogError: No such world can be made.
     """
     try:
         return begin(header.world_setup(), header.run)
@@ -42,10 +42,10 @@ def first_state(header: Header, name: str) -> State:
 
 
 def replay(state: State, line: Line, where: str) -> tuple[State, Outputs]:
-    """Return the state after a line of a log, and what came out.
+    """Return the state after a line of a log, and its outputs.
 
     Raises:
-        LogError: The line is of another tick.
+        LogError: The line belongs to another tick.
     """
     if not line.stepped:
         return apply(state, line.inputs.changes)
@@ -55,19 +55,19 @@ def replay(state: State, line: Line, where: str) -> tuple[State, Outputs]:
 
 
 def difference(state: State, line: Line, number: int, found: str) -> str:
-    """Return in words that the hash after a line is not the recorded one."""
+    """Return a text that says where a hash differs from the recorded one."""
     return f"tick {line.tick} of run {state.run} (line {number}): expected hash {line.hash}, got {found}"
 
 
-def resimulate(path: Path, progress: Callable[[int], None] = lambda _ticks: None) -> Finding:
-    """Run a log again and compare every hash.
+def resimulate(path: Path, progress: Callable[[int], None] = lambda _ticks: None) -> Resimulation:
+    """Run a log again and compare every hash, up to the first that differs.
 
     Args:
         path: The log.
-        progress: Called with the number of steps, every thousand.
+        progress: Called with the number of steps, every thousand steps.
 
     Raises:
-        LogError: The file is no log, or its lines do not follow each other.
+        LogError: The file is no log, or a line is missing.
         OSError: The file cannot be read.
     """
     with path.open("rb") as file:
@@ -76,7 +76,7 @@ def resimulate(path: Path, progress: Callable[[int], None] = lambda _ticks: None
         steps, last = 0, digest(state)
         for number, line in enumerate(read_lines(file, str(path)), start=2):
             if line is None:
-                return Finding(steps, state.tick, last, cut=True)
+                return Resimulation(steps, state.tick, last, cut=True)
             state, _ = replay(state, line, f"{path}:{number}")
             if line.stepped:
                 steps += 1
@@ -86,5 +86,5 @@ def resimulate(path: Path, progress: Callable[[int], None] = lambda _ticks: None
             if line.stepped:
                 last = found
             if found != line.hash:
-                return Finding(steps, state.tick, found, differs=difference(state, line, number, found))
-    return Finding(steps, state.tick, last)
+                return Resimulation(steps, state.tick, found, differs=difference(state, line, number, found))
+    return Resimulation(steps, state.tick, last)

@@ -1,8 +1,8 @@
-"""A folder with a file of each run: its input log, and its trace.
+"""A folder with the input log and the trace of each run.
 
-A world that is reset goes on in the same process; here each of its runs stands alone. Its log begins with the bodies
-joining where they stand, so that running it again needs nothing of the runs before. A run that began from a saved
-state has no such beginning and no log, a trace only. What was never stepped leaves no file.
+A reset begins a new run in the same process. Here each run has files of its own. Its log begins with joins of the
+bodies where they are, so that it can be run again without the earlier runs. A run that begins from a saved state cannot
+be written so; it has a trace but no log. A run without a step leaves no files.
 """
 
 from __future__ import annotations
@@ -24,12 +24,12 @@ TRACE: Final = "trace.jsonl"
 
 
 class RunFiles:
-    """The files of the run that goes on, each a line a tick.
+    """The files of the current run, with one line for each tick.
 
     Args:
-        folder: Made if it is not there; each run has a folder of its name in it.
-        world: The world's name.
-        state: Returns the state as it is.
+        folder: Is made if needed; each run gets a folder of its name in it.
+        world: The name of the world.
+        state: Returns the current state.
     """
 
     def __init__(self, folder: Path, world: str, state: Callable[[], State]) -> None:
@@ -43,12 +43,12 @@ class RunFiles:
         self._events: list[Event] = []
         self._time = 0.0
 
-    def happened(self, event: Event) -> None:
-        """Keep an event for the line of its tick."""
+    def add_event(self, event: Event) -> None:
+        """Add an event to the line of its tick."""
         self._events.append(event)
 
     def record(self, tick: int, inputs: Inputs, digest: str, *, stepped: bool) -> None:
-        """Take a line of the input log, which has been acted on."""
+        """Write a line of the input log and of the trace. The state is the one after the line."""
         state = self._state()
         if not stepped:
             if state.run != self._run:
@@ -65,7 +65,7 @@ class RunFiles:
             self.close()
 
     def close(self) -> None:
-        """End the files of this run."""
+        """Close the files of this run."""
         if self._log is not None:
             self._log.close()
         if self._trace is not None:
@@ -82,7 +82,7 @@ class RunFiles:
         self._trace.write(msgspec.json.encode(heading_of(state)) + b"\n")
         waiting, self._waiting = self._waiting, None
         if waiting is None or waiting[0].run != state.run:
-            # Who joins before the first step is in its line.
+            # Joins before the first step are in the line of that step.
             self._log = Log(place / LOG, state.setup, state.run, self._world)
             return
         first, hashed = waiting
@@ -99,13 +99,13 @@ class RunFiles:
 
 
 def _joins(state: State) -> tuple[Join, ...]:
-    """Return how those who are here would join where they started."""
+    """Return joins that put all bodies where they started."""
     joins = []
     for name in state.names:
-        figure = state.body_set.figures[name]
-        robot = msgspec.structs.replace(figure.robot, position=figure.start, place=None)
+        model = state.body_set.models[name]
+        robot = msgspec.structs.replace(model.robot, position=model.start, place=None)
         joins.append(Join(agent=name, robot=robot))
-        if figure.mind_input:
-            mind = msgspec.structs.replace(robot, role="mind", user_input=figure.mind_input)
+        if model.mind_input:
+            mind = msgspec.structs.replace(robot, role="mind", user_input=model.mind_input)
             joins.append(Join(agent=name, robot=mind))
     return tuple(joins)

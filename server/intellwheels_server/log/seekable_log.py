@@ -1,7 +1,7 @@
-"""A log as something to move about in: any tick of it, forth and back.
+"""A log in which any tick can be reached, forwards and backwards.
 
-Reading it runs it once and keeps a state now and then; states are values, so keeping one is keeping a reference.
-Going to a tick runs it again from the nearest kept state before it.
+Opening it runs it once and keeps a state now and then as a keyframe. States never change, so a keyframe is only a
+reference. To reach a tick, the log is run again from the last keyframe before it.
 """
 
 from __future__ import annotations
@@ -22,18 +22,18 @@ from intellwheels_server.log.resimulate import difference, first_state, replay
 from intellwheels_server.world import State, advance, apply, digest
 
 BUDGET: Final = 0.05
-"""Seconds of running a log from one kept state to the next, at first."""
+"""Seconds that it takes, at first, to run a log from one keyframe to the next."""
 KEYFRAMES: Final = 1024
-"""States kept at most; when there are more, every other one is dropped."""
+"""Most keyframes; when there are more, every other one is dropped."""
 
 
 class Place(NamedTuple):
-    """Where in a log one is.
+    """A position in a log, and the state there.
 
     Attributes:
-        position: How many of its lines have been run.
-        state: As watchers saw it: with the changes of its tick made, those of the step that follows too.
-        events: What happened on the way here, if the way was one move.
+        position: How many lines have been run.
+        state: The state as subscribers saw it: all changes at its tick are made, also those in the line of its step.
+        events: What happened since the last place, if this is the next one.
     """
 
     position: int
@@ -42,18 +42,18 @@ class Place(NamedTuple):
 
 
 class Span(NamedTuple):
-    """A run of the log, and the position at which it begins."""
+    """A run of the log, and the position where it begins."""
 
     run: str
     first: int
 
 
 class Keyframes:
-    """States along a log, so far apart that running it from one to the next takes a moment only.
+    """States along a log, close enough that running it from one to the next takes only a moment.
 
     Args:
-        budget: Seconds from one to the next, about.
-        most: States kept; when there are more, every other one is dropped and the budget doubled.
+        budget: Seconds of running from one to the next, roughly.
+        most: Keyframes kept; when there are more, every other one is dropped and the budget is doubled.
     """
 
     def __init__(self, budget: float = BUDGET, most: int = KEYFRAMES) -> None:
@@ -67,12 +67,12 @@ class Keyframes:
         return len(self._states)
 
     def offer(self, position: int, state: State, cost: float) -> None:
-        """Keep a state, if one is due.
+        """Keep a state if a keyframe is due. To be called for every position in order, from 0.
 
         Args:
-            position: Of every state in order, from 0 on.
-            state: There.
-            cost: Seconds that it took to come here from the position before.
+            position: The position.
+            state: The state there.
+            cost: Seconds that it took to run the line before it.
         """
         self._cost += cost
         if self._states and self._cost < self.budget:
@@ -85,7 +85,7 @@ class Keyframes:
             del self._positions[1::2], self._states[1::2]
 
     def before(self, position: int) -> tuple[int, State]:
-        """Return the last kept state at or before a position that was offered, and its position."""
+        """Return the last keyframe at or before a position, and its position."""
         i = bisect_right(self._positions, position) - 1
         return self._positions[i], self._states[i]
 
@@ -95,16 +95,16 @@ class SeekableLog:
 
     Attributes:
         header: Its first line.
-        cut: Whether its last line was cut and dropped.
-        differs: In words, the first tick whose hash is not the recorded one, or None.
-        end: The last position there is to show: who left after the last step, as all do in the end, is shown still.
+        cut: Whether its last line was incomplete and dropped.
+        differs: Where the first hash differs from the recorded one, as text, or None.
+        end: The last position that is shown: the last step. Leaves after it are not shown.
 
     Args:
-        path: The log; it is read again as one moves about.
-        progress: Called with the number of lines, every thousand.
+        path: The log; lines are read again when they are needed.
+        progress: Called with the number of lines, every thousand lines.
 
     Raises:
-        LogError: The file is no log, or its lines do not follow each other.
+        LogError: The file is no log, or a line is missing.
         OSError: The file cannot be read.
     """
 
@@ -122,8 +122,8 @@ class SeekableLog:
             self.header = read_header(self._file, self._name)
             self._spans = [Span(self.header.run, 0)]
             self._run_through(progress)
-            # Where all joined takes long to make again, and is where one goes back to most.
-            self._beginning = self._settle(*self._keyframes.before(0), ())
+            # The place after all joins takes long to compute, and is the one most often returned to.
+            self._beginning = self._with_changes(*self._keyframes.before(0), ())
         except BaseException:
             self.close()
             raise
@@ -160,29 +160,29 @@ class SeekableLog:
             if position % 1000 == 0:
                 progress(position)
 
-    # ------------------------------------------------------------ what there is
+    # ------------------------------------------------------------ contents
 
     @property
     def runs(self) -> tuple[str, ...]:
-        """The names of the runs in it, in their order."""
+        """The names of its runs, in order."""
         return tuple(span.run for span in self._spans)
 
     def ticks(self, run: str) -> tuple[int, int] | None:
-        """Return the first and the last tick of a run, or None when it is not in the log."""
+        """Return the first and the last tick of a run, or None if it is not in the log."""
         bounds = self._bounds(run)
         return None if bounds is None else (self._ticks[bounds[0]], self._ticks[bounds[1]])
 
     def events(self, run: str, tick: int) -> Iterator[Event]:
-        """Return the events of a run up to a tick, that tick's too."""
+        """Return the events of a run up to and including a tick."""
         return takewhile(lambda event: event.tick <= tick, self._events.get(run, ()))
 
-    # ------------------------------------------------------------ moving about
+    # ------------------------------------------------------------ moving
 
     def go_to(self, run: str, tick: int) -> Place:
         """Return the place at a tick of a run.
 
         Raises:
-            LookupError: There is no such run or tick, in words.
+            LookupError: There is no such run or tick; the text says what there is.
         """
         bounds, ticks = self._bounds(run), self.ticks(run)
         if bounds is None or ticks is None:
@@ -196,19 +196,19 @@ class SeekableLog:
         while position < wanted:
             state, _ = replay(state, self._line(position), self._name)
             position += 1
-        return self._settle(position, state, ())
+        return self._with_changes(position, state, ())
 
-    def go_on(self, place: Place) -> Place:
-        """Return the place one tick on, or where the next run begins. The log must not be at its end."""
+    def next_place(self, place: Place) -> Place:
+        """Return the place at the next tick, or where the next run begins. The place must not be at the end."""
         line = self._line(place.position)
         if line.stepped:
             state, outputs = advance(place.state, msgspec.structs.replace(line.inputs, changes=()))
         else:
             state, outputs = apply(place.state, line.inputs.changes)
-        return self._settle(place.position + 1, state, outputs.events)
+        return self._with_changes(place.position + 1, state, outputs.events)
 
-    def _settle(self, position: int, state: State, events: tuple[Event, ...]) -> Place:
-        """Make the changes of this tick, up to its step or to where another run begins."""
+    def _with_changes(self, position: int, state: State, events: tuple[Event, ...]) -> Place:
+        """Return the place with the changes of its tick made, up to its step or the beginning of another run."""
         while position < self.end:
             line = self._line(position)
             if not line.stepped and self._span(position + 1) != self._span(position):
@@ -234,5 +234,7 @@ class SeekableLog:
         self._file.seek(self._offsets[position])
         line = parse_line(self._file.readline(), f"{self._name}:{position + 2}")
         if line is None:
-            raise LogError(f"{self._name}:{position + 2}: expected the line that was there, it was cut since")
+            raise LogError(
+                f"{self._name}:{position + 2}: expected the line that was there, got none: the file has changed"
+            )
         return line

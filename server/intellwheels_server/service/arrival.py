@@ -1,4 +1,4 @@
-"""What arrives from the network, as plain data: all that the live run knows of it."""
+"""What arrives from the network, as plain data: all that the rest of the service knows of it."""
 
 from __future__ import annotations
 
@@ -18,11 +18,11 @@ class Put(NamedTuple):
     """A message on a key that agents or users write.
 
     Attributes:
-        agent: Whose key it is.
+        agent: The agent in the key.
         kind: Which of its keys.
-        data: The payload.
+        data: The payload; empty if it was too long to keep.
         encoding: Zenoh's encoding, as text.
-        size: Bytes that came; more than `len(data)` when the payload was too long to keep.
+        size: Bytes that arrived; more than `len(data)` if the payload was too long.
     """
 
     agent: str
@@ -33,7 +33,7 @@ class Put(NamedTuple):
 
 
 class Token(NamedTuple):
-    """The presence of an agent's role began or ended."""
+    """A liveliness token of one role of an agent appeared or disappeared."""
 
     agent: str
     role: Role
@@ -42,20 +42,20 @@ class Token(NamedTuple):
 
 
 @dataclass(slots=True, eq=False)
-class Ask:
+class Query:
     """A query that waits for its reply.
 
     Attributes:
         topic: What is asked for.
-        name: Agent or verb; empty where there is none, or none that could be.
+        name: The agent or verb in the key; empty if the key has none or an invalid one.
         data: The payload.
-        encoding: Zenoh's encoding, as text; says also how to answer.
+        encoding: Zenoh's encoding of the payload, as text. Replies use it too.
         send: Sends one reply: the message, its encoding, whether it is an ordinary reply or an error reply, and the
-            last chunk of its key where that is not the query's.
+            last chunk of its key where that differs from the key of the query.
         close: Ends the query; no reply may be sent after it.
-        parameters: What stands behind the `?`.
-        matches: Whether a last chunk of the key is asked for.
-        wild: Whether the key has wildcards.
+        parameters: What follows the `?` of the selector.
+        matches: Returns whether the key expression matches a key with this last chunk.
+        has_wildcards: Whether the key expression has wildcards.
     """
 
     topic: Topic
@@ -66,10 +66,10 @@ class Ask:
     close: Callable[[], None]
     parameters: Mapping[str, str] = field(default_factory=dict)
     matches: Callable[[str], bool] = lambda _name: True
-    wild: bool = False
+    has_wildcards: bool = False
 
     def reply_encoding(self) -> Encoding:
-        """Return how to answer: as asked, else as the question was written, else JSON."""
+        """Return the encoding of replies: XML if the query was XML, else JSON."""
         try:
             found = encoding_of(self.encoding, self.data)
         except WireError:
@@ -86,12 +86,12 @@ class Ask:
         self.send(message, self.reply_encoding(), False, None)
         self.close()
 
-    def replies(self, messages: Mapping[str, Record]) -> None:
-        """Send replies on keys that end with these names and end the query."""
+    def reply_each(self, messages: Mapping[str, Record]) -> None:
+        """Send one reply for each entry, on a key that ends with its name, and end the query."""
         encoding = self.reply_encoding()
         for name, message in messages.items():
             self.send(message, encoding, True, name)
         self.close()
 
 
-Arrival = Put | Token | Ask
+Arrival = Put | Token | Query

@@ -1,8 +1,8 @@
-"""The lockstep barrier: whose answer to a tick is awaited, and for how long. Pure: time is passed in.
+"""The lockstep barrier: which answers to a tick are still missing, and how long to wait. Pure: time is passed in.
 
-A barrier is opened for a tick, takes one answer of each kind from each member, and may close when none is
-awaited. Strict: whoever misses the deadline ends the run. Elastic: a miss keeps the last command, the
-third in a row puts the body to rest, and a body at rest is not waited for until it answers again.
+A barrier opens for a tick, takes one answer of each kind from each member, and is complete when none is missing.
+Strict: a missed deadline ends the run. Elastic: after a miss the last command stays in force; after the third miss in
+a row the body is put to rest, and the barrier does not wait for it until it answers again.
 """
 
 from __future__ import annotations
@@ -14,25 +14,25 @@ from intellwheels_server.world.inputs import Verdict
 
 AnswerKind = Literal["actions", "pose"]
 Answer = tuple[str, AnswerKind]
-"""An agent, and what of it is awaited."""
+"""An agent, and the kind of message expected of it."""
 
-Reception = Literal["first", "same", "again"]
-"""How an answer is taken: it counts; it came before to the byte; another came before."""
+AnswerResult = Literal["first", "duplicate", "conflict"]
+"""What an answer is: the first one, which counts; the same bytes again; other bytes after the first one."""
 
 MISSES: Final = 3
 """Misses in a row that put a body to rest."""
 FIRST_REPEAT: Final = 0.02
-"""Seconds after which unanswered measures are put again, then twice as long, and so on: what drops is made good."""
+"""Seconds after which unanswered measures are sent again; the time doubles with each repetition."""
 
 STALL: Final = 0.25
-"""Seconds after which a barrier that awaits somebody is shown as waiting."""
+"""Seconds after which the clock shows an incomplete barrier as waiting."""
 
 
 class Barrier:
-    """Answers to one tick after the other.
+    """The answers to one tick after the other.
 
     Args:
-        strict: A miss ends the run; else it is made good.
+        strict: Whether a miss ends the run.
         deadline: Wall time within which an answer must come, s.
     """
 
@@ -53,29 +53,29 @@ class Barrier:
     # ------------------------------------------------------------ one tick
 
     def open(self, answers: Iterable[Answer], now: float) -> None:
-        """Await these answers; of bodies at rest they are taken, but not awaited."""
+        """Expect these answers. Bodies at rest may answer, but the barrier does not wait for them."""
         self._before, self._answers = self._answers, {}
         rested = self._rested
         self._awaited = {answer for answer in answers if answer[0] not in rested} if rested else set(answers)
         self._idle = bool(rested) and not self._awaited
-        self.rearm(now)
+        self.restart_timers(now)
 
-    def join(self, answers: Iterable[Answer]) -> None:
-        """Await these too: their member came while the run was paused."""
+    def add(self, answers: Iterable[Answer]) -> None:
+        """Expect these answers too: their member joined while the barrier was open."""
         self._awaited.update(answer for answer in answers if answer not in self._answers)
 
-    def rearm(self, now: float) -> None:
-        """Count all times from now, after a pause."""
+    def restart_timers(self, now: float) -> None:
+        """Measure all times from now, after a pause."""
         self._opened = now
         self._repeat_after = FIRST_REPEAT
         self._repeat_at = now + FIRST_REPEAT
 
-    def answer(self, agent: str, kind: AnswerKind, data: bytes) -> Reception:
-        """Take a member's answer to the open tick and return how it was taken."""
+    def answer(self, agent: str, kind: AnswerKind, data: bytes) -> AnswerResult:
+        """Take a member's answer to the open tick and return whether it is the first one."""
         key = (agent, kind)
         earlier = self._answers.get(key)
         if earlier is not None:
-            return "same" if earlier == data else "again"
+            return "duplicate" if earlier == data else "conflict"
         self._answers[key] = data
         self._awaited.discard(key)
         if agent in self._rested:
@@ -85,42 +85,41 @@ class Barrier:
         return "first"
 
     def repeats(self, agent: str, kind: AnswerKind, data: bytes) -> bool:
-        """Return whether these very bytes are the answer to this tick already: measures were put twice."""
+        """Return whether the answer to this tick has exactly these bytes: the agent got its measures twice."""
         return self._answers.get((agent, kind)) == data
 
     def repeats_late(self, agent: str, kind: AnswerKind, data: bytes) -> bool:
-        """Return whether a late message is, to the byte, the last answer that counted: measures were put twice.
+        """Return whether a late message repeats the last answer that counted: the agent got its measures twice.
 
-        Of messages that name no tick this must not be asked: equal bytes are then the answer to one tick after
-        the other.
+        Not for messages without a tick: there, equal bytes may be the answers to successive ticks.
         """
         key = (agent, kind)
         return self._answers.get(key) == data or self._before.get(key) == data
 
     def revive(self, agent: str) -> None:
-        """Note that a body at rest has answered, to whatever tick: it is awaited again from the next on."""
+        """Note that a body at rest has answered, to whatever tick: from the next tick on, the barrier waits for it."""
         if agent in self._rested:
             self._rested.discard(agent)
             self._misses.pop(agent, None)
             self._verdicts.append(Verdict(agent=agent, code="back"))
 
     def complete(self, now: float) -> bool:
-        """Return whether nothing is awaited.
+        """Return whether no answer is missing.
 
-        When all members are at rest, a tick takes the deadline or until one of them answers: a run does not
-        race away from those that may come back.
+        When all members are at rest, a tick lasts until one of them answers or the deadline passes, so that the run
+        does not race ahead of members that may come back.
         """
         if self._awaited:
             return False
         return not self._idle or bool(self._answers) or now >= self._opened + self.deadline
 
     def stalled(self, now: float) -> bool:
-        """Return whether an answer has been awaited for longer than a person would call at once."""
+        """Return whether an answer has been missing for so long that the clock shows it."""
         return (bool(self._awaited) or self._idle) and now >= self._opened + STALL
 
     @property
     def awaited(self) -> tuple[str, ...]:
-        """The names of those whose answer is missing, sorted."""
+        """The agents whose answer is missing, sorted."""
         return tuple(sorted({agent for agent, _ in self._awaited}))
 
     @property
@@ -128,24 +127,24 @@ class Barrier:
         """The bodies at rest."""
         return frozenset(self._rested)
 
-    # ------------------------------------------------------------ members that go
+    # ------------------------------------------------------------ members that come and go
 
-    def excuse(self, agent: str, kind: AnswerKind) -> None:
-        """Await this answer no more in this tick: its member has left."""
+    def cancel(self, agent: str, kind: AnswerKind) -> None:
+        """Do not wait for this answer in this tick: its member has left."""
         self._awaited.discard((agent, kind))
 
-    def renew(self, agent: str) -> None:
-        """Begin anew with an agent that joins in a body which stays: without misses, and no longer at rest."""
+    def reset_member(self, agent: str) -> None:
+        """Forget the misses and rest of an agent whose body gets a new mind or bridge."""
         self.revive(agent)
         self._misses.pop(agent, None)
 
     def forget(self, agent: str) -> None:
-        """Forget misses and rest of an agent whose body is gone."""
+        """Forget an agent whose body is gone."""
         self._misses.pop(agent, None)
         self._rested.discard(agent)
 
     def begin_new_run(self, rested: Iterable[str] = ()) -> None:
-        """Forget everything: a new run awaits all but those at rest in it."""
+        """Forget everything, except which bodies are at rest in the new run."""
         self._awaited.clear()
         self._answers, self._before = {}, {}
         self._idle = False
@@ -156,13 +155,13 @@ class Barrier:
     # ------------------------------------------------------------ time
 
     def due(self) -> float:
-        """Return when something must be done about what is awaited, in the caller's seconds."""
+        """Return when measures must be sent again or the deadline passes."""
         if self._awaited:
             return min(self._repeat_at, self._opened + self.deadline)
         return self._opened + self.deadline if self._idle else float("inf")
 
     def to_repeat(self, now: float) -> tuple[str, ...]:
-        """Return whose measures must be put again now, sorted; usually nobody's."""
+        """Return the agents whose measures must be sent again now, sorted; usually none."""
         if now < self._repeat_at or not self._awaited:
             return ()
         self._repeat_after *= 2.0
@@ -170,7 +169,7 @@ class Barrier:
         return self.awaited
 
     def missed(self, now: float) -> tuple[Answer, ...]:
-        """Return what missed the deadline, sorted; with `strict` the run is over, else it is awaited no more."""
+        """Return the answers that missed the deadline, sorted. If not strict, the barrier stops waiting for them."""
         if not self._awaited or now < self._opened + self.deadline:
             return ()
         missing = tuple(sorted(self._awaited))
@@ -187,6 +186,6 @@ class Barrier:
         return missing
 
     def verdicts(self) -> list[Verdict]:
-        """Return what was found since the last call, in order."""
+        """Return the verdicts since the last call, in order."""
         found, self._verdicts = self._verdicts, []
         return found

@@ -1,10 +1,12 @@
-"""What operators ask for with `ctl/<verb>`."""
+"""What operators ask for with `ctl/<verb>`.
+
+The class of the message decides which function handles it. `handle` has the messages that act at once; it queues all
+others for `change`, which has those that change the world.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from functools import partial
-from typing import Any, Final
+from functools import partial, singledispatch
 
 import msgspec
 
@@ -15,8 +17,14 @@ from intellwheels_schemas.messages import (
     Delete,
     Load,
     OperatorSay,
+    Pause,
+    Quit,
     Record,
     Reset,
+    Restore,
+    Resume,
+    Save,
+    Seek,
     Spawn,
     Speed,
     Step,
@@ -24,10 +32,11 @@ from intellwheels_schemas.messages import (
     Teleport,
 )
 from intellwheels_server.service import joining, outbound, saved_states
-from intellwheels_server.service.arrival import Ask
+from intellwheels_server.service.arrival import Query
 from intellwheels_server.service.new_run import begin_new_run
+from intellwheels_server.service.pacing import PendingSteps
 from intellwheels_server.service.roster import OPERATOR, new_hex
-from intellwheels_server.service.service_state import ServiceState, Steps
+from intellwheels_server.service.service_state import ServiceState
 from intellwheels_server.world import Outcome
 from intellwheels_server.world.inputs import (
     DeleteBody,
@@ -40,210 +49,230 @@ from intellwheels_server.world.inputs import (
     TeleportBody,
 )
 
-
-def ask_ctl(service: ServiceState, ask: Ask, now: float) -> None:
-    """Take an operator's wish; it is answered with how it went."""
-    message = read_verb(service, ask)
-    if message is None:
-        return
-    match ask.name:
-        case "seek":
-            ask.reply(service.result("unsupported", "this run is live: only a log that is played can be sought"))
-        case "pause":
-            _pause(service, ask, now)
-        case "resume":
-            _resume(service, ask, now)
-        case "step":
-            _step_on(service, ask, message, now)
-        case "quit":
-            ask.reply(service.result("ok"))
-            service.out.note(f"quit tick={service.state.tick}")
-            service.exit = 0
-        case _:
-            service.later(partial(_VERBS[ask.name], service, ask, message))
+MAX_NOTED_SPEED = 100.0
+"""Largest speed that an event can carry."""
 
 
-def read_verb(service: ServiceState, ask: Ask) -> Record | None:
-    """Return what is asked for; None when it cannot be read, which the asker is told."""
-    cls = VERB_CLASSES.get(ask.name)
+def handle_control(service: ServiceState, query: Query, now: float) -> None:
+    """Take a control message; the reply says how it went."""
+    message = read_message(service, query)
+    if message is not None:
+        handle(message, service, query, now)
+
+
+def read_message(service: ServiceState, query: Query) -> Record | None:
+    """Return the control message of a query, or None if it cannot be read, which the reply says."""
+    cls = VERB_CLASSES.get(query.name)
     if cls is None:
-        ask.refuse(service.result("unsupported", "no such verb"))
+        query.refuse(service.result("unsupported", "no such verb"))
         return None
     try:
         # A verb without fields needs no bytes.
-        data = ask.data or b"{}"
-        message: Record = decode(cls, data, encoding_of(ask.encoding, data) if ask.data else Encoding.JSON)
+        data = query.data or b"{}"
+        message: Record = decode(cls, data, encoding_of(query.encoding, data) if query.data else Encoding.JSON)
     except WireError as error:
-        ask.refuse(service.result("failed", error.text))
+        query.refuse(service.result("failed", error.text))
         return None
-    service.out.note(f"asked verb={ask.name} tick={service.state.tick}")
+    service.publisher.outlet.log_line(f"asked verb={query.name} tick={service.run.state.tick}")
     return message
 
 
-def _pause(service: ServiceState, ask: Ask, now: float) -> None:
-    if not service.paused:
-        service.paused = True
-        service.tachometer.stop()
-        service.change(now)
-        service.apply(Note(code="paused"), now)
+# ------------------------------------------------------------ messages that act at once
+
+
+@singledispatch
+def handle(message: Record, service: ServiceState, query: Query, _now: float) -> None:
+    """Handle a control message at once, or queue it if it changes the world."""
+    service.queue_change(partial(change, message, service, query))
+
+
+@handle.register
+def _seek(_message: Seek, service: ServiceState, query: Query, _now: float) -> None:
+    query.reply(service.result("unsupported", "this run is live; only a playback can seek"))
+
+
+@handle.register
+def _quit(_message: Quit, service: ServiceState, query: Query, _now: float) -> None:
+    query.reply(service.result("ok"))
+    service.publisher.outlet.log_line(f"quit tick={service.run.state.tick}")
+    service.exit = 0
+
+
+@handle.register
+def _pause(_message: Pause, service: ServiceState, query: Query, now: float) -> None:
+    if not service.pacing.paused:
+        service.pacing.paused = True
+        service.pacing.real_time_factor.reset()
+        service.make_queued_changes(now)
+        service.apply(Note(code="paused"))
         outbound.publish(service, now)
-        service.idle_power_at = now
-    ask.reply(service.result("ok"))
+        service.publisher.idle_power_at = now
+    query.reply(service.result("ok"))
 
 
-def _resume(service: ServiceState, ask: Ask, now: float) -> None:
-    service.close_steps("incorrect-state", "resumed before all steps were made")
-    service.change_if(now)
-    if service.state.ended:
-        service.apply(GoOn(), now)
-    if service.paused:
-        service.apply(Note(code="resumed"), now)
-        service.paused = False
-    service.metronome.start(now)
-    service.barrier.rearm(now)
-    service.tachometer.stop()
-    service.cadence.note()
-    ask.reply(service.result("ok"))
+@handle.register
+def _resume(_message: Resume, service: ServiceState, query: Query, now: float) -> None:
+    pacing = service.pacing
+    service.answer_steps("incorrect-state", "resumed before all steps were made")
+    if service.may_change():
+        service.make_queued_changes(now)
+    if service.run.state.ended:
+        service.apply(GoOn())
+    if pacing.paused:
+        service.apply(Note(code="resumed"))
+        pacing.paused = False
+    pacing.start_clock(now)
+    pacing.real_time_factor.reset()
+    service.publisher.schedule.mark_changed()
+    query.reply(service.result("ok"))
 
 
-def _step_on(service: ServiceState, ask: Ask, message: Any, now: float) -> None:
-    step: Step = message
-    if not service.paused:
-        ask.reply(service.result("incorrect-state", "expected a paused run"))
-    elif service.state.ended:
-        ask.reply(service.result("incorrect-state", "the run has ended; resume to go on"))
-    elif service.steps is not None:
-        ask.reply(service.result("incorrect-state", "steps are being made"))
-    elif service.held:
-        ask.reply(service.result("incorrect-state", f"waiting for {', '.join(service.missing())}"))
+@handle.register
+def _step(message: Step, service: ServiceState, query: Query, now: float) -> None:
+    pacing = service.pacing
+    if not pacing.paused:
+        query.reply(service.result("incorrect-state", "expected a paused run"))
+    elif service.run.state.ended:
+        query.reply(service.result("incorrect-state", "the run has ended; resume continues it"))
+    elif pacing.steps is not None:
+        query.reply(service.result("incorrect-state", "steps are being made"))
+    elif pacing.waiting_to_start:
+        query.reply(service.result("incorrect-state", f"waiting for {', '.join(service.missing_agents())}"))
     else:
-        service.steps = Steps(step.count, ask)
-        service.metronome.start(now)
-        service.barrier.rearm(now)
+        pacing.steps = PendingSteps(message.count, query)
+        pacing.start_clock(now)
 
 
-def _do_reset(service: ServiceState, ask: Ask, message: Any, now: float) -> None:
-    reset: Reset = message
-    seed = reset.seed if reset.seed is not None else service.state.setup.seed
-    _restart(service, ask, Restart(run=new_hex(), seed=seed, end=reset.end), now)
+# ------------------------------------------------------------ messages that change the world
 
 
-def _do_load(service: ServiceState, ask: Ask, message: Any, now: float) -> None:
-    load: Load = message
-    seed = load.seed if load.seed is not None else service.state.setup.seed
+@singledispatch
+def change(message: Record, _service: ServiceState, _query: Query, _now: float) -> None:
+    """Change the world as a control message asks, and answer it."""
+    raise TypeError(f"expected a control message, got {message!r}")
+
+
+@change.register
+def _reset(message: Reset, service: ServiceState, query: Query, now: float) -> None:
+    seed = message.seed if message.seed is not None else service.run.state.setup.seed
+    _restart(service, query, Restart(run=new_hex(), seed=seed, end=message.end), now)
+
+
+@change.register
+def _load(message: Load, service: ServiceState, query: Query, now: float) -> None:
+    seed = message.seed if message.seed is not None else service.run.state.setup.seed
     try:
-        floor = service.floor_of(load)
+        floor = service.load_floor(message)
     except WireError as error:
-        ask.reply(service.result("not-found" if load.map is None else "failed", error.text))
+        query.reply(service.result("not-found" if message.map is None else "failed", error.text))
         return
-    _restart(service, ask, Restart(run=new_hex(), seed=seed, map=floor, end=load.end), now)
+    _restart(service, query, Restart(run=new_hex(), seed=seed, map=floor, end=message.end), now)
 
 
-def _restart(service: ServiceState, ask: Ask, restart: Restart, now: float) -> None:
-    before = service.state
+def _restart(service: ServiceState, query: Query, restart: Restart, now: float) -> None:
+    before = service.run.state
     try:
-        outcome = service.apply(restart, now)
-    except ValueError as error:  # a floor that only the world finds wrong
+        outcome = service.apply(restart)
+    except ValueError as error:  # a fault of the floor that only the world finds
         if restart.map is None:
             raise
-        ask.reply(service.result("failed", f"Load.Map: {error}"))
+        query.reply(service.result("failed", f"Load.Map: {error}"))
         return
     if outcome.code != "ok":
-        ask.reply(service.result(outcome.code, outcome.text))
+        query.reply(service.result(outcome.code, outcome.text))
         return
     for agent in before.names:
-        service.leases.free(agent)
-    for bridge in service.bridges.values():
-        bridge.at, bridge.stale = now, False
+        service.agents.leases.release(agent)
+    for bridge in service.agents.bridges.values():
+        bridge.reported_at, bridge.stale = now, False
     begin_new_run(service, before, now)
-    ask.reply(service.result("ok"))
+    query.reply(service.result("ok"))
 
 
-def _do_speed(service: ServiceState, ask: Ask, message: Any, now: float) -> None:
-    speed: Speed = message
-    if service.options.pace != "realtime":
-        ask.reply(service.result("incorrect-state", f"the pace is {service.options.pace}: only real time has a speed"))
+@change.register
+def _speed(message: Speed, service: ServiceState, query: Query, now: float) -> None:
+    pacing = service.pacing
+    if pacing.pace != "realtime":
+        query.reply(service.result("incorrect-state", f"the pace is {pacing.pace}; only realtime has a speed"))
         return
-    service.metronome.change_speed(speed.factor, now)
-    service.tachometer.stop()
-    service.apply(Note(code="speed", speed=min(speed.factor, 100.0)), now)
-    ask.reply(service.result("ok"))
+    pacing.metronome.change_speed(message.factor, now)
+    pacing.real_time_factor.reset()
+    service.apply(Note(code="speed", speed=min(message.factor, MAX_NOTED_SPEED)))
+    query.reply(service.result("ok"))
 
 
-def _do_spawn(service: ServiceState, ask: Ask, message: Any, now: float) -> None:
-    spawn: Spawn = message
-    if spawn.robot.name == OPERATOR:
-        ask.reply(service.result("failed", f"Spawn.Robot.Name: the name '{OPERATOR}' is reserved for people"))
+@change.register
+def _spawn(message: Spawn, service: ServiceState, query: Query, _now: float) -> None:
+    name = message.robot.name
+    if name == OPERATOR:
+        query.reply(service.result("failed", f"Spawn.Robot.Name: the name '{OPERATOR}' is reserved for people"))
         return
-    outcome = service.apply(SpawnBody(robot=spawn.robot, position=spawn.position), now)
-    if outcome.code == "ok" and spawn.robot.name is not None:
-        service.out.body(spawn.robot.name, outbound.body_of(service, spawn.robot.name))
-    _reply_outcome(service, ask, outcome)
+    outcome = service.apply(SpawnBody(robot=message.robot, position=message.position))
+    if outcome.code == "ok" and name is not None:
+        outbound.publish_body(service, name)
+    _reply(service, query, outcome)
 
 
-def _do_delete(service: ServiceState, ask: Ask, message: Any, now: float) -> None:
-    delete: Delete = message
-    outcome = service.apply(DeleteBody(agent=delete.agent), now)
+@change.register
+def _delete(message: Delete, service: ServiceState, query: Query, _now: float) -> None:
+    agent = message.agent
+    outcome = service.apply(DeleteBody(agent=agent))
     if outcome.code == "ok":
-        seats = service.roster.seats(delete.agent)
-        joining.forget_body(service, delete.agent)
-        if seats:
-            joining.dismiss(service, seats[0])
+        members = service.agents.roster.members(agent)
+        joining.forget_body(service, agent)
+        if members:
+            joining.remove_member(service, members[0])
         else:
-            service.out.farewell(delete.agent)
-    _reply_outcome(service, ask, outcome)
+            service.publisher.outlet.undeclare_agent(agent)
+    _reply(service, query, outcome)
 
 
-def _do_teleport(service: ServiceState, ask: Ask, message: Any, now: float) -> None:
-    teleport: Teleport = message
-    change = TeleportBody(agent=teleport.agent, position=teleport.position)
-    _reply_outcome(service, ask, service.apply(change, now))
+@change.register
+def _teleport(message: Teleport, service: ServiceState, query: Query, _now: float) -> None:
+    _reply(service, query, service.apply(TeleportBody(agent=message.agent, position=message.position)))
 
 
-def _do_take(service: ServiceState, ask: Ask, message: Any, now: float) -> None:
-    take: Take = message
-    agent, holder = take.agent, service.leases.holder(take.agent)
-    if agent not in service.state.body_set.figures:
-        ask.reply(service.result("not-found", f"no agent '{agent}' here"))
-    elif holder is not None and take.lease != holder:
-        ask.reply(service.result("incorrect-state", f"agent '{agent}' is taken by somebody else"))
-    elif holder is None and take.lease is not None and take.seconds > 0.0:
-        ask.reply(service.result("incorrect-state", f"agent '{agent}': this lease is over; take it anew"))
-    elif take.seconds == 0.0:
-        service.leases.free(agent)
-        if holder is not None:
-            service.apply(TakeBody(agent=agent, on=False), now)
-        ask.reply(service.result("ok"))
+@change.register
+def _take(message: Take, service: ServiceState, query: Query, now: float) -> None:
+    agent, leases = message.agent, service.agents.leases
+    active = leases.active(agent)
+    if agent not in service.run.state.body_set.models:
+        query.reply(service.result("not-found", f"no agent '{agent}' here"))
+    elif active is not None and message.lease != active:
+        query.reply(service.result("incorrect-state", f"agent '{agent}' is taken by somebody else"))
+    elif active is None and message.lease is not None and message.seconds > 0.0:
+        query.reply(service.result("incorrect-state", f"agent '{agent}': this lease has ended; take it again"))
+    elif message.seconds == 0.0:
+        leases.release(agent)
+        if active is not None:
+            service.apply(TakeBody(agent=agent, on=False))
+        query.reply(service.result("ok"))
     else:
-        lease = holder or new_hex()
-        service.leases.grant(agent, lease, take.seconds, now)
-        if holder is None:
-            service.apply(TakeBody(agent=agent, on=True), now)
-        ask.reply(msgspec.structs.replace(service.result("ok"), lease=lease))
+        lease = active or new_hex()
+        leases.grant(agent, lease, message.seconds, now)
+        if active is None:
+            service.apply(TakeBody(agent=agent, on=True))
+        query.reply(msgspec.structs.replace(service.result("ok"), lease=lease))
 
 
-def _do_say(service: ServiceState, ask: Ask, message: Any, now: float) -> None:
-    say: OperatorSay = message
-    limit = service.state.setup.say_limit
-    if len(say.text) > limit:
-        ask.reply(service.result("failed", f"Say: expected at most {limit} characters, got {len(say.text)}"))
+@change.register
+def _say(message: OperatorSay, service: ServiceState, query: Query, _now: float) -> None:
+    limit = service.run.state.setup.say_limit
+    if len(message.text) > limit:
+        query.reply(service.result("failed", f"Say: expected at most {limit} characters, got {len(message.text)}"))
         return
-    _reply_outcome(service, ask, service.apply(Speech(text=say.text, to=say.to), now))
+    _reply(service, query, service.apply(Speech(text=message.text, to=message.to)))
 
 
-def _reply_outcome(service: ServiceState, ask: Ask, outcome: Outcome) -> None:
-    ask.reply(service.result(outcome.code, outcome.text or None))
+@change.register
+def _save(_message: Save, service: ServiceState, query: Query, _now: float) -> None:
+    saved_states.save(service, query)
 
 
-_VERBS: Final[Mapping[str, Callable[..., None]]] = {
-    "reset": _do_reset,
-    "load": _do_load,
-    "speed": _do_speed,
-    "spawn": _do_spawn,
-    "delete": _do_delete,
-    "teleport": _do_teleport,
-    "take": _do_take,
-    "say": _do_say,
-    "save": saved_states.save,
-    "restore": saved_states.restore,
-}
+@change.register
+def _restore(message: Restore, service: ServiceState, query: Query, now: float) -> None:
+    saved_states.restore(service, query, message, now)
+
+
+def _reply(service: ServiceState, query: Query, outcome: Outcome) -> None:
+    query.reply(service.result(outcome.code, outcome.text or None))

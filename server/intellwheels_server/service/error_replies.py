@@ -1,7 +1,8 @@
-"""What is said back to senders of wrong things, and how often. Pure: time is passed in.
+"""How many messages of a sender are read, and how many error replies it gets. Pure: time is passed in.
 
-A complaint costs more than the mistake: each agent's are limited, what was kept back is counted in the next, and
-senders that never joined share one limit. Nothing here grows with the number of mistakes or of their senders.
+An error reply costs more than the mistake, so each agent gets a limited number of them. The next reply says how many
+were suppressed. Senders that never joined share one limit. Memory does not grow with the number of mistakes or
+senders.
 """
 
 from __future__ import annotations
@@ -11,24 +12,25 @@ from typing import Final, NamedTuple
 
 from intellwheels_schemas.messages import ErrorCode
 
-RATE: Final = 5.0
-"""Complaints a second to one agent."""
-BURST: Final = 10.0
-"""Complaints in a row before the rate counts."""
+ERROR_RATE: Final = 5.0
+"""Error replies a second to one agent."""
+ERROR_BURST: Final = 10.0
+"""Error replies in a row before the rate applies."""
 STRANGERS: Final = 256
-"""Senders that have not joined, remembered by name."""
+"""Senders that have not joined whose names are remembered."""
 STRANGER_RATE: Final = 20.0
-"""Complaints a second to all of them together."""
+"""Error replies a second to all strangers together."""
 
 MESSAGE_BURST: Final = 64.0
-"""Messages in a row an agent may send before the rate counts."""
+"""Messages in a row that an agent may send before the rate applies."""
 MESSAGE_RATE: Final = 400.0
-"""Messages a second of wall time; and in lockstep so many more a tick as `MESSAGES_A_TICK`."""
-MESSAGES_A_TICK: Final = 4.0
+"""Messages a second of wall time that an agent may send."""
+MESSAGES_PER_TICK: Final = 4.0
+"""Messages that an agent may send in addition with each tick, as lockstep may run faster than the rate."""
 
 
 class Fault(NamedTuple):
-    """What was wrong: the fields of an `Error` that do not depend on when it goes out."""
+    """What is wrong with a message: the fields of an `Error` that do not depend on when it is sent."""
 
     code: ErrorCode
     text: str
@@ -37,7 +39,13 @@ class Fault(NamedTuple):
 
 
 class Bucket:
-    """A token bucket: so many at once, then at a rate."""
+    """A token bucket.
+
+    Args:
+        rate: Tokens added a second.
+        burst: Tokens it holds at most, and at first.
+        now: The current time, s.
+    """
 
     __slots__ = ("_burst", "_last", "_level", "_rate")
 
@@ -46,11 +54,11 @@ class Bucket:
         self._level, self._last = burst, now
 
     def add(self, amount: float) -> None:
-        """Put so much in, not over the brim."""
+        """Add tokens, up to the burst."""
         self._level = min(self._burst, self._level + amount)
 
     def take(self, now: float) -> bool:
-        """Take one out and return whether there was one."""
+        """Take a token and return whether there was one."""
         level = min(self._burst, self._level + (now - self._last) * self._rate)
         self._last = now
         if level < 1.0:
@@ -60,63 +68,69 @@ class Bucket:
         return True
 
 
-class _Ledger:
-    __slots__ = ("bucket", "kept_back")
+class _Account:
+    __slots__ = ("bucket", "suppressed")
 
     def __init__(self, now: float) -> None:
-        self.bucket = Bucket(RATE, BURST, now)
-        self.kept_back = 0
+        self.bucket = Bucket(ERROR_RATE, ERROR_BURST, now)
+        self.suppressed = 0
 
 
-class ErrorReplies:
-    """Decides which complaints go out."""
+class ErrorLimit:
+    """Decides which error replies are sent."""
 
     def __init__(self) -> None:
-        self._known: dict[str, _Ledger] = {}
-        self._strangers: OrderedDict[str, _Ledger] = OrderedDict()
+        self._known: dict[str, _Account] = {}
+        self._strangers: OrderedDict[str, _Account] = OrderedDict()
         self._all_strangers = Bucket(STRANGER_RATE, STRANGER_RATE, 0.0)
 
     def admit(self, agent: str, known: bool, now: float) -> int | None:
-        """Return how many were kept back since the last if one may go out to this agent now, else None."""
-        ledger = self._ledger(agent, known, now)
-        if ledger.bucket.take(now) and (known or self._all_strangers.take(now)):
-            kept_back, ledger.kept_back = ledger.kept_back, 0
-            return kept_back
-        ledger.kept_back += 1
+        """Return how many replies were suppressed since the last one if another may be sent now, else None.
+
+        Args:
+            agent: The sender of the faulty message.
+            known: Whether it has joined.
+            now: The current time, s.
+        """
+        account = self._account(agent, known, now)
+        if account.bucket.take(now) and (known or self._all_strangers.take(now)):
+            suppressed, account.suppressed = account.suppressed, 0
+            return suppressed
+        account.suppressed += 1
         return None
 
     def forget(self, agent: str) -> None:
         """Forget an agent that left."""
         self._known.pop(agent, None)
 
-    def _ledger(self, agent: str, known: bool, now: float) -> _Ledger:
+    def _account(self, agent: str, known: bool, now: float) -> _Account:
         if known:
-            return self._known.setdefault(agent, _Ledger(now)) if agent not in self._known else self._known[agent]
-        ledger = self._strangers.get(agent)
-        if ledger is None:
-            ledger = self._strangers[agent] = _Ledger(now)
+            return self._known.setdefault(agent, _Account(now)) if agent not in self._known else self._known[agent]
+        account = self._strangers.get(agent)
+        if account is None:
+            account = self._strangers[agent] = _Account(now)
             if len(self._strangers) > STRANGERS:
                 self._strangers.popitem(last=False)
-        return ledger
+        return account
 
 
-class Gate:
-    """Bounds how many messages of one sender are read: a flood costs its sender, not the run."""
+class MessageLimit:
+    """Limits how many messages of a sender are read, so that a flood costs its sender and not the run."""
 
     def __init__(self) -> None:
         self._buckets: OrderedDict[str, tuple[Bucket, int]] = OrderedDict()
 
-    def admit(self, agent: str, tick: int, now: float) -> bool:
-        """Return whether a message of this agent may be read now."""
-        entry = self._buckets.get(agent)
+    def admit(self, sender: str, tick: int, now: float) -> bool:
+        """Return whether a message of this sender may be read now."""
+        entry = self._buckets.get(sender)
         if entry is None:
             bucket, seen = Bucket(MESSAGE_RATE, MESSAGE_BURST, now), tick
-            self._buckets[agent] = (bucket, tick)
+            self._buckets[sender] = (bucket, tick)
             if len(self._buckets) > 16 * STRANGERS:
                 self._buckets.popitem(last=False)
         else:
             bucket, seen = entry
         if tick != seen:
-            bucket.add(MESSAGES_A_TICK * abs(tick - seen))
-            self._buckets[agent] = (bucket, tick)
+            bucket.add(MESSAGES_PER_TICK * abs(tick - seen))
+            self._buckets[sender] = (bucket, tick)
         return bucket.take(now)

@@ -1,6 +1,6 @@
-"""The events kept for late listeners. Pure.
+"""The newest events of a run, for subscribers that come late. Pure.
 
-A reply is bounded in bytes, so a listener that is far behind asks again from `Next` until nothing comes.
+A reply has a limited size. A reader that is far behind asks again from `Next` until no event comes.
 """
 
 from __future__ import annotations
@@ -13,30 +13,34 @@ import msgspec
 
 from intellwheels_schemas.messages import Event, Events
 
-KEPT: Final = 10_000
+CAPACITY: Final = 10_000
 """Events kept."""
 REPLY_BYTES: Final = 48_000
-"""One message stays under 60 kB: above it a healthy reader's wait grows a hundredfold."""
+"""Size of a reply as JSON: messages above 60 kB delay a healthy reader a hundredfold."""
 
 
 class EventBuffer:
-    """The newest events of a run, numbered without gaps."""
+    """The newest events of a run, numbered without gaps.
 
-    def __init__(self, kept: int = KEPT) -> None:
-        self._events: deque[Event] = deque(maxlen=kept)
+    Args:
+        capacity: Events kept.
+    """
+
+    def __init__(self, capacity: int = CAPACITY) -> None:
+        self._events: deque[Event] = deque(maxlen=capacity)
         self._run = ""
 
     def add(self, event: Event) -> None:
-        """Keep an event; the first of a new run clears what was kept."""
+        """Add an event; the first event of another run removes all earlier ones."""
         if event.run != self._run:
             self._events.clear()
             self._run = event.run
         self._events.append(event)
 
     def since(self, number: int, run: str) -> Events:
-        """Return the kept events from a number on, as many as go into one message.
+        """Return the events of a run from a number on, as many as fit into one message.
 
-        `next` is the number to ask from the next time.
+        `next` is the number to ask from next time.
         """
         events = self._events if run == self._run else deque[Event]()
         oldest = events[0].number if events else 0

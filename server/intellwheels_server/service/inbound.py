@@ -1,4 +1,4 @@
-"""What agents put: checked against seats, sessions, ticks and limits, and latched for the next step."""
+"""What agents and users put: checked against membership, session, tick and limits, and kept for the next step."""
 
 from __future__ import annotations
 
@@ -18,23 +18,29 @@ from intellwheels_server.service.arrival import Put
 from intellwheels_server.service.barrier import AnswerKind
 from intellwheels_server.service.error_replies import Fault
 from intellwheels_server.service.input_latch import check_time
+from intellwheels_server.service.pacing import Pacing
 from intellwheels_server.service.roster import check_session
 from intellwheels_server.service.service_state import ServiceState
+from intellwheels_server.world import State
+
+WHERE_LIMIT = 200
+"""Characters of the place in an error."""
+TEXT_LIMIT = 1000
+"""Characters of the text of an error."""
 
 
 def take_put(service: ServiceState, put: Put, now: float) -> None:
-    """Take what was put on a key of an agent; what is wrong with it is told to that agent."""
-    agent = put.agent
-    kind = put.kind
-    if kind in ("actions", "pose") and service.open and service.barrier.repeats(agent, kind, put.data):
+    """Take a message on a key of an agent; the agent gets an error if something is wrong with it."""
+    agent, kind, pacing = put.agent, put.kind, service.pacing
+    if kind in ("actions", "pose") and pacing.barrier_open and pacing.barrier.repeats(agent, kind, put.data):
         return
-    # A user who floods must not use up what the agent itself may send; no agent's name has a slash.
+    # A user who floods must not use up what the agent itself may send. No agent's name has a slash.
     sender = agent if kind != "user" else f"user/{agent}"
-    if not service.gate.admit(sender, service.state.tick, now):
-        complain(service, agent, Fault("too-many", f"{kind}: expected fewer messages a second"), now)
+    if not service.message_limit.admit(sender, service.run.state.tick, now):
+        send_error(service, agent, Fault("too-many", f"{kind}: expected fewer messages a second"), now)
         return
     if put.size > len(put.data):
-        complain(service, agent, Fault("too-long", f"{kind}: expected fewer bytes, got {put.size}"), now)
+        send_error(service, agent, Fault("too-long", f"{kind}: expected fewer bytes, got {put.size}"), now)
         return
     try:
         encoding = encoding_of(put.encoding, put.data)
@@ -45,126 +51,121 @@ def take_put(service: ServiceState, put: Put, now: float) -> None:
         elif kind == "say":
             fault = _take_say(service, agent, decode(Say, put.data, encoding))
         else:
-            fault = _take_user(service, agent, decode(UserInput, put.data, encoding), now)
+            fault = _take_user_input(service, agent, decode(UserInput, put.data, encoding), now)
     except WireError as error:
         fault = Fault(error.code, error.text, error.where or None)
     if fault is not None:
-        complain(service, agent, fault, now)
+        send_error(service, agent, fault, now)
 
 
 def _take_actions(service: ServiceState, agent: str, actions: Actions, data: bytes, now: float) -> Fault | None:
-    seat = service.roster.mind(agent)
-    fault = check_session(seat, service.roster.seats(agent), actions.session, "Actions")
+    roster, state, barrier = service.agents.roster, service.run.state, service.pacing.barrier
+    member = roster.mind(agent)
+    fault = check_session(member, roster.members(agent), actions.session, "Actions")
     if fault is None:
-        fault = check_time(actions.run, actions.tick, service.state.run, service.state.tick, "Actions")
-        if fault is not None and fault.code == "late" and actions.run in (None, service.state.run):
-            if service.barrier.repeats_late(agent, "actions", data):
+        fault = check_time(actions.run, actions.tick, state.run, state.tick, "Actions")
+        if fault is not None and fault.code == "late" and actions.run in (None, state.run):
+            if barrier.repeats_late(agent, "actions", data):
                 return None
-            service.barrier.revive(agent)
-    if fault is not None or seat is None:
+            barrier.revive(agent)
+    if fault is not None or member is None:
         return fault._replace(seq=actions.seq) if fault else None
-    fault = _answered(service, agent, "actions", data, "Actions")
+    fault = _answer(service.pacing, state.tick, agent, "actions", data, "Actions")
     if fault is not None:
-        return None if fault.text == "" else fault._replace(seq=actions.seq)
-    if actions.say is not None and len(actions.say) > service.state.setup.say_limit:
-        complain(service, agent, _too_long(service, "Actions.Say", actions.say, actions.seq), now)
+        return fault._replace(seq=actions.seq)
+    if actions.say is not None and len(actions.say) > state.setup.say_limit:
+        send_error(service, agent, _too_long(state, "Actions.Say", actions.say, actions.seq), now)
         actions = msgspec.structs.replace(actions, say=None)
-    put_aside = service.latch.act(agent, actions)
+    replaced_say = service.latch.act(agent, actions)
     if actions.leave:
-        joining.let_go(service, seat, None)
-    return put_aside
+        joining.queue_leave(service, member)
+    return replaced_say
 
 
 def _take_pose(service: ServiceState, agent: str, pose: Pose, data: bytes, now: float) -> Fault | None:
-    seat = service.roster.body(agent)
-    fault = check_session(seat, service.roster.seats(agent), pose.session, "Pose")
-    if fault is None and seat is not None and not seat.real:
+    roster, state, pacing = service.agents.roster, service.run.state, service.pacing
+    member = roster.body(agent)
+    fault = check_session(member, roster.members(agent), pose.session, "Pose")
+    if fault is None and member is not None and not member.real:
         fault = Fault("role", "Pose: expected a robot of Type real, got a simulated one", "Pose")
     if fault is None:
-        fault = check_time(pose.run, pose.tick, service.state.run, service.state.tick, "Pose")
-        if fault is not None and fault.code == "late" and pose.run in (None, service.state.run):
-            if service.barrier.repeats_late(agent, "pose", data):
+        fault = check_time(pose.run, pose.tick, state.run, state.tick, "Pose")
+        if fault is not None and fault.code == "late" and pose.run in (None, state.run):
+            if pacing.barrier.repeats_late(agent, "pose", data):
                 return None
-            service.barrier.revive(agent)
-            # A bridge that is a cycle behind still says where its chair is.
-            if not service.lockstep and pose.tick is not None and service.state.tick - pose.tick <= 1:
+            pacing.barrier.revive(agent)
+            # The pose of a bridge that is one cycle behind is still good.
+            if not pacing.lockstep and pose.tick is not None and state.tick - pose.tick <= 1:
                 fault = None
     if fault is not None:
         return fault._replace(seq=pose.seq)
-    fault = _answered(service, agent, "pose", data, "Pose")
+    fault = _answer(pacing, state.tick, agent, "pose", data, "Pose")
     if fault is not None:
-        return None if fault.text == "" else fault._replace(seq=pose.seq)
-    service.latch.report(agent, pose)
-    bridge = service.bridges.get(agent)
+        return fault._replace(seq=pose.seq)
+    service.latch.set_pose(agent, pose)
+    bridge = service.agents.bridges.get(agent)
     if bridge is not None:
-        bridge.at = now
+        bridge.reported_at = now
     return None
 
 
-def _answered(service: ServiceState, agent: str, kind: AnswerKind, data: bytes, where: str) -> Fault | None:
-    """Take a member's answer and return what is wrong with all but the first; the same bytes give no text."""
-    if (agent, kind) not in service.answers:
-        return None
-    if not service.open:
-        # Measures are not out yet, or those of a tick that was answered still stand: nothing is awaited.
-        return None
-    reception = service.barrier.answer(agent, kind, data)
-    if reception == "first":
-        return None
-    if reception == "same":
-        return Fault("answered", "")
-    return Fault("answered", f"{where}: tick {service.state.tick} is answered already", where)
+def _answer(pacing: Pacing, tick: int, agent: str, kind: AnswerKind, data: bytes, where: str) -> Fault | None:
+    """Give a message to the barrier, if it expects one from this agent; return the fault of a second answer."""
+    if not pacing.barrier_open or (agent, kind) not in pacing.answers:
+        return None  # a closed barrier: measures are not out yet, or those of an answered tick are the last
+    if pacing.barrier.answer(agent, kind, data) == "conflict":
+        return Fault("answered", f"{where}: tick {tick} is answered already", where)
+    return None
 
 
 def _take_say(service: ServiceState, agent: str, say: Say) -> Fault | None:
-    seats = service.roster.seats(agent)
+    members, state = service.agents.roster.members(agent), service.run.state
     fault: Fault | None = None
-    if not seats:
+    if not members:
         fault = Fault("not-joined", "Say: expected an agent that has joined, got one that has not", "Say")
-    elif say.session is not None and all(say.session != seat.session for seat in seats):
+    elif say.session is not None and all(say.session != member.session for member in members):
         fault = Fault("session", "Say.Session: expected the session of the last join, got another", "Say.Session")
-    elif say.run is not None and say.run != service.state.run:
-        fault = Fault("late", f"Say.Run: expected {service.state.run}, got {say.run}", "Say.Run")
-    elif say.tick is not None and say.tick > service.state.tick:
-        fault = Fault("early", f"Say.Tick: expected {service.state.tick}, got {say.tick}", "Say.Tick")
-    elif len(say.text) > service.state.setup.say_limit:
-        fault = _too_long(service, "Say", say.text, say.seq)
+    elif say.run is not None and say.run != state.run:
+        fault = Fault("late", f"Say.Run: expected {state.run}, got {say.run}", "Say.Run")
+    elif say.tick is not None and say.tick > state.tick:
+        fault = Fault("early", f"Say.Tick: expected {state.tick}, got {say.tick}", "Say.Tick")
+    elif len(say.text) > state.setup.say_limit:
+        fault = _too_long(state, "Say", say.text, say.seq)
     if fault is not None:
         return fault._replace(seq=say.seq)
     return service.latch.say(agent, say)
 
 
-def _too_long(service: ServiceState, where: str, text: str, seq: int | None) -> Fault:
-    limit = service.state.setup.say_limit
+def _too_long(state: State, where: str, text: str, seq: int | None) -> Fault:
+    limit = state.setup.say_limit
     return Fault("too-long", f"{where}: expected at most {limit} characters, got {len(text)}", where, seq)
 
 
-def _take_user(service: ServiceState, agent: str, user: UserInput, now: float) -> Fault | None:
-    figure = service.state.body_set.figures.get(agent)
-    if figure is None:
-        return None  # nobody to steer, and nobody to tell
-    judged = service.leases.judge(agent, user, now)
-    if isinstance(judged, Fault):
-        return judged._replace(seq=user.seq)
-    if judged:
-        service.latch.use(agent, user)
+def _take_user_input(service: ServiceState, agent: str, user: UserInput, now: float) -> Fault | None:
+    if agent not in service.run.state.body_set.models:
+        return None  # no body to steer, and no agent to send an error to
+    checked = service.agents.leases.check_input(agent, user, now)
+    if isinstance(checked, Fault):
+        return checked._replace(seq=user.seq)
+    if checked:
+        service.latch.set_user_input(agent, user)
     return None
 
 
-def complain(service: ServiceState, agent: str, fault: Fault, now: float) -> None:
-    """Tell an agent what is wrong with what it sent, unless it was told much of late."""
-    known = agent in service.roster
-    kept_back = service.complaints.admit(agent, known, now)
-    if kept_back is None:
+def send_error(service: ServiceState, agent: str, fault: Fault, now: float) -> None:
+    """Send an agent an error about one of its messages, unless it got too many errors of late."""
+    roster, state = service.agents.roster, service.run.state
+    suppressed = service.error_limit.admit(agent, agent in roster, now)
+    if suppressed is None:
         return
-    seat = service.roster.mind(agent) or service.roster.body(agent)
+    member = roster.mind(agent) or roster.body(agent)
     error = Error(
-        run=service.state.run,
-        tick=service.state.tick,
+        run=state.run,
+        tick=state.tick,
         code=fault.code,
-        where=fault.where[:200] if fault.where else None,
+        where=fault.where[:WHERE_LIMIT] if fault.where else None,
         seq=fault.seq,
-        suppressed=kept_back,
-        text=fault.text[:1000],
+        suppressed=suppressed,
+        text=fault.text[:TEXT_LIMIT],
     )
-    service.out.agent(agent, "error", error, seat.encoding if seat else Encoding.JSON)
+    service.publisher.outlet.agent(agent, "error", error, member.encoding if member else Encoding.JSON)

@@ -1,6 +1,7 @@
-"""What agents sent that acts on the next step, collected until it is made. Pure.
+"""What agents sent that acts on the next step, kept until the step is made. Pure.
 
-Of several actions for one tick the newest counts, by (Tick, Seq); what it does not say stands as it was said before.
+Of several actions for one tick the newest counts, by sequence number. Fields that it leaves out keep the values of the
+earlier ones.
 """
 
 from __future__ import annotations
@@ -15,7 +16,7 @@ from intellwheels_server.world.inputs import Change, Inputs, Said, Verdict
 
 
 def check_time(run: str | None, tick: int | None, now_run: str, now_tick: int, where: str) -> Fault | None:
-    """Return what is wrong with a message's run and tick, or None. Absent ones mean now."""
+    """Return what is wrong with the run and tick of a message, or None. A missing run or tick means the current one."""
     if run is not None and run != now_run:
         return Fault("late", f"{where}.Run: expected {now_run}, got {run}", f"{where}.Run")
     if tick is None or tick == now_tick:
@@ -26,7 +27,7 @@ def check_time(run: str | None, tick: int | None, now_run: str, now_tick: int, w
 
 
 class InputLatch:
-    """What is to act on the step from this tick to the next."""
+    """What acts on the step from this tick to the next."""
 
     def __init__(self) -> None:
         self.actions: dict[str, Actions] = {}
@@ -35,45 +36,45 @@ class InputLatch:
         self.users: dict[str, UserInput] = {}
 
     def act(self, agent: str, actions: Actions) -> Fault | None:
-        """Latch actions, unless newer ones of this tick are here; return what is wrong with a say they put aside."""
+        """Keep actions, unless newer ones for this tick are here; return the fault of a say that they replace."""
         earlier = self.actions.get(agent)
         if earlier is not None:
             if actions.seq is not None and earlier.seq is not None and actions.seq <= earlier.seq:
                 return None
-            actions = _overlay(earlier, actions)
+            actions = _merge(earlier, actions)
         self.actions[agent] = actions
-        said = self.says.pop(agent, None) if actions.say is not None else None
-        return None if said is None else _another_say(said.seq)
+        replaced = self.says.pop(agent, None) if actions.say is not None else None
+        return None if replaced is None else _second_say(replaced.seq)
 
-    def report(self, agent: str, pose: Pose) -> None:
-        """Latch a real chair's pose, unless a newer one of this tick is here."""
+    def set_pose(self, agent: str, pose: Pose) -> None:
+        """Keep the pose of a real chair, unless a newer one for this tick is here."""
         earlier = self.poses.get(agent)
         if earlier is None or pose.seq is None or earlier.seq is None or pose.seq > earlier.seq:
             self.poses[agent] = pose
 
     def say(self, agent: str, say: Say) -> Fault | None:
-        """Latch words; one say a tick, and that of the actions goes before."""
+        """Keep a say, or return its fault: one say counts a tick, and a say in actions comes first."""
         actions = self.actions.get(agent)
         if agent in self.says or (actions is not None and actions.say is not None):
-            return _another_say(say.seq)
+            return _second_say(say.seq)
         self.says[agent] = Said(agent=agent, text=say.text, seq=say.seq)
         return None
 
-    def use(self, agent: str, user: UserInput) -> None:
-        """Latch a user's input; whether it is the newest has been judged."""
+    def set_user_input(self, agent: str, user: UserInput) -> None:
+        """Keep the input of a user. The caller has checked that it is the newest."""
         self.users[agent] = user
 
     def forget(self, agent: str) -> None:
-        """Forget what an agent that is gone sent."""
+        """Drop what an agent sent that is gone."""
         for latched in (self.actions, self.says, self.poses, self.users):
             latched.pop(agent, None)
 
     def clear(self) -> None:
-        """Forget everything: a new run."""
+        """Drop everything, for a new run."""
         self.actions, self.says, self.poses, self.users = {}, {}, {}, {}
 
     def collect(self, changes: tuple[Change, ...], verdicts: list[Verdict]) -> Inputs:
-        """Return everything that acts on the step, sorted by name, and begin to latch for the next."""
+        """Return everything that acts on the step, sorted by name, and start to collect for the next one."""
         inputs = Inputs(
             changes=changes,
             actions=_sorted(self.actions),
@@ -86,19 +87,19 @@ class InputLatch:
         return inputs
 
 
-def _another_say(seq: int | None) -> Fault:
+def _second_say(seq: int | None) -> Fault:
     return Fault("too-many", "Say: expected one a tick, got another", "Say", seq)
 
 
 _T = TypeVar("_T")
-_KEPT: Final = ("left_motor", "right_motor", "mode", "goal", "say")
+_MERGED: Final = ("left_motor", "right_motor", "mode", "goal", "say")
 
 
-def _overlay(earlier: Actions, later: Actions) -> Actions:
-    kept = {name: getattr(earlier, name) for name in _KEPT if getattr(later, name) is None}
+def _merge(earlier: Actions, later: Actions) -> Actions:
+    missing = {name: getattr(earlier, name) for name in _MERGED if getattr(later, name) is None}
     if earlier.leave:
-        kept["leave"] = True
-    return msgspec.structs.replace(later, **kept)
+        missing["leave"] = True
+    return msgspec.structs.replace(later, **missing)
 
 
 def _sorted(latched: dict[str, _T]) -> dict[str, _T]:

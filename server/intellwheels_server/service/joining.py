@@ -1,4 +1,4 @@
-"""Who is here: tokens, joins, leaves, and all that hangs on them."""
+"""Joins, leaves and liveliness tokens, and everything that follows from them."""
 
 from __future__ import annotations
 
@@ -21,23 +21,22 @@ from intellwheels_schemas.messages import (
 )
 from intellwheels_schemas.rules import has_motors
 from intellwheels_server.service import outbound
-from intellwheels_server.service.arrival import Ask, Token
-from intellwheels_server.service.roster import Seat, new_hex, same_body
-from intellwheels_server.service.service_state import Bridge, ServiceState, Waiting
+from intellwheels_server.service.arrival import Query, Token
+from intellwheels_server.service.connected_agents import BridgeStatus, WaitingJoin
+from intellwheels_server.service.roster import Member, Roster, new_hex, same_body
+from intellwheels_server.service.service_state import ServiceState
 from intellwheels_server.service.truth_filter import nominal
-from intellwheels_server.world.inputs import (
-    Depart,
-    Join,
-    Note,
-    TakeBody,
-)
-from intellwheels_server.world.kernels.rows import HALTED, HEADING, STALE, X, Y
+from intellwheels_server.world import State
+from intellwheels_server.world.inputs import Depart, Join, Note, TakeBody
+from intellwheels_server.world.kernels import rows
 
 TOKEN_WAIT: Final = 0.3
-"""Seconds a join waits for its token, which travels apart from it."""
+"""Seconds a join waits for its token, which travels separately."""
 
-MOST_WAITING: Final = 256
-"""Joins that may wait so; a flood of more is refused at once, and who means it tries again."""
+MAX_WAITING: Final = 256
+"""Joins that may wait for their token. Further ones are refused at once; their agents can try again."""
+
+NAME_EXPECTED: Final = "expected a name: a-z, then a-z 0-9 _ -, at most 32"
 
 _REFUSED: Final[dict[ErrorCode, RefusedCode]] = {
     "field": "field",
@@ -48,311 +47,325 @@ _REFUSED: Final[dict[ErrorCode, RefusedCode]] = {
     "too-long": "limit",
     "too-many": "limit",
 }
-"""How a robot that cannot be read is refused."""
+"""The code with which a join is refused whose robot cannot be read."""
+
+# ------------------------------------------------------------ tokens and deadlines
 
 
 def take_token(service: ServiceState, token: Token, now: float) -> None:
-    """Take in that a token came or went."""
-    seat = service.roster.token(token.agent, token.role, token.instance, token.present, now)
-    if seat is not None:
+    """Note that a liveliness token appeared or disappeared."""
+    member = service.agents.roster.token(token.agent, token.role, token.instance, token.present, now)
+    if member is not None:
         code = "returned" if token.present else "lost"
-        service.out.note(f"{code} agent={seat.agent} role={seat.role}")
-        service.later(partial(_note_presence, service, seat, token.present))
-    if token.present and service.waiting:
-        _recheck_waiting(service)
+        service.publisher.outlet.log_line(f"{code} agent={member.agent} role={member.role}")
+        service.queue_change(partial(_note_presence, service, member, token.present))
+    if token.present and service.agents.waiting_joins:
+        _recheck_waiting_joins(service)
 
 
-def _note_presence(service: ServiceState, seat: Seat, present: bool, now: float) -> None:
-    if seat in service.roster.seats(seat.agent):
-        text = None if seat.role == "both" else seat.role
-        service.apply(Note(code="returned" if present else "lost", agent=seat.agent, text=text), now)
+def _note_presence(service: ServiceState, member: Member, present: bool, _now: float) -> None:
+    if member in service.agents.roster.members(member.agent):
+        service.apply(Note(code="returned" if present else "lost", agent=member.agent, text=_role_text(member)))
 
 
-def _recheck_waiting(service: ServiceState) -> None:
-    still: list[Waiting] = []
-    for waiting in service.waiting:
-        if _has_token(service, waiting.ask.name, waiting.robot):
-            service.later(partial(_join, service, waiting.ask, waiting.robot, waiting.encoding))
+def _role_text(member: Member) -> str | None:
+    return None if member.role == "both" else member.role
+
+
+def _recheck_waiting_joins(service: ServiceState) -> None:
+    agents = service.agents
+    still: list[WaitingJoin] = []
+    for join in agents.waiting_joins:
+        if _has_token(agents.roster, join.query.name, join.robot):
+            service.queue_change(partial(_join, service, join.query, join.robot, join.encoding))
         else:
-            still.append(waiting)
-    service.waiting = still
+            still.append(join)
+    agents.waiting_joins = still
 
 
-def expire(service: ServiceState, now: float) -> None:
-    """Do what is due by the clock: joins whose token did not come, seats whose grace is over, leases."""
-    if service.waiting and service.waiting[0].until <= now:
-        _recheck_waiting(service)
-    # Without its token a join is refused, which changes nothing and waits for no barrier: a flood of them must not
-    # pile up at one.
-    for waiting in [w for w in service.waiting if w.until <= now]:
-        service.waiting.remove(waiting)
-        _join(service, waiting.ask, waiting.robot, waiting.encoding, now)
-    for seat in service.roster.lost(now, service.options.grace):
-        seat.absent_since = None  # once is enough
-        if service.strict and service.lockstep and seat.answers() and not service.stands():
-            service.miss(seat.agent)
-        let_go(service, seat, None)
-    for agent in service.leases.expired(now):
-        service.later(partial(_release, service, agent))
+def handle_deadlines(service: ServiceState, now: float) -> None:
+    """Handle joins whose token did not come, members whose grace time is over, and leases that ran out."""
+    agents, pacing = service.agents, service.pacing
+    if agents.waiting_joins and agents.waiting_joins[0].until <= now:
+        _recheck_waiting_joins(service)
+    # A join without its token is refused. That changes nothing, so it need not wait for a barrier, and a flood of such
+    # joins cannot pile up there.
+    for join in [waiting for waiting in agents.waiting_joins if waiting.until <= now]:
+        agents.waiting_joins.remove(join)
+        _join(service, join.query, join.robot, join.encoding, now)
+    for member in agents.roster.lost(now, service.options.grace):
+        member.absent_since = None  # so that it is handled once
+        if pacing.strict and pacing.lockstep and member.answers() and not service.is_stopped():
+            service.end_for_missed_answer(member.agent)
+        queue_leave(service, member)
+    for agent in agents.leases.take_expired(now):
+        service.queue_change(partial(_release, service, agent))
 
 
-def _release(service: ServiceState, agent: str, now: float) -> None:
-    if agent in service.state.body_set.figures and service.leases.holder(agent) is None:
-        service.apply(TakeBody(agent=agent, on=False), now)
+def _release(service: ServiceState, agent: str, _now: float) -> None:
+    if agent in service.run.state.body_set.models and service.agents.leases.active(agent) is None:
+        service.apply(TakeBody(agent=agent, on=False))
 
 
-def ask_join(service: ServiceState, ask: Ask, now: float) -> None:
-    """Take a wish to join; it is answered when changes may act."""
-    if not ask.name:
-        if not ask.wild:
-            ask.refuse(Refused(code="name", text="join/<agent>: expected a name: a-z, then a-z 0-9 _ -, at most 32"))
+# ------------------------------------------------------------ joins
+
+
+def handle_join(service: ServiceState, query: Query, now: float) -> None:
+    """Take a request to join; it is answered when changes may act."""
+    if not query.name:
+        if not query.has_wildcards:
+            query.refuse(Refused(code="name", text=f"join/<agent>: {NAME_EXPECTED}"))
         else:
-            ask.close()
+            query.close()
         return
     try:
-        encoding = encoding_of(ask.encoding, ask.data)
-        robot = decode(Robot, ask.data, encoding)
+        encoding = encoding_of(query.encoding, query.data)
+        robot = decode(Robot, query.data, encoding)
     except WireError as error:
-        ask.refuse(Refused(code=_REFUSED.get(error.code, "value"), text=error.text[:1000]))
+        query.refuse(Refused(code=_REFUSED.get(error.code, "value"), text=error.text[:1000]))
         return
-    if not _has_token(service, ask.name, robot):
-        if len(service.waiting) < MOST_WAITING:
-            service.waiting.append(Waiting(ask, robot, encoding, now + TOKEN_WAIT))
+    if not _has_token(service.agents.roster, query.name, robot):
+        if len(service.agents.waiting_joins) < MAX_WAITING:
+            service.agents.waiting_joins.append(WaitingJoin(query, robot, encoding, now + TOKEN_WAIT))
         else:
-            _join(service, ask, robot, encoding, now)
+            _join(service, query, robot, encoding, now)
         return
-    service.later(partial(_join, service, ask, robot, encoding))
+    service.queue_change(partial(_join, service, query, robot, encoding))
 
 
-def _has_token(service: ServiceState, agent: str, robot: Robot) -> bool:
-    instance = robot.instance or service.roster.only_instance(agent, robot.role)
-    return instance is not None and service.roster.has_token(agent, robot.role, instance)
+def _has_token(roster: Roster, agent: str, robot: Robot) -> bool:
+    instance = robot.instance or roster.only_instance(agent, robot.role)
+    return instance is not None and roster.has_token(agent, robot.role, instance)
 
 
-def _join(service: ServiceState, ask: Ask, robot: Robot, encoding: Encoding, now: float) -> None:
+def _join(service: ServiceState, query: Query, robot: Robot, encoding: Encoding, now: float) -> None:
     try:
-        joined = _admit(service, ask.name, robot, encoding, ask.parameters.get("session"), now)
+        joined = _admit(service, query.name, robot, encoding, query.parameters.get("session"), now)
     except RequestRefusedError as refusal:
-        service.out.note(f"refused agent={ask.name} role={robot.role} code={refusal.code}")
-        ask.refuse(Refused(code=refusal.code, text=refusal.text[:1000]))
+        service.publisher.outlet.log_line(f"refused agent={query.name} role={robot.role} code={refusal.code}")
+        query.refuse(Refused(code=refusal.code, text=refusal.text[:1000]))
         return
-    ask.reply(joined)
+    query.reply(joined)
 
 
 def _admit(
-    service: ServiceState, agent: str, robot: Robot, encoding: Encoding, shown: str | None, now: float
+    service: ServiceState, agent: str, robot: Robot, encoding: Encoding, session: str | None, now: float
 ) -> Joined:
+    """Let an agent join and return the reply.
+
+    Raises:
+        RequestRefusedError: It may not join.
+    """
+    agents, pacing = service.agents, service.pacing
     if robot.format is not None:
-        raise RequestRefusedError("field", "Robot.Format: expected none in a join, as it is of files")
+        raise RequestRefusedError("field", "Robot.Format: expected none in a join; it belongs to files")
     if robot.crew is not None:
         raise RequestRefusedError("value", "Robot.Crew: crews are not supported; join each body by itself")
     if robot.instance is None:
-        robot = msgspec.structs.replace(robot, instance=service.roster.only_instance(agent, robot.role))
-    held = service.roster.holder(agent, robot, shown)
-    figure = service.state.body_set.figures.get(agent)
-    kept = held is not None and figure is not None and same_body(held.robot, robot)
+        robot = msgspec.structs.replace(robot, instance=agents.roster.only_instance(agent, robot.role))
+    current = agents.roster.predecessor(agent, robot, session)
+    model = service.run.state.body_set.models.get(agent)
+    keeps_body = current is not None and model is not None and same_body(current.robot, robot)
     if robot.role == "mind":
-        if figure is None:
+        if model is None:
             raise RequestRefusedError("no-body", f"agent '{agent}' has no body here yet; join again when it has")
-        body = figure.robot
+        body = model.robot
     else:
         body = robot
-    barrier = robot.barrier if robot.barrier is not None else has_motors(body)
-    real = body.type == "real"
-    if robot.role != "mind":
         _check_real(service, robot)
-    if barrier and service.options.pace == "free" and not service.options.open_loop:
+    barrier = robot.barrier if robot.barrier is not None else has_motors(body)
+    if barrier and pacing.pace == "free" and not service.options.open_loop:
         raise RequestRefusedError(
             "value",
-            "Robot.Barrier: expected false, as this run is free and waits for nobody (--open-loop allows it)",
+            "Robot.Barrier: expected false, as a run at pace free does not wait for answers (--open-loop allows it)",
         )
-    seat = Seat(
+    member = Member(
         agent=agent,
         role=robot.role,
         instance=robot.instance or "",
-        session=held.session if held is not None and held.instance == robot.instance else new_hex(),
+        session=current.session if current is not None and current.instance == robot.instance else new_hex(),
         encoding=encoding,
         robot=robot,
-        real=real,
+        real=body.type == "real",
         simulated_hardware=body.hardware == "simulated",
         barrier=barrier,
     )
-    position = _embody(service, seat, held, kept, now)
-    service.roster.sit(seat)
-    service.barrier.renew(agent)
-    if real and seat.embodies:
-        # That of a body which stays knows what the world was told of it, such as that it is stale.
-        service.bridges.setdefault(agent, bridge_of(service, agent, now))
-    _reseat(service, agent)
-    service.out.note(f"joined agent={agent} role={seat.role} tick={service.state.tick}")
-    if service.open and service.lockstep:
-        service.barrier.join(seat.answers())
-    if not service.held and (service.open or not service.lockstep):
+    position = _give_body(service, member, current, keeps_body)
+    agents.roster.add(member)
+    pacing.barrier.reset_member(agent)
+    if member.real and member.has_body:
+        # The entry of a body that stays is kept: it holds what the world was told, such as that the pose is old.
+        agents.bridges.setdefault(agent, bridge_status(service.run.state, agent, now))
+    _update_members(service, agent)
+    service.publisher.outlet.log_line(f"joined agent={agent} role={member.role} tick={service.run.state.tick}")
+    if pacing.barrier_open and pacing.lockstep:
+        pacing.barrier.add(member.answers())
+    if not pacing.waiting_to_start and (pacing.barrier_open or not pacing.lockstep):
         outbound.put_measures(service, agent)
-    return _joined_of(service, seat, position)
+    return _joined_reply(service, member, position)
 
 
 def _check_real(service: ServiceState, robot: Robot) -> None:
-    if robot.type != "real" or robot.hardware == "simulated":
-        return
-    if service.lockstep or service.options.pace == "free" or service.metronome.speed != 1.0:
+    if robot.type == "real" and robot.hardware != "simulated" and not service.pacing.at_real_speed:
         raise RequestRefusedError(
             "real-in-lockstep",
-            "Robot.Type: expected simulated, as real hardware takes part in real time at speed 1 only, got real",
+            "Robot.Type: expected simulated, got real; real hardware can join only in real time at speed 1",
         )
 
 
-def _embody(service: ServiceState, seat: Seat, held: Seat | None, kept: bool, now: float) -> Position:
-    """Give a seat its body: the one that is here, if it may be kept, else a new one. Return where it is."""
-    agent = seat.agent
-    if held is not None and kept:
-        if held.absent_since is not None or held.instance != seat.instance:
-            service.apply(Note(code="returned", agent=agent, text=None if seat.role == "both" else seat.role), now)
-        return _position_of(service, agent)
-    if held is None and seat.embodies and is_vacant(service, agent):
-        if same_body(service.state.body_set.figures[agent].robot, seat.robot):
-            service.apply(Note(code="returned", agent=agent), now)
-            return _position_of(service, agent)
-        service.apply(Depart(agent=agent), now)
-    others = [seat for seat in service.roster.seats(agent) if seat.role == "mind" and seat is not held]
-    if held is not None and agent in service.state.body_set.figures:
-        service.apply(Depart(agent=agent, role=held.role, lost=held.absent_since is not None), now)
-        if held.embodies:
+def _give_body(service: ServiceState, member: Member, current: Member | None, keeps_body: bool) -> Position:
+    """Give a member its body, the one that is here if it may be kept, else a new one; return where it is."""
+    agent, roster = member.agent, service.agents.roster
+    if current is not None and keeps_body:
+        if current.absent_since is not None or current.instance != member.instance:
+            service.apply(Note(code="returned", agent=agent, text=_role_text(member)))
+        return position_of(service.run.state, agent)
+    if current is None and member.has_body and is_unowned(service, agent):
+        if same_body(service.run.state.body_set.models[agent].robot, member.robot):
+            service.apply(Note(code="returned", agent=agent))
+            return position_of(service.run.state, agent)
+        service.apply(Depart(agent=agent))
+    other_minds = [other for other in roster.members(agent) if other.role == "mind" and other is not current]
+    if current is not None and agent in service.run.state.body_set.models:
+        service.apply(Depart(agent=agent, role=current.role, lost=current.absent_since is not None))
+        if current.has_body:
             forget_body(service, agent)
         else:
             service.latch.forget(agent)
-    outcome = service.apply(Join(agent=agent, robot=_as_joined(seat.robot, agent)), now)
+    outcome = service.apply(Join(agent=agent, robot=_named(member.robot, agent)))
     if outcome.code != "ok":
-        if held is not None:
-            dismiss(service, held)
+        if current is not None:
+            remove_member(service, current)
         raise RequestRefusedError(outcome.refused or "value", outcome.text)
-    for mind in others:  # of a body that was changed
-        service.apply(Join(agent=agent, robot=_as_joined(mind.robot, agent)), now)
-    return outcome.position or _position_of(service, agent)
+    for mind in other_minds:  # they join the new body
+        service.apply(Join(agent=agent, robot=_named(mind.robot, agent)))
+    return outcome.position or position_of(service.run.state, agent)
 
 
-def is_vacant(service: ServiceState, agent: str) -> bool:
-    """Return whether an agent's body is here without the agent, as after a restore to when it was here.
+def is_unowned(service: ServiceState, agent: str) -> bool:
+    """Return whether the body of an agent is here but the agent is not, as may be after a restore.
 
-    What an operator spawned is nobody's: only who joined has an instance.
+    Bodies that an operator spawned do not count: they have no instance.
     """
-    figure = service.state.body_set.figures.get(agent)
-    return figure is not None and figure.robot.instance is not None and service.roster.body(agent) is None
+    model = service.run.state.body_set.models.get(agent)
+    return model is not None and model.robot.instance is not None and service.agents.roster.body(agent) is None
 
 
-def bridge_of(service: ServiceState, agent: str, now: float) -> Bridge:
-    """Return what is known of a real body's reports, as the world has it. The body must be here."""
-    flags = service.state.flags[:, service.state.body_set.index[agent]]
-    return Bridge(at=now, stale=bool(flags[STALE]), halted=bool(flags[HALTED]))
+def bridge_status(state: State, agent: str, now: float) -> BridgeStatus:
+    """Return the status of a real body that reported now, with what the world was told. The body must be here."""
+    flags = state.flags[:, state.body_set.index[agent]]
+    return BridgeStatus(reported_at=now, stale=bool(flags[rows.STALE]), halted=bool(flags[rows.HALTED]))
 
 
-def _position_of(service: ServiceState, agent: str) -> Position:
-    x, y, heading = service.state.numbers[[X, Y, HEADING], service.state.body_set.index[agent]].tolist()
+def position_of(state: State, agent: str) -> Position:
+    """Return where a body is. It must be here."""
+    x, y, heading = state.numbers[[rows.X, rows.Y, rows.HEADING], state.body_set.index[agent]].tolist()
     return Position(x=x, y=y, heading=heading)
 
 
-def _joined_of(service: ServiceState, seat: Seat, position: Position) -> Joined:
-    setup = service.state.setup
-    figure = service.state.body_set.figures[seat.agent]
-    hides = service.options.hide_truth
+def _joined_reply(service: ServiceState, member: Member, position: Position) -> Joined:
+    state, options = service.run.state, service.options
+    setup, model = state.setup, state.body_set.models[member.agent]
     return Joined(
-        run=service.state.run,
-        tick=service.state.tick,
-        session=seat.session,
+        run=state.run,
+        tick=state.tick,
+        session=member.session,
         parameters=Parameters(
-            world=service.options.world,
+            world=options.world,
             period=setup.period,
-            pace=service.options.pace,
+            pace=options.pace,
             say_limit=setup.say_limit,
             say_range=setup.say_range,
             command_timeout=setup.command_timeout,
-            grace=service.options.grace,
+            grace=options.grace,
         ),
-        # Who comes back to a laboratory learns where its chair began, not where it is.
-        position=figure.start if hides else position,
-        robot=nominal(figure.robot) if hides else figure.robot,
+        # An agent that returns to a laboratory learns where its chair started, not where it is.
+        position=model.start if options.hide_truth else position,
+        robot=nominal(model.robot) if options.hide_truth else model.robot,
     )
 
 
-def ask_leave(service: ServiceState, ask: Ask) -> None:
-    """Take a wish to leave; it is answered when the agent has left."""
-    if not ask.name:
-        if not ask.wild:
-            ask.refuse(service.result("failed", "leave/<agent>: expected a name: a-z, then a-z 0-9 _ -, at most 32"))
+def _named(robot: Robot, agent: str) -> Robot:
+    return robot if robot.name is not None else msgspec.structs.replace(robot, name=agent)
+
+
+# ------------------------------------------------------------ leaves
+
+
+def handle_leave(service: ServiceState, query: Query) -> None:
+    """Take a request to leave; it is answered when the agent has left."""
+    if not query.name:
+        if not query.has_wildcards:
+            query.refuse(service.result("failed", f"leave/<agent>: {NAME_EXPECTED}"))
         else:
-            ask.close()
+            query.close()
         return
     try:
-        leave = decode(Leave, ask.data, encoding_of(ask.encoding, ask.data)) if ask.data else Leave()
+        leave = decode(Leave, query.data, encoding_of(query.encoding, query.data)) if query.data else Leave()
     except WireError as error:
-        ask.refuse(service.result("failed", error.text))
+        query.refuse(service.result("failed", error.text))
         return
-    seats = service.roster.seats(ask.name)
-    leaving = [seat for seat in seats if leave.session in (None, seat.session)]
+    members = service.agents.roster.members(query.name)
+    leaving = [member for member in members if leave.session in (None, member.session)]
     if not leaving:
-        why = "no such agent here" if not seats else "expected the session of the last join, got another"
-        ask.reply(service.result("not-found", f"agent '{ask.name}': {why}"))
+        why = "no such agent here" if not members else "expected the session of the last join, got another"
+        query.reply(service.result("not-found", f"agent '{query.name}': {why}"))
         return
-    # The body last: without it its mind is gone too.
-    leaving.sort(key=lambda seat: seat.embodies)
-    for seat in leaving:
-        let_go(service, seat, ask if seat is leaving[-1] else None)
+    # The body goes last, as removing it removes its mind too.
+    leaving.sort(key=lambda member: member.has_body)
+    for member in leaving:
+        queue_leave(service, member, query if member is leaving[-1] else None)
 
 
-def let_go(service: ServiceState, seat: Seat, ask: Ask | None) -> None:
-    """Let a seat's agent leave at the next barrier; it is awaited no more."""
-    for agent, kind in seat.answers():
-        service.barrier.excuse(agent, kind)
-    service.later(partial(_leave, service, seat, ask))
+def queue_leave(service: ServiceState, member: Member, query: Query | None = None) -> None:
+    """Let a member leave as soon as changes may act, and do not wait for its answers; then answer the query."""
+    for agent, kind in member.answers():
+        service.pacing.barrier.cancel(agent, kind)
+    service.queue_change(partial(_leave, service, member, query))
 
 
-def _leave(service: ServiceState, seat: Seat, ask: Ask | None, now: float) -> None:
-    if seat in service.roster.seats(seat.agent):
-        service.apply(Depart(agent=seat.agent, role=seat.role), now)
-        dismiss(service, seat)
-    if ask is not None:
-        ask.reply(service.result("ok"))
+def _leave(service: ServiceState, member: Member, query: Query | None, _now: float) -> None:
+    if member in service.agents.roster.members(member.agent):
+        service.apply(Depart(agent=member.agent, role=member.role))
+        remove_member(service, member)
+    if query is not None:
+        query.reply(service.result("ok"))
 
 
-def dismiss(service: ServiceState, seat: Seat) -> None:
-    """Take a seat away, and with a body all that hangs on it."""
-    agent = seat.agent
-    service.out.note(f"left agent={agent} role={seat.role} tick={service.state.tick}")
-    gone = service.roster.seats(agent) if agent not in service.state.body_set.figures else (seat,)
-    for each in gone:
+def remove_member(service: ServiceState, member: Member) -> None:
+    """Remove a member and, if its body is gone, everything that belonged to the body."""
+    agent, state, roster = member.agent, service.run.state, service.agents.roster
+    service.publisher.outlet.log_line(f"left agent={agent} role={member.role} tick={state.tick}")
+    body_is_gone = agent not in state.body_set.models
+    for each in roster.members(agent) if body_is_gone else (member,):
         for name, kind in each.answers():
-            service.barrier.excuse(name, kind)
-        service.roster.rise(each)
-    if agent not in service.state.body_set.figures:
+            service.pacing.barrier.cancel(name, kind)
+        roster.remove(each)
+    if body_is_gone:
         forget_body(service, agent)
-    _reseat(service, agent)
+    _update_members(service, agent)
 
 
 def forget_body(service: ServiceState, agent: str) -> None:
-    """Forget all that hangs on a body which is gone."""
-    service.barrier.forget(agent)
+    """Drop everything that belonged to a body which is gone."""
+    service.pacing.barrier.forget(agent)
     service.latch.forget(agent)
-    service.leases.forget(agent)
-    service.bridges.pop(agent, None)
+    service.agents.leases.forget(agent)
+    service.agents.bridges.pop(agent, None)
 
 
-def _reseat(service: ServiceState, agent: str) -> None:
-    """Draw the conclusions from a change of seats."""
-    members = [answer for seat in service.roster.every_seat() for answer in seat.answers()]
-    service.members = tuple(members) if service.lockstep else ()
-    service.answers = frozenset(service.members)
-    mind, body = service.roster.mind(agent), service.roster.body(agent)
-    listener = mind or body
-    if listener is None:
-        service.encodings.pop(agent, None)
-        service.complaints.forget(agent)
-        service.out.farewell(agent)
+def _update_members(service: ServiceState, agent: str) -> None:
+    """Update what depends on the members of an agent: expected answers, publishers, the published body."""
+    agents, outlet = service.agents, service.publisher.outlet
+    service.pacing.answers = agents.expected_answers() if service.pacing.lockstep else frozenset()
+    mind, body = agents.roster.mind(agent), agents.roster.body(agent)
+    reader = mind or body
+    if reader is None:
+        agents.encodings.pop(agent, None)
+        service.error_limit.forget(agent)
+        outlet.undeclare_agent(agent)
     else:
-        service.encodings[agent] = listener.encoding
-        service.out.welcome(agent, listener.encoding, (body or listener).encoding)
-    if agent in service.state.body_set.figures:
-        service.out.body(agent, outbound.body_of(service, agent))
-
-
-def _as_joined(robot: Robot, agent: str) -> Robot:
-    return robot if robot.name is not None else msgspec.structs.replace(robot, name=agent)
+        agents.encodings[agent] = reader.encoding
+        outlet.declare_agent(agent, reader.encoding, (body or reader).encoding)
+    if agent in service.run.state.body_set.models:
+        outbound.publish_body(service, agent)

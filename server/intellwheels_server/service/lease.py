@@ -1,7 +1,7 @@
-"""Who may steer a body by user input, and whether anybody still does. Pure: time is passed in.
+"""Who may steer a body by user input, and whether the user is still active. Pure: time is passed in.
 
-`take` gives a lease; while it runs only inputs that show it count, and the simulator itself obeys them. A lease not
-renewed ends. Dead-man: a user who is silent for 0.3 s of wall time steers no more.
+`take` grants a lease. While it lasts, only inputs that carry it count, and the simulator itself obeys them. A lease
+ends unless it is renewed. A dead-man's switch stops the body of a user who sends nothing for 0.3 s of wall time.
 """
 
 from __future__ import annotations
@@ -23,83 +23,85 @@ class _Lease:
 
 
 @dataclass(slots=True)
-class _Voice:
+class _LastInput:
     seq: int | None
     at: float
     silent: bool
 
 
 class Leases:
-    """Leases and silences of all bodies."""
+    """The leases of all bodies, and when the user of each was last heard."""
 
     def __init__(self) -> None:
         self._leases: dict[str, _Lease] = {}
-        self._voices: dict[str, _Voice] = {}
+        self._inputs: dict[str, _LastInput] = {}
 
     # ------------------------------------------------------------ leases
 
-    def holder(self, agent: str) -> str | None:
-        """Return the lease that runs on a body, or None."""
+    def active(self, agent: str) -> str | None:
+        """Return the lease on a body, or None."""
         lease = self._leases.get(agent)
         return lease.lease if lease else None
 
     def grant(self, agent: str, lease: str, seconds: float, now: float) -> None:
-        """Let a lease run, or run on, for so long."""
+        """Grant or renew a lease for so long."""
         self._leases[agent] = _Lease(lease, now + seconds)
 
-    def free(self, agent: str) -> None:
-        """End the lease of a body, if one runs."""
+    def release(self, agent: str) -> None:
+        """End the lease on a body, if there is one."""
         self._leases.pop(agent, None)
 
-    def expired(self, now: float) -> tuple[str, ...]:
-        """Return the bodies whose lease is over, which it then is."""
-        over = tuple(agent for agent, lease in self._leases.items() if lease.until <= now) if self._leases else ()
-        for agent in over:
+    def take_expired(self, now: float) -> tuple[str, ...]:
+        """Remove the leases that have run out and return their bodies."""
+        expired = tuple(agent for agent, lease in self._leases.items() if lease.until <= now) if self._leases else ()
+        for agent in expired:
             del self._leases[agent]
-        return over
+        return expired
 
     def due(self) -> float:
-        """Return when the next lease ends. Silence matters to steps only."""
+        """Return when the next lease runs out. Silent users are looked for at each step instead."""
         return min((lease.until for lease in self._leases.values()), default=float("inf"))
 
     # ------------------------------------------------------------ inputs
 
-    def judge(self, agent: str, user: UserInput, now: float) -> Fault | bool:
-        """Return whether an input counts, or what is wrong with it; if it counts, it is the user's latest."""
-        lease = self.holder(agent)
+    def check_input(self, agent: str, user: UserInput, now: float) -> Fault | bool:
+        """Return whether an input counts, or what is wrong with it; one that counts becomes the user's latest."""
+        lease = self.active(agent)
         if lease is not None and user.lease != lease:
             got = "another" if user.lease else "none"
             return Fault(
-                "lease", f"UserInput.Lease: agent '{agent}' is taken; expected its lease, got {got}", "UserInput.Lease"
+                "lease",
+                f"UserInput.Lease: agent '{agent}' is taken; expected the lease of its holder, got {got}",
+                "UserInput.Lease",
             )
         if lease is None and user.lease is not None:
             return Fault(
                 "lease",
-                f"UserInput.Lease: expected a lease that runs on agent '{agent}', got one that does not",
+                f"UserInput.Lease: expected a current lease on agent '{agent}', got one that has ended",
                 "UserInput.Lease",
             )
-        voice = self._voices.get(agent)
-        # After a silence numbers begin anew: a joystick that was started again counts from 0.
-        fresh = voice is None or now - voice.at >= SILENCE or user.seq is None or voice.seq is None
-        if not fresh and voice is not None and user.seq is not None and user.seq <= (voice.seq or 0):
+        last = self._inputs.get(agent)
+        # A joystick that was started again counts from 0: after a silence any number is accepted.
+        fresh = last is None or now - last.at >= SILENCE or user.seq is None or last.seq is None
+        if not fresh and last is not None and user.seq is not None and user.seq <= (last.seq or 0):
             return False
-        self._voices[agent] = _Voice(user.seq, now, silent=False)
+        self._inputs[agent] = _LastInput(user.seq, now, silent=False)
         return True
 
-    def silent(self, now: float) -> tuple[str, ...]:
-        """Return the bodies whose user has just become silent."""
+    def newly_silent(self, now: float) -> tuple[str, ...]:
+        """Return the bodies whose user has become silent since the last call."""
         found = []
-        for agent, voice in self._voices.items():
-            if not voice.silent and now - voice.at >= SILENCE:
-                voice.silent = True
+        for agent, last in self._inputs.items():
+            if not last.silent and now - last.at >= SILENCE:
+                last.silent = True
                 found.append(agent)
         return tuple(found)
 
-    def hear(self, agent: str, now: float) -> None:
-        """Take a body's user for heard now, so that who is silent from now on is found silent."""
-        self._voices[agent] = _Voice(None, now, silent=False)
+    def expect_input(self, agent: str, now: float) -> None:
+        """Treat the user of a body as heard now, so that `newly_silent` reports it unless input comes."""
+        self._inputs[agent] = _LastInput(None, now, silent=False)
 
     def forget(self, agent: str) -> None:
         """Forget a body that is gone."""
         self._leases.pop(agent, None)
-        self._voices.pop(agent, None)
+        self._inputs.pop(agent, None)

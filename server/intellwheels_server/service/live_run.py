@@ -1,8 +1,8 @@
-"""The service without its network: arrivals go in, messages come out, and the world moves when it may.
+"""A live run without its network: arrivals go in, messages come out, and the world moves when it may.
 
-Nothing here waits, reads a clock or knows zenoh: time is passed in, and `due` says when to come back. One thread
-calls it. The order at a tick: what arrived is latched; when the pace allows, one step is made; then the
-changes asked for (joins, leaves, verbs) act, before the measures of the new tick go out.
+Nothing here waits, reads a clock or knows Zenoh: time is passed in, and `due` says when to call `work` again. One
+thread calls it. The order at a tick: arrivals are kept as they come; when the pace allows, one step is made; then the
+queued changes (joins, leaves, control messages) act, and the measures of the new tick are sent.
 """
 
 from __future__ import annotations
@@ -10,280 +10,269 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Final
 
-import msgspec
-
-from intellwheels_schemas.messages import (
-    Event,
-    Load,
-    Map,
-    PowerInForce,
-)
-from intellwheels_server import world
+from intellwheels_schemas.messages import Event, Load, Map
 from intellwheels_server.log.branch import Branch
 from intellwheels_server.service import control, inbound, joining, outbound
-from intellwheels_server.service.arrival import Arrival, Ask, Put, Token
-from intellwheels_server.service.service_state import Bridge, Options, Outlet, Recorder, ServiceState
+from intellwheels_server.service.arrival import Arrival, Put, Query, Token
+from intellwheels_server.service.connected_agents import BridgeStatus
+from intellwheels_server.service.publisher import Outlet
+from intellwheels_server.service.run_state import Recorder
+from intellwheels_server.service.service_state import Options, ServiceState
 from intellwheels_server.world import State
-from intellwheels_server.world.inputs import (
-    Inputs,
-    Verdict,
-)
+from intellwheels_server.world.inputs import Verdict
 
 STALE_AFTER: Final = 0.3
-"""Seconds without a pose, or three cycles if they are longer, after which a real body is stale."""
+"""Seconds without a pose after which a real body is stale, or three ticks if they are longer."""
 
 
 class LiveRun:
-    """The service's decisions."""
+    """Decides when the world of a live run moves and what is sent."""
 
     def __init__(
         self,
         options: Options,
         outlet: Outlet,
-        floor_of: Callable[[Load], Map],
-        wall: Callable[[], float],
+        load_floor: Callable[[Load], Map],
+        unix_time: Callable[[], float],
         record: Recorder | None = None,
         run: str | None = None,
     ) -> None:
-        """Begin a run; takes what `ServiceState` takes."""
-        self._service = ServiceState(options, outlet, floor_of, wall, record, run)
+        """Begin a run; the arguments are those of `ServiceState`."""
+        self._service = ServiceState(options, outlet, load_floor, unix_time, record, run)
 
     @property
     def exit(self) -> int | None:
-        """The process's exit code once the service is over, else None."""
+        """The exit code of the process once the service is over, else None."""
         return self._service.exit
 
     @property
     def state(self) -> State:
         """The world."""
-        return self._service.state
+        return self._service.run.state
 
     def digest(self) -> str:
         """Return the hash of the state."""
-        return self._service.digest()
+        return self._service.run.digest()
 
-    def tell(self, witness: Callable[[Event], None]) -> None:
-        """Tell somebody each event as it is, before what is hidden is left out."""
-        self._service.witness = witness
+    def observe_events(self, observer: Callable[[Event], None]) -> None:
+        """Call `observer` with each event, before positions are removed from it."""
+        self._service.publisher.observer = observer
 
     def begin(self) -> None:
-        """Publish what there is to know before anything happens."""
-        service = self._service
-        outbound.publish_map(service)
+        """Publish the map, before anything happens."""
+        outbound.publish_map(self._service.run, self._service.publisher)
 
     def take(self, arrival: Arrival, now: float) -> None:
-        """Take in what arrived. The world does not move."""
-        service = self._service
+        """Take what arrived. The world does not move."""
         if isinstance(arrival, Put):
-            inbound.take_put(service, arrival, now)
+            inbound.take_put(self._service, arrival, now)
         elif isinstance(arrival, Token):
-            joining.take_token(service, arrival, now)
+            joining.take_token(self._service, arrival, now)
         else:
-            self._take_ask(arrival, now)
+            self._take_query(arrival, now)
 
     def work(self, now: float) -> None:
-        """Do all that is due; at most one step is made."""
+        """Do everything that is due; at most one step is made."""
         service = self._service
         if service.exit is not None:
             return
-        joining.expire(service, now)
-        if service.pending and service.may_change():
-            service.change(now)
-        if service.held and self._may_begin():
-            self._begin_run(now)
+        joining.handle_deadlines(service, now)
+        if service.has_queued_changes and service.may_change():
+            service.make_queued_changes(now)
+        if self._may_start():
+            self._start(now)
         self._move(now)
-        if service.cadence.ready(now):
+        if service.publisher.schedule.take_due(now):
             outbound.publish(service, now)
-        outbound.rest_real(service, now)
+        outbound.put_idle_powers(service, now)
 
     def due(self, now: float) -> float:
-        """Return when `work` must be called next if nothing arrives; `now` or less: at once."""
-        service = self._service
-        times = [service.cadence.due(), service.leases.due(), service.roster.due(service.options.grace)]
-        times += [waiting.until for waiting in service.waiting]
-        if service.bridges and service.stands():
-            times.append(service.idle_power_at)
-        if (service.pending and service.may_change()) or (service.held and self._may_begin()):
+        """Return when to call `work` next if nothing arrives; `now` or less means at once."""
+        service, pacing, agents = self._service, self._service.pacing, self._service.agents
+        times = [
+            service.publisher.schedule.due(),
+            agents.leases.due(),
+            agents.roster.due(service.options.grace),
+            *(join.until for join in agents.waiting_joins),
+        ]
+        if agents.bridges and service.is_stopped():
+            times.append(service.publisher.idle_power_at)
+        if (service.has_queued_changes and service.may_change()) or self._may_start():
             return now
-        if not service.stands():
-            if not service.lockstep:
-                times.append(service.metronome.due() if service.options.pace == "realtime" else now)
-            elif service.open:
-                if service.barrier.complete(now):
+        if not service.is_stopped():
+            if not pacing.lockstep:
+                times.append(pacing.metronome.due() if pacing.pace == "realtime" else now)
+            elif pacing.barrier_open:
+                if pacing.barrier.complete(now):
                     return now
-                times.append(service.barrier.due())
-            elif service.members or service.steps:
+                times.append(pacing.barrier.due())
+            elif pacing.answers or pacing.steps:
                 return now
         return min(times)
 
     def finish(self, now: float) -> None:
         """Publish and record what is left before the service ends."""
         service = self._service
-        service.close_steps("failed", "the simulator ends")
-        for waiting in service.waiting:
-            waiting.ask.close()
-        service.waiting.clear()
+        service.answer_steps("failed", "the simulator ends")
+        for join in service.agents.waiting_joins:
+            join.query.close()
+        service.agents.waiting_joins.clear()
         outbound.publish(service, now)
-        for agent in service.bridges:
-            outbound.put_power(
-                service,
-                agent,
-                PowerInForce(
-                    run=service.state.run, tick=service.state.tick, left_motor=0.0, right_motor=0.0, state="paused"
-                ),
-            )
-        if service.changes and service.record is not None:
-            service.record(service.state.tick, Inputs(changes=tuple(service.changes)), service.digest(), stepped=False)
-            service.changes.clear()
+        outbound.put_zero_powers(service)
+        if service.run.unrecorded:
+            service.run.record_changes(service.run.state.tick)
 
-    def _take_ask(self, ask: Ask, now: float) -> None:
-        service = self._service
-        match ask.topic:
+    def _take_query(self, query: Query, now: float) -> None:
+        match query.topic:
             case "join":
-                joining.ask_join(service, ask, now)
+                joining.handle_join(self._service, query, now)
             case "leave":
-                joining.ask_leave(service, ask)
+                joining.handle_leave(self._service, query)
             case "ctl":
-                control.ask_ctl(service, ask, now)
+                control.handle_control(self._service, query, now)
             case _:
-                outbound.ask_what_is(service, ask, now)
+                outbound.answer_query(self._service, query, now)
 
-    def _may_begin(self) -> bool:
-        service = self._service
-        return not service.missing()
+    # ------------------------------------------------------------ moving
 
-    def _begin_run(self, now: float) -> None:
-        service = self._service
-        service.held = False
-        service.metronome.start(now)
-        service.cadence.note()
-        service.out.tell(f"running tick={service.state.tick} run={service.state.run}")
-        if not service.lockstep:
+    def _may_start(self) -> bool:
+        return self._service.pacing.waiting_to_start and not self._service.missing_agents()
+
+    def _start(self, now: float) -> None:
+        service, pacing, state = self._service, self._service.pacing, self._service.run.state
+        pacing.waiting_to_start = False
+        pacing.metronome.start(now)
+        service.publisher.schedule.mark_changed()
+        service.publisher.outlet.print_line(f"running tick={state.tick} run={state.run}")
+        if not pacing.lockstep:
             outbound.put_all_measures(service)
 
     def _move(self, now: float) -> None:
-        service = self._service
-        if service.stands():
+        pacing = self._service.pacing
+        if self._service.is_stopped():
             return
-        if service.lockstep:
+        if pacing.lockstep:
             self._move_in_lockstep(now)
-        elif service.options.pace == "free":
+        elif pacing.pace == "free":
             self._step(now)
-        elif now >= service.metronome.due():
-            service.metronome.began(now)
+        elif now >= pacing.metronome.due():
+            pacing.metronome.begin_tick(now)
             self._step(now)
 
     def _move_in_lockstep(self, now: float) -> None:
-        service = self._service
-        barrier = service.barrier
-        if not service.open:
-            if service.members:
+        pacing = self._service.pacing
+        if not pacing.barrier_open:
+            if pacing.answers:
                 self._open_barrier(now)
-            elif service.steps is not None:
+            elif pacing.steps is not None:
                 self._step(now)
             return
-        if not barrier.complete(now):
-            missed = barrier.missed(now)
-            if missed and service.strict:
-                service.miss(missed[0][0])
-                return
-            for agent, kind in missed:
-                service.out.note(f"late agent={agent} tick={service.state.tick}")
-                if kind == "pose" and agent in service.bridges:
-                    service.bridges[agent].at = float("-inf")
-            for agent in barrier.to_repeat(now):
-                outbound.put_measures(service, agent)
-        if barrier.complete(now):
+        if not pacing.barrier.complete(now) and not self._handle_missing(now):
+            return
+        if pacing.barrier.complete(now):
             self._step(now)
 
+    def _handle_missing(self, now: float) -> bool:
+        """Handle missed answers and send measures again; return whether the run goes on."""
+        service, barrier, agents = self._service, self._service.pacing.barrier, self._service.agents
+        missed = barrier.missed(now)
+        if missed and service.pacing.strict:
+            service.end_for_missed_answer(missed[0][0])
+            return False
+        for agent, kind in missed:
+            service.publisher.outlet.log_line(f"late agent={agent} tick={service.run.state.tick}")
+            if kind == "pose" and agent in agents.bridges:
+                agents.bridges[agent].reported_at = float("-inf")
+        for agent in barrier.to_repeat(now):
+            outbound.put_measures(service, agent)
+        return True
+
     def _open_barrier(self, now: float) -> None:
-        service = self._service
-        service.open = True
-        outbound.put_all_measures(service)
-        service.barrier.open(service.members, now)
+        pacing = self._service.pacing
+        pacing.barrier_open = True
+        outbound.put_all_measures(self._service)
+        pacing.barrier.open(pacing.answers, now)
 
     def _step(self, now: float) -> None:
-        service = self._service
-        closed = service.state.tick
+        service, run, pacing = self._service, self._service.run, self._service.pacing
+        tick = run.state.tick
         inputs = service.latch.collect((), self._verdicts(now))
         branch = service.options.branch
-        told = branch.inputs(closed) if branch is not None else None
-        state, outputs = world.advance(service.state, inputs if told is None else told)
-        service.state = state
-        if branch is not None and told is not None:
-            inputs = told
-            self._compare(branch, closed)
+        parent_inputs = branch.inputs(tick) if branch is not None else None
+        if parent_inputs is not None:
+            inputs = parent_inputs
+        outputs = run.advance(inputs)
+        ended = run.state.ended
+        if branch is not None and parent_inputs is not None:
+            self._compare(branch, tick)
         for event in outputs.events:
-            service.put_event(event)
-        if service.record is not None:
-            if service.changes:
-                inputs = msgspec.structs.replace(inputs, changes=tuple(service.changes))
-            service.record(closed, inputs, service.digest(), stepped=True)
-        service.changes.clear()
-        service.open = False
-        service.tachometer.ticked(now)
-        service.cadence.note()
-        if service.bridges:
-            outbound.put_powers(service, closed)
-        if service.pending:
-            service.change(now)
-        if state.ended and service.state.ended:
+            service.publisher.put_event(event)
+        run.record_step(tick, inputs)
+        pacing.barrier_open = False
+        pacing.real_time_factor.count_tick(now)
+        service.publisher.schedule.mark_changed()
+        if service.agents.bridges:
+            outbound.put_powers(service, tick)
+        if service.has_queued_changes:
+            service.make_queued_changes(now)
+        if ended and run.state.ended:
             self._end(now)
-        elif service.steps is not None:
-            service.steps.left -= 1
-            if service.steps.left <= 0:
-                service.close_steps("ok", None)
+        elif pacing.steps is not None:
+            pacing.steps.left -= 1
+            if pacing.steps.left <= 0:
+                service.answer_steps("ok")
                 outbound.publish(service, now)
-        if service.held or service.exit is not None:
+        if pacing.waiting_to_start or service.exit is not None:
             return
-        if not service.lockstep:
+        if not pacing.lockstep:
             outbound.put_all_measures(service)
-        elif service.members:
+        elif pacing.answers:
             self._open_barrier(now)
 
     def _compare(self, branch: Branch, tick: int) -> None:
-        """End a branch that is not as its parent was; tell where it is free."""
-        service = self._service
-        differs = branch.differs(tick, service.digest())
+        """End a branch that differs from its parent; report where its own inputs begin to count."""
+        service, digest = self._service, self._service.run.digest()
+        differs = branch.differs(tick, digest)
         if differs is not None:
-            service.out.note(f"branch {differs}; its bodies and options of bodies must be the parent's")
-            service.out.tell(f"differs tick={tick + 1}")
+            service.publisher.outlet.log_line(
+                f"branch {differs}; its bodies and their options must be those of the parent"
+            )
+            service.publisher.outlet.print_line(f"differs tick={tick + 1}")
             service.exit = 1
         elif tick + 1 == branch.at:
-            service.out.tell(f"branched tick={branch.at} hash={service.digest()}")
+            service.publisher.outlet.print_line(f"branched tick={branch.at} hash={digest}")
 
     def _end(self, now: float) -> None:
-        service = self._service
-        service.close_steps("ok", "the run has ended")
+        service, run = self._service, self._service.run
+        service.answer_steps("ok", "the run has ended")
         outbound.publish(service, now)
-        service.out.tell(f"ended tick={service.state.tick} hash={service.digest()} run={service.state.run}")
+        service.publisher.outlet.print_line(f"ended tick={run.state.tick} hash={run.digest()} run={run.state.run}")
         if service.options.quit_at_end:
             service.exit = 0
 
-    def _verdicts(self, now: float) -> list[Verdict]:
-        service = self._service
-        verdicts = service.barrier.verdicts() if service.lockstep else []
-        if not service.strict:
-            verdicts += [Verdict(agent=agent, code="silent") for agent in service.leases.silent(now)]
-        for agent, bridge in service.bridges.items():
-            verdicts += self._judge_bridge(agent, bridge, now)
-        here = service.state.body_set.figures
-        return [verdict for verdict in verdicts if verdict.agent in here]
+    # ------------------------------------------------------------ verdicts
 
-    def _judge_bridge(self, agent: str, bridge: Bridge, now: float) -> list[Verdict]:
-        service = self._service
+    def _verdicts(self, now: float) -> list[Verdict]:
+        pacing, agents = self._service.pacing, self._service.agents
+        verdicts = pacing.barrier.verdicts() if pacing.lockstep else []
+        if not pacing.strict:
+            verdicts += [Verdict(agent=agent, code="silent") for agent in agents.leases.newly_silent(now)]
+        for agent, bridge in agents.bridges.items():
+            verdicts += self._bridge_verdicts(agent, bridge, now)
+        models = self._service.run.state.body_set.models
+        return [verdict for verdict in verdicts if verdict.agent in models]
+
+    def _bridge_verdicts(self, agent: str, bridge: BridgeStatus, now: float) -> list[Verdict]:
+        pacing = self._service.pacing
         found: list[Verdict] = []
-        if not service.strict:
-            realtime = service.options.pace == "realtime"
-            limit = max(3.0 * service.metronome.interval if realtime else 0.0, STALE_AFTER)
-            # In lockstep a pose is awaited: only a missed one is old.
-            stale = bridge.at == float("-inf") if service.lockstep else now - bridge.at > limit
+        if not pacing.strict:
+            limit = max(3.0 * pacing.metronome.interval if pacing.pace == "realtime" else 0.0, STALE_AFTER)
+            # Lockstep waits for a pose, so there only a missed one is old.
+            stale = bridge.reported_at == float("-inf") if pacing.lockstep else now - bridge.reported_at > limit
             if stale != bridge.stale:
                 bridge.stale = stale
                 found.append(Verdict(agent=agent, code="stale" if stale else "fresh"))
-        halted = outbound.is_hardware(service, agent) and (
-            service.options.pace != "realtime" or service.metronome.speed != 1.0
-        )
+        halted = outbound.is_hardware(self._service.agents.roster, agent) and not pacing.at_real_speed
         if halted != bridge.halted:
             bridge.halted = halted
             found.append(Verdict(agent=agent, code="halt" if halted else "unhalt"))

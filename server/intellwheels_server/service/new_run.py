@@ -1,4 +1,4 @@
-"""What follows when the world became another run: reset, load, restore. Whoever looks is told all of it at once."""
+"""What follows a reset, load or restore, after which the world is another run."""
 
 from __future__ import annotations
 
@@ -7,30 +7,24 @@ import numpy as np
 from intellwheels_server.service import outbound
 from intellwheels_server.service.service_state import ServiceState
 from intellwheels_server.world import State
-from intellwheels_server.world.inputs import Inputs
-from intellwheels_server.world.kernels.rows import RESTED
+from intellwheels_server.world.kernels import rows
 
 
 def begin_new_run(service: ServiceState, before: State, now: float) -> None:
-    """Record the change of runs, forget what belonged to the one before, and publish everything.
+    """Record the change of runs, drop what belonged to the earlier run, and publish everything.
 
     Args:
         service: Its state is that of the new run already.
-        before: The last state of the run before.
-        now: The caller's seconds.
+        before: The last state of the earlier run.
+        now: The current time, s.
     """
-    if service.record is not None:
-        service.record(before.tick, Inputs(changes=tuple(service.changes)), service.digest(), stepped=False)
-    service.changes.clear()
-    service.close_steps("failed", "the run was begun anew")
+    service.run.record_changes(before.tick)
+    service.answer_steps("failed", "a new run began")
     service.latch.clear()
-    names, rested = service.state.names, np.nonzero(service.state.flags[RESTED])[0].tolist()
-    service.barrier.begin_new_run(names[i] for i in rested)
-    service.held, service.open = True, False
-    service.metronome.late = 0
-    service.tachometer.stop()
-    outbound.publish_map(service)
-    for name in names:
-        service.out.body(name, outbound.body_of(service, name))
+    state = service.run.state
+    service.pacing.begin_new_run([state.names[i] for i in np.nonzero(state.flags[rows.RESTED])[0].tolist()])
+    outbound.publish_map(service.run, service.publisher)
+    for name in state.names:
+        outbound.publish_body(service, name)
     outbound.publish(service, now)
-    service.out.note(f"began run={service.state.run} before={before.run} seed={service.state.setup.seed!r}")
+    service.publisher.outlet.log_line(f"began run={state.run} before={before.run} seed={state.setup.seed!r}")

@@ -1,6 +1,8 @@
-"""What the service tells: measures and powers to agents, state, clock, map and bodies to whoever looks."""
+"""What the service sends: measures and powers to agents; state, clock, map and bodies to everybody."""
 
 from __future__ import annotations
+
+from typing import Final
 
 import msgspec
 
@@ -14,162 +16,192 @@ from intellwheels_schemas.messages import (
     WorldState,
 )
 from intellwheels_server import world
-from intellwheels_server.service.arrival import Ask
+from intellwheels_server.service.arrival import Query
+from intellwheels_server.service.publisher import Publisher
+from intellwheels_server.service.roster import Roster
+from intellwheels_server.service.run_state import RunState
 from intellwheels_server.service.service_state import ServiceState
-from intellwheels_server.service.state_parts import cut
+from intellwheels_server.service.state_parts import split_state
 from intellwheels_server.service.truth_filter import nominal
+from intellwheels_server.world import State
+
+IDLE_POWER_INTERVAL: Final = 0.1
+"""Seconds between two powers to a real chair while the run is stopped."""
+
+# ------------------------------------------------------------ to agents
 
 
 def put_measures(service: ServiceState, agent: str) -> None:
-    """Put an agent its measures, if anybody of it listens."""
-    encoding = service.encodings.get(agent)
+    """Put the measures of an agent, if one of its members gets any."""
+    encoding = service.agents.encodings.get(agent)
     if encoding is not None:
-        service.out.agent(agent, "measures", world.measures(service.state, agent), encoding)
+        measures = world.measures(service.run.state, agent)
+        service.publisher.outlet.agent(agent, "measures", measures, encoding)
 
 
 def put_all_measures(service: ServiceState) -> None:
-    """Put everybody their measures."""
-    state, put = service.state, service.out.agent
-    for agent, encoding in service.encodings.items():
+    """Put the measures of every agent."""
+    state, put = service.run.state, service.publisher.outlet.agent
+    for agent, encoding in service.agents.encodings.items():
         put(agent, "measures", world.measures(state, agent), encoding)
 
 
-def put_powers(service: ServiceState, closed: int) -> None:
-    """Put real chairs the powers of the tick whose barrier has closed."""
-    for agent in service.bridges:
-        power = world.power_in_force(service.state, agent)
-        put_power(service, agent, msgspec.structs.replace(power, tick=closed))
+def put_powers(service: ServiceState, tick: int) -> None:
+    """Put the powers of all real chairs, in force in the step from a tick."""
+    for agent in service.agents.bridges:
+        power = world.power_in_force(service.run.state, agent)
+        _put_power(service, agent, msgspec.structs.replace(power, tick=tick))
 
 
-def put_power(service: ServiceState, agent: str, power: PowerInForce) -> None:
-    """Put a real chair a power."""
-    seat = service.roster.body(agent)
-    if seat is not None:
-        service.out.agent(agent, "power", power, seat.encoding)
+def put_zero_powers(service: ServiceState) -> None:
+    """Put power 0 for all real chairs."""
+    for agent in service.agents.bridges:
+        _put_power(service, agent, _zero_power(service.run.state))
 
 
-def rest_real(service: ServiceState, now: float) -> None:
-    """While nothing moves, real chairs are told so ten times a second."""
-    if not service.bridges or not service.stands() or now < service.idle_power_at:
+def put_idle_powers(service: ServiceState, now: float) -> None:
+    """Put power 0 for all chairs of real hardware, ten times a second while the run is stopped."""
+    bridges, publisher = service.agents.bridges, service.publisher
+    if not bridges or not service.is_stopped() or now < publisher.idle_power_at:
         return
-    service.idle_power_at = now + 0.1
-    run, tick = service.state.run, service.state.tick
-    for agent in service.bridges:
-        if is_hardware(service, agent):
-            power = PowerInForce(run=run, tick=tick, left_motor=0.0, right_motor=0.0, state="paused")
-            put_power(service, agent, power)
+    publisher.idle_power_at = now + IDLE_POWER_INTERVAL
+    for agent in bridges:
+        if is_hardware(service.agents.roster, agent):
+            _put_power(service, agent, _zero_power(service.run.state))
+
+
+def _zero_power(state: State) -> PowerInForce:
+    return PowerInForce(run=state.run, tick=state.tick, left_motor=0.0, right_motor=0.0, state="paused")
+
+
+def _put_power(service: ServiceState, agent: str, power: PowerInForce) -> None:
+    member = service.agents.roster.body(agent)
+    if member is not None:
+        service.publisher.outlet.agent(agent, "power", power, member.encoding)
+
+
+def is_hardware(roster: Roster, agent: str) -> bool:
+    """Return whether the body of an agent is real hardware, not a chair of another simulation."""
+    member = roster.body(agent)
+    return member is not None and member.real and not member.simulated_hardware
+
+
+# ------------------------------------------------------------ to everybody
 
 
 def publish(service: ServiceState, now: float) -> None:
     """Put the state and the clock."""
-    service.cadence.done(now)
-    for part in parts_of(service):
-        service.out.state(part)
-    service.out.clock(clock_of(service, now))
+    publisher = service.publisher
+    publisher.schedule.mark_published(now)
+    for part in _state_parts(service.run.state, publisher):
+        publisher.outlet.state(part)
+    publisher.outlet.clock(_clock(service, now))
 
 
-def parts_of(service: ServiceState) -> list[WorldState]:
-    """Return the state in parts that each fit a put; none where the truth is hidden."""
-    if service.options.hide_truth:
-        return []
-    state = service.state
-    return cut(state.run, state.tick, state.time, world.entities(state))
-
-
-def publish_map(service: ServiceState) -> None:
-    """Put which map there is."""
-    state = service.state
-    floor = state.setup.floor
+def publish_map(run: RunState, publisher: Publisher) -> None:
+    """Put which map is in use."""
+    state, floor = run.state, run.state.setup.floor
     info = MapInfo(run=state.run, tick=state.tick, name=floor.name, revision=state.revision, hash=world.map_hash(floor))
-    service.out.map(info)
+    publisher.outlet.map(info)
+
+
+def publish_body(service: ServiceState, agent: str) -> None:
+    """Put a body as accepted. It must be in the world."""
+    service.publisher.outlet.body(agent, body_of(service, agent))
 
 
 def body_of(service: ServiceState, agent: str) -> Body:
-    """Return a body as accepted, with the pose where it joined as its `Position`. It must be here."""
-    seat = service.roster.body(agent)
-    roles: tuple[Role, ...] = tuple(each.role for each in service.roster.seats(agent))
-    figure = service.state.body_set.figures[agent]
-    # Sensors mounted on `start` stay there, so whoever draws them must know it, also of a body that joined at a Place.
-    robot = msgspec.structs.replace(figure.robot, position=figure.start)
-    if figure.mind_input:  # a mind that joined apart takes what it takes, whatever the body's document says
-        words = dict.fromkeys((*robot.user_input, *figure.mind_input))
-        robot = msgspec.structs.replace(robot, user_input=tuple(words))
-    if service.played is not None and robot.instance is not None:  # nobody sits here, but somebody did
+    """Return a body as accepted, with the pose where it joined as its `Position`. It must be in the world."""
+    state, roster = service.run.state, service.agents.roster
+    owner = roster.body(agent)
+    roles: tuple[Role, ...] = tuple(member.role for member in roster.members(agent))
+    model = state.body_set.models[agent]
+    # Sensors mounted on `start` stay there: a viewer must know the pose, also of a body that joined at a Place.
+    robot = msgspec.structs.replace(model.robot, position=model.start)
+    if model.mind_input:  # a mind in a process of its own takes this input too
+        inputs = dict.fromkeys((*robot.user_input, *model.mind_input))
+        robot = msgspec.structs.replace(robot, user_input=tuple(inputs))
+    if service.playback is not None and robot.instance is not None:  # nobody has joined now, but somebody had
         roles = (robot.role,)
     return Body(
-        run=service.state.run,
-        tick=service.state.tick,
-        owner=seat.instance if seat and seat.instance else None,
+        run=state.run,
+        tick=state.tick,
+        owner=owner.instance if owner and owner.instance else None,
         roles=roles,
-        robot=nominal(robot) if service.options.hide_truth else robot,
+        robot=nominal(robot) if service.publisher.hide_truth else robot,
     )
 
 
-def clock_of(service: ServiceState, now: float) -> Clock:
-    """Return how far the run is."""
-    state = service.state
+def _state_parts(state: State, publisher: Publisher) -> list[WorldState]:
+    """Return the state in parts that each fit into a message; none if the truth is hidden."""
+    if publisher.hide_truth:
+        return []
+    return split_state(state.run, state.tick, state.time, world.entities(state))
+
+
+def _clock(service: ServiceState, now: float) -> Clock:
+    state, pacing = service.run.state, service.pacing
     return Clock(
         run=state.run,
         tick=state.tick,
         time=state.time,
         state=_clock_state(service, now),
-        pace=service.options.pace,
-        speed=service.metronome.speed,
-        factor=service.tachometer.factor(now),
-        late=service.metronome.late,
-        hash=service.digest(),
-        stamp=service.wall(),
-        waiting=_awaited(service, now),
-        last=None if service.played is None else service.played.last,
+        pace=pacing.pace,
+        speed=pacing.metronome.speed,
+        factor=pacing.real_time_factor.value(now),
+        late=pacing.metronome.late,
+        hash=service.run.digest(),
+        stamp=service.publisher.unix_time(),
+        waiting=_awaited_agents(service, now),
+        last=None if service.playback is None else service.playback.last_tick,
     )
 
 
 def _clock_state(service: ServiceState, now: float) -> ClockState:
-    if service.state.ended if service.played is None else service.played.over:
+    pacing, playback = service.pacing, service.playback
+    if service.run.state.ended if playback is None else playback.at_end:
         return "ended"
-    if service.held:
+    if pacing.waiting_to_start:
         return "waiting"
-    if service.paused and service.steps is None:
+    if pacing.paused and pacing.steps is None:
         return "paused"
-    if service.lockstep and (not service.members or service.barrier.stalled(now)):
+    if pacing.lockstep and (not pacing.answers or pacing.barrier.stalled(now)):
         return "waiting"
     return "running"
 
 
-def _awaited(service: ServiceState, now: float) -> tuple[str, ...]:
-    if service.held:
-        return tuple(service.missing())
-    if service.lockstep and service.open and service.barrier.stalled(now):
-        return service.barrier.awaited
+def _awaited_agents(service: ServiceState, now: float) -> tuple[str, ...]:
+    pacing = service.pacing
+    if pacing.waiting_to_start:
+        return tuple(service.missing_agents())
+    if pacing.lockstep and pacing.barrier_open and pacing.barrier.stalled(now):
+        return pacing.barrier.awaited
     return ()
 
 
-def is_hardware(service: ServiceState, agent: str) -> bool:
-    """Return whether an agent has a body of real hardware, not one in another simulation."""
-    seat = service.roster.body(agent)
-    return seat is not None and seat.real and not seat.simulated_hardware
+# ------------------------------------------------------------ to one who asks
 
 
-def ask_what_is(service: ServiceState, ask: Ask, now: float) -> None:
-    """Answer who asks how things are: the map, the clock, events, bodies, the state."""
-    match ask.topic:
+def answer_query(service: ServiceState, query: Query, now: float) -> None:
+    """Answer a query for the map, the clock, the events, the bodies or the state."""
+    run, publisher = service.run, service.publisher
+    match query.topic:
         case "map":
-            ask.reply(service.state.setup.floor)
+            query.reply(run.state.setup.floor)
         case "clock":
-            ask.reply(clock_of(service, now))
+            query.reply(_clock(service, now))
         case "event":
-            ask_events(service, ask)
+            _answer_events(run, publisher, query)
         case "body":
-            ask.replies({name: body_of(service, name) for name in service.state.names if ask.matches(name)})
+            query.reply_each({name: body_of(service, name) for name in run.state.names if query.matches(name)})
         case "state":
-            parts = parts_of(service)
-            ask.replies({str(part.part): part for part in parts if ask.matches(str(part.part))})
+            parts = {str(part.part): part for part in _state_parts(run.state, publisher)}
+            query.reply_each({name: part for name, part in parts.items() if query.matches(name)})
 
 
-def ask_events(service: ServiceState, ask: Ask) -> None:
-    """Answer with the events kept from `since` on."""
-    since = ask.parameters.get("since", "0")
+def _answer_events(run: RunState, publisher: Publisher, query: Query) -> None:
+    since = query.parameters.get("since", "0")
     if not (since.isascii() and since.isdigit() and len(since) <= 16):
-        ask.refuse(service.result("failed", f"event?since: expected a number, got {since[:40]!r}"))
+        query.refuse(run.result("failed", f"event?since: expected a number, got {since[:40]!r}"))
         return
-    ask.reply(service.ring.since(int(since), service.state.run))
+    query.reply(publisher.events.since(int(since), run.state.run))

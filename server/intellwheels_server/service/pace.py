@@ -1,7 +1,7 @@
 """When the next tick is due in real time, and how fast the run really goes. Pure: time is passed in.
 
-Deadlines are absolute: tick k is due k periods after the anchor, so lateness does not add up. The anchor moves
-only when the speed changes, after a pause, and when the run has fallen hopelessly behind.
+Deadlines are absolute: tick k is due k intervals after the anchor, so lateness does not add up. The anchor moves
+only when the speed changes, after a pause, and when the run is too far behind to catch up.
 """
 
 from __future__ import annotations
@@ -9,19 +9,20 @@ from __future__ import annotations
 from typing import Final
 
 LATE_SHARE: Final = 0.1
-"""A tick is late that begins later than its deadline by this share of its wall time."""
+"""A tick counts as late if it begins later than its deadline by this share of its interval."""
 BACKLOG: Final = 0.5
-"""Seconds behind after which lost time is given up: a burst of ticks would help nobody."""
+"""Seconds of delay above which the lost time is dropped: a burst of ticks would help nobody."""
 WINDOW: Final = 1.0
-"""Seconds over which the real-time factor is taken."""
+"""Seconds over which the real-time factor is measured."""
 
 
 class Metronome:
     """Deadlines of ticks at a speed.
 
-    Args:
+    Attributes:
         period: Simulated time of a tick, s.
         speed: Simulated time over wall time.
+        late: How many ticks began late.
     """
 
     def __init__(self, period: float, speed: float) -> None:
@@ -32,12 +33,12 @@ class Metronome:
         self._count = 0
 
     def start(self, now: float) -> None:
-        """Let the next tick be due one interval from now."""
+        """Set the next deadline to one interval from now."""
         self._anchor = now
         self._count = 1
 
     def change_speed(self, speed: float, now: float) -> None:
-        """Go on at another speed from now."""
+        """Continue at another speed from now on."""
         self.speed = speed
         self.start(now)
 
@@ -50,8 +51,8 @@ class Metronome:
         """Return when the next tick begins."""
         return self._anchor + self._count * self.interval
 
-    def began(self, now: float) -> None:
-        """Note that the next tick begins now; it is counted when it is late."""
+    def begin_tick(self, now: float) -> None:
+        """Note that the next tick begins now, and count it if it is late."""
         behind = now - self.due()
         self._count += 1
         if behind > LATE_SHARE * self.interval:
@@ -60,8 +61,8 @@ class Metronome:
             self.start(now)
 
 
-class Tachometer:
-    """The real-time factor of late: simulated over wall time.
+class RealTimeFactor:
+    """Simulated time over wall time, measured over the last second.
 
     Args:
         period: Simulated time of a tick, s.
@@ -73,7 +74,7 @@ class Tachometer:
         self._ticks = 0
         self._factor = 0.0
 
-    def ticked(self, now: float) -> None:
+    def count_tick(self, now: float) -> None:
         """Note that a tick was made."""
         if self._since is None:
             self._since = now
@@ -83,8 +84,8 @@ class Tachometer:
             self._factor = self._ticks * self._period / elapsed
             self._since, self._ticks = now, 0
 
-    def factor(self, now: float) -> float:
-        """Return the factor over the last window, or over what there is of the first."""
+    def value(self, now: float) -> float:
+        """Return the factor over the last window, or over the part of the first window that has passed."""
         if self._since is None:
             return 0.0
         elapsed = now - self._since
@@ -92,6 +93,6 @@ class Tachometer:
             return self._ticks * self._period / elapsed
         return self._factor
 
-    def stop(self) -> None:
-        """Begin anew at the next tick, after a pause."""
+    def reset(self) -> None:
+        """Forget everything; measuring starts with the next tick."""
         self._since, self._ticks, self._factor = None, 0, 0.0

@@ -1,286 +1,285 @@
-"""A log on the network: published like a live world, with seeking and speed, but without control of the bodies.
+"""A log played on the network: it looks like a live world, and can be sought, paused and paced, but not steered.
 
-Nothing here waits, reads a clock or knows zenoh: it is driven as a live run is. Map, bodies, states, clock, events
-and measures go out as they did; powers do not, so that no chair of metal moves by what another day was.
+Nothing here waits, reads a clock or knows Zenoh: it is driven as a live run is. Map, bodies, states, clock, events
+and measures are published as they were. Powers are not, so that a playback can never move a real chair.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any, Final, NoReturn
+from functools import singledispatchmethod
+from typing import Final, NoReturn
 
 from intellwheels_schemas.codec import Encoding
-from intellwheels_schemas.messages import Load, Refused, Seek, Speed, Step
-from intellwheels_server.log.reported_poses import Reported
+from intellwheels_schemas.messages import Load, Pause, Quit, Record, Refused, Resume, Seek, Speed, Step
+from intellwheels_server.log.reported_poses import ReportedPoses
 from intellwheels_server.log.seekable_log import Place, SeekableLog
 from intellwheels_server.service import control, inbound, outbound
-from intellwheels_server.service.arrival import Arrival, Ask, Put, Token
+from intellwheels_server.service.arrival import Arrival, Put, Query, Token
 from intellwheels_server.service.error_replies import Fault
 from intellwheels_server.service.event_buffer import EventBuffer
-from intellwheels_server.service.service_state import Options, Outlet, Played, ServiceState, Steps
+from intellwheels_server.service.pacing import PendingSteps
+from intellwheels_server.service.publisher import Outlet
+from intellwheels_server.service.service_state import Options, PlaybackProgress, ServiceState
 from intellwheels_server.world import State
 
-STEERED: Final = "a played log cannot be steered"
-"""What everybody is told who wants more than to watch."""
+READ_ONLY: Final = "a played log cannot be steered"
+"""The answer to everybody who wants to do more than watch."""
 AT_END: Final = "the log is at its end; seek back"
 
 
 class Playback:
-    """The decisions of a service that plays a log."""
+    """Decides when the next tick of a log is shown and what is sent."""
 
     def __init__(
         self,
         options: Options,
         outlet: Outlet,
-        wall: Callable[[], float],
-        recording: SeekableLog,
-        reported: Reported | None = None,
+        unix_time: Callable[[], float],
+        log: SeekableLog,
+        reported: ReportedPoses | None = None,
     ) -> None:
-        """Begin at the log's beginning.
+        """Begin at the beginning of the log.
 
         Args:
             options: World, speed and whether to quit at the end; the pace is real time.
             outlet: Where messages go.
-            wall: Gives Unix time, for stamps.
-            recording: What is played.
-            reported: Where the bridges of its chairs said that they were, if another log tells.
+            unix_time: Returns Unix time in seconds, for stamps.
+            log: What is played.
+            reported: The poses that the bridges of its chairs reported, if another log has them.
         """
-        self._service = ServiceState(options, outlet, _no_floor, wall, run=recording.header.run)
-        self._service.held = False
-        # It waits for somebody to look: the first page that opens resumes it. Without an audience it plays at once.
-        self._service.paused = not options.quit_at_end
-        self._service.played = Played(last=0)
-        self._recording, self._reported = recording, reported
-        first = recording.header.run
-        self._place = Place(0, self._service.state)
-        self._begun = False
-        self._beginning = recording.go_to(first, 0)
-        self._played.last = self._last(first)
+        self._service = ServiceState(options, outlet, _no_floor, unix_time, run=log.header.run)
+        self._service.pacing.waiting_to_start = False
+        # It waits for an audience: the first page that opens resumes it. With `quit_at_end` nobody may be looking.
+        self._service.pacing.paused = not options.quit_at_end
+        self._log, self._reported = log, reported
+        first = log.header.run
+        self._progress = PlaybackProgress(last_tick=self._last_tick(first))
+        self._service.playback = self._progress
+        self._place = Place(0, self._service.run.state)
+        self._started = False
+        self._beginning = log.go_to(first, 0)
 
     @property
     def exit(self) -> int | None:
-        """The process's exit code once the service is over, else None."""
+        """The exit code of the process once the service is over, else None."""
         return self._service.exit
 
     @property
     def state(self) -> State:
         """The world."""
-        return self._service.state
+        return self._service.run.state
 
     def digest(self) -> str:
         """Return the hash of the state."""
-        return self._service.digest()
+        return self._service.run.digest()
 
     def begin(self) -> None:
-        """Publish what there is at the beginning."""
-        outbound.publish_map(self._service)
+        """Publish the beginning of the log."""
+        outbound.publish_map(self._service.run, self._service.publisher)
         self._jump(self._beginning)
 
     def take(self, arrival: Arrival, now: float) -> None:
-        """Take in what arrived."""
+        """Take what arrived."""
         service = self._service
         if isinstance(arrival, Put):
             if arrival.kind == "pose" and self._reported is not None:
-                return  # our own: this key is heard here too
-            fault = Fault("not-joined", f"{arrival.kind}: {STEERED}")
-            if service.gate.admit(arrival.agent, service.state.tick, now):
-                inbound.complain(service, arrival.agent, fault, now)
+                return  # the playback puts these poses itself, and receives them too
+            fault = Fault("not-joined", f"{arrival.kind}: {READ_ONLY}")
+            if service.message_limit.admit(arrival.agent, service.run.state.tick, now):
+                inbound.send_error(service, arrival.agent, fault, now)
         elif not isinstance(arrival, Token):
-            self._answer(arrival, now)
+            self._take_query(arrival, now)
 
     def work(self, now: float) -> None:
-        """Do all that is due; at most one tick is played."""
-        service = self._service
+        """Do everything that is due; at most one tick is played."""
+        service, metronome = self._service, self._service.pacing.metronome
         if service.exit is not None:
             return
-        if not self._begun:
-            self._begun = True
-            service.metronome.start(now)
-        if self._moves() and now >= service.metronome.due():
-            service.metronome.began(now)
-            self._go_on(now)
-        if service.cadence.ready(now):
-            outbound.publish(service, now)
-            self._put_reported()
+        if not self._started:
+            self._started = True
+            metronome.start(now)
+        if self._moves() and now >= metronome.due():
+            metronome.begin_tick(now)
+            self._play_tick(now)
+        if service.publisher.schedule.take_due(now):
+            self._publish(now)
 
     def due(self, now: float) -> float:
-        """Return when `work` must be called next if nothing arrives; `now` or less: at once."""
-        service = self._service
-        due = service.cadence.due()
-        return min(due, max(service.metronome.due(), now)) if self._moves() else due
+        """Return when to call `work` next if nothing arrives; `now` or less means at once."""
+        due = self._service.publisher.schedule.due()
+        return min(due, max(self._service.pacing.metronome.due(), now)) if self._moves() else due
 
     def finish(self, now: float) -> None:
         """Publish what is left before the service ends."""
-        self._service.close_steps("failed", "the player ends")
+        self._service.answer_steps("failed", "the player ends")
         outbound.publish(self._service, now)
 
+    def _publish(self, now: float) -> None:
+        outbound.publish(self._service, now)
+        self._put_reported()
+
     def _put_reported(self) -> None:
-        """Tell where bridges said their chairs were at this tick. With each state: who comes late hears it too."""
+        """Put the poses that bridges reported at this tick. They go out with each state, for late subscribers."""
         if self._reported is not None:
-            state = self._service.state
+            state = self._service.run.state
             for agent, pose in self._reported.at(state.run, state.tick).items():
-                self._service.out.pose(agent, pose)
+                self._service.publisher.outlet.pose(agent, pose)
 
     # ------------------------------------------------------------ moving
 
-    @property
-    def _played(self) -> Played:
-        played = self._service.played
-        if played is None:
-            raise TypeError("expected the service state of a log that is played")
-        return played
-
-    def _last(self, run: str) -> int:
-        ticks = self._recording.ticks(run)
+    def _last_tick(self, run: str) -> int:
+        ticks = self._log.ticks(run)
         return ticks[1] if ticks is not None else 0
 
     def _moves(self) -> bool:
-        service = self._service
-        return not self._played.over and (not service.paused or service.steps is not None)
+        pacing = self._service.pacing
+        return not self._progress.at_end and (not pacing.paused or pacing.steps is not None)
 
-    def _go_on(self, now: float) -> None:
-        service = self._service
-        self._show(self._recording.go_on(self._place))
+    def _play_tick(self, now: float) -> None:
+        service, pacing = self._service, self._service.pacing
+        self._show(self._log.next_place(self._place))
         for event in self._place.events:
-            service.put_event(event)
-        service.tachometer.ticked(now)
+            service.publisher.put_event(event)
+        pacing.real_time_factor.count_tick(now)
         outbound.put_all_measures(service)
-        if service.steps is not None:
-            service.steps.left -= 1
-            if service.steps.left <= 0:
-                service.close_steps("ok", None)
+        if pacing.steps is not None:
+            pacing.steps.left -= 1
+            if pacing.steps.left <= 0:
+                service.answer_steps("ok")
                 outbound.publish(service, now)
-        if self._played.over:
+        if self._progress.at_end:
             self._end(now)
 
     def _end(self, now: float) -> None:
-        service = self._service
-        service.close_steps("ok", "the log is at its end")
+        service, run = self._service, self._service.run
+        service.answer_steps("ok", "the log is at its end")
         outbound.publish(service, now)
-        service.out.tell(f"ended tick={service.state.tick} hash={service.digest()} run={service.state.run}")
+        service.publisher.outlet.print_line(f"ended tick={run.state.tick} hash={run.digest()} run={run.state.run}")
         if service.options.quit_at_end:
             service.exit = 0
 
     def _jump(self, place: Place) -> None:
-        """Show a place that does not follow: its events are there for who asks, but are not told."""
-        service = self._service
+        """Show a place that does not follow the last one. Its earlier events can be asked for, but are not put."""
+        publisher = self._service.publisher
         self._show(place)
-        service.ring = EventBuffer()
-        for event in self._recording.events(place.state.run, place.state.tick):
-            service.ring.add(event)
-        outbound.put_all_measures(service)
+        publisher.events = EventBuffer()
+        for event in self._log.events(place.state.run, place.state.tick):
+            publisher.events.add(event)
+        outbound.put_all_measures(self._service)
 
     def _show(self, place: Place) -> None:
-        service, before, state = self._service, self._service.state, place.state
+        service, before, state = self._service, self._service.run.state, place.state
         self._place = place
-        self._played.last = self._last(state.run)
-        self._played.over = place.position >= self._recording.end
-        service.state = state
-        service.cadence.note()
+        self._progress.last_tick = self._last_tick(state.run)
+        self._progress.at_end = place.position >= self._log.end
+        service.run.state = state
+        service.publisher.schedule.mark_changed()
         if state.run != before.run or state.setup.floor is not before.setup.floor:
-            outbound.publish_map(service)
-        if state.body_set is before.body_set and state.run == before.run:
-            return
-        figures, known = state.body_set.figures, before.body_set.figures
-        for name in known.keys() - figures.keys():
-            service.encodings.pop(name, None)
-            service.out.farewell(name)
-        for name, figure in figures.items():
-            if figure is known.get(name) and state.run == before.run:
+            outbound.publish_map(service.run, service.publisher)
+        if state.body_set is not before.body_set or state.run != before.run:
+            self._show_bodies(before, state)
+
+    def _show_bodies(self, before: State, state: State) -> None:
+        """Publish the bodies that are new or changed, and declare the publishers of agents that come and go."""
+        outlet, encodings = self._service.publisher.outlet, self._service.agents.encodings
+        models, known = state.body_set.models, before.body_set.models
+        for name in known.keys() - models.keys():
+            encodings.pop(name, None)
+            outlet.undeclare_agent(name)
+        for name, model in models.items():
+            if model is known.get(name) and state.run == before.run:
                 continue
-            if figure.robot.instance is not None and name not in service.encodings:
-                service.encodings[name] = Encoding.JSON
-                service.out.welcome(name, Encoding.JSON, Encoding.JSON)
-            service.out.body(name, outbound.body_of(service, name))
+            if model.robot.instance is not None and name not in encodings:
+                encodings[name] = Encoding.JSON
+                outlet.declare_agent(name, Encoding.JSON, Encoding.JSON)
+            outbound.publish_body(self._service, name)
 
-    # ------------------------------------------------------------ what is asked
+    # ------------------------------------------------------------ queries
 
-    def _answer(self, ask: Ask, now: float) -> None:
+    def _take_query(self, query: Query, now: float) -> None:
         service = self._service
-        match ask.topic:
+        match query.topic:
             case "join":
-                if ask.name or not ask.wild:
-                    ask.refuse(Refused(code="full", text=f"{STEERED}: nobody can join it"))
+                if query.name or not query.has_wildcards:
+                    query.refuse(Refused(code="full", text=f"{READ_ONLY}: nobody can join it"))
                 else:
-                    ask.close()
+                    query.close()
             case "leave":
-                ask.reply(service.result("unsupported", STEERED))
+                query.reply(service.result("unsupported", READ_ONLY))
             case "ctl":
-                message = control.read_verb(service, ask)
+                message = control.read_message(service, query)
                 if message is not None:
-                    self._obey(ask, message, now)
+                    self._handle(message, query, now)
             case _:
-                outbound.ask_what_is(service, ask, now)
+                outbound.answer_query(service, query, now)
 
-    def _obey(self, ask: Ask, message: Any, now: float) -> None:
-        service = self._service
-        match ask.name:
-            case "pause":
-                self._pause(ask, now)
-            case "resume":
-                self._resume(ask, now)
-            case "step":
-                self._step_on(ask, message, now)
-            case "speed":
-                speed: Speed = message
-                service.metronome.change_speed(speed.factor, now)
-                service.tachometer.stop()
-                service.cadence.note()
-                ask.reply(service.result("ok"))
-            case "seek":
-                self._seek(ask, message, now)
-            case "quit":
-                ask.reply(service.result("ok"))
-                service.exit = 0
-            case _:
-                ask.reply(service.result("unsupported", STEERED))
+    @singledispatchmethod
+    def _handle(self, _message: Record, query: Query, _now: float) -> None:
+        """Handle a control message."""
+        query.reply(self._service.result("unsupported", READ_ONLY))
 
-    def _pause(self, ask: Ask, now: float) -> None:
+    @_handle.register
+    def _quit(self, _message: Quit, query: Query, _now: float) -> None:
+        query.reply(self._service.result("ok"))
+        self._service.exit = 0
+
+    @_handle.register
+    def _speed(self, message: Speed, query: Query, now: float) -> None:
+        self._service.pacing.metronome.change_speed(message.factor, now)
+        self._service.pacing.real_time_factor.reset()
+        self._service.publisher.schedule.mark_changed()
+        query.reply(self._service.result("ok"))
+
+    @_handle.register
+    def _pause(self, _message: Pause, query: Query, now: float) -> None:
         service = self._service
-        service.close_steps("incorrect-state", "paused before all steps were made")
-        service.paused = True
-        service.tachometer.stop()
+        service.answer_steps("incorrect-state", "paused before all steps were made")
+        service.pacing.paused = True
+        service.pacing.real_time_factor.reset()
         outbound.publish(service, now)
-        ask.reply(service.result("ok"))
+        query.reply(service.result("ok"))
 
-    def _resume(self, ask: Ask, now: float) -> None:
+    @_handle.register
+    def _resume(self, _message: Resume, query: Query, now: float) -> None:
         service = self._service
-        if self._played.over:
-            ask.reply(service.result("incorrect-state", AT_END))
+        if self._progress.at_end:
+            query.reply(service.result("incorrect-state", AT_END))
             return
-        service.close_steps("incorrect-state", "resumed before all steps were made")
-        service.paused = False
-        service.metronome.start(now)
-        service.cadence.note()
-        ask.reply(service.result("ok"))
+        service.answer_steps("incorrect-state", "resumed before all steps were made")
+        service.pacing.paused = False
+        service.pacing.metronome.start(now)
+        service.publisher.schedule.mark_changed()
+        query.reply(service.result("ok"))
 
-    def _step_on(self, ask: Ask, step: Step, now: float) -> None:
-        service = self._service
-        if not service.paused:
-            ask.reply(service.result("incorrect-state", "expected a paused log"))
-        elif self._played.over:
-            ask.reply(service.result("incorrect-state", AT_END))
-        elif service.steps is not None:
-            ask.reply(service.result("incorrect-state", "steps are being made"))
+    @_handle.register
+    def _step(self, message: Step, query: Query, now: float) -> None:
+        service, pacing = self._service, self._service.pacing
+        if not pacing.paused:
+            query.reply(service.result("incorrect-state", "expected a paused log"))
+        elif self._progress.at_end:
+            query.reply(service.result("incorrect-state", AT_END))
+        elif pacing.steps is not None:
+            query.reply(service.result("incorrect-state", "steps are being made"))
         else:
-            service.steps = Steps(step.count, ask)
-            service.metronome.start(now)
+            pacing.steps = PendingSteps(message.count, query)
+            pacing.metronome.start(now)
 
-    def _seek(self, ask: Ask, seek: Seek, now: float) -> None:
+    @_handle.register
+    def _seek(self, message: Seek, query: Query, now: float) -> None:
         service = self._service
         try:
-            place = self._recording.go_to(seek.run or service.state.run, seek.tick)
+            place = self._log.go_to(message.run or service.run.state.run, message.tick)
         except LookupError as error:
-            ask.reply(service.result("not-found", f"Seek: {error}"))
+            query.reply(service.result("not-found", f"Seek: {error}"))
             return
-        service.close_steps("incorrect-state", "another tick was sought")
+        service.answer_steps("incorrect-state", "a seek came before all steps were made")
         self._jump(place)
-        service.metronome.start(now)
-        service.tachometer.stop()
-        outbound.publish(service, now)
-        self._put_reported()
-        ask.reply(service.result("ok"))
+        service.pacing.metronome.start(now)
+        service.pacing.real_time_factor.reset()
+        self._publish(now)
+        query.reply(service.result("ok"))
 
 
 def _no_floor(_load: Load) -> NoReturn:
-    raise TypeError("a played log loads no floor")
+    raise TypeError("expected no load in a playback")

@@ -1,47 +1,47 @@
-"""When state and clock go out. Pure: time is passed in.
+"""When state and clock are published. Pure: time is passed in.
 
-Every tick up to 60 a second of wall time, the last before a stop always, and twice a second while nothing moves.
-Who listens does not matter.
+At every tick, but at most 60 times a second of wall time; always after the last change; twice a second while nothing
+changes. The number of subscribers does not matter.
 """
 
 from __future__ import annotations
 
 from typing import Final
 
-FASTEST: Final = 1.0 / 60.0
-"""Seconds between two publications at least."""
-IDLE: Final = 0.5
-"""Seconds between two publications while nothing moves."""
+MIN_INTERVAL: Final = 1.0 / 60.0
+"""Least time between two publications, s."""
+IDLE_INTERVAL: Final = 0.5
+"""Time between two publications while nothing changes, s."""
 
 
-class Cadence:
-    """Decides of each moment whether to publish."""
+class PublishSchedule:
+    """Decides when to publish."""
 
     def __init__(self) -> None:
         self._last = float("-inf")
-        self._news = True
+        self._changed = True
 
-    def note(self) -> None:
-        """Note that there is something new."""
-        self._news = True
+    @property
+    def changed(self) -> bool:
+        """Whether something has changed since the last publication."""
+        return self._changed
+
+    def mark_changed(self) -> None:
+        """Note that something has changed."""
+        self._changed = True
+
+    def mark_published(self, now: float) -> None:
+        """Note that everything is published now, whether or not it was due."""
+        self._last = now
+        self._changed = False
 
     def due(self) -> float:
         """Return when to publish next if nothing else happens."""
-        return self._last + (FASTEST if self._news else IDLE)
+        return self._last + (MIN_INTERVAL if self._changed else IDLE_INTERVAL)
 
-    def ready(self, now: float) -> bool:
-        """Return whether to publish now; if so, it counts as done."""
-        if now < self._last + (FASTEST if self._news else IDLE):
+    def take_due(self, now: float) -> bool:
+        """Return whether to publish now; if so, it counts as published."""
+        if now < self.due():
             return False
-        self.done(now)
+        self.mark_published(now)
         return True
-
-    def done(self, now: float) -> None:
-        """Note that everything was published now, asked for or not."""
-        self._last = now
-        self._news = False
-
-    @property
-    def news(self) -> bool:
-        """Whether something has not been published yet."""
-        return self._news

@@ -1,14 +1,14 @@
-"""Who is here: roles, instances, sessions and presence. Pure: time is passed in.
+"""Who has joined: roles, instances, sessions and presence. Pure: time is passed in.
 
-A seat is one role of one agent, held by one instance of a program that shows its session. A seat whose token is gone
-is kept for a grace time, in which its holder may return or a successor take it over.
+A member is one role of one agent. It belongs to one instance of a program, whose messages carry its session. When its
+token disappears, the member stays for a grace time, in which the instance may return or a successor may replace it.
 
-    asks for a seat that is      decision
-    free                         a new seat and session
-    held by the same instance    the same session (its reply was lost, or it lost its way)
-    held, old session shown      a new session; the old one counts no more
-    held, token gone             a new session; the old one counts no more
-    held, token there            refused: already-here
+    the role that a join asks for is      decision
+    free                                  a new member with a new session
+    held by the same instance             the same session: its reply was lost, or it lost the connection
+    held, and the join shows its session  a new session; the old one is void
+    held, but its token is gone           a new session; the old one is void
+    held, and its token is present        refused: already-here
 """
 
 from __future__ import annotations
@@ -26,33 +26,33 @@ from intellwheels_server.service.barrier import Answer
 from intellwheels_server.service.error_replies import Fault
 
 OPERATOR: Final = "operator"
-"""The name operators speak under; no agent's."""
+"""The sender of what operators say; no agent may have this name."""
 MAX_BODIES: Final = 10_000
-"""Bodies in a world."""
+"""Most bodies in a world."""
 MAX_TOKENS: Final = 40_000
-"""Tokens remembered; more are not looked at."""
+"""Most tokens remembered; further ones are ignored."""
 
 
 def new_hex() -> str:
-    """Return 16 new random hex digits: a run, a session, a lease."""
+    """Return 16 random hex digits, for the name of a run, a session or a lease."""
     return secrets.token_hex(8)
 
 
 @dataclass(slots=True, eq=False)
-class Seat:
-    """A role of an agent that is here.
+class Member:
+    """A role of an agent that has joined.
 
     Attributes:
-        agent: Whose.
-        role: Which.
-        instance: The process that holds it.
-        session: What its messages show.
-        encoding: How it joined, and so how it is answered.
-        robot: As it was sent, compared when somebody takes over.
+        agent: The agent.
+        role: The role.
+        instance: The process that holds the role.
+        session: What its messages carry to prove it.
+        encoding: The encoding of its join, and so of what it gets.
+        robot: The robot as sent; a successor with the same robot keeps the body.
         real: Whether the body is a real chair.
-        simulated_hardware: Whether that chair is itself a simulation.
+        simulated_hardware: Whether that chair is itself simulated.
         barrier: Whether lockstep waits for it.
-        absent_since: When its token was lost, in the caller's seconds, or None.
+        absent_since: When its token disappeared, s, or None.
     """
 
     agent: str
@@ -67,90 +67,90 @@ class Seat:
     absent_since: float | None = None
 
     @property
-    def thinks(self) -> bool:
+    def is_mind(self) -> bool:
         """Whether it writes actions."""
         return self.role != "body"
 
     @property
-    def embodies(self) -> bool:
+    def has_body(self) -> bool:
         """Whether it owns the body."""
         return self.role != "mind"
 
     def answers(self) -> tuple[Answer, ...]:
-        """Return what lockstep awaits of it each tick: actions of a mind, the pose of a real body."""
+        """Return what lockstep expects of it at each tick: actions of a mind, the pose of a real body."""
         if not self.barrier:
             return ()
         found: list[Answer] = []
-        if self.thinks:
+        if self.is_mind:
             found.append((self.agent, "actions"))
-        if self.embodies and self.real:
+        if self.has_body and self.real:
             found.append((self.agent, "pose"))
         return tuple(found)
 
 
 @dataclass(slots=True, eq=False)
-class Seats:
-    """The seats of one agent."""
+class _Roles:
+    """The members of one agent."""
 
-    by_role: dict[Role, Seat] = field(default_factory=dict)
+    by_role: dict[Role, Member] = field(default_factory=dict)
 
     @property
-    def mind(self) -> Seat | None:
-        """The seat that writes actions."""
+    def mind(self) -> Member | None:
+        """The member that writes actions."""
         return self.by_role.get("both") or self.by_role.get("mind")
 
     @property
-    def body(self) -> Seat | None:
-        """The seat that owns the body."""
+    def body(self) -> Member | None:
+        """The member that owns the body."""
         return self.by_role.get("both") or self.by_role.get("body")
 
 
 class Roster:
-    """All seats, and whose tokens are there."""
+    """All members, and the tokens that are present."""
 
     def __init__(self) -> None:
-        self._agents: dict[str, Seats] = {}
+        self._agents: dict[str, _Roles] = {}
         self._tokens: dict[tuple[str, Role], set[str]] = {}
         self._token_count = 0
-        self._absent: set[Seat] = set()
+        self._absent: set[Member] = set()
 
-    # ------------------------------------------------------------ looking
+    # ------------------------------------------------------------ queries
 
     def __contains__(self, agent: str) -> bool:
         return agent in self._agents
 
     @property
     def agents(self) -> tuple[str, ...]:
-        """The names of those with a seat, sorted."""
+        """The names of the agents that have joined, sorted."""
         return tuple(sorted(self._agents))
 
-    def seats(self, agent: str) -> tuple[Seat, ...]:
-        """Return an agent's seats."""
+    def members(self, agent: str) -> tuple[Member, ...]:
+        """Return the members of an agent."""
         found = self._agents.get(agent)
         return tuple(found.by_role.values()) if found else ()
 
-    def every_seat(self) -> list[Seat]:
-        """Return all seats, by agents' names."""
-        return [seat for agent in self.agents for seat in self._agents[agent].by_role.values()]
+    def all_members(self) -> list[Member]:
+        """Return all members, sorted by the names of their agents."""
+        return [member for agent in self.agents for member in self._agents[agent].by_role.values()]
 
-    def mind(self, agent: str) -> Seat | None:
-        """Return the seat that writes the agent's actions."""
+    def mind(self, agent: str) -> Member | None:
+        """Return the member that writes the agent's actions."""
         found = self._agents.get(agent)
         return found.mind if found else None
 
-    def body(self, agent: str) -> Seat | None:
-        """Return the seat that owns the agent's body."""
+    def body(self, agent: str) -> Member | None:
+        """Return the member that owns the agent's body."""
         found = self._agents.get(agent)
         return found.body if found else None
 
     def has_token(self, agent: str, role: Role, instance: str) -> bool:
-        """Return whether a token of this instance is there."""
+        """Return whether the token of this instance is present."""
         return instance in self._tokens.get((agent, role), ())
 
     # ------------------------------------------------------------ presence
 
-    def token(self, agent: str, role: Role, instance: str, present: bool, now: float) -> Seat | None:
-        """Note a token that came or went and return the seat whose presence this changed, if any."""
+    def token(self, agent: str, role: Role, instance: str, present: bool, now: float) -> Member | None:
+        """Note a token that appeared or disappeared; return the member whose presence this changes, if any."""
         instances = self._tokens.get((agent, role))
         if present:
             if instances is None:
@@ -165,30 +165,30 @@ class Roster:
             self._token_count -= 1
             if not instances:
                 del self._tokens[agent, role]
-        seat = self._seat(agent, role)
-        if seat is None or seat.instance != instance or present == (seat.absent_since is None):
+        member = self._member(agent, role)
+        if member is None or member.instance != instance or present == (member.absent_since is None):
             return None
-        seat.absent_since = None if present else now
-        (self._absent.discard if present else self._absent.add)(seat)
-        return seat
+        member.absent_since = None if present else now
+        (self._absent.discard if present else self._absent.add)(member)
+        return member
 
-    def lost(self, now: float, grace: float) -> list[Seat]:
-        """Return the seats whose token has been gone for longer than the grace time."""
-        return [s for s in self._absent if s.absent_since is not None and now - s.absent_since >= grace]
+    def lost(self, now: float, grace: float) -> list[Member]:
+        """Return the members whose token has been gone for the grace time or longer."""
+        return [m for m in self._absent if m.absent_since is not None and now - m.absent_since >= grace]
 
     def due(self, grace: float) -> float:
         """Return when the next grace time ends."""
-        return min((s.absent_since + grace for s in self._absent if s.absent_since is not None), default=float("inf"))
+        return min((m.absent_since + grace for m in self._absent if m.absent_since is not None), default=float("inf"))
 
-    # ------------------------------------------------------------ coming and going
+    # ------------------------------------------------------------ joining and leaving
 
-    def holder(self, agent: str, robot: Robot, shown: str | None) -> Seat | None:
-        """Return the seat that a join would take over, or None when it needs a new one.
+    def predecessor(self, agent: str, robot: Robot, session: str | None) -> Member | None:
+        """Return the member that a join would replace, or None if the role is free.
 
         Args:
-            agent: Who joins.
+            agent: The agent in the key.
             robot: What it sent; `instance` must be known by now.
-            shown: The old session it shows, or None.
+            session: The earlier session that the join shows, or None.
 
         Raises:
             RequestRefusedError: `already-here`, `name`, `no-token`, `full`.
@@ -203,47 +203,48 @@ class Roster:
             raise RequestRefusedError(
                 "no-token", f"expected a liveliness token in/{agent}/alive/{role}/{instance} before the join, got none"
             )
-        held = self._seat(agent, role)
-        if held is None:
-            rivals = [s for s in self.seats(agent) if "both" in (role, s.role)]
-            if rivals:
-                raise RequestRefusedError("already-here", f"agent '{agent}' is already here, as {rivals[0].role}")
+        current = self._member(agent, role)
+        if current is None:
+            conflicting = [m for m in self.members(agent) if "both" in (role, m.role)]
+            if conflicting:
+                raise RequestRefusedError("already-here", f"agent '{agent}' is already here, as {conflicting[0].role}")
             if role != "mind" and len(self._agents) >= MAX_BODIES:
                 raise RequestRefusedError("full", f"expected at most {MAX_BODIES} bodies, got one more")
             return None
-        if robot.instance == held.instance or shown == held.session or not self.has_token(agent, role, held.instance):
-            return held
+        same_process = robot.instance == current.instance or session == current.session
+        if same_process or not self.has_token(agent, role, current.instance):
+            return current
         raise RequestRefusedError("already-here", f"agent '{agent}' is already here")
 
     def only_instance(self, agent: str, role: Role) -> str | None:
-        """Return the instance of an agent that did not say it: the one with a token, if it is one only."""
+        """Return the instance of an agent that did not name one: the instance with a token, if there is exactly one."""
         instances = self._tokens.get((agent, role), set())
         return next(iter(instances)) if len(instances) == 1 else None
 
-    def sit(self, seat: Seat) -> None:
-        """Give a seat to its holder, instead of who had it."""
-        seats = self._agents.setdefault(seat.agent, Seats())
-        old = seats.by_role.get(seat.role)
+    def add(self, member: Member) -> None:
+        """Add a member, in place of the one that had its role."""
+        roles = self._agents.setdefault(member.agent, _Roles())
+        old = roles.by_role.get(member.role)
         if old is not None:
             self._absent.discard(old)
-        seats.by_role[seat.role] = seat
+        roles.by_role[member.role] = member
 
-    def rise(self, seat: Seat) -> None:
-        """Take a seat away."""
-        self._absent.discard(seat)
-        seats = self._agents.get(seat.agent)
-        if seats is not None and seats.by_role.get(seat.role) is seat:
-            del seats.by_role[seat.role]
-            if not seats.by_role:
-                del self._agents[seat.agent]
+    def remove(self, member: Member) -> None:
+        """Remove a member."""
+        self._absent.discard(member)
+        roles = self._agents.get(member.agent)
+        if roles is not None and roles.by_role.get(member.role) is member:
+            del roles.by_role[member.role]
+            if not roles.by_role:
+                del self._agents[member.agent]
 
-    def _seat(self, agent: str, role: Role) -> Seat | None:
-        seats = self._agents.get(agent)
-        return seats.by_role.get(role) if seats else None
+    def _member(self, agent: str, role: Role) -> Member | None:
+        roles = self._agents.get(agent)
+        return roles.by_role.get(role) if roles else None
 
 
 def same_body(old: Robot, new: Robot) -> bool:
-    """Return whether a successor asks for the very body that is here, wherever it wants to start."""
+    """Return whether two robots are the same body, apart from name, instance and start."""
     return _anonymous(old) == _anonymous(new)
 
 
@@ -251,27 +252,29 @@ def _anonymous(robot: Robot) -> Robot:
     return msgspec.structs.replace(robot, name=None, instance=None, place=None, position=None)
 
 
-def check_session(seat: Seat | None, others: tuple[Seat, ...], session: str | None, where: str) -> Fault | None:
-    """Return what is wrong with the session a message shows, or None.
+def check_session(
+    member: Member | None, all_roles: tuple[Member, ...], session: str | None, where: str
+) -> Fault | None:
+    """Return what is wrong with the session of a message, or None.
 
     Args:
-        seat: Whose message it must be, or None when there is no such seat.
-        others: All seats of the agent.
-        session: What the message shows; without one it is whoever writes the key, but for a real chair.
+        member: The member that may send this message, or None if there is none.
+        all_roles: All members of the agent.
+        session: The session in the message. Only real chairs must send one.
         where: The message's class.
     """
-    if seat is None:
-        if not others:
+    if member is None:
+        if not all_roles:
             return Fault("not-joined", f"{where}: expected an agent that has joined, got one that has not", where)
-        return Fault("role", f"{where}: not for the role {others[0].role}", where)
+        return Fault("role", f"{where}: not for the role {all_roles[0].role}", where)
     if session is None:
-        if seat.real:
+        if member.real:
             return Fault(
                 "session", f"{where}.Session: expected one, as the robot is real; got none", f"{where}.Session"
             )
         return None
-    if session == seat.session:
+    if session == member.session:
         return None
-    if any(other.session == session for other in others):
+    if any(other.session == session for other in all_roles):
         return Fault("role", f"{where}: not for the role this session has", where)
     return Fault("session", f"{where}.Session: expected the session of the last join, got another", f"{where}.Session")

@@ -1,7 +1,6 @@
-"""`iw-router`: a Zenoh router for the contract, where the official `zenohd` is not at hand.
+"""`iw-router`: a Zenoh router, for machines without the official `zenohd`.
 
-It carries messages and knows none of them. With `--print` it shows its configuration, which `zenohd -c FILE`
-takes as well.
+It forwards messages and reads none of them. `--print` prints its configuration, which `zenohd -c FILE` accepts too.
 """
 
 from __future__ import annotations
@@ -13,30 +12,29 @@ from collections.abc import Sequence
 from intellwheels_schemas import link
 from intellwheels_schemas.process import SLICE, add_process_options, stop_on_signals
 
-DEFAULT_LISTEN = "tcp/127.0.0.1:7447"
-
 
 def parser() -> argparse.ArgumentParser:
     """Return the parser of the command line."""
     found = argparse.ArgumentParser(
         prog="iw-router",
-        description="Let a simulator and its agents meet: they all connect here, each with --connect ENDPOINT.",
+        description="Connect a simulator and its agents: start each of them with --connect ENDPOINT, where ENDPOINT "
+        "is an endpoint of this router.",
     )
     found.add_argument(
         "--listen",
         action="append",
         metavar="ENDPOINT",
-        help=f"where to be found; may be repeated (default: {DEFAULT_LISTEN})",
+        help=f"endpoint to listen at; may be repeated (default: {link.DEFAULT_ENDPOINT})",
     )
-    found.add_argument("--print", action="store_true", help="print the configuration, for zenohd -c FILE, and end")
+    found.add_argument("--print", action="store_true", help="print the configuration for zenohd -c FILE, and exit")
     add_process_options(found)
     return found
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Route until told to stop and return the exit code: 0 done, 1 failed, 2 wrong usage."""
+    """Run the router until it is stopped; return the exit code: 0 done, 1 failed, 2 wrong usage."""
     options = parser().parse_args(arguments)
-    listen = options.listen or [DEFAULT_LISTEN]
+    listen = options.listen or [link.DEFAULT_ENDPOINT]
     if options.print:
         print(link.router_settings(listen), end="")
         return 0

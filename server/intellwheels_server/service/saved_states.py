@@ -1,90 +1,96 @@
-"""What operators save and restore. A restored run is, to the hash, the one that was saved.
+"""Saving and restoring a run. A restored run continues exactly as the saved one did, to the hash.
 
-The world keeps the states itself, so a log that has a save and a restore gives the same hashes again. What the
-service knows beside the world follows it: who is not seated as at the save is let go and joins again, the body of
-who has left since stands until its agent is back, and a lease that is over ends.
+The world keeps the saved states itself, so that a log with a save and a restore gives the same hashes when it is run
+again. The service then follows the restored world: a member that does not fit its body is removed and must join again,
+a body whose agent has left stays until the agent returns, and a body is taken only while its lease lasts.
 """
 
 from __future__ import annotations
-
-from typing import Any
 
 import msgspec
 
 from intellwheels_schemas.messages import Error, Restore
 from intellwheels_server.service import joining
-from intellwheels_server.service.arrival import Ask
+from intellwheels_server.service.arrival import Query
 from intellwheels_server.service.new_run import begin_new_run
-from intellwheels_server.service.roster import Seat, new_hex, same_body
+from intellwheels_server.service.roster import Member, new_hex, same_body
 from intellwheels_server.service.service_state import ServiceState
 from intellwheels_server.world.body_set import BodyModel
 from intellwheels_server.world.inputs import RestoreState, SaveState, TakeBody
-from intellwheels_server.world.kernels.rows import SILENT, TAKEN
+from intellwheels_server.world.kernels import rows
 
 
-def save(service: ServiceState, ask: Ask, _message: Any, now: float) -> None:
-    """Keep the state; the reply names its slot, its tick and its hash."""
-    kept = service.state.kept
-    slot = f"s{int(kept[-1].slot[1:]) + 1}" if kept else "s1"
-    service.apply(SaveState(slot=slot), now)
-    ask.reply(msgspec.structs.replace(service.result("ok"), slot=slot))
+def save(service: ServiceState, query: Query) -> None:
+    """Save the state; the reply names its slot, its tick and its hash."""
+    saved = service.run.state.saved
+    slot = f"s{int(saved[-1].slot[1:]) + 1}" if saved else "s1"
+    service.apply(SaveState(slot=slot))
+    query.reply(msgspec.structs.replace(service.result("ok"), slot=slot))
 
 
-def restore(service: ServiceState, ask: Ask, message: Any, now: float) -> None:
-    """Go back to a kept state as a new run, paused or not as the run is now."""
-    wanted: Restore = message
-    before = service.state
-    outcome = service.apply(RestoreState(slot=wanted.slot, run=new_hex()), now)
+def restore(service: ServiceState, query: Query, message: Restore, now: float) -> None:
+    """Return to a saved state as a new run, which is paused if the run is paused now."""
+    before = service.run.state
+    outcome = service.apply(RestoreState(slot=message.slot, run=new_hex()))
     if outcome.code != "ok":
-        ask.reply(service.result(outcome.code, outcome.text))
+        query.reply(service.result(outcome.code, outcome.text))
         return
-    _seat(service)
-    _agree_on_users(service, before.names, now)
-    for agent in service.bridges:
-        service.bridges[agent] = joining.bridge_of(service, agent, now)
+    _remove_members_that_do_not_fit(service)
+    _release_expired_bodies(service, before.names, now)
+    for agent in service.agents.bridges:
+        service.agents.bridges[agent] = joining.bridge_status(service.run.state, agent, now)
     begin_new_run(service, before, now)
-    ask.reply(msgspec.structs.replace(service.result("ok"), slot=wanted.slot))
+    query.reply(msgspec.structs.replace(service.result("ok"), slot=message.slot))
 
 
-def _seat(service: ServiceState) -> None:
-    """Let go who is not seated as at the save."""
-    for agent in service.roster.agents:
-        figure = service.state.body_set.figures.get(agent)
-        for seat in service.roster.seats(agent):
-            if seat not in service.roster.seats(agent) or (figure is not None and _fits(seat, figure)):
+def _remove_members_that_do_not_fit(service: ServiceState) -> None:
+    roster = service.agents.roster
+    for agent in roster.agents:
+        model = service.run.state.body_set.models.get(agent)
+        for member in roster.members(agent):
+            if member not in roster.members(agent) or (model is not None and _fits(member, model)):
                 continue
-            _tell(service, seat)
-            joining.dismiss(service, seat)
-            if seat.embodies:
+            _send_not_joined(service, member)
+            joining.remove_member(service, member)
+            if member.has_body:
                 joining.forget_body(service, agent)
 
 
-def _tell(service: ServiceState, seat: Seat) -> None:
-    """Tell who is let go: it hears nothing further, and would wait for ever."""
+def _send_not_joined(service: ServiceState, member: Member) -> None:
+    """Tell a member that it is removed; otherwise it would wait for measures for ever."""
+    state = service.run.state
     error = Error(
-        run=service.state.run,
-        tick=service.state.tick,
+        run=state.run,
+        tick=state.tick,
         code="not-joined",
-        text=f"the run was restored to a tick at which agent '{seat.agent}' was not here as it is now; join again",
+        text=f"the run was restored to a tick at which agent '{member.agent}' was not here as it is now; join again",
     )
-    service.out.agent(seat.agent, "error", error, seat.encoding)
+    service.publisher.outlet.agent(member.agent, "error", error, member.encoding)
 
 
-def _fits(seat: Seat, figure: BodyModel) -> bool:
-    if seat.embodies:
-        return same_body(figure.robot, seat.robot)
-    return figure.mind_input == seat.robot.user_input
+def _fits(member: Member, model: BodyModel) -> bool:
+    if member.has_body:
+        return same_body(model.robot, member.robot)
+    return model.mind_input == member.robot.user_input
 
 
-def _agree_on_users(service: ServiceState, before: tuple[str, ...], now: float) -> None:
-    """Let leases and silences be those of the state: no body is taken without a lease, none drives on unheard."""
-    flags = service.state.flags
-    taken = {name for i, name in enumerate(service.state.names) if flags[TAKEN, i]}
-    for i, name in enumerate(service.state.names):
-        if not flags[SILENT, i]:
-            service.leases.hear(name, now)
-    for name in {*before, *service.state.names} - taken:
-        service.leases.free(name)
+def _release_expired_bodies(service: ServiceState, before: tuple[str, ...], now: float) -> None:
+    """Match leases and users with the restored state.
+
+    No body stays taken without a lease, and a body that a user was driving stops unless the user sends input again.
+
+    Args:
+        service: Its state is the restored one.
+        before: The bodies before the restore.
+        now: The current time, s.
+    """
+    state, leases = service.run.state, service.agents.leases
+    taken = {name for i, name in enumerate(state.names) if state.flags[rows.TAKEN, i]}
+    for i, name in enumerate(state.names):
+        if not state.flags[rows.SILENT, i]:
+            leases.expect_input(name, now)
+    for name in {*before, *state.names} - taken:
+        leases.release(name)
     for name in sorted(taken):
-        if service.leases.holder(name) is None:
-            service.apply(TakeBody(agent=name, on=False), now)
+        if leases.active(name) is None:
+            service.apply(TakeBody(agent=name, on=False))

@@ -1,4 +1,4 @@
-"""The state of the world, cut into messages of at most 48 kB. Pure."""
+"""The state of the world, split into messages of at most 48 kB. Pure."""
 
 from __future__ import annotations
 
@@ -10,13 +10,18 @@ import msgspec
 from intellwheels_schemas.messages import Entity, WorldState
 
 PART_BYTES: Final = 48_000
-"""One message stays under 60 kB: above it a healthy reader's wait grows a hundredfold."""
+"""Size of a part as JSON: messages above 60 kB delay a healthy reader a hundredfold."""
+
+_HEADER_BYTES: Final = 200
+"""More than a message takes besides its entities."""
 
 _encode = msgspec.json.Encoder().encode
 
 
-def cut(run: str, tick: int, time: float, entities: Sequence[Entity], limit: int = PART_BYTES) -> list[WorldState]:
-    """Return the parts, at least one, with the entities in order, each within the limit as JSON."""
+def split_state(
+    run: str, tick: int, time: float, entities: Sequence[Entity], limit: int = PART_BYTES
+) -> list[WorldState]:
+    """Return at least one part, with the entities in order; each part is within the limit as JSON."""
     chunks = _chunks(entities, limit)
     return [
         WorldState(run=run, tick=tick, time=time, part=part, parts=len(chunks), entity=tuple(chunk))
@@ -25,8 +30,7 @@ def cut(run: str, tick: int, time: float, entities: Sequence[Entity], limit: int
 
 
 def _chunks(entities: Sequence[Entity], limit: int) -> list[Sequence[Entity]]:
-    # The message around the entities takes less than this.
-    size = len(_encode(entities)) + 200
+    size = len(_encode(entities)) + _HEADER_BYTES
     if size <= limit or len(entities) < 2:
         return [entities]
     pieces = size // limit + 1

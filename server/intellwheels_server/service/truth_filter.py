@@ -1,8 +1,8 @@
-"""What a laboratory keeps for its log: where its bodies truly are, and how their wheels truly are.
+"""What a laboratory keeps off the network: the true poses of its bodies and the true figures of their wheels.
 
-A world that plays the building in which real chairs drive (`--hide-truth`) puts on the network what a chair's own
-electronics would give, and no more. Whoever listens to everything in it learns no pose, no place of a contact and no
-figure by which a wheel differs from its data sheet. All of that is a function of the input log.
+With `--hide-truth` a world stands for the building in which real chairs drive. It puts on the network only what a
+chair's own electronics would give. A subscriber to every key learns no pose, no place of a contact, and none of the
+figures by which a wheel differs from its data sheet. All of these can be computed from the input log.
 """
 
 from __future__ import annotations
@@ -13,14 +13,14 @@ from intellwheels_schemas.messages import Event, Robot
 
 
 def nominal(robot: Robot) -> Robot:
-    """Return a robot as its data sheet has it."""
+    """Return a robot with the wheel and track figures of its data sheet."""
     if robot.wheel_ratio == robot.wheel_scale == robot.track_ratio == 1.0:
         return robot
     return msgspec.structs.replace(robot, wheel_ratio=1.0, wheel_scale=1.0, track_ratio=1.0)
 
 
-def placeless(event: Event) -> Event:
-    """Return an event without where it was and how fast things were."""
-    if event.code == "speed":  # of the clock, not of a body
+def without_positions(event: Event) -> Event:
+    """Return an event without the place of the contact and the speed of the bodies."""
+    if event.code == "speed":  # the speed of the clock, not of a body
         return event
     return msgspec.structs.replace(event, x=None, y=None, normal_x=None, normal_y=None, speed=None)

@@ -1,15 +1,15 @@
-"""The world: a pure function from a state and what was latched to the next state and what came out.
+"""The world: a pure function from a state and its inputs to the next state and its outputs.
 
     state = begin(setup, run)
     state, outputs = apply(state, changes)      # at this tick: joins, leaves, teleports, reset; no time passes
     state, outputs = advance(state, inputs)     # changes, then one step to the next tick
 
-No clock, no files, no network, no randomness but what follows from the seed: the same inputs give the same
-states, to the bit, on every machine. The service, re-simulation and experiments in one process all use these
-functions and nothing else to move the world.
+It uses no clock, no file, no network, and no randomness except what follows from the seed: the same inputs give the
+same states, to the bit, on every machine. The service, re-simulation and experiments in one process move the world
+with these functions only.
 
 Example:
-    A chair of the library drives forward for a second.
+    A shipped chair drives forward for a second.
 
     >>> from intellwheels_maps import floor, robot
     >>> from intellwheels_schemas.messages import Actions
@@ -29,17 +29,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-import numpy as np
-
-from intellwheels_server.world.body_set import assemble
 from intellwheels_server.world.changes import Outcome, Outputs, change
 from intellwheels_server.world.digest import digest, map_hash
+from intellwheels_server.world.empty_world import empty_world
 from intellwheels_server.world.ending import check_end
 from intellwheels_server.world.inputs import Change, Inputs
-from intellwheels_server.world.kernels.rows import FLAG_ROWS, NUMBER_ROWS
 from intellwheels_server.world.map_geometry import walls_of
 from intellwheels_server.world.observations import entities, measures, power_in_force
-from intellwheels_server.world.state import Setup, State, no_episodes
+from intellwheels_server.world.state import Setup, State
 from intellwheels_server.world.step import step
 
 __all__ = [
@@ -59,39 +56,27 @@ __all__ = [
 
 
 def begin(setup: Setup, run: str) -> State:
-    """Return a world at tick 0 with nobody in it.
+    """Return a world at tick 0 with no bodies.
 
     Args:
         setup: The floor, the seed and the rules.
-        run: Name of the run, 16 hex digits, on all that is published.
+        run: The name of the run, 16 hex digits, in everything that is published.
 
     Raises:
-        ValueError: The floor has a wall that is no polygon or line.
-        RequestRefusedError: The end names a place that the floor has not.
+        ValueError: A wall of the floor is no polygon or line.
+        RequestRefusedError: The end condition names a place that the floor does not have.
     """
     if setup.end is not None:
         check_end(setup.end, setup.floor)
-    walls = walls_of(setup.floor)
-    body_set, samples = assemble({}, setup, 0, None)
-    return State(
-        run=run,
-        tick=0,
-        setup=setup,
-        walls=walls,
-        body_set=body_set,
-        numbers=np.zeros((NUMBER_ROWS, 0)),
-        flags=np.zeros((FLAG_ROWS, 0), dtype=np.int64),
-        samples=samples,
-        episodes=no_episodes(),
-    )
+    return empty_world(setup, run, walls_of(setup.floor))
 
 
 def apply(state: State, changes: Sequence[Change]) -> tuple[State, Outputs]:
-    """Return the state after changes at its tick, sensed anew, and what became of each change.
+    """Return the state after changes at its tick, with sensors sampled, and the outcome of each change.
 
     Args:
         state: Is not changed.
-        changes: Made in this order.
+        changes: They are made in this order.
     """
     if not changes:
         return state, Outputs()
@@ -103,10 +88,10 @@ def advance(state: State, inputs: Inputs) -> tuple[State, Outputs]:
 
     Args:
         state: Is not changed.
-        inputs: Changes are made first; all else acts on the step.
+        inputs: Its changes are made first; everything else acts on the step.
 
     Raises:
-        RuntimeError: The run has ended; a `GoOn` among the changes, or a `Restart`, goes on.
+        RuntimeError: The run has ended, and the changes have no `GoOn` or `Restart`.
     """
     state, before = apply(state, inputs.changes)
     if state.ended:

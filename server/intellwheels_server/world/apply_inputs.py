@@ -1,4 +1,4 @@
-"""What was latched for a step is put into the arrays: commands, wishes, reported poses, verdicts, words."""
+"""The inputs of a step are written to the arrays: commands, user input, reported poses, verdicts, speech."""
 
 from __future__ import annotations
 
@@ -11,41 +11,22 @@ import msgspec
 from intellwheels_schemas.messages import Actions, EventCode, Pose, Sensors, UserInput
 from intellwheels_schemas.rules import SENSOR_KINDS, sensors_of
 from intellwheels_server.world.inputs import Inputs, Verdict
+from intellwheels_server.world.kernels import rows
 from intellwheels_server.world.kernels.arrays import Floats, Ints
 from intellwheels_server.world.kernels.elementary import cos, sin
-from intellwheels_server.world.kernels.rows import (
-    COMMAND_AGE,
-    HALTED,
-    HEADING,
-    LEFT_COMMAND,
-    MOST_SPEED,
-    MOST_TURN_RATE,
-    POSE_AGE,
-    RESTED,
-    RIGHT_COMMAND,
-    SILENT,
-    SPEED,
-    STALE,
-    TURN_RATE,
-    USER_AGE,
-    USER_FORWARD,
-    USER_TURN,
-    X,
-    Y,
-)
 from intellwheels_server.world.state import BodyStatus, State, Utterance
 
 Happening = tuple[EventCode, str]
-"""The code of an event and the agent it is about."""
+"""The code of an event, and its agent."""
 
 _FLAG_OF_VERDICT = {
-    "rested": (RESTED, 1),
-    "back": (RESTED, 0),
-    "halt": (HALTED, 1),
-    "unhalt": (HALTED, 0),
-    "stale": (STALE, 1),
-    "fresh": (STALE, 0),
-    "silent": (SILENT, 1),
+    "rested": (rows.RESTED, 1),
+    "back": (rows.RESTED, 0),
+    "halt": (rows.HALTED, 1),
+    "unhalt": (rows.HALTED, 0),
+    "stale": (rows.STALE, 1),
+    "fresh": (rows.STALE, 0),
+    "silent": (rows.SILENT, 1),
 }
 _EVENT_OF_VERDICT: dict[str, EventCode] = {
     "late": "late",
@@ -59,14 +40,14 @@ _EVENT_OF_VERDICT: dict[str, EventCode] = {
 def enter_actions(
     state: State, actions: Mapping[str, Actions], numbers: Floats, flags: Ints
 ) -> tuple[dict[str, BodyStatus], list[Utterance]]:
-    """Put commands into the arrays; return what agents say of themselves, and what they said.
+    """Write commands to the arrays; return what agents report of themselves, and what they said.
 
-    An absent motor keeps its command, and an answer without motors does not renew the time-out.
+    A motor that is left out keeps its command. Actions without motors do not restart the time-out.
     """
     index = state.body_set.index
-    manners = state.manners
+    statuses = state.statuses
     said: list[Utterance] = []
-    left, right, age = numbers[LEFT_COMMAND], numbers[RIGHT_COMMAND], flags[COMMAND_AGE]
+    left, right, age = numbers[rows.LEFT_COMMAND], numbers[rows.RIGHT_COMMAND], flags[rows.COMMAND_AGE]
     for name, action in actions.items():
         i = index.get(name)
         if i is None:
@@ -80,99 +61,99 @@ def enter_actions(
         if action.say is not None:
             said.append(Utterance(sender=name, text=action.say, tick=state.tick, seq=action.seq))
         if action.mode is not None or action.goal is not None or action.say is not None:
-            manners = _with_status(state, manners, name, action)
-    return manners, said
+            statuses = _with_status(state, statuses, name, action)
+    return statuses, said
 
 
-def _with_status(state: State, manners: dict[str, BodyStatus], name: str, action: Actions) -> dict[str, BodyStatus]:
-    """Return the manners with an agent's; the same object where nothing is new."""
-    old = manners.get(name)
-    known = old or BodyStatus()
+def _with_status(state: State, statuses: dict[str, BodyStatus], name: str, action: Actions) -> dict[str, BodyStatus]:
+    """Return the statuses with that of an agent; the same object if it is unchanged."""
+    old = statuses.get(name)
+    base = old or BodyStatus()
     new = BodyStatus(
-        mode=known.mode if action.mode is None else action.mode,
-        goal=known.goal if action.goal is None else action.goal,
-        say=known.say if action.say is None else action.say,
-        say_tick=known.say_tick if action.say is None else state.tick + 1,
+        mode=base.mode if action.mode is None else action.mode,
+        goal=base.goal if action.goal is None else action.goal,
+        say=base.say if action.say is None else action.say,
+        say_tick=base.say_tick if action.say is None else state.tick + 1,
     )
     if new == old:
-        return manners
-    manners = dict(manners) if manners is state.manners else manners
-    manners[name] = new
-    return manners
+        return statuses
+    statuses = dict(statuses) if statuses is state.statuses else statuses
+    statuses[name] = new
+    return statuses
 
 
 def enter_user(state: State, user_input: Mapping[str, UserInput], numbers: Floats, flags: Ints) -> dict[str, UserInput]:
-    """Put users' wishes into the arrays; return every user's last input, without leases."""
+    """Write user input to the arrays; return the last input of each user, without leases."""
     user = dict(state.user)
     for name, wish in user_input.items():
         i = state.body_set.index.get(name)
         if i is None:
             continue
-        numbers[USER_FORWARD, i], numbers[USER_TURN, i] = wish.forward, wish.turn
-        flags[USER_AGE, i] = flags[SILENT, i] = 0
+        numbers[rows.USER_FORWARD, i], numbers[rows.USER_TURN, i] = wish.forward, wish.turn
+        flags[rows.USER_AGE, i] = flags[rows.SILENT, i] = 0
         user[name] = wish if wish.lease is None else msgspec.structs.replace(wish, lease=None)
     return user
 
 
-def hush(user: UserInput) -> UserInput:
-    """Return what is left of a user's input once the user is silent: its number and its goal."""
+def without_wishes(user: UserInput) -> UserInput:
+    """Return the input of a user that has become silent: only its number and its goal are kept."""
     return UserInput(seq=user.seq, goal=user.goal)
 
 
 def enter_poses(state: State, poses: Mapping[str, Pose], numbers: Floats, flags: Ints) -> list[int]:
-    """Put reported poses of real bodies into the arrays; return their columns.
+    """Write reported poses of real bodies to the arrays; return their columns.
 
-    Speed and turn rate are those that lead there from the last pose in the time since it.
+    Speed and turn rate are the mean ones since the last pose.
     """
     moved = []
     period = state.setup.period
     for name, pose in poses.items():
         i = state.body_set.index.get(name)
-        if i is None or not state.body_set.figures[name].held:
+        if i is None or not state.body_set.models[name].externally_posed:
             continue
         heading = math.remainder(pose.heading, math.tau)
         heading = math.pi if heading == -math.pi else heading
-        dx, dy = pose.x - float(numbers[X, i]), pose.y - float(numbers[Y, i])
-        turn = math.remainder(heading - float(numbers[HEADING, i]), math.tau)
-        gone = max(int(flags[POSE_AGE, i]), 1) * period
+        dx, dy = pose.x - float(numbers[rows.X, i]), pose.y - float(numbers[rows.Y, i])
+        turn = math.remainder(heading - float(numbers[rows.HEADING, i]), math.tau)
+        gone = max(int(flags[rows.POSE_AGE, i]), 1) * period
         distance = math.sqrt(dx * dx + dy * dy)
         forward = dx * cos(heading) + dy * sin(heading)
-        speed = min(distance / gone, MOST_SPEED)
-        numbers[SPEED, i] = speed if forward >= 0.0 else -speed
-        numbers[TURN_RATE, i] = min(max(turn / gone, -MOST_TURN_RATE), MOST_TURN_RATE)
-        numbers[X, i], numbers[Y, i], numbers[HEADING, i] = pose.x, pose.y, heading
-        flags[POSE_AGE, i] = 0
+        speed = min(distance / gone, rows.MOST_SPEED)
+        numbers[rows.SPEED, i] = speed if forward >= 0.0 else -speed
+        numbers[rows.TURN_RATE, i] = min(max(turn / gone, -rows.MOST_TURN_RATE), rows.MOST_TURN_RATE)
+        numbers[rows.X, i], numbers[rows.Y, i], numbers[rows.HEADING, i] = pose.x, pose.y, heading
+        flags[rows.POSE_AGE, i] = 0
         moved.append(i)
     return moved
 
 
 def enter_forwarded(state: State, poses: Mapping[str, Pose]) -> dict[str, Sensors]:
-    """Return the last readings of each real body's own sensors: those it declared with `Source` real, no others."""
+    """Return the last readings of the sensors that each real body declared with `Source` real."""
     forwarded = state.forwarded
     for name, pose in poses.items():
-        figure = state.body_set.figures.get(name)
-        if pose.sensors is None or figure is None or not figure.held:
+        model = state.body_set.models.get(name)
+        if pose.sensors is None or model is None or not model.externally_posed:
             continue
-        own = {sensor.id for _, _, sensor in sensors_of(figure.robot) if sensor.source == "real"}
-        kept = {
+        own = {sensor.id for _, _, sensor in sensors_of(model.robot) if sensor.source == "real"}
+        forwarded_fields = {
             field: tuple(
                 _stamped(reading, state.tick + 1) for reading in getattr(pose.sensors, field) if reading.id in own
             )
             for field in SENSOR_KINDS
         }
-        forwarded = {**forwarded, name: Sensors(**kept)}
+        forwarded = {**forwarded, name: Sensors(**forwarded_fields)}
     return forwarded
 
 
 def _stamped(reading: Any, tick: int) -> Any:
-    """Return a reading with the tick it was sampled at, which it need not say while it is new."""
+    """Return a reading with its tick; a new reading may leave it out."""
     return msgspec.structs.replace(reading, tick=tick) if reading.tick is None else reading
 
 
 def enter_verdicts(
     state: State, verdicts: tuple[Verdict, ...], flags: Ints, user: dict[str, UserInput]
 ) -> tuple[list[Happening], dict[str, UserInput]]:
-    """Put the pace keeper's verdicts into the flags; return the events they are and every user's last input."""
+    """Write verdicts to the flags; return their events, and the last input of each user."""
     happenings: list[Happening] = []
     for verdict in verdicts:
         i = state.body_set.index.get(verdict.agent)
@@ -182,30 +163,32 @@ def enter_verdicts(
             row, value = _FLAG_OF_VERDICT[verdict.code]
             flags[row, i] = value
         if verdict.code == "silent" and verdict.agent in user:
-            user = {**user, verdict.agent: hush(user[verdict.agent])}
+            user = {**user, verdict.agent: without_wishes(user[verdict.agent])}
         event = _EVENT_OF_VERDICT.get(verdict.code)
         if event is not None:
             happenings.append((event, verdict.agent))
     return happenings, user
 
 
-def words_of(state: State, inputs: Inputs, said: list[Utterance], numbers: Floats, due: int) -> tuple[Utterance, ...]:
-    """Return all that agents said in the step, one say each, in the order of names, from where they are after it.
+def utterances_of(
+    state: State, inputs: Inputs, said: list[Utterance], numbers: Floats, due: int
+) -> tuple[Utterance, ...]:
+    """Return what agents said in the step, one message each, sorted by name, at the places where they are after it.
 
     Args:
-        state: Before the step.
-        inputs: Of the step, for what is said without actions.
-        said: What was said with actions; is added to.
-        numbers: After the step.
-        due: Tick in whose measures it is heard.
+        state: The state before the step.
+        inputs: The inputs of the step, for what was said without actions.
+        said: What was said with actions; the function adds to it.
+        numbers: The numbers after the step.
+        due: The tick whose measures carry it.
     """
-    known = {words.sender for words in said}
-    for words in inputs.says:
-        if words.agent in state.body_set.index and words.agent not in known:
-            said.append(Utterance(sender=words.agent, text=words.text, tick=state.tick, seq=words.seq))
-            known.add(words.agent)
+    speakers = {utterance.sender for utterance in said}
+    for say in inputs.says:
+        if say.agent in state.body_set.index and say.agent not in speakers:
+            said.append(Utterance(sender=say.agent, text=say.text, tick=state.tick, seq=say.seq))
+            speakers.add(say.agent)
     placed = []
     for one in sorted(said, key=lambda one: one.sender):
         i = state.body_set.index[one.sender]
-        placed.append(msgspec.structs.replace(one, at=(float(numbers[X, i]), float(numbers[Y, i])), due=due))
+        placed.append(msgspec.structs.replace(one, at=(float(numbers[rows.X, i]), float(numbers[rows.Y, i])), due=due))
     return tuple(placed)

@@ -1,6 +1,6 @@
-"""What is compiled of the bodies that are here, once, when the set of bodies changes.
+"""The bodies of a world as arrays, compiled when the set of bodies changes.
 
-A body model is one body as accepted; a body set is all of them, sorted by name, as arrays.
+A body model is one body as accepted; a body set is all of them, sorted by name.
 """
 
 from __future__ import annotations
@@ -16,43 +16,44 @@ from intellwheels_schemas.errors import RequestRefusedError
 from intellwheels_schemas.messages import Position, Robot
 from intellwheels_schemas.rules import parts_of
 from intellwheels_server.world.kernels.arrays import Bodies, Box, Floats, Ints, Shape, bodies_from, key_of
-from intellwheels_server.world.kernels.motion import MOTOR_ROWS, lag, wheel_scales
+from intellwheels_server.world.kernels.motor_model import MOTOR_ROWS, motor_figures
 from intellwheels_server.world.kernels.noise import noise_key
+from intellwheels_server.world.kernels.wheel_slip import FLAW_ROWS, slip_figures
 from intellwheels_server.world.sensors import SensorPlan, check_sensors, plan_sensors
 
 if TYPE_CHECKING:
     from intellwheels_server.world.state import Setup, State
 
 MOTOR_STREAM = "@motors"
-"""The noise stream of a body's motors; no sensor's id can begin so."""
+"""The noise stream of the motors of a body. No sensor can have this id, as none starts with `@`."""
 
 
 class BodyModel(msgspec.Struct, frozen=True, kw_only=True):
     """A body as accepted.
 
     Attributes:
-        name: Its name.
-        robot: As accepted, with its name.
+        name: The name of its agent.
+        robot: The robot as accepted, with its name.
         shape: Its parts, for the kernels.
-        key: 53 bits of its name, by which kernels break ties.
-        held: True for a real chair, which only its bridge moves.
+        key: 53 bits of a hash of its name, by which kernels break ties.
+        externally_posed: Whether it is a real chair, whose pose only its bridge sets.
         timeout: Steps after which a command no longer counts.
         start: Where it joined.
-        mind_input: The user input that a mind in another process declared.
+        mind_input: The user input that a mind in a process of its own declared.
     """
 
     name: str
     robot: Robot
     shape: Shape
     key: int
-    held: bool
+    externally_posed: bool
     timeout: int
     start: Position
     mind_input: tuple[str, ...] = ()
 
     @property
     def wants_user(self) -> bool:
-        """Whether its measures carry the user's input."""
+        """Whether its measures carry the input of its user."""
         return bool(self.robot.user_input or self.mind_input)
 
 
@@ -63,20 +64,20 @@ class BodySet(msgspec.Struct, frozen=True, kw_only=True):
         names: Sorted.
         index: Column of each name.
         by_key: The name of each key.
-        figures: By name.
+        models: The body of each name.
         bodies: Shapes, for contact and sensing.
-        motors: float64[8, n], motor figures, rows of `kernels.motion`.
-        flaws: float64[2, n]: standard deviation of the motors' output, share by which blocked wheels turn on.
-        noise: Keys of the motors' noise, uint64[2, n].
-        limits: int64[2, n]: steps until a command times out; 1 for real bodies.
-        doors: int64[n], 1 for doors, which keep a say from being heard where walls do.
+        motors: float64[8, n], motor parameters, rows of `kernels.motor_model`.
+        flaws: float64[FLAW_ROWS, n]: how motors err and wheels slip, rows of `kernels.motor_power` and `wheel_slip`.
+        noise: uint64[2, n] viewed as int64, keys of the motor noise.
+        limits: int64[2, n]: steps until a command times out; 1 for externally posed bodies, else 0.
+        doors: int64[n], 1 for doors, which stop speech where walls do.
         plan: The sensors, compiled.
     """
 
     names: tuple[str, ...]
     index: dict[str, int]
     by_key: dict[int, str]
-    figures: dict[str, BodyModel]
+    models: dict[str, BodyModel]
     bodies: Bodies
     motors: Floats
     flaws: Floats
@@ -87,15 +88,15 @@ class BodySet(msgspec.Struct, frozen=True, kw_only=True):
 
 
 def body_model_of(name: str, robot: Robot, setup: Setup) -> BodyModel:
-    """Return the robot as a body of this world, not yet placed.
+    """Return a robot as a body of this world, not placed yet.
 
     Raises:
-        RequestRefusedError: The robot asks for what this world does not give.
+        RequestRefusedError: The robot asks for something that this world does not have.
     """
     if robot.role == "mind":
         raise RequestRefusedError("field", "Robot.Role: expected both or body, got 'mind'")
     robot = msgspec.structs.replace(robot, name=name, format=None)
-    held = robot.type == "real"
+    externally_posed = robot.type == "real"
     check_sensors(robot, setup.floor, truth=setup.truth)
     parts = parts_of(robot)
     if not parts:
@@ -109,33 +110,33 @@ def body_model_of(name: str, robot: Robot, setup: Setup) -> BodyModel:
         shape=Shape(
             name=name,
             boxes=[Box(part.x, part.y, part.length, part.width, part.bottom, part.top) for part in parts],
-            held=held,
+            externally_posed=externally_posed,
             anchored=robot.anchored,
         ),
         key=key_of(name),
-        held=held,
+        externally_posed=externally_posed,
         timeout=math.ceil(timeout / setup.period - 1e-9),
         start=Position(x=0.0, y=0.0, heading=0.0),
     )
 
 
 def assemble(
-    figures: dict[str, BodyModel], setup: Setup, tick: int, old: State | None, arrived: Set[str] = frozenset()
+    models: dict[str, BodyModel], setup: Setup, tick: int, old: State | None, arrived: Set[str] = frozenset()
 ) -> tuple[BodySet, Floats]:
-    """Return the body set of these models and room for its sensors' samples.
+    """Return the body set of these models, and the array of the samples of their sensors.
 
     Args:
-        figures: By name.
+        models: The body of each name.
         setup: For the seed and the period.
-        tick: Tick at which sensors that are new take their first sample.
-        old: The state whose samples are kept for bodies that stay, or None to begin anew.
-        arrived: Who came, even if a body of that name was here before.
+        tick: The tick at which new sensors take their first sample.
+        old: The state from which bodies that stay keep their samples; None if there is none.
+        arrived: Bodies that are new, though a body of that name may have been here before.
     """
-    names = tuple(sorted(figures))
-    ordered = [figures[name] for name in names]
+    names = tuple(sorted(models))
+    ordered = [models[name] for name in names]
     keys = [noise_key(setup.seed, name, MOTOR_STREAM) for name in names]
     plan, samples = plan_sensors(
-        [(figure.robot, figure.start) for figure in ordered],
+        [(model.robot, model.start) for model in ordered],
         setup.seed,
         setup.floor,
         tick,
@@ -145,36 +146,23 @@ def assemble(
     body_set = BodySet(
         names=names,
         index={name: i for i, name in enumerate(names)},
-        by_key={figures[name].key: name for name in names},
-        figures={name: figures[name] for name in names},
-        bodies=bodies_from([figure.shape for figure in ordered]),
-        motors=_block([_motor(figure.robot, setup.period) for figure in ordered], MOTOR_ROWS),
-        flaws=_block([(figure.robot.motor_noise, figure.robot.slip) for figure in ordered], 2),
+        by_key={models[name].key: name for name in names},
+        models={name: models[name] for name in names},
+        bodies=bodies_from([model.shape for model in ordered]),
+        motors=_block([motor_figures(model.robot, setup.period) for model in ordered], MOTOR_ROWS),
+        flaws=_block([(model.robot.motor_noise, *slip_figures(model.robot)) for model in ordered], FLAW_ROWS),
         noise=np.array([[int(a) for a, _ in keys], [int(b) for _, b in keys]], dtype=np.uint64)
         .reshape(2, len(names))
         .view(np.int64),
         limits=np.array(
-            [[figure.timeout for figure in ordered], [int(figure.held) for figure in ordered]], dtype=np.int64
+            [[model.timeout for model in ordered], [int(model.externally_posed) for model in ordered]], dtype=np.int64
         ).reshape(2, len(names)),
-        doors=np.array([figure.robot.kind == "door" for figure in ordered], dtype=np.int64),
+        doors=np.array([model.robot.kind == "door" for model in ordered], dtype=np.int64),
         plan=plan,
     )
     return body_set, samples
 
 
-def _motor(robot: Robot, period: float) -> tuple[float, ...]:
-    kept, settling = lag(robot.acceleration_curve, period)
-    return (
-        robot.track * robot.track_ratio,
-        robot.top_speed,
-        kept,
-        settling,
-        math.inf if robot.acceleration_limit is None else robot.acceleration_limit,
-        math.inf if robot.turn_limit is None else robot.turn_limit,
-        *wheel_scales(robot.wheel_ratio, robot.wheel_scale),
-    )
-
-
 def _block(columns: list[tuple[float, ...]], rows: int) -> Floats:
-    """Return one column a body, a row a quantity."""
+    """Return a row for each quantity, a column for each body."""
     return np.ascontiguousarray(np.array(columns, dtype=np.float64).reshape(-1, rows).T)

@@ -1,10 +1,11 @@
-"""From the pairs that touched in a step to episodes, their counts and their events."""
+"""Episodes of contact: which begin and end in a step, their counts and their events."""
 
 from __future__ import annotations
 
 import numpy as np
 
 from intellwheels_schemas.messages import Event
+from intellwheels_server.world.kernels import rows
 from intellwheels_server.world.kernels.arrays import (
     HIT_BODY,
     HIT_CLOSING,
@@ -21,25 +22,26 @@ from intellwheels_server.world.kernels.arrays import (
     Ints,
 )
 from intellwheels_server.world.kernels.episodes import merge_episodes
-from intellwheels_server.world.kernels.rows import CONTACTS, MOST_SPEED, WALL_KEY, WORLD_EDGE
-from intellwheels_server.world.kernels.tick import pair_keys
+from intellwheels_server.world.kernels.tick_kernel import pair_keys
 from intellwheels_server.world.state import State
 
 EPISODE_GAP = 0.25
-"""Simulated seconds without touch after which an episode of contact is over."""
+"""Simulated seconds without touch after which an episode ends."""
 
 _ONLY_THE_OTHER = 2
 
 
-def follow(state: State, hits: Ints, hit_numbers: Floats, flags: Ints, first_number: int) -> tuple[Ints, list[Event]]:
-    """Return the episodes after a step and the events of those that began and ended; count those that began.
+def update_episodes(
+    state: State, hits: Ints, hit_numbers: Floats, flags: Ints, first_number: int
+) -> tuple[Ints, list[Event]]:
+    """Return the episodes after a step, and the events of those that began and ended.
 
     Args:
-        state: Before the step.
-        hits: Pairs that touched, as `tick_all` returns them.
+        state: The state before the step.
+        hits: The pairs that touched, as `tick_all` returns them.
         hit_numbers: Their numbers.
-        flags: int64[FLAG_ROWS, n], written: contacts are counted for both.
-        first_number: Number of the first event.
+        flags: int64[FLAG_ROWS, n], written: an episode that begins is counted for both bodies.
+        first_number: The number of the first event.
     """
     if hits.shape[0] == 0 and state.episodes.shape[0] == 0:
         return state.episodes, []
@@ -51,9 +53,9 @@ def follow(state: State, hits: Ints, hit_numbers: Floats, flags: Ints, first_num
     events: list[Event] = []
     for k in began.tolist():
         body, other = int(hits[k, HIT_BODY]), int(hits[k, HIT_OTHER])
-        flags[CONTACTS, body] += 1
+        flags[rows.CONTACTS, body] += 1
         if other >= 0:
-            flags[CONTACTS, other] += 1
+            flags[rows.CONTACTS, other] += 1
         events.append(_contact(state, hits[k].tolist(), hit_numbers[k].tolist(), first_number + len(events)))
     for first, second in ended.tolist():
         events.append(_parted(state, first, second, first_number + len(events)))
@@ -61,7 +63,7 @@ def follow(state: State, hits: Ints, hit_numbers: Floats, flags: Ints, first_num
 
 
 def _contact(state: State, hit: list[int], numbers: list[float], number: int) -> Event:
-    """Return the event; it is about the body that ran into the other, or of two that did, the first by name."""
+    """Return the event of the body that ran into the other; if both did, of the first by name."""
     names = state.names
     x, y, speed = numbers[HIT_X], numbers[HIT_Y], numbers[HIT_CLOSING] / state.setup.period
     normal_x, normal_y = numbers[HIT_NORMAL_X], numbers[HIT_NORMAL_Y]
@@ -89,21 +91,21 @@ def _contact(state: State, hit: list[int], numbers: list[float], number: int) ->
         y=_inside(y),
         normal_x=_unit(normal_x),
         normal_y=_unit(normal_y),
-        speed=round(min(max(speed, -MOST_SPEED), MOST_SPEED), 6),
+        speed=round(min(max(speed, -rows.MOST_SPEED), rows.MOST_SPEED), 6),
     )
 
 
 def _parted(state: State, first: int, second: int, number: int) -> Event:
     known = state.body_set.by_key
-    agent, other = known.get(first), "wall" if second == WALL_KEY else known.get(second)
+    agent, other = known.get(first), "wall" if second == rows.WALL_KEY else known.get(second)
     if other is not None and other != "wall" and agent is not None and other < agent:
         agent, other = other, agent
     return Event(run=state.run, tick=state.tick + 1, number=number, code="parted", agent=agent, other=other)
 
 
 def _inside(value: float) -> float:
-    """Return a coordinate the wire can carry: who stands at the edge of the world touches beyond it."""
-    return round(min(max(value, -WORLD_EDGE), WORLD_EDGE), 6)
+    """Return a coordinate in the range of a message: a body at the edge of the world may touch beyond it."""
+    return round(min(max(value, -rows.WORLD_EDGE), rows.WORLD_EDGE), 6)
 
 
 def _unit(value: float) -> float:

@@ -1,4 +1,4 @@
-"""The hash of a state, by which two runs are compared, and that of a map."""
+"""The hash of a state, by which runs are compared, and the hash of a map."""
 
 from __future__ import annotations
 
@@ -12,14 +12,14 @@ from intellwheels_server.world.state import State
 
 
 def digest(state: State) -> str:
-    """Return 16 hex digits of BLAKE2b-64 over the tick, every body's numbers and flags, and what sensors remember.
+    """Return the hash of a state: 16 hex digits of BLAKE2b-64 over its tick, bodies and sensor memory.
 
-    Little-endian float64, the tick first, then body by body in the order of names, then what sensors remember
-    (`SensorPlan.memory`) in that order; -0.0 counts as 0.0. The run's name is no part of it, so equal runs have equal
-    hashes.
+    The input is little-endian float64: first the tick, then the numbers and flags of each body in the order of names,
+    then what sensors remember (`SensorPlan.memory`). -0.0 counts as 0.0. The name of the run is not included, so equal
+    runs have equal hashes.
 
     Raises:
-        FloatingPointError: A number of the state is not finite, which is a bug.
+        FloatingPointError: A number is not finite, which is a bug.
     """
     block = np.empty((state.numbers.shape[1], state.numbers.shape[0] + state.flags.shape[0]), dtype="<f8")
     block[:, : state.numbers.shape[0]] = state.numbers.T
@@ -38,5 +38,5 @@ def digest(state: State) -> str:
 
 
 def map_hash(floor: Map) -> str:
-    """Return 16 hex digits of BLAKE2b-64 over the map's JSON."""
+    """Return 16 hex digits of BLAKE2b-64 over the JSON of a map."""
     return hashlib.blake2b(msgspec.json.encode(floor), digest_size=8).hexdigest()

@@ -1,4 +1,4 @@
-"""From a map to what the kernels need: walls and obstacles as solids and lines, in that order."""
+"""The walls and obstacles of a map, as the kernels need them."""
 
 from __future__ import annotations
 
@@ -7,10 +7,10 @@ from intellwheels_server.world.wall_pieces import Line, Solid, Walls, walls_from
 
 
 def walls_of(floor: Map) -> Walls:
-    """Return the map's walls, then its obstacles, as wall pieces; a wall's index is its place in that order.
+    """Return the walls of a map, then its obstacles, as wall pieces, indexed in that order.
 
     Raises:
-        ValueError: A wall or obstacle is no polygon or line; the text names it.
+        ValueError: A wall or obstacle is no polygon or line; the text says which.
     """
     solids: list[Solid | Line] = []
     for wall in floor.wall:
@@ -25,8 +25,8 @@ def walls_of(floor: Map) -> Walls:
     return walls_from(solids)
 
 
-def wall_words(floor: Map, index: int) -> str:
-    """Return how to speak of the wall or obstacle with an index of `walls_of`."""
+def describe_wall(floor: Map, index: int) -> str:
+    """Return how a message names the wall or obstacle with an index of `walls_of`."""
     if index < len(floor.wall):
         return f"wall {index + 1}"
     return f"obstacle '{floor.obstacle[index - len(floor.wall)].name}'"

@@ -1,8 +1,9 @@
-"""What of a state is told: measures to an agent, true states to viewers, powers to real chairs."""
+"""What the world reports of a state: measures to agents, true states to viewers, powers to real chairs."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import Any, Final
 
 import msgspec
@@ -10,55 +11,41 @@ import msgspec
 from intellwheels_schemas.messages import Entity, Measures, MotorState, PowerInForce, Sensors
 from intellwheels_schemas.rules import SENSOR_KINDS
 from intellwheels_server.world.hearing import heard_by
-from intellwheels_server.world.kernels.rows import (
-    COLLISION,
-    CONTACTS,
-    HALTED,
-    HEADING,
-    LEFT_POWER,
-    RESTED,
-    RIGHT_POWER,
-    SPEED,
-    STALE,
-    TAKEN,
-    TIMED_OUT,
-    TOUCHING,
-    TURN_RATE,
-    X,
-    Y,
-)
+from intellwheels_server.world.kernels import rows
 from intellwheels_server.world.sensors import readings
 from intellwheels_server.world.state import BodyStatus, State
 
 SAY_SHOWN: Final = 3.0
-"""Simulated seconds for which the last say stands in the world's state."""
+"""Simulated seconds for which the state of the world shows what an agent said last."""
 
-_SILENT_STATUS: Final = BodyStatus()
+_NO_STATUS: Final = BodyStatus()
 
 
 def measures(state: State, agent: str) -> Measures:
-    """Return what an agent perceives now.
+    """Return the measures of an agent at this tick.
 
     Raises:
-        KeyError: No such body is here.
+        KeyError: There is no such body.
     """
     body_set = state.body_set
     i = body_set.index[agent]
-    figure = body_set.figures[agent]
+    model = body_set.models[agent]
+    flags = state.flags[:, i].tolist()
     return Measures(
         run=state.run,
         tick=state.tick,
         time=state.time,
-        collision=bool(state.flags[COLLISION, i]),
-        contact=bool(state.numbers[TOUCHING, i]),
+        collision=bool(flags[rows.COLLISION]),
+        contact=bool(state.numbers[rows.TOUCHING, i]),
+        state=_motor_state(flags),
         sensors=_sensors(state, agent, i),
         message=heard_by(state, agent) if state.heard else (),
-        user_input=state.user.get(agent) if figure.wants_user else None,
+        user_input=state.user.get(agent) if model.wants_user else None,
     )
 
 
 def _sensors(state: State, agent: str, i: int) -> Sensors | None:
-    """Return the readings of the simulated sensors and, after them, those that a real body forwarded."""
+    """Return the readings of the simulated sensors, followed by those that a real body forwarded."""
     virtual = readings(state.body_set.plan, state.samples, state.tick, i)
     real = state.forwarded.get(agent)
     if real is None:
@@ -74,21 +61,21 @@ def _sensors(state: State, agent: str, i: int) -> Sensors | None:
 
 
 def _unstamped(reading: Any, tick: int) -> Any:
-    """Return a reading as it is told at a tick: without its own tick where that is this one."""
+    """Return a reading without its tick if it was sampled at this one."""
     return msgspec.structs.replace(reading, tick=None) if reading.tick == tick else reading
 
 
 def entities(state: State) -> tuple[Entity, ...]:
-    """Return every body's true state, in the order of names; positions and headings to 1e-6."""
+    """Return the true state of every body, sorted by name; all numbers are rounded to 1e-6."""
     numbers = state.numbers.round(6)
-    x, y, heading = numbers[X].tolist(), numbers[Y].tolist(), numbers[HEADING].tolist()
-    speed, turn_rate = numbers[SPEED].tolist(), numbers[TURN_RATE].tolist()
-    touching = state.numbers[TOUCHING].tolist()
-    flags = state.flags.tolist()
+    x, y, heading = numbers[rows.X].tolist(), numbers[rows.Y].tolist(), numbers[rows.HEADING].tolist()
+    speed, turn_rate = numbers[rows.SPEED].tolist(), numbers[rows.TURN_RATE].tolist()
+    touching = state.numbers[rows.TOUCHING].tolist()
+    flags = state.flags.T.tolist()
     latest = state.tick - SAY_SHOWN / state.setup.period
     found = []
     for i, name in enumerate(state.names):
-        status = state.manners.get(name, _SILENT_STATUS)
+        status = state.statuses.get(name, _NO_STATUS)
         found.append(
             Entity(
                 name=name,
@@ -97,10 +84,10 @@ def entities(state: State) -> tuple[Entity, ...]:
                 heading=_shown_heading(heading[i]),
                 speed=speed[i],
                 turn_rate=turn_rate[i],
-                collision=bool(flags[COLLISION][i]),
+                collision=bool(flags[i][rows.COLLISION]),
                 contact=bool(touching[i]),
-                contacts=flags[CONTACTS][i],
-                state=_motor_state(state, i),
+                contacts=flags[i][rows.CONTACTS],
+                state=_motor_state(flags[i]),
                 mode=status.mode,
                 goal=status.goal,
                 say=status.say if status.say is not None and status.say_tick >= latest else None,
@@ -110,36 +97,36 @@ def entities(state: State) -> tuple[Entity, ...]:
 
 
 def _shown_heading(rounded: float) -> float:
-    """Return a rounded heading in (-pi, pi], which rounding may have left by less than 1e-6."""
+    """Return a rounded heading, moved back to (-pi, pi] if rounding took it out by less than 1e-6."""
     return rounded if -math.pi < rounded <= math.pi else math.pi
 
 
 def power_in_force(state: State, agent: str) -> PowerInForce:
-    """Return the power a real chair must give now, and why.
+    """Return the power that a real chair must apply now, and why.
 
     Raises:
-        KeyError: No such body is here.
+        KeyError: There is no such body.
     """
     i = state.body_set.index[agent]
     return PowerInForce(
         run=state.run,
         tick=state.tick,
-        left_motor=float(state.numbers[LEFT_POWER, i]),
-        right_motor=float(state.numbers[RIGHT_POWER, i]),
-        state=_motor_state(state, i),
+        left_motor=float(state.numbers[rows.LEFT_POWER, i]),
+        right_motor=float(state.numbers[rows.RIGHT_POWER, i]),
+        state=_motor_state(state.flags[:, i].tolist()),
     )
 
 
-def _motor_state(state: State, i: int) -> MotorState:
-    flags = state.flags
-    if flags[STALE, i]:
+def _motor_state(flags: Sequence[int]) -> MotorState:
+    """Return whether the motors obey the mind, from the flags of one body."""
+    if flags[rows.STALE]:
         return "stale"
-    if flags[HALTED, i]:
+    if flags[rows.HALTED]:
         return "paused"
-    if flags[TAKEN, i]:
+    if flags[rows.TAKEN]:
         return "taken"
-    if flags[RESTED, i]:
+    if flags[rows.RESTED]:
         return "rested"
-    if flags[TIMED_OUT, i]:
+    if flags[rows.TIMED_OUT]:
         return "timeout"
     return "drive"

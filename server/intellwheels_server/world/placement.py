@@ -1,4 +1,4 @@
-"""Where a body can stand: the place it asked for, or the first that is free for its kind."""
+"""Where a body is put: at the place it asked for, or at the first free place for its kind."""
 
 from __future__ import annotations
 
@@ -12,18 +12,18 @@ from intellwheels_schemas.errors import RequestRefusedError
 from intellwheels_schemas.messages import Map, Place, Position
 from intellwheels_server.world.kernels.arrays import Floats, Ints, Walls, part_rows, radius_of
 from intellwheels_server.world.kernels.elementary import wrap
-from intellwheels_server.world.kernels.obstruct import deepest_body, deepest_wall
-from intellwheels_server.world.map_geometry import wall_words
+from intellwheels_server.world.kernels.overlap import deepest_body, deepest_wall
+from intellwheels_server.world.map_geometry import describe_wall
 
 if TYPE_CHECKING:
     from intellwheels_server.world.body_set import BodyModel
 
 TOUCH = 1e-9
-"""Metres: the depth up to which two bodies count as touching, as in contact."""
+"""Depth up to which two bodies touch and do not overlap, m; as in contact."""
 
 
-class Crowd:
-    """Who stands where, in the order of arrival; arrays are made anew when somebody comes or goes."""
+class OccupiedSpace:
+    """The space that walls and bodies occupy. Its arrays are built again after a body was added or removed."""
 
     def __init__(self, walls: Walls, floor: Map) -> None:
         self._walls = walls
@@ -33,31 +33,31 @@ class Crowd:
         self._poses: dict[str, tuple[float, float, float]] = {}
         self._arrays: tuple[list[str], Floats, Floats, Floats, Ints] | None = None
 
-    def add(self, name: str, figure: BodyModel, x: float, y: float, heading: float) -> None:
-        """Put a body somewhere, or somewhere else."""
-        self._parts[name] = part_rows(figure.shape.boxes)
-        self._radii[name] = radius_of(figure.shape.boxes)
+    def add(self, name: str, model: BodyModel, x: float, y: float, heading: float) -> None:
+        """Add a body at a pose, or move it there."""
+        self._parts[name] = part_rows(model.shape.boxes)
+        self._radii[name] = radius_of(model.shape.boxes)
         self._poses[name] = (float(x), float(y), float(heading))
         self._arrays = None
 
     def remove(self, name: str) -> None:
-        """Take a body out."""
+        """Remove a body."""
         del self._parts[name], self._radii[name], self._poses[name]
         self._arrays = None
 
-    def in_the_way(self, name: str) -> str | None:
-        """Return what a body overlaps where it stands, in words, or None."""
+    def overlap_of(self, name: str) -> str | None:
+        """Return a description of what a body overlaps where it is, or None."""
         return self._deepest(self._parts[name], self._radii[name], self._poses[name], name)[1]
 
-    def would_hit(self, figure: BodyModel, position: Position) -> str | None:
-        """Return what a body would overlap at a position, in words, or None."""
-        boxes = figure.shape.boxes
+    def overlap_at(self, model: BodyModel, position: Position) -> str | None:
+        """Return a description of what a body would overlap at a position, or None."""
+        boxes = model.shape.boxes
         return self._deepest(
-            part_rows(boxes), radius_of(boxes), (position.x, position.y, position.heading), figure.name
+            part_rows(boxes), radius_of(boxes), (position.x, position.y, position.heading), model.name
         )[1]
 
     def depth_at(self, name: str) -> float:
-        """Return the largest depth to which a body overlaps anything where it stands, m, at least 0."""
+        """Return the largest depth of overlap of a body with anything, where it is, m; at least 0."""
         return self._deepest(self._parts[name], self._radii[name], self._poses[name], name)[0]
 
     def _deepest(
@@ -71,7 +71,7 @@ class Crowd:
         if depth <= TOUCH:
             return depth, None
         if wall_depth >= body_depth:
-            return depth, wall_words(self._floor, wall)
+            return depth, describe_wall(self._floor, wall)
         return depth, f"agent '{names[body]}'"
 
     def _blocks(self) -> tuple[list[str], Floats, Floats, Floats, Ints]:
@@ -88,29 +88,29 @@ class Crowd:
         return self._arrays
 
 
-def place(figure: BodyModel, floor: Map, crowd: Crowd) -> Position:
-    """Return where a body goes: its Place, its Position, or the first free place.
+def place(model: BodyModel, floor: Map, space: OccupiedSpace) -> Position:
+    """Return where a body is put: at its Place, its Position, or the first free place.
 
-    A real body is where it is, so nothing is in its way.
+    A real body is where it is, whatever it overlaps.
 
     Raises:
-        RequestRefusedError: `no-place`, there is no such place or none is free; `overlaps`, something stands there.
+        RequestRefusedError: `no-place`, if there is no such place or none is free; `overlaps`, if something is there.
     """
-    robot = figure.robot
+    robot = model.robot
     wanted = None
     if robot.place is not None:
         wanted = position_of(place_named(floor, robot.place))
     if wanted is None:
         wanted = robot.position
     if wanted is not None:
-        wanted = in_range(wanted)
-        obstacle = None if figure.held else crowd.would_hit(figure, wanted)
+        wanted = with_wrapped_heading(wanted)
+        obstacle = None if model.externally_posed else space.overlap_at(model, wanted)
         if obstacle is not None:
-            raise RequestRefusedError("overlaps", f"agent '{figure.name}' would overlap {obstacle} {_where(figure)}")
+            raise RequestRefusedError("overlaps", f"agent '{model.name}' would overlap {obstacle} {_where(model)}")
         return wanted
     for spot in places_for(floor, robot.kind):
         position = position_of(spot)
-        if crowd.would_hit(figure, position) is None:
+        if space.overlap_at(model, position) is None:
             return position
     raise RequestRefusedError(
         "no-place",
@@ -119,10 +119,10 @@ def place(figure: BodyModel, floor: Map, crowd: Crowd) -> Position:
 
 
 def place_named(floor: Map, name: str) -> Place:
-    """Return the place of that name.
+    """Return the place with a name.
 
     Raises:
-        RequestRefusedError: `no-place`, with the names there are.
+        RequestRefusedError: `no-place`, with the names of the places.
     """
     spots = floor.grid.position if floor.grid is not None else ()
     for spot in spots:
@@ -133,21 +133,21 @@ def place_named(floor: Map, name: str) -> Place:
 
 
 def places_for(floor: Map, kind: str) -> list[Place]:
-    """Return the places where a body of that kind may start unasked, in the map's order."""
+    """Return the places where a body of a kind may start without asking for one, in the order of the map."""
     spots = floor.grid.position if floor.grid is not None else ()
     return [spot for spot in spots if not spot.kinds or kind in spot.kinds]
 
 
 def position_of(spot: Place) -> Position:
-    """Return the place's pose, its heading in (-pi, pi]."""
+    """Return the pose of a place, with its heading in (-pi, pi]."""
     degrees = math.remainder(spot.heading_deg, 360.0)
     return Position(x=spot.x, y=spot.y, heading=math.radians(180.0 if degrees == -180.0 else degrees))
 
 
-def in_range(position: Position) -> Position:
-    """Return the pose with its heading in (-pi, pi]: on the wire it may be up to a turn away."""
+def with_wrapped_heading(position: Position) -> Position:
+    """Return a pose with its heading in (-pi, pi]. On the wire it may be up to a turn away."""
     return msgspec.structs.replace(position, heading=wrap(position.heading))
 
 
-def _where(figure: BodyModel) -> str:
-    return f"at place '{figure.robot.place}'" if figure.robot.place is not None else "at its position"
+def _where(model: BodyModel) -> str:
+    return f"at place '{model.robot.place}'" if model.robot.place is not None else "at its position"

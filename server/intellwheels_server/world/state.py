@@ -1,7 +1,8 @@
 """The state of a world: arrays with a column for each body, and the few things that are not numbers.
 
-A state is never changed: a step makes a new one. What is fixed while the set of bodies stays the
-same (shapes, motors, sensors) is compiled once, in `body_set`, and shared by all states of that time.
+A state never changes; a step makes a new one. What is fixed while the set of bodies stays the same (shapes, motors,
+sensors) is compiled once, in `body_set`, and shared by all states of that time. A changed copy is made with
+`msgspec.structs.replace`, so that fields which are not named keep their values.
 """
 
 from __future__ import annotations
@@ -11,6 +12,7 @@ from typing import TYPE_CHECKING
 import msgspec
 import numpy as np
 
+from intellwheels_schemas import defaults
 from intellwheels_schemas.messages import End, Goal, Map, Sensors, UserInput
 from intellwheels_server.world.kernels.arrays import Floats, Ints, Walls
 
@@ -25,34 +27,34 @@ class Setup(msgspec.Struct, frozen=True, kw_only=True):
         floor: The map.
         seed: Any text; all noise follows from it.
         period: Simulated time of a tick, s.
-        say_limit: Code points of one say.
-        say_range: How far a say is heard, m.
-        say_walls: Walls and door leaves between speaker and listener keep what agents say from being heard.
-        say_loss: Share of what agents say that a listener misses, each on its own.
-        say_delay: Time after which what agents say is heard, beyond the next tick, s; whole ticks, rounded up.
-        command_timeout: Time after which a command no longer counts, s; a robot may ask for its own.
+        say_limit: Code points of one message that an agent says.
+        say_range: Distance up to which it is heard, m.
+        say_walls: Whether walls and door leaves between speaker and listener keep it from being heard.
+        say_loss: Share of messages that a listener misses, in [0, 1]; each message and listener is drawn separately.
+        say_delay: Time it takes beyond the next tick, s; rounded up to whole ticks.
+        command_timeout: Time after which a command no longer counts, s; a robot may set its own.
         truth: Whether agents may have truth sensors.
-        end: When the run ends, or never.
-        strict: Silence of users and of real bodies' poses is counted in simulated time, by the world; otherwise
-            it comes as verdicts of the pace keeper.
+        end: When the run ends; None for never.
+        strict: Whether the world finds silent users and stale poses of real bodies itself, in simulated time;
+            otherwise the service, which has a clock, reports them as verdicts.
     """
 
     floor: Map
-    seed: str = "1"
-    period: float = 0.05
-    say_limit: int = 100
-    say_range: float = 8.0
-    say_walls: bool = False
-    say_loss: float = 0.0
-    say_delay: float = 0.0
-    command_timeout: float = 0.5
+    seed: str = defaults.SEED
+    period: float = defaults.PERIOD
+    say_limit: int = defaults.SAY_LIMIT
+    say_range: float = defaults.SAY_RANGE
+    say_walls: bool = defaults.SAY_WALLS
+    say_loss: float = defaults.SAY_LOSS
+    say_delay: float = defaults.SAY_DELAY
+    command_timeout: float = defaults.COMMAND_TIMEOUT
     truth: bool = False
     end: End | None = None
     strict: bool = False
 
 
 class BodyStatus(msgspec.Struct, frozen=True):
-    """What an agent says of itself. The say is shown for a while, so it carries its tick."""
+    """What an agent reports of itself, and its last message, which is shown for a while after `say_tick`."""
 
     mode: str | None = None
     goal: Goal | None = None
@@ -61,10 +63,17 @@ class BodyStatus(msgspec.Struct, frozen=True):
 
 
 class Utterance(msgspec.Struct, frozen=True):
-    """Words that somebody said; `to` one agent or to all in range.
+    """A message that somebody said.
 
-    `at` is where the speaker was after the step they were said in, m, so that who leaves is still heard; without a
-    place the sender is an operator, heard everywhere. `due` is the tick in whose measures they are heard.
+    Attributes:
+        sender: The agent, or the operator.
+        text: The message.
+        tick: The tick at which it was said.
+        seq: Its sequence number, if the sender gave one.
+        to: The only agent that hears it; None for all in range.
+        at: Where the speaker was after the step, m, so that an agent is heard after it left; None for an operator, who
+            is heard everywhere.
+        due: The tick whose measures carry it.
     """
 
     sender: str
@@ -76,8 +85,8 @@ class Utterance(msgspec.Struct, frozen=True):
     due: int = 0
 
 
-class KeptStart(msgspec.Struct, frozen=True):
-    """A state that was saved under a name; it holds no saved states itself."""
+class SavedState(msgspec.Struct, frozen=True):
+    """A state saved under a name. It holds no saved states itself."""
 
     slot: str
     state: State
@@ -87,26 +96,26 @@ class State(msgspec.Struct, frozen=True, kw_only=True):
     """A world at a tick.
 
     Attributes:
-        run: Name of the run, on all that is published; no part of the hash.
+        run: The name of the run, in everything that is published; not part of the hash.
         tick: Steps since the run began.
         setup: The floor, the seed and the rules.
         walls: The floor's walls, for the kernels.
-        body_set: What is compiled for the bodies that are here; `body_set.names` is sorted.
+        body_set: What is compiled for the bodies; `body_set.names` is sorted.
         numbers: float64[NUMBER_ROWS, n].
         flags: int64[FLAG_ROWS, n].
         samples: float64, the sensors' stored samples, laid out by the body set.
-        episodes: int64[e, 3], contacts that go on.
-        manners: What agents say of themselves, by name.
+        episodes: int64[e, 3], the contacts that have not ended.
+        statuses: What agents report of themselves, by name.
         user: The last input of each body's user, by name.
         forwarded: The last readings of each real body's own sensors, by name.
         heard: What is heard at this tick.
-        coming: What agents said and is heard later.
-        spoken: What operators said at this tick; heard at the next.
-        event_count: Events of this run so far; the next event's number.
+        coming: What agents said and will be heard later.
+        spoken: What operators said at this tick; it is heard at the next.
+        event_count: Events of this run so far, which is the number of the next one.
         revision: How often the map was changed.
-        ended: Whether the end condition is met; no further step then.
-        end_waived: The end condition no longer counts.
-        kept: States that were saved, the oldest first; no part of the hash.
+        ended: Whether the end condition is met; then no step may follow.
+        end_waived: Whether the end condition no longer counts.
+        saved: The saved states, the oldest first; not part of the hash.
     """
 
     run: str
@@ -118,7 +127,7 @@ class State(msgspec.Struct, frozen=True, kw_only=True):
     flags: Ints
     samples: Floats
     episodes: Ints
-    manners: dict[str, BodyStatus] = {}
+    statuses: dict[str, BodyStatus] = {}
     user: dict[str, UserInput] = {}
     forwarded: dict[str, Sensors] = {}
     heard: tuple[Utterance, ...] = ()
@@ -128,7 +137,7 @@ class State(msgspec.Struct, frozen=True, kw_only=True):
     revision: int = 0
     ended: bool = False
     end_waived: bool = False
-    kept: tuple[KeptStart, ...] = ()
+    saved: tuple[SavedState, ...] = ()
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -142,5 +151,5 @@ class State(msgspec.Struct, frozen=True, kw_only=True):
 
 
 def no_episodes() -> Ints:
-    """Return the contacts of a world in which nothing touches."""
+    """Return the episodes of a world in which nothing touches."""
     return np.empty((0, 3), dtype=np.int64)

@@ -1,8 +1,8 @@
-"""Walls: what a floor's solids and lines become for the kernels, convex pieces in a grid.
+"""The solids and lines of a floor, cut into convex pieces and sorted into a grid, as the kernels need them.
 
-Pure, and exact where it can be: corners stay the numbers they were given, a solid that is not convex is cut along
-diagonals between its own corners, and orientation is decided in rational arithmetic. The
-same input gives the same pieces, in the same order, on every machine.
+Pure, and exact where possible: corners keep their coordinates, a solid that is not convex is cut along diagonals
+between its own corners, and orientation is decided in rational arithmetic. The same input gives the same pieces, in the
+same order, on every machine.
 """
 
 from __future__ import annotations
@@ -25,26 +25,26 @@ __all__ = ["Line", "Solid", "Walls", "walls_from"]
 
 Point: TypeAlias = tuple[float, float]
 
-# Corners nearer to each other than contact can tell make no edge, m.
+# Shortest edge, m: contact cannot tell corners apart that are closer.
 _SHORTEST = 1e-9
 # (3 + 16 e) e with e = 2^-53; products below the second may have lost digits to underflow.
 _SURE = 3.3306690738754716e-16
 _NO_UNDERFLOW = 1e-290
 
-# Cells of about the size of a chair's surroundings: a search looks at four or so.
+# Side of a grid cell, m. Cells are about as large as the surroundings of a chair, so a search visits about four.
 _CELL = 1.0
-# A floor that needs more cells gets larger ones.
+# Most cells; a floor that would need more gets larger cells.
 _MOST_CELLS = 1 << 16
-# So does one whose pieces lie in more cells than this, all in all: a slanting wall lies in all of its bounding box.
+# Most entries of pieces in cells, with the same effect. A slanting wall is entered in every cell of its bounding box.
 _MOST_ITEMS = 1 << 20
 
 
 @dataclass(frozen=True)
 class Solid:
-    """A polygon that fills its inside.
+    """A filled polygon.
 
     Attributes:
-        corners: At least three, either way round, not crossing itself; m. Repeating the first at the end is allowed.
+        corners: At least three, in either direction, not crossing itself; m. The last may repeat the first.
         bottom: Lower end, m.
         top: Upper end, m, above `bottom`.
     """
@@ -56,10 +56,10 @@ class Solid:
 
 @dataclass(frozen=True)
 class Line:
-    """A wall of even thickness along a line; closed if its last corner is its first.
+    """A wall of constant thickness along a line, which is closed if its last corner is its first.
 
     Attributes:
-        corners: At least two, m. Turns are mitred up to a right angle, cut flat beyond.
+        corners: At least two, m. Turns up to a right angle are mitred; sharper ones are cut flat.
         thickness: m, > 0, half of it to each side.
         bottom: Lower end, m.
         top: Upper end, m, above `bottom`.
@@ -73,7 +73,7 @@ class Line:
 
 @dataclass(frozen=True)
 class _Piece:
-    """A convex polygon, anticlockwise; `outer` says which edges (from that corner on) face the open."""
+    """A convex polygon, anticlockwise. `outer` says of the edge from each corner whether it is an edge of the wall."""
 
     corners: tuple[Point, ...]
     outer: tuple[bool, ...]
@@ -83,11 +83,11 @@ def walls_from(walls: Sequence[Solid | Line]) -> Walls:
     """Return the walls as convex pieces.
 
     Args:
-        walls: In the order that gives each its index.
+        walls: The walls; the order gives each its index.
 
     Raises:
-        ValueError: A wall has too few corners, crosses itself, has no area, or a size that is none; the text
-            names the wall by its index.
+        ValueError: A wall has too few corners, crosses itself, has no area or an impossible size; the text names it
+            by its index.
     """
     pieces: list[list[float]] = []
     links: list[tuple[int, int, int]] = []
@@ -124,7 +124,7 @@ def _check_heights(where: str, wall: Solid | Line) -> None:
 
 
 def _frame(pieces: Floats) -> tuple[tuple[float, float, float], int, int]:
-    """Return the grid's origin and cell, and how many columns and rows it has."""
+    """Return the origin and cell size of the grid, and its numbers of columns and rows."""
     if len(pieces) == 0:
         return (0.0, 0.0, _CELL), 1, 1
     x0, y0 = float(pieces[:, 0].min()), float(pieces[:, 1].min())
@@ -136,7 +136,7 @@ def _frame(pieces: Floats) -> tuple[tuple[float, float, float], int, int]:
 
 
 def _items(pieces: Floats, size: float) -> float:
-    """Return in about how many cells of a size the pieces lie, all in all, beyond one each."""
+    """Return roughly how many entries the pieces have in cells of a size, beyond one for each piece."""
     spans = ((pieces[:, 2] - pieces[:, 0]) / size + 1.0) * ((pieces[:, 3] - pieces[:, 1]) / size + 1.0)
     return float(spans.sum()) - len(pieces)
 
@@ -159,10 +159,10 @@ def _edges(where: str, corners: Sequence[Point]) -> list[tuple[float, float, flo
 
 
 def _thickness(piece: _Piece, edges: Sequence[tuple[float, float, float, float, float]]) -> float:
-    """Return the least width of the piece seen from an outer edge that another outer edge faces away from, else inf.
+    """Return the least width of a piece between outer edges that face away from each other, or infinity if none do.
 
-    Edges along which a solid was cut lead to the next piece, and what has open sides only on
-    one side is not passed through: neither makes a wall thin.
+    Only such edges make a wall thin. Edges along which a solid was cut lead to the next piece, and a piece with outer
+    edges on one side only cannot be passed through.
     """
     outer = [edge for edge, is_outer in zip(edges, piece.outer, strict=True) if is_outer]
     return min(
@@ -179,7 +179,8 @@ def _orientation(a: Point, b: Point, c: Point) -> int:
     """Return 1 if a, b, c turn left, -1 if right, 0 if they are in line. Exact.
 
     Source:
-        Shewchuk, Adaptive precision floating-point arithmetic, 1997: when the rounded product's sign is sure.
+        Shewchuk, Adaptive precision floating-point arithmetic, 1997, for the bound above which the sign of the rounded
+        value is certain.
     """
     one, other = (b[0] - a[0]) * (c[1] - a[1]), (b[1] - a[1]) * (c[0] - a[0])
     size = abs(one) + abs(other)
@@ -218,13 +219,13 @@ def _solid_pieces(where: str, wall: Solid) -> list[_Piece]:
 
 
 def _without_straight(corners: list[Point]) -> list[Point]:
-    """Return the ring without the corners at which it does not turn."""
+    """Return the ring without corners at which it goes straight on."""
     size = len(corners)
     return [corners[i] for i in range(size) if _orientation(corners[i - 1], corners[i], corners[(i + 1) % size]) != 0]
 
 
 def _triangles(where: str, ring: list[Point]) -> list[list[int]]:
-    """Return the anticlockwise ring as one convex polygon or as triangles, as indices, by clipping ears."""
+    """Return an anticlockwise ring as triangles and a last convex polygon, by indices, found by clipping ears."""
     left = list(range(len(ring)))
     triangles: list[list[int]] = []
     while len(left) > 3 and not _is_convex(ring, left):
@@ -261,7 +262,7 @@ def _is_ear(ring: list[Point], left: list[int], before: int, tip: int, after: in
 
 
 def _merged(ring: list[Point], pieces: list[list[int]]) -> list[list[int]]:
-    """Return the pieces with those joined that are convex together (Hertel and Mehlhorn, 1983)."""
+    """Return the pieces after merging those that are convex together (Hertel and Mehlhorn, 1983)."""
     found = True
     while found:
         found = False
@@ -287,7 +288,7 @@ def _sides(piece: list[int]) -> list[tuple[int, int]]:
 
 
 def _from(piece: list[int], first: int) -> list[int]:
-    """Return the piece turned so that it starts with the corner `first`."""
+    """Return the piece rotated so that it starts with the corner `first`."""
     at = piece.index(first)
     return piece[at:] + piece[:at]
 
@@ -335,11 +336,11 @@ def _box_along(a: Point, b: Point, half: float) -> _Piece:
 
 
 def _joint(before: tuple[Point, Point], after: tuple[Point, Point], half: float) -> _Piece | None:
-    """Return what fills the outer side of a turn, None where the line goes straight on or back."""
+    """Return the piece that fills the outer side of a turn, or None if the line goes straight on or back."""
     ux, uy = _direction(*before)
     vx, vy = _direction(*after)
     cross, dot = ux * vy - uy * vx, ux * vx + uy * vy
-    # A turn of less leaves a gap thinner than the tolerance of contact; back on itself there is none.
+    # A smaller turn leaves a gap below the tolerance of contact; a line that turns back on itself leaves none.
     if half * abs(cross) < _SHORTEST:
         return None
     side = 1.0 if cross > 0.0 else -1.0

@@ -1,4 +1,4 @@
-"""Compiling the kernels before anybody waits for them, and showing it while it happens."""
+"""Compiling the kernels before the first tick, with progress on standard error."""
 
 from __future__ import annotations
 
@@ -8,46 +8,30 @@ import sys
 import threading
 import time
 from pathlib import Path
+from typing import Any
 
 from msgspec import structs
 
 from intellwheels_maps import floor, robot
-from intellwheels_schemas.messages import (
-    GPS,
-    IMU,
-    Actions,
-    Beacon,
-    Bumper,
-    Compass,
-    Encoders,
-    Ground,
-    Lidar,
-    Odometry,
-    Position,
-    Proximity,
-    Robot,
-    Truth,
-)
+from intellwheels_schemas.messages import Actions, Position, Robot
 from intellwheels_server.kernel_cache import is_cold
 from intellwheels_server.world import Setup, State, advance, apply, begin, digest, entities, measures
 from intellwheels_server.world.inputs import Inputs, Join, TeleportBody
-
-_PLACE = "start1"
-"""A place of the floor `room`."""
+from intellwheels_server.world.sensors.catalogue import example_sensors
 
 HELPER_TIMEOUT = 120.0
-"""Seconds the second process may take to compile its half."""
+"""Seconds that the second process may take to compile its half."""
 
 
 def warm() -> None:
-    """Run a small world, so that every kernel is compiled or read from the cache.
+    """Run a small world, so that every kernel is compiled or loaded from the cache.
 
-    When the cache is empty, standard error says so and how long it has taken, every few seconds.
+    If the cache is empty, lines on standard error say so and show every few seconds how long it has taken.
     """
     if not is_cold(Path(os.environ["NUMBA_CACHE_DIR"])):
         _exercise()
         return
-    print("compiling kernels: once, about 45 s", file=sys.stderr, flush=True)  # noqa: T201 - what a person waits for
+    print("compiling kernels: once, about 45 s", file=sys.stderr, flush=True)  # noqa: T201 - a person waits for it
     began = time.monotonic()
     done = threading.Event()
     watcher = threading.Thread(target=_show, args=(began, done), name="warming", daemon=True)
@@ -67,11 +51,11 @@ def _show(began: float, done: threading.Event) -> None:
 
 
 def _compile_in_two() -> None:
-    """Fill the cache with the two largest kernels at once: numba compiles on one core a process.
+    """Compile the two largest kernels in two processes, as numba uses one core in each.
 
-    A helper that fails is no loss: what it did not compile is compiled afterwards.
+    If the second process fails, its kernels are compiled afterwards.
     """
-    program = "from intellwheels_server import warming; warming.join()"
+    program = "from intellwheels_server.world import warmup; warmup.join()"
     helper = subprocess.Popen(
         [sys.executable, "-c", program],
         stdin=subprocess.DEVNULL,
@@ -89,42 +73,19 @@ def _compile_in_two() -> None:
 
 
 def join() -> State:
-    """Return a world that somebody has just joined: compiles placing and sensing, not stepping."""
+    """Return a world that a chair has just joined. This compiles placing and sensing, but not stepping."""
     state = begin(Setup(floor=floor("room"), truth=True), run="0" * 16)
     return apply(state, [Join(agent="one", robot=_perceptive())])[0]
 
 
 def _perceptive() -> Robot:
-    """Return a chair with a sensor of every kind and model, each with all its errors."""
-    chair = robot("rear-wheel")
-    eye = Proximity(id="ideal", x=0.5, y=0.0, z=0.4, direction_deg=0.0, cone_deg=30.0, max_range=4.0)
-    return structs.replace(
-        chair,
-        proximity=(
-            eye,
-            structs.replace(eye, id="infrared", model="infrared", dropout=0.5),
-            structs.replace(eye, id="sonar", model="sonar", dropout=0.5, crosstalk=1.0),
-        ),
-        lidar=(
-            Lidar(
-                id="lidar", x=0.5, y=0.0, z=0.4, direction_deg=0.0, fov_deg=180.0, rays=9, max_range=9.0, noise=0.01,
-                incidence_deg=80.0, dropout=0.1,
-            ),
-        ),
-        encoders=(Encoders(id="encoders", drift=1e-6),),
-        odometry=(Odometry(id="odometry"),),
-        compass=(Compass(id="compass", noise_deg=1.0, walk_deg=1.0, step_deg=1.0),),
-        gps=(GPS(id="gps", noise=0.1, walk=0.1, step=0.1),),
-        imu=(IMU(id="imu", noise=0.1, walk=0.1, step=0.1),),
-        beacon=(Beacon(id="beacon", place=_PLACE, noise_deg=1.0, walk_deg=1.0),),
-        ground=(Ground(id="ground"),),
-        bumper=(Bumper(id="bumper"),),
-        truth=(Truth(id="truth"),),
-    )  # fmt: skip
+    """Return a chair with the sensors that together need every kernel of every kind."""
+    sensors: dict[str, Any] = dict(example_sensors(floor("room")))
+    return structs.replace(robot("rear-wheel"), **sensors)
 
 
 def _exercise() -> None:
-    """Two chairs and a table for a few ticks: motion, sensing, contact of bodies and walls, episodes, digest."""
+    """Run two chairs and a table for a few ticks: motion, sensing, contact of bodies and walls, episodes, digest."""
     state = begin(Setup(floor=floor("room"), truth=True, say_walls=True, say_loss=0.01), run="0" * 16)
     chair = _perceptive()
     joins = [Join(agent=name, robot=chair) for name in ("one", "two")]
@@ -132,8 +93,8 @@ def _exercise() -> None:
     drive = {name: Actions(left_motor=1.0, right_motor=0.9, say="warm") for name in ("one", "two")}
     for _ in range(3):
         state, _ = advance(state, Inputs(actions=drive))
-    at = state.body_set.figures["two"].start
-    # Into the other one, and beyond the wall: what may only happen by decree happens here.
+    at = state.body_set.models["two"].start
+    # Into the other chair and beyond the wall: only a forced teleport leads there.
     into = TeleportBody(agent="one", position=Position(x=at.x + 0.5, y=at.y, heading=0.5), force=True)
     beyond = TeleportBody(agent="two", position=Position(x=0.0, y=at.y, heading=3.0), force=True)
     for change in (into, beyond):

@@ -1,4 +1,4 @@
-"""Readings, and a driver that is told what it reads."""
+"""Readings for tests, and a driver that returns them."""
 
 from __future__ import annotations
 
@@ -10,18 +10,18 @@ from intellwheels_schemas.messages import Pace
 
 
 def reading(seq: int, left: int = 0, right: int = 0, **more: Any) -> Reading:
-    given = {"era": "a", "taken": 0.05 * seq, "arrived": 0.05 * seq, **more}
+    given = {"epoch": "a", "stamp": 0.05 * seq, "received": 0.05 * seq, **more}
     return Reading(seq=seq, left=left, right=right, **given)
 
 
-class Told:
-    """A driver whose readings are put into it, and that keeps what it is told."""
+class FakeDriver:
+    """A driver that returns the readings put into `waiting` and records its calls."""
 
-    returns = False
+    restarts_at_start = False
     failure: str | None = None
 
     def __init__(self) -> None:
-        self.heard = threading.Event()
+        self.connected = threading.Event()
         self.waiting: list[Reading] = []
         self.written: list[tuple[float, float]] = []
         self.ticks: list[tuple[str, int]] = []
@@ -37,13 +37,13 @@ class Told:
     def write(self, left: float, right: float) -> None:
         self.written.append((left, right))
 
-    def enter(self, run: str) -> None:
+    def begin_run(self, run: str) -> None:
         self.runs.append(run)
 
-    def meet(self, run: str, tick: int, pace: Pace) -> bool:
+    def sync_tick(self, run: str, tick: int, pace: Pace) -> bool:
         return self.paired
 
-    def powered(self, run: str, tick: int) -> None:
+    def power_received(self, run: str, tick: int) -> None:
         self.ticks.append((run, tick))
 
     def faults(self) -> dict[str, int]:

@@ -27,15 +27,15 @@ class Waiting:
 @pytest.fixture
 def pairing() -> LockstepPairing:
     made = LockstepPairing(threading.Event())
-    made.lab_measured(A, 0)
-    made.here_entered(B)
+    made.laboratory_measured(A, 0)
+    made.simulation_run_began(B)
     return made
 
 
 def test_measures_of_the_same_tick_are_waited_for(pairing: LockstepPairing) -> None:
     waiting = Waiting(lambda: pairing.await_measures(1))
     assert not waiting.is_over(0.05)
-    pairing.lab_measured(A, 1)
+    pairing.laboratory_measured(A, 1)
     assert waiting.is_over()
     assert waiting.found == [True]
 
@@ -43,26 +43,26 @@ def test_measures_of_the_same_tick_are_waited_for(pairing: LockstepPairing) -> N
 def test_the_power_of_the_tick_before_is_waited_for(pairing: LockstepPairing) -> None:
     waiting = Waiting(lambda: pairing.await_power(0))
     assert not waiting.is_over(0.05)
-    pairing.here_powered(A, 0)  # of a run that is not on
+    pairing.simulation_powered(A, 0)  # of a run that is not on
     assert not waiting.is_over(0.05)
-    pairing.here_powered(B, 0)
+    pairing.simulation_powered(B, 0)
     assert waiting.is_over()
     assert waiting.found == [True]
 
 
-def test_whoever_is_a_run_behind_is_let_go_and_its_partner_waits(pairing: LockstepPairing) -> None:
+def test_a_side_that_is_a_run_behind_does_not_wait(pairing: LockstepPairing) -> None:
     behind = Waiting(lambda: pairing.await_power(7))
-    pairing.here_entered("c" * 16)
+    pairing.simulation_run_began("c" * 16)
     assert behind.is_over()
     assert behind.found == [False]
     ahead = Waiting(lambda: pairing.await_measures(0))
     assert not ahead.is_over(0.05)
-    pairing.lab_measured("d" * 16, 0)
+    pairing.laboratory_measured("d" * 16, 0)
     assert ahead.is_over()
     assert ahead.found == [True]
 
 
-def test_a_stop_ends_every_wait() -> None:
+def test_stopping_ends_every_wait() -> None:
     stop = threading.Event()
     made = LockstepPairing(stop)
     waiting = Waiting(lambda: made.await_power(0))

@@ -21,7 +21,7 @@ CHAIR = msgspec.structs.replace(BODY, proximity=SONARS, wheel_ratio=1.002)
     ("sensors", "virtual", "real"),
     [("virtual", 8, []), ("real", 0, ["front", "front-left"]), ("both", 8, ["real-front", "real-front-left"])],
 )
-def test_what_a_mind_perceives(sensors: SensorsName, virtual: int, real: list[str]) -> None:
+def test_the_mind_gets_the_chosen_sensors(sensors: SensorsName, virtual: int, real: list[str]) -> None:
     made = SensorMerge(BODY, CHAIR, sensors)
     check_robot(made.robot)
     assert made.robot.type == "real"
@@ -29,29 +29,29 @@ def test_what_a_mind_perceives(sensors: SensorsName, virtual: int, real: list[st
     assert sum(one.source == "simulated" for one in made.robot.proximity) == virtual
     assert {one.source for one in made.robot.encoders + made.robot.odometry} == {"real"}
     source = PoseSource(CHAIR, "raw")
-    source.begin(Position(x=0.0, y=0.0, heading=0.0))
+    source.set_start(Position(x=0.0, y=0.0, heading=0.0))
     heard = (ProximityReading(id="front", value=1.5, tick=3), ProximityReading(id="other", status="none"))
-    forwarded = made.forward(reading(1, proximity=heard), source)
+    forwarded = made.sensors(reading(1, proximity=heard), source)
     assert [(one.id, one.value, one.tick) for one in forwarded.proximity] == [(name, 1.5, None) for name in real[:1]]
 
 
-def test_the_true_figures_of_a_chair_are_not_told() -> None:
+def test_the_true_wheel_figures_are_not_revealed() -> None:
     assert SensorMerge(CHAIR, CHAIR, "both").robot.wheel_ratio == 1.0
 
 
-def test_the_pose_is_odometry_from_where_it_began() -> None:
+def test_odometry_is_the_pose_relative_to_the_start() -> None:
     source = PoseSource(CHAIR, "raw")
-    source.begin(Position(x=3.0, y=1.0, heading=math.pi / 2.0))
+    source.set_start(Position(x=3.0, y=1.0, heading=math.pi / 2.0))
     metre = round(CHAIR.encoder_ticks / (math.pi * CHAIR.wheel_diameter))
-    source.take(reading(1, 100, 100))
+    source.add(reading(1, 100, 100))
     newest = reading(2, 100 + metre, 100 + metre)
-    source.take(newest)
-    forwarded = SensorMerge(BODY, CHAIR, "virtual").forward(newest, source)
+    source.add(newest)
+    forwarded = SensorMerge(BODY, CHAIR, "virtual").sensors(newest, source)
     (way,) = forwarded.odometry
     assert (way.x, way.y, way.heading) == pytest.approx((1.0, 0.0, 0.0), abs=1e-3)
     assert (forwarded.encoders[0].left, forwarded.encoders[0].right) == (metre, metre)
 
 
-def test_a_chair_of_another_simulation_says_so() -> None:
+def test_a_chair_of_another_simulation_is_simulated_hardware() -> None:
     assert SensorMerge(BODY, CHAIR, "virtual", "simulated").robot.hardware == "simulated"
     assert Robot().hardware == "real"

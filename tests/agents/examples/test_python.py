@@ -1,4 +1,4 @@
-"""The example without the harness, as a process in a real world."""
+"""The Python agent without the harness, as a process, against a real simulator."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import pytest
 
 from tests.e2e.stage import DEADLINE, Stage
 
-EXAMPLE = Path(__file__).parents[3] / "agents" / "examples" / "python" / "avoid.py"
+EXAMPLE = Path(__file__).parents[3] / "agents" / "examples" / "08_another_language" / "python" / "avoid.py"
 
 
 @pytest.fixture
@@ -31,7 +31,7 @@ def end(child: subprocess.Popen[str]) -> None:
     child.communicate(timeout=DEADLINE)
 
 
-def test_it_drives_through_a_corridor_in_lockstep_and_touches_nothing(stage: Stage) -> None:
+def test_chair_drives_through_a_corridor_without_contact(stage: Stage) -> None:
     stage.server("--map", "corner", "--pace", "lockstep", "--expect", "chair1")
     child = start(stage, "chair1")
     try:
@@ -44,7 +44,7 @@ def test_it_drives_through_a_corridor_in_lockstep_and_touches_nothing(stage: Sta
         end(child)
 
 
-def test_it_shows_the_simulator_s_words_when_it_is_refused(stage: Stage) -> None:
+def test_refusal_is_shown_with_the_simulators_text(stage: Stage) -> None:
     stage.server("--map", "corner", "--pace", "realtime")
     stage.agent("chair1", "drive")
     child = start(stage, "chair1")

@@ -1,4 +1,4 @@
-"""Each example's page: three commands, and how to check it."""
+"""The README of each language: three commands, and how to check the agent."""
 
 from __future__ import annotations
 
@@ -7,11 +7,11 @@ from pathlib import Path
 
 import pytest
 
-EXAMPLES = Path(__file__).parents[3] / "agents" / "examples"
+EXAMPLES = Path(__file__).parents[3] / "agents" / "examples" / "08_another_language"
 
 
 @pytest.mark.parametrize("language", sorted(path.name for path in EXAMPLES.iterdir()))
-def test_page_of_an_example_has_three_commands_and_the_check(language: str) -> None:
+def test_readme_of_a_language_has_three_commands_and_the_check(language: str) -> None:
     page = (EXAMPLES / language / "README.md").read_text(encoding="utf-8")
     (block,) = re.findall(r"```sh\n(.*?)```", page, re.DOTALL)
     assert len(block.splitlines()) == 3

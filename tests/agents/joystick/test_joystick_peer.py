@@ -8,8 +8,8 @@ from typing import Any, cast
 
 import pytest
 
+from intellwheels_agents.joystick.input_state import NEUTRAL, InputState
 from intellwheels_agents.joystick.joystick_peer import _Loop
-from intellwheels_agents.joystick.wish import NOTHING, Wish
 from intellwheels_schemas.link import Inbox
 from intellwheels_schemas.messages import Result, Take
 
@@ -35,20 +35,20 @@ class Simulator:
 
 
 class Brief:
-    """Ends after one wish; meanwhile the answer comes."""
+    """Ends after one state; the answer comes in between."""
 
     def __init__(self, simulator: Simulator) -> None:
         self._simulator = simulator
-        self._wishes: list[Wish | None] = [NOTHING, None]
+        self._states: list[InputState | None] = [NEUTRAL, None]
 
     def wait(self, seconds: float) -> None:
         self._simulator.grant()
 
-    def wish(self, now: float, time: float | None) -> Wish | None:
-        return self._wishes.pop(0)
+    def state(self, now: float, time: float | None) -> InputState | None:
+        return self._states.pop(0)
 
 
-def test_a_lease_that_is_granted_while_it_ends_is_given_back(capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_lease_granted_at_the_end_is_given_back(capsys: pytest.CaptureFixture[str]) -> None:
     simulator = Simulator()
     loop = _Loop("chair1", Brief(simulator), cast(Any, simulator), Inbox(), cast(Any, None), take=True)
     assert loop.run(threading.Event()) == 0

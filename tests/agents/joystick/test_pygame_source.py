@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import pytest
 
 from intellwheels_agents.joystick import pygame_source
-from intellwheels_agents.joystick.wish import NOTHING, Wish
+from intellwheels_agents.joystick.input_state import NEUTRAL, InputState
 
 pygame = pytest.importorskip("pygame", reason="keyboard and gamepad need the extra `joystick`")
 
@@ -19,40 +19,40 @@ def keyboard(monkeypatch: pytest.MonkeyPatch) -> Iterator[pygame_source.Keyboard
     pygame.quit()
 
 
-def post(source: pygame_source.KeyboardSource, kind: int, **fields: int) -> Wish | None:
+def post(source: pygame_source.KeyboardSource, kind: int, **fields: int) -> InputState | None:
     pygame.event.post(pygame.event.Event(kind, **fields))
     source.wait(1.0)
-    return source.wish(0.0, None)
+    return source.state(0.0, None)
 
 
 def test_a_key_counts_from_press_to_release(keyboard: pygame_source.KeyboardSource) -> None:
-    assert keyboard.wish(0.0, None) == NOTHING
-    assert post(keyboard, pygame.KEYDOWN, key=pygame.K_UP) == Wish(1.0)
-    assert post(keyboard, pygame.KEYDOWN, key=pygame.K_a) == Wish(1.0, 0.5)
-    assert post(keyboard, pygame.KEYDOWN, key=pygame.K_LSHIFT) == Wish(0.5, 0.25)
-    assert post(keyboard, pygame.KEYDOWN, key=pygame.K_KP3) == Wish(0.5, 0.25, (3,))
-    assert post(keyboard, pygame.KEYUP, key=pygame.K_LSHIFT) == Wish(1.0, 0.5, (3,))
-    assert post(keyboard, pygame.KEYUP, key=pygame.K_UP) == Wish(0.0, 0.5, (3,))
+    assert keyboard.state(0.0, None) == NEUTRAL
+    assert post(keyboard, pygame.KEYDOWN, key=pygame.K_UP) == InputState(1.0)
+    assert post(keyboard, pygame.KEYDOWN, key=pygame.K_a) == InputState(1.0, 0.5)
+    assert post(keyboard, pygame.KEYDOWN, key=pygame.K_LSHIFT) == InputState(0.5, 0.25)
+    assert post(keyboard, pygame.KEYDOWN, key=pygame.K_KP3) == InputState(0.5, 0.25, (3,))
+    assert post(keyboard, pygame.KEYUP, key=pygame.K_LSHIFT) == InputState(1.0, 0.5, (3,))
+    assert post(keyboard, pygame.KEYUP, key=pygame.K_UP) == InputState(0.0, 0.5, (3,))
 
 
-def test_a_window_that_loses_the_focus_lets_all_keys_go(keyboard: pygame_source.KeyboardSource) -> None:
-    assert post(keyboard, pygame.KEYDOWN, key=pygame.K_UP) == Wish(1.0)
-    assert post(keyboard, pygame.WINDOWFOCUSLOST) == NOTHING
+def test_losing_the_focus_releases_all_keys(keyboard: pygame_source.KeyboardSource) -> None:
+    assert post(keyboard, pygame.KEYDOWN, key=pygame.K_UP) == InputState(1.0)
+    assert post(keyboard, pygame.WINDOWFOCUSLOST) == NEUTRAL
 
 
 @pytest.mark.parametrize("how", ["escape", "closed"])
-def test_it_ends_by_escape_or_when_it_is_closed(keyboard: pygame_source.KeyboardSource, how: str) -> None:
+def test_escape_or_closing_the_window_ends_it(keyboard: pygame_source.KeyboardSource, how: str) -> None:
     if how == "escape":
         assert post(keyboard, pygame.KEYDOWN, key=pygame.K_ESCAPE) is None
     else:
         assert post(keyboard, pygame.QUIT) is None
 
 
-def test_no_gamepad_is_said_in_words(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_missing_gamepad_is_reported(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("SDL_VIDEODRIVER", "dummy")
-    if pygame_source.is_gamepad_there():
+    if pygame_source.has_gamepad():
         pytest.skip("a gamepad is there")
-    with pytest.raises(pygame_source.DeviceError, match="no gamepad is there"):
+    with pytest.raises(pygame_source.DeviceError, match="no gamepad found"):
         pygame_source.GamepadSource(1.0, 1.0)
     pygame.quit()
 
@@ -60,7 +60,7 @@ def test_no_gamepad_is_said_in_words(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_without_pygame_it_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(__import__("sys").modules, "pygame", None)
     with pytest.raises(pygame_source.DeviceError, match=r"pip install 'intellwheels\[joystick\]'"):
-        pygame_source.is_gamepad_there()
+        pygame_source.has_gamepad()
 
 
 class Stick:
@@ -79,25 +79,25 @@ class Stick:
         return number == 1
 
 
-def test_a_gamepad_that_is_pulled_out_wants_nothing_until_it_is_back(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_an_unplugged_gamepad_is_neutral_until_it_is_back(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("SDL_VIDEODRIVER", "dummy")
     there = [1]
     monkeypatch.setattr(pygame.joystick, "get_count", lambda: there[0])
     monkeypatch.setattr(pygame.joystick, "Joystick", lambda _: Stick())
     source = pygame_source.GamepadSource(0.5, 0.5)
-    assert source.wish(0.0, None) == Wish(0.5, 0.0, (1,))
+    assert source.state(0.0, None) == InputState(0.5, 0.0, (1,))
     there[0] = 0
     pygame.event.post(pygame.event.Event(pygame.JOYDEVICEREMOVED))
     source.wait(1.0)
-    assert source.wish(0.0, None) == NOTHING
+    assert source.state(0.0, None) == NEUTRAL
     there[0] = 1
     pygame.event.post(pygame.event.Event(pygame.JOYDEVICEADDED))
     source.wait(1.0)
-    assert source.wish(0.0, None) == Wish(0.5, 0.0, (1,))
+    assert source.state(0.0, None) == InputState(0.5, 0.0, (1,))
     pygame.quit()
 
 
-def test_without_a_display_it_is_said_and_no_window_opens_that_nobody_sees(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_without_a_display_no_invisible_window_opens(monkeypatch: pytest.MonkeyPatch) -> None:
     for name in ("SDL_VIDEODRIVER", "DISPLAY", "WAYLAND_DISPLAY"):
         monkeypatch.delenv(name, raising=False)
     with pytest.raises(pygame_source.DeviceError, match="no display for the keyboard's window"):

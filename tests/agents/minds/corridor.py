@@ -1,4 +1,4 @@
-"""A corridor without ends, in which a crowd walks one way: what a fundamental diagram is measured in.
+"""An endless corridor in which a crowd walks one way, to measure a fundamental diagram.
 
 It is made of a straight corridor and images: whoever is at x has an image a period before and one after, which are set
 anew at each tick and move as he does, so all see and touch what they would on a ring, without bends. Who walks past the
@@ -16,19 +16,19 @@ from intellwheels_maps import robot
 from intellwheels_schemas.messages import Actions, Corner, Map, Position, Wall
 from intellwheels_server.world import advance, apply, measures
 from intellwheels_server.world.inputs import Inputs, Join
-from intellwheels_server.world.kernels.rows import X
+from intellwheels_server.world.kernels import rows
 from tests.agents.arena import Arena
 
 IMAGES = ("before", "after")
 
 
 def weidmann(density: float) -> float:
-    """Return the speed, m/s, of a crowd of so many persons per square metre (Weidmann 1993)."""
+    """Return the speed (m/s) of a crowd with a density in persons per square metre (Weidmann 1993)."""
     return 1.34 * (1.0 - math.exp(-1.913 * (1.0 / density - 1.0 / 5.4)))
 
 
 class Corridor:
-    """A crowd in a corridor without ends.
+    """A crowd in an endless corridor.
 
     Attributes:
         arena: The world; the real ones are its players.
@@ -48,14 +48,14 @@ class Corridor:
         wall = Wall(corner=tuple(Corner(x=x, y=y) for x, y in (*corners, corners[0])), height=2.5, thickness=1e-3)
         self.arena = Arena(Map(format="iw.v1", name="corridor", wall=(wall,)), str(seed))
         self.count = round(density * length * width)
-        rows = math.ceil(math.sqrt(self.count * width / length))
-        columns = math.ceil(self.count / rows)
-        pitch_x, pitch_y = length / columns, width / rows
+        row_count = math.ceil(math.sqrt(self.count * width / length))
+        columns = math.ceil(self.count / row_count)
+        pitch_x, pitch_y = length / columns, width / row_count
         rng = np.random.default_rng(seed)
         for i in range(self.count):
             off_x, off_y = rng.uniform(-0.5, 0.5, 2)
-            x = (i // rows + 0.5) * pitch_x + off_x * (pitch_x - 0.5)
-            y = (i % rows + 0.5) * pitch_y - half + off_y * (pitch_y - 0.6)
+            x = (i // row_count + 0.5) * pitch_x + off_x * (pitch_x - 0.5)
+            y = (i % row_count + 0.5) * pitch_y - half + off_y * (pitch_y - 0.6)
             self._join(f"walker{i}", x % length, y)
         index = self.arena.state.body_set.index
         self._real = np.array([index[f"walker{i}"] for i in range(self.count)])
@@ -74,8 +74,8 @@ class Corridor:
     def step(self) -> None:
         """Let everybody decide once, and the world take a step."""
         arena = self.arena
-        self._set(np.floor(arena.state.numbers[X, self._real] / self.length) * self.length)
-        before = arena.state.numbers[X, self._real]
+        self._set(np.floor(arena.state.numbers[rows.X, self._real] / self.length) * self.length)
+        before = arena.state.numbers[rows.X, self._real]
         actions: dict[str, Actions] = {}
         for name, player in arena.players.items():
             answer = player.mind.decide(measures(arena.state, name))
@@ -83,15 +83,15 @@ class Corridor:
             actions |= {name: answer} | {f"{name}-{image}": answer for image in IMAGES}
         arena.state, outputs = advance(arena.state, Inputs(actions=actions))
         arena.events.extend(outputs.events)
-        self.walked += arena.state.numbers[X, self._real] - before
+        self.walked += arena.state.numbers[rows.X, self._real] - before
 
     def _set(self, back: np.ndarray) -> None:
         """Put the real ones back by so many metres, and their images where they belong."""
         numbers = self.arena.state.numbers.copy()
-        numbers[X, self._real] -= back
+        numbers[rows.X, self._real] -= back
         for images, shift in zip(self._images, (-self.length, self.length), strict=True):
             numbers[:, images] = numbers[:, self._real]
-            numbers[X, images] += shift
+            numbers[rows.X, images] += shift
         self.arena.state = msgspec.structs.replace(self.arena.state, numbers=numbers)
 
     def flow(self, settle: float, seconds: float) -> float:

@@ -1,4 +1,4 @@
-"""As much of what a user wants as there is room for: no contact, and always a way back.
+"""Aided driving does as much of the user's wish as the obstacles allow: no contact, and always a way back.
 
 In the real world, in one process. All four chairs look all around at 0.4 m; nothing on these floors is lower or hangs
 higher than that alone.
@@ -22,7 +22,7 @@ from tests.agents.arena import Arena
 from tests.agents.kinematics import RUN, context
 
 CHAIRS = ("rear-wheel", "mid-wheel", "front-wheel", "intellwheels")
-# Not the ward's beds: there a locker stands 0.15 m before the chair, between the cones, where nothing ever saw it.
+# Not the beds of the ward: a locker stands 0.15 m in front of the chair there, between the cones, and is never seen.
 STARTS = (
     ("room", "start1"), ("room", "start3"), ("ward", "lobby1"), ("ward", "lobby2"),
     ("corner", "leader"), ("door", "start"), ("corridor15m", "start"),
@@ -30,7 +30,7 @@ STARTS = (
 
 
 def wish(arena: Arena, forward: float, turn: float, seconds: float) -> tuple[float, float]:
-    """Let the user want something for so long; return metres from where it began and radians it turned."""
+    """Apply a user input for so many seconds; return the distance from the start (m) and the angle turned (rad)."""
     arena.users["chair1"] = UserInput(forward=forward, turn=turn)
     first = len(arena.paths["chair1"]) - 1
     arena.run(seconds)
@@ -40,7 +40,7 @@ def wish(arena: Arena, forward: float, turn: float, seconds: float) -> tuple[flo
 
 
 def drive_at_random(arena: Arena, chance: random.Random, seconds: float) -> None:
-    """Let the user want anything, mostly full ahead, without a thought for what stands there."""
+    """Return random user inputs, mostly full ahead, that ignore all obstacles."""
     until = arena.state.tick * 0.05 + seconds
     while arena.state.tick * 0.05 < until:
         forward = chance.choice([1.0, 1.0, 0.6, 0.0, -0.7, chance.uniform(-1.0, 1.0)])
@@ -49,7 +49,7 @@ def drive_at_random(arena: Arena, chance: random.Random, seconds: float) -> None
 
 
 def would_touch(arena: Arena, left: float, right: float, ticks: int) -> bool:
-    """Return whether these powers, unaided, would lead into something."""
+    """Return whether these powers, without aid, would lead into an obstacle."""
     state = arena.state
     for _ in range(ticks):
         state, outputs = advance(state, Inputs(actions={"chair1": Actions(left_motor=left, right_motor=right)}))
@@ -82,7 +82,7 @@ def test_long_random_drives_touch_nothing(seed: int) -> None:
 
 
 @pytest.mark.parametrize("chair", CHAIRS)
-def test_before_a_wall_it_slows_and_who_lets_go_turns_there_and_backs(chair: str) -> None:
+def test_chair_slows_before_a_wall_then_turns_and_backs_up(chair: str) -> None:
     for turn in (1.0, -1.0):
         arena = Arena("room")
         arena.join("chair1", "aided", chair, "start1", {"speed": "0.8"})
@@ -103,7 +103,7 @@ def test_before_a_wall_it_slows_and_who_lets_go_turns_there_and_backs(chair: str
 
 
 @pytest.mark.parametrize("chair", CHAIRS)
-def test_pressed_on_against_a_wall_it_creeps_up_stops_and_still_backs(chair: str) -> None:
+def test_chair_held_against_a_wall_creeps_stops_and_still_backs_up(chair: str) -> None:
     """The last centimetres take the room that its corners turn in: it turns a little, and all the way once back."""
     arena = Arena("room")
     arena.join("chair1", "aided", chair, "start1", {"speed": "0.8"})
@@ -118,7 +118,7 @@ def test_pressed_on_against_a_wall_it_creeps_up_stops_and_still_backs(chair: str
     assert arena.contacts() == []
 
 
-def test_pressed_against_a_wall_with_a_turn_wanted_too_it_turns() -> None:
+def test_chair_held_against_a_wall_still_turns() -> None:
     arena = Arena("room")
     arena.join("chair1", "aided", "rear-wheel", "start1")
     wish(arena, 1.0, 0.0, 12.0)
@@ -128,7 +128,7 @@ def test_pressed_against_a_wall_with_a_turn_wanted_too_it_turns() -> None:
 
 
 @pytest.mark.parametrize("chair", CHAIRS)
-def test_wherever_it_got_to_it_gets_back_where_there_is_room(chair: str) -> None:
+def test_chair_can_always_return_to_free_space(chair: str) -> None:
     asked = answered = 0
     for seed in range(3):
         floor, place = STARTS[(seed * 2 + CHAIRS.index(chair)) % len(STARTS)]
@@ -153,13 +153,13 @@ def test_full_speed_where_there_is_room() -> None:
     assert arena.speed("chair1") == pytest.approx(0.4)
 
 
-def test_without_a_user_it_stands() -> None:
+def test_chair_without_a_user_stands() -> None:
     mind = Mind(context(robot("rear-wheel")))
     actions = mind.decide(Measures(run=RUN, tick=0, time=0.0))
     assert (actions.left_motor, actions.right_motor) == (0.0, 0.0)
     assert equip(robot("rear-wheel"), Options()).user_input == ("drive", "words")
 
 
-def test_a_robot_without_encoders_is_refused() -> None:
+def test_robot_without_encoders_is_refused() -> None:
     with pytest.raises(OptionError, match="mind aided: expected a robot with encoders, got one without"):
         Mind(context(Robot()))

@@ -1,4 +1,4 @@
-"""The published figures of aided driving: a doorway, a wall, an object, a speed. In the real world, in one process.
+"""The published figures of aided driving: a doorway, a wall, an object, a speed. In one process.
 
 The doorway of 0.813 m and the wall at 0.152 m are what Levine et al. (1999), The NavChair Assistive Wheelchair
 Navigation System, report; 0.104 m and 1.17 m/s are what this project asks for besides. The chairs are those that are
@@ -23,15 +23,15 @@ BESIDE_WALL = 0.152
 BEFORE_OBJECT = 0.104
 TOP_SPEED = 1.17
 STOPPED = 0.1
-"""Metres a second below which a chair counts as stopped on its way."""
+"""Speed below which a chair counts as stopped, m/s."""
 APPROACHES = ((0.0, 0.0), (0.2, 0.0), (-0.2, 0.0), (0.3, -5.0), (-0.3, 10.0), (0.0, -15.0))
-"""Where the chair starts from 4.5 m before the doorway: metres beside its axis, and its heading in degrees."""
+"""Starts 4.5 m in front of the doorway: offset from its axis (m), and heading (degrees)."""
 STOPS = ("intellwheels", -0.2)
-"""The one of the 24 approaches that does not get through: the figure is not met there."""
+"""The only one of the 24 approaches that does not get through: it misses the published figure."""
 TURNS = {"rear-wheel": 0.5, "mid-wheel": 0.1, "intellwheels": 0.5, "front-wheel": 0.1}
-"""Radians turned in place within 1.5 s. Corners of mid-wheel and front-wheel reach 0.09 and 0.14 m beyond the front."""
+"""Angle turned in 1.5 s, rad. Corners of mid-wheel and front-wheel reach 0.09 and 0.14 m beyond the front."""
 LOOKAHEAD = 1.0
-"""Metres ahead of the chair to which its user steers."""
+"""Distance ahead at which the user aims, m."""
 
 
 def block(left: float, bottom: float, right: float, top: float) -> Wall:
@@ -44,7 +44,7 @@ def ground(*walls: Wall) -> Map:
 
 
 class Steerer:
-    """A user who holds the stick full ahead and steers along y = 0, with a hand that is never quite right.
+    """A user who holds the stick full ahead and steers along y = 0, with an inaccurate hand.
 
     The error of the hand wanders: of standard deviation `error`, in full deflections, forgotten within a second.
     """
@@ -84,11 +84,11 @@ def placed(chair: str, walls: Map, x: float, y: float, heading_deg: float, **opt
 
 @pytest.mark.parametrize(("y", "heading_deg"), APPROACHES)
 @pytest.mark.parametrize("chair", CHAIRS)
-def test_it_passes_a_doorway_of_0_813_m_without_stopping(
+def test_chair_passes_a_doorway_of_0_813_m_without_stopping(
     request: pytest.FixtureRequest, chair: str, y: float, heading_deg: float
 ) -> None:
     if (chair, y) == STOPS:
-        request.applymarker(pytest.mark.xfail(reason="stops at what its cones left undecided", strict=True))
+        request.applymarker(pytest.mark.xfail(reason="stops because its cones leave the gap unclear", strict=True))
     half = DOORWAY / 2.0
     arena = placed(chair, ground(block(3.0, half, 3.15, 4.0), block(3.0, -4.0, 3.15, -half)), -1.5, y, heading_deg)
     speeds = Steerer(arena, round(100.0 * y) % 7, 0.02).drive_to(5.0, 12.0)
@@ -99,7 +99,7 @@ def test_it_passes_a_doorway_of_0_813_m_without_stopping(
 
 @pytest.mark.parametrize("error", [0.0, 0.05])
 @pytest.mark.parametrize("chair", CHAIRS)
-def test_it_drives_along_a_wall_0_152_m_beside(chair: str, error: float) -> None:
+def test_chair_drives_along_a_wall_at_0_152_m(chair: str, error: float) -> None:
     beside = outline(robot(chair)).side + BESIDE_WALL
     arena = placed(chair, ground(block(-2.0, beside, 9.0, beside + 0.2)), 0.0, 0.0, 0.0)
     speeds = Steerer(arena, 3, error).drive_to(5.0, 12.0)
@@ -109,7 +109,7 @@ def test_it_drives_along_a_wall_0_152_m_beside(chair: str, error: float) -> None
 
 
 @pytest.mark.parametrize("chair", CHAIRS)
-def test_it_comes_to_0_104_m_from_an_object_and_gets_away_again(chair: str) -> None:
+def test_chair_comes_within_0_104_m_of_an_object_and_gets_away(chair: str) -> None:
     arena = placed(chair, ground(block(3.0, -0.2, 3.6, 0.2)), 1.0, 0.0, 0.0)
     arena.users["chair1"] = UserInput(forward=1.0)
     arena.run(10.0)
@@ -126,7 +126,7 @@ def test_it_comes_to_0_104_m_from_an_object_and_gets_away_again(chair: str) -> N
 
 
 @pytest.mark.parametrize("chair", CHAIRS)
-def test_it_drives_1_17_m_a_second_and_stops_from_it(chair: str) -> None:
+def test_chair_drives_at_1_17_m_a_second_and_stops(chair: str) -> None:
     walls = ground(block(9.0, -4.0, 9.2, 4.0))
     arena = placed(chair, walls, 0.0, 0.0, 0.0, TopSpeed=str(TOP_SPEED), speed=str(TOP_SPEED))
     arena.users["chair1"] = UserInput(forward=1.0)

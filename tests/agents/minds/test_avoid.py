@@ -1,4 +1,4 @@
-"""A chair that wanders touches nothing."""
+"""A wandering chair touches nothing."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from tests.agents.kinematics import PERIOD, Body, box, context
 
 
 @pytest.mark.parametrize("name", ["rear-wheel", "mid-wheel", "front-wheel", "intellwheels"])
-def test_a_minute_in_a_furnished_room_without_touching_anything(name: str) -> None:
+def test_chair_wanders_for_a_minute_without_contact(name: str) -> None:
     walls = box(-4.0, -3.0, 4.0, 3.0) + box(1.8, 0.6, 2.6, 1.6)
     body = Body(robot(name), heading=0.3)
     mind = Mind(context(body.robot, body.position))
@@ -24,6 +24,6 @@ def test_a_minute_in_a_furnished_room_without_touching_anything(name: str) -> No
     assert travelled > 4.0
 
 
-def test_it_must_slow_down_before_it_stops() -> None:
+def test_stop_distance_must_be_below_clear() -> None:
     with pytest.raises(OptionError, match=r"option stop: expected less than clear \(1.5\), got 2"):
         Mind(context(robot("rear-wheel"), stop="2"))

@@ -21,7 +21,7 @@ def street() -> Arena:
     return arena
 
 
-def test_free_road_is_driven_at_the_speed_asked_for_and_in_the_lane_to_its_end() -> None:
+def test_free_road_is_driven_at_the_wanted_speed_to_its_end() -> None:
     arena = street()
     took = arena.run(60.0, lambda arena: arena.paths["car"][-1][0] > 23.0)
     assert took < 18.0
@@ -33,7 +33,7 @@ def test_free_road_is_driven_at_the_speed_asked_for_and_in_the_lane_to_its_end()
 
 
 @pytest.mark.parametrize("y", [-2.8, -1.5, -0.2])
-def test_it_stops_before_what_stands_in_its_lane(y: float) -> None:
+def test_car_stops_before_an_obstacle_in_its_lane(y: float) -> None:
     arena = street()
     arena.join("crate", "drive", "crate", None, {}, Position(x=0.0, y=y, heading=0.0))
     arena.run(20.0)
@@ -43,7 +43,7 @@ def test_it_stops_before_what_stands_in_its_lane(y: float) -> None:
     assert arena.contacts() == []
 
 
-def test_what_stands_on_the_pavement_does_not_stop_it() -> None:
+def test_obstacle_on_the_pavement_does_not_stop_the_car() -> None:
     arena = street()
     arena.join("crate", "drive", "crate", None, {}, Position(x=0.0, y=-5.2, heading=0.0))
     arena.run(18.0)
@@ -51,7 +51,7 @@ def test_what_stands_on_the_pavement_does_not_stop_it() -> None:
 
 
 @pytest.mark.parametrize("start", [3.0, 4.0, 5.0, 5.6])
-def test_who_crosses_is_let_pass_and_it_drives_on(start: float) -> None:
+def test_car_lets_a_pedestrian_cross_and_drives_on(start: float) -> None:
     arena = street()
     at = Position(x=0.0, y=start, heading=-math.pi / 2.0)
     arena.join("one", "person", "person", None, {"points": "0 -5", "speed": "0.8"}, at)

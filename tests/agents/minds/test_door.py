@@ -1,4 +1,4 @@
-"""A door opens for who comes, waits, and closes behind."""
+"""A door opens for somebody, waits, and closes again."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ JAMBS = box(-0.05, -3.0, 0.05, -0.06) + box(-0.05, 1.04, 0.05, 3.0) + box(-9.0, 
 
 
 class Doorway:
-    """A door hinged at the origin, closed along y, and what stands before it."""
+    """A door hinged at the origin, closed along y, with obstacles in front of it."""
 
     def __init__(self, body: Body, **options: str) -> None:
         self.body = body
@@ -59,13 +59,13 @@ def door(compass_noise: float = 0.0, range_noise: float = 0.0, motor_noise: floa
 CHAIR = box(1.5, 0.3, 2.6, 0.9)
 
 
-def test_it_stays_closed_while_nobody_comes() -> None:
+def test_door_stays_closed_while_nobody_comes() -> None:
     doorway = door()
     assert doorway.run(20.0) == pytest.approx(0.0, abs=1e-9)
     assert doorway.said == ["door closed"]
 
 
-def test_it_opens_for_somebody_holds_five_seconds_and_closes() -> None:
+def test_door_opens_for_somebody_holds_five_seconds_and_closes() -> None:
     doorway = door()
     doorway.run(1.0)
     doorway.run(0.5, CHAIR)
@@ -78,20 +78,20 @@ def test_it_opens_for_somebody_holds_five_seconds_and_closes() -> None:
 
 
 @pytest.mark.parametrize(("swing", "sign"), [("left", 1.0), ("right", -1.0)])
-def test_the_side_it_swings_to_is_an_option(swing: str, sign: float) -> None:
+def test_swing_side_is_an_option(swing: str, sign: float) -> None:
     doorway = door(swing=swing)
     doorway.run(1.0)
     assert doorway.run(5.0, CHAIR) == pytest.approx(sign * 90.0, abs=1.0)
 
 
-def test_it_never_closes_while_somebody_stands_there() -> None:
+def test_door_never_closes_while_somebody_stands_there() -> None:
     doorway = door()
     doorway.run(1.0)
     doorway.run(5.0, CHAIR)
     assert doorway.run(30.0, CHAIR) == pytest.approx(90.0, abs=1.0)
 
 
-def test_it_never_closes_while_somebody_stands_in_the_opening_itself() -> None:
+def test_door_never_closes_while_somebody_stands_in_the_opening() -> None:
     doorway = door()
     doorway.run(1.0)
     doorway.run(5.0, CHAIR)
@@ -100,7 +100,7 @@ def test_it_never_closes_while_somebody_stands_in_the_opening_itself() -> None:
     assert doorway.run(11.0) == pytest.approx(0.0, abs=1.0)
 
 
-def test_it_opens_again_when_somebody_comes_while_it_closes() -> None:
+def test_closing_door_opens_again_when_somebody_comes() -> None:
     doorway = door()
     doorway.run(1.0)
     doorway.run(5.0, CHAIR)
@@ -108,7 +108,7 @@ def test_it_opens_again_when_somebody_comes_while_it_closes() -> None:
     assert doorway.run(5.0, CHAIR) == pytest.approx(90.0, abs=1.0)
 
 
-def test_it_opens_again_when_it_touches_somebody_no_sensor_sees() -> None:
+def test_closing_door_opens_again_when_it_touches_somebody() -> None:
     doorway = door()
     doorway.run(1.0)
     doorway.run(5.0, CHAIR)
@@ -122,19 +122,19 @@ def test_it_opens_again_when_it_touches_somebody_no_sensor_sees() -> None:
     ("text", "distance", "opens"),
     [("open", 2.0, True), (" Open ", 2.0, True), ("open", 3.5, False), ("door open", 1.0, False)],
 )
-def test_it_opens_when_told_so_from_near(text: str, distance: float, opens: bool) -> None:
+def test_door_obeys_open_from_nearby_only(text: str, distance: float, opens: bool) -> None:
     doorway = door()
     doorway.run(1.0)
     doorway.run(3.0, heard=(Heard(sender="chair1", tick=19, distance=distance, text=text),))
     assert (doorway.opened > 30.0) is opens
 
 
-def test_who_stands_in_the_background_from_the_start_does_not_open_it() -> None:
+def test_somebody_there_from_the_start_is_background() -> None:
     doorway = door()
     assert doorway.run(10.0, CHAIR) == 0.0
 
 
-def test_noise_neither_opens_it_nor_lets_it_rattle() -> None:
+def test_noise_neither_opens_the_door_nor_makes_it_rattle() -> None:
     noise = {"compass_noise": math.radians(2.0), "range_noise": 0.02, "motor_noise": 0.015}
     doorway = door(**noise)  # type: ignore[arg-type]
     assert doorway.run(60.0) == 0.0

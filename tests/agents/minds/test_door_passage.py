@@ -1,4 +1,4 @@
-"""Which range lets a chair through an automatic door, in the real world, beside polygons swept in the test."""
+"""Which sensor range lets a chair through an automatic door: the simulated world against swept polygons."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ SPEED = 0.5
 OPENING = 5.0
 LATENCY = 0.15
 FRONT = 1.10 - 1.10 * 0.227
-"""Metres from the centre of movement of the rear-wheel chair to its front edge."""
+"""Distance from the centre of movement of the rear-wheel chair to its front edge, m."""
 
 
 def leaf(angle: float) -> Polygon:
-    """Return the leaf, 1.0 x 0.1 m hinged 1 cm from one end, turned so far from closed."""
+    """Return the leaf, 1.0 x 0.1 m and hinged 1 cm from one end, turned by an angle from closed."""
     closed = box(-0.05, -0.01, 0.05, 0.99)
     return affinity.translate(affinity.rotate(closed, angle, origin=(0.0, 0.0), use_radians=True), *HINGE)
 
@@ -60,18 +60,20 @@ def drive(arena: Arena, y: float, **options: str) -> None:
     ("swing", "metres", "passes"),
     [("right", 3.0, True), ("right", 1.0, False), ("left", 3.6, True), ("left", 3.0, False)],
 )
-def test_range_lets_the_chair_through_as_swept_polygons_say(swing: str, metres: float, passes: bool, y: float) -> None:
+def test_door_range_lets_the_chair_through_as_swept_polygons_predict(
+    swing: str, metres: float, passes: bool, y: float
+) -> None:
     assert touches(swing, metres, y) is not passes
     arena = arena_with_door(swing, metres)
     drive(arena, y, left=str(SPEED), right=str(SPEED))
     arena.run(30.0, lambda arena: arena.paths["chair"][-1][0] > 9.0)
     assert bool(arena.contacts()) is not passes
     opened = next(tick for tick, words in arena.said["door"] if words == "door opening")
-    # It was seen at its range, less the 5 cm that make somebody, within what it drives in a latency.
+    # It was detected at the sensor range less 0.05 m (`NEARER`), to within the way it drives during the latency.
     assert arena.paths["chair"][opened][0] + FRONT == pytest.approx(5.95 - metres + 0.05, abs=SPEED * LATENCY)
 
 
-def test_door_never_closes_upon_a_chair_that_stops_in_the_doorway() -> None:
+def test_door_never_closes_on_a_chair_in_the_doorway() -> None:
     arena = arena_with_door("right", 3.0)
     # 8 m to the doorway at 0.5 m/s, then half a minute's rest in it.
     drive(arena, 0.0, script="0:0.5,0.5; 15.6:0,0; 50:0.5,0.5; 60:0,0")
@@ -83,7 +85,7 @@ def test_door_never_closes_upon_a_chair_that_stops_in_the_doorway() -> None:
     assert arena.contacts() == []
 
 
-def test_door_that_is_told_to_open_opens() -> None:
+def test_door_opens_when_it_hears_open() -> None:
     arena = arena_with_door("right", 0.3)
     arena.join("chair", "drive", "rear-wheel", None, {"say": "open"}, Position(x=3.5, y=0.0, heading=0.0))
     arena.run(8.0)

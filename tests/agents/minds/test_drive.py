@@ -1,4 +1,4 @@
-"""A script of powers, to the tick."""
+"""Fixed and scripted motor powers, exact to the tick."""
 
 from __future__ import annotations
 
@@ -17,12 +17,12 @@ def powers_at(mind: Mind, tick: int) -> tuple[float | None, float | None]:
     return actions.left_motor, actions.right_motor
 
 
-def test_fixed_powers_hold() -> None:
+def test_fixed_powers_stay() -> None:
     mind = Mind(context(ROBOT, left="0.5", right="-0.25"))
     assert {powers_at(mind, tick) for tick in range(10)} == {(0.5, -0.25)}
 
 
-def test_a_script_changes_powers_at_its_times() -> None:
+def test_script_changes_powers_at_its_times() -> None:
     mind = Mind(context(ROBOT, script="0.1:0.5,0.5; 0.3:-1,1;"))
     assert [powers_at(mind, tick) for tick in (0, 1, 2, 5, 6, 99)] == [
         (0.0, 0.0), (0.0, 0.0), (0.5, 0.5), (0.5, 0.5), (-1.0, 1.0), (-1.0, 1.0),
@@ -30,12 +30,12 @@ def test_a_script_changes_powers_at_its_times() -> None:
 
 
 @pytest.mark.parametrize("script", ["1", "0:1", "0:1,2", "0:x,1", "1:0,0; 1:0,0", "-1:0,0", "nan:0,0"])
-def test_a_line_that_is_none_is_refused(script: str) -> None:
+def test_malformed_script_is_refused(script: str) -> None:
     with pytest.raises(OptionError, match="option script: expected"):
         Mind(context(ROBOT, script=script))
 
 
-def test_words_are_said_once() -> None:
+def test_message_is_said_once() -> None:
     mind = Mind(context(ROBOT, say="open"))
     said = [mind.decide(Measures(run=RUN, tick=tick, time=0.0)).say for tick in range(3)]
     assert said == ["open", None, None]

@@ -1,4 +1,4 @@
-"""A person who drives: late by the reaction time, with a hand that shakes as it is said to."""
+"""The model of a driver: its reaction time and its tremor."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def driven(seed: str) -> Arena:
     return arena
 
 
-def test_person_drives_the_corridor_without_touching() -> None:
+def test_driver_passes_the_corridor_without_contact() -> None:
     arena = driven("1")
     assert math.dist(arena.paths["chair"][-1][:2], (15.0, 0.0)) < 0.2
     assert arena.contacts() == []
@@ -44,7 +44,7 @@ def test_hand_follows_from_the_seed_of_the_run() -> None:
     assert first != other
 
 
-def test_hand_moves_the_reaction_time_after_something_is_seen() -> None:
+def test_hand_moves_after_the_reaction_time() -> None:
     mind = Mind(context(robot("corridor-chair"), points="5 0", reaction="0.3", tremor="0"))
     powers = [mind.decide(seen(tick)).left_motor for tick in range(8)]
     assert powers[:6] == [0.0] * 6
@@ -52,7 +52,7 @@ def test_hand_moves_the_reaction_time_after_something_is_seen() -> None:
     assert powers[6] > 0.3
 
 
-def test_tremor_has_its_size_and_its_frequency() -> None:
+def test_tremor_has_the_given_size_and_frequency() -> None:
     noise = random.Random(3)
     tremor = Tremor(0.05, 5.0, 0.05)
     values = [tremor.next(noise.gauss(0.0, 1.0)) for _ in range(40_000)]
@@ -67,6 +67,6 @@ def test_eyes_and_hand_are_added_to_the_robot() -> None:
     assert ([one.id for one in equipped.truth], [one.id for one in equipped.gps]) == (["eyes"], [HAND])
 
 
-def test_way_must_be_told() -> None:
+def test_path_is_required() -> None:
     with pytest.raises(OptionError, match="option points: expected points or to, got none"):
         Mind(context(robot("corridor-chair")))

@@ -1,4 +1,4 @@
-"""Following by ear, in the real world: the scene `follow`, with its noise."""
+"""Following by messages, in the simulated world: the scene `follow` with its noise."""
 
 from __future__ import annotations
 
@@ -9,7 +9,6 @@ from shapely import affinity
 from shapely.geometry import LineString, MultiPolygon, Point, box
 from shapely.ops import unary_union
 
-from intellwheels_agents.minds.follow import point_in
 from intellwheels_agents.options import OptionError
 from intellwheels_maps import scene
 from intellwheels_schemas.rules import parts_of
@@ -28,7 +27,7 @@ def outline(arena: Arena, name: str, tick: int) -> MultiPolygon:
     shape = unary_union(
         [
             box(part.x - part.length / 2, part.y - part.width / 2, part.x + part.length / 2, part.y + part.width / 2)
-            for part in parts_of(arena.state.body_set.figures[name].robot)
+            for part in parts_of(arena.state.body_set.models[name].robot)
         ]
     )
     turned = affinity.rotate(shape, heading, origin=(0.0, 0.0), use_radians=True)
@@ -37,7 +36,7 @@ def outline(arena: Arena, name: str, tick: int) -> MultiPolygon:
 
 
 @pytest.mark.parametrize("seed", ["1", "2", "3"])
-def test_two_followers_keep_to_the_leader_s_path_and_to_their_distance(seed: str) -> None:
+def test_two_followers_keep_to_the_leaders_path_and_their_distance(seed: str) -> None:
     arena = Arena.of(scene("follow"), seed)
     assert arena.run(90.0, arrived) < 90.0
     assert arena.contacts() == []
@@ -51,7 +50,7 @@ def test_two_followers_keep_to_the_leader_s_path_and_to_their_distance(seed: str
         assert min(one.distance(two), two.distance(three)) > 0.3
 
 
-def test_when_the_leader_falls_silent_all_are_at_rest_within_three_and_a_half_seconds() -> None:
+def test_followers_of_a_silent_leader_stop_within_three_and_a_half_seconds() -> None:
     arena = Arena.of(scene("follow"))
     arena.run(8.0)
     assert all(arena.speed(name) > 0.3 for name in FOLLOWERS)
@@ -61,7 +60,7 @@ def test_when_the_leader_falls_silent_all_are_at_rest_within_three_and_a_half_se
     assert [arena.speed(name) for name in FOLLOWERS] == [pytest.approx(0.0, abs=1e-3)] * 2
 
 
-def test_leader_that_speaks_again_is_followed_again() -> None:
+def test_leader_that_resumes_is_followed_again() -> None:
     arena = Arena.of(scene("follow"))
     arena.run(8.0)
     arena.players["leader"].muted = True
@@ -71,27 +70,11 @@ def test_leader_that_speaks_again_is_followed_again() -> None:
     assert all(arena.speed(name) > 0.3 for name in FOLLOWERS)
 
 
-def test_who_hears_nobody_stands() -> None:
+def test_follower_without_messages_stands() -> None:
     arena = Arena("corner")
     arena.join("alone", "follow", "mid-wheel", "follower1", {"leader": "nobody"})
     arena.run(2.0)
     assert arena.paths["alone"][-1] == arena.paths["alone"][0]
-
-
-@pytest.mark.parametrize(
-    ("text", "point"),
-    [
-        ("at 1.5 -2.25", (1.5, -2.25)),
-        ("at 3 4", (3.0, 4.0)),
-        ("at 1e3 2", None),
-        ("at nan 2", None),
-        ("look at 1 2", None),
-        ("at 1 2 3", None),
-        ("", None),
-    ],
-)
-def test_point_is_heard_only_where_one_is_said(text: str, point: tuple[float, float] | None) -> None:
-    assert point_in(text) == point
 
 
 def test_robot_without_encoders_cannot_follow() -> None:
@@ -99,6 +82,6 @@ def test_robot_without_encoders_cannot_follow() -> None:
         Arena("corner").join("blind", "follow", "crate", "follower1", {"leader": "leader"})
 
 
-def test_two_leaders_are_refused_in_words() -> None:
+def test_two_leaders_are_refused() -> None:
     with pytest.raises(OptionError, match="option leader: expected one name, got 'one two'"):
         Arena("corner").join("torn", "follow", "mid-wheel", "follower1", {"leader": "one, two"})

@@ -1,4 +1,4 @@
-"""The mind that drives as its user wants and does nothing else."""
+"""The mind that drives exactly as its user wants."""
 
 from __future__ import annotations
 
@@ -17,23 +17,23 @@ def powers(user: UserInput | None, **options: str) -> tuple[float | None, float 
     return actions.left_motor, actions.right_motor
 
 
-def test_it_gives_what_its_user_wants_and_nothing_without_one() -> None:
+def test_powers_follow_the_user_and_are_0_without_one() -> None:
     assert powers(UserInput(forward=0.5, turn=0.25)) == (0.25, 0.75)
     assert powers(UserInput(forward=1.0, turn=-1.0)) == (1.0, 0.0)
     assert powers(None) == (0.0, 0.0)
     assert powers(UserInput()) == (0.0, 0.0)
 
 
-def test_options_scale_it() -> None:
+def test_options_scale_the_powers() -> None:
     assert powers(UserInput(forward=1.0, turn=1.0), speed="0.5", turn="0.25") == (0.25, 0.75)
     assert powers(UserInput(word="back"), words="0.2") == (-0.2, -0.2)
 
 
-def test_its_robot_declares_user_input() -> None:
+def test_robot_declares_user_input() -> None:
     assert equip(robot("rear-wheel"), Options()).user_input == ("drive", "words")
 
 
-def test_a_user_who_falls_silent_stops_the_chair_in_the_world() -> None:
+def test_chair_of_a_silent_user_stops() -> None:
     arena = Arena("corridor15m")
     arena.join("chair1", "joystick", "rear-wheel", "start", {"AccelerationCurve": "0"})
     arena.users["chair1"] = UserInput(forward=0.5)

@@ -1,4 +1,4 @@
-"""Minds are found by name, and a user's by the path of a file."""
+"""Shipped minds are found by name, a user's own by the path of a file."""
 
 from __future__ import annotations
 
@@ -12,14 +12,14 @@ from intellwheels_schemas.messages import Actions, Measures, Robot
 from tests.agents.kinematics import RUN, context
 
 
-def test_the_shipped_minds() -> None:
+def test_all_expected_minds_are_there() -> None:
     shipped = {"aided", "avoid", "car", "door", "drive", "driver", "follow", "joystick", "person", "seek", "table"}
     assert {*shipped, "waypoints"} == set(minds.names())
     for name in minds.names():
         assert callable(minds.find(name).make)
 
 
-def test_a_name_that_is_none_is_refused_with_those_there_are() -> None:
+def test_unknown_mind_is_refused_with_the_known_ones() -> None:
     with pytest.raises(OptionError, match=r"mind: expected one of aided, avoid, .*, waypoints or a Python file"):
         minds.find("dance")
 
@@ -33,7 +33,7 @@ def test_a_name_that_is_none_is_refused_with_those_there_are() -> None:
         "        return Actions(say='hi')\ndef make(context): return Own()\n",
     ],
 )
-def test_a_users_file_has_a_class_mind_or_make(tmp_path: Path, text: str, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_users_file_defines_a_class_mind_or_make(tmp_path: Path, text: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.syspath_prepend(tmp_path)
     file = tmp_path / "json.py"
     file.write_text(text)
@@ -43,7 +43,7 @@ def test_a_users_file_has_a_class_mind_or_make(tmp_path: Path, text: str, monkey
     assert source.equip(Robot(), Options()) == Robot()
 
 
-def test_a_file_without_either_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_file_without_a_mind_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.syspath_prepend(tmp_path)
     file = tmp_path / "mine.py"
     file.write_text("x = 1\n")
@@ -51,6 +51,6 @@ def test_a_file_without_either_is_refused(tmp_path: Path, monkeypatch: pytest.Mo
         minds.find(str(file))
 
 
-def test_a_file_that_is_not_there_is_refused(tmp_path: Path) -> None:
+def test_missing_file_is_refused(tmp_path: Path) -> None:
     with pytest.raises(OptionError, match="expected a Python file, got none"):
         minds.find(str(tmp_path / "none.py"))

@@ -1,4 +1,4 @@
-"""People who walk: free, past each other, out of the way of a chair, and in a crowd."""
+"""Pedestrians: alone, passing each other, avoiding a chair, and in a crowd."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ def far(arena: Arena, name: str, goal: tuple[float, float]) -> float:
 
 
 @pytest.mark.parametrize("seed", SEEDS[:3])
-def test_free_walk_is_as_fast_as_people_like_it(seed: str) -> None:
+def test_free_walk_has_the_preferred_speed(seed: str) -> None:
     arena = Arena(corridor(30.0, 6.0), seed)
     walker(arena, "one", (0.0, 0.0), (30.0, 0.0))
     arena.run(3.0)
@@ -48,7 +48,7 @@ def test_free_walk_is_as_fast_as_people_like_it(seed: str) -> None:
 
 @pytest.mark.parametrize("seed", SEEDS[:5])
 @pytest.mark.parametrize("aside", [0.0, 0.15, -0.15])
-def test_two_who_meet_pass_each_other(seed: str, aside: float) -> None:
+def test_two_people_who_meet_pass_each_other(seed: str, aside: float) -> None:
     arena = Arena(corridor(12.0, 2.4), seed)
     walker(arena, "east", (0.0, 0.0), (12.0, 0.0))
     walker(arena, "west", (12.0, aside), (0.0, aside))
@@ -81,7 +81,7 @@ def test_people_get_out_of_the_way_of_a_chair_that_does_not_look(seed: str) -> N
 
 @pytest.mark.parametrize("name", ["crossing", "corner"])
 @pytest.mark.parametrize("seed", SEEDS)
-def test_all_of_the_scene_arrive_without_a_contact(name: str, seed: str) -> None:
+def test_everybody_in_the_scene_arrives_without_contact(name: str, seed: str) -> None:
     document = scene(name)
     arena = Arena.of(document, seed)
     assert document.end
@@ -102,7 +102,7 @@ def test_all_of_the_scene_arrive_without_a_contact(name: str, seed: str) -> None
 
 
 @pytest.mark.parametrize(("density", "settle", "seconds"), [(0.5, 6.0, 8.0), (1.0, 4.0, 6.0), (2.0, 3.0, 3.0)])
-def test_flow_of_a_crowd_is_near_weidmann_s(density: float, settle: float, seconds: float) -> None:
+def test_flow_of_a_crowd_is_near_weidmanns(density: float, settle: float, seconds: float) -> None:
     crowd = Corridor(density)
     assert crowd.flow(settle, seconds) == pytest.approx(density * weidmann(density), rel=0.2)
 
@@ -110,7 +110,7 @@ def test_flow_of_a_crowd_is_near_weidmann_s(density: float, settle: float, secon
 @pytest.mark.soak
 @pytest.mark.parametrize("density", [0.5, 1.0, 2.0])
 @pytest.mark.parametrize("width", [2.0, 3.0])
-def test_flow_of_a_crowd_is_near_weidmann_s_for_minutes(density: float, width: float) -> None:
+def test_flow_of_a_crowd_is_near_weidmanns_for_minutes(density: float, width: float) -> None:
     flows = [Corridor(density, width=width, seed=seed).flow(10.0, 30.0) for seed in (1, 2, 3)]
     assert sum(flows) / len(flows) == pytest.approx(density * weidmann(density), rel=0.2)
 
@@ -123,12 +123,12 @@ def apart(*, together: bool) -> float:
     return math.dist(arena.paths["slow"][-1][:2], arena.paths["fast"][-1][:2])
 
 
-def test_two_who_walk_together_stay_together_and_strangers_do_not() -> None:
+def test_companions_stay_together_and_strangers_do_not() -> None:
     assert apart(together=True) < 3.0
     assert apart(together=False) > 6.0
 
 
-def test_who_walks_in_a_loop_comes_back_and_goes_on() -> None:
+def test_walker_in_a_loop_returns_and_goes_on() -> None:
     arena = Arena(corridor(12.0, 4.0))
     arena.join(
         "one", "person", "person", None, {"points": "4 0 0 0", "loop": "true"}, Position(x=0.0, y=0.0, heading=0.0)
@@ -138,7 +138,7 @@ def test_who_walks_in_a_loop_comes_back_and_goes_on() -> None:
     assert sum(a < 2.0 <= b for a, b in pairwise(xs)) >= 2
 
 
-def test_who_has_no_goal_stands_and_steps_aside_for_a_chair() -> None:
+def test_person_without_a_goal_stands_and_steps_aside_for_a_chair() -> None:
     arena = Arena(corridor(12.0, 3.4))
     arena.join("one", "person", "person", None, {}, Position(x=6.0, y=0.2, heading=math.pi))
     arena.run(2.0)

@@ -1,4 +1,4 @@
-"""A chair gets to its place round what its sensors see, and tells where it thinks it is going."""
+"""A chair reaches its place around the obstacles that its sensors see, and reports its goal."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import math
 
 import pytest
 
-from intellwheels_agents.minds.seek import BACK, STUCK, Mind, equip
+from intellwheels_agents.minds.seek import BACKING_TIME, STUCK_TIME, Mind, equip
 from intellwheels_agents.options import OptionError, Options
 from intellwheels_maps import robot
 from intellwheels_schemas.messages import Goal, UserInput
@@ -24,7 +24,7 @@ def test_chair_passes_both_blocks_of_the_corridor_without_touching() -> None:
     assert arena.contacts() == []
 
 
-def test_chair_goes_round_a_table_across_its_way() -> None:
+def test_chair_drives_around_a_table_in_its_way() -> None:
     arena = Arena("lounge")
     arena.join("table", "table", "table", "table")
     arena.join("chair", "seek", "corridor-chair", "start", {**NOISY, "Proximity.Z": "0.7"})
@@ -33,7 +33,7 @@ def test_chair_goes_round_a_table_across_its_way() -> None:
     assert arena.contacts() == []
 
 
-def test_chair_that_is_there_stops_and_says_so() -> None:
+def test_chair_at_its_goal_stops_and_reports_it() -> None:
     body = Body(robot("corridor-chair"))
     done = run(body, Mind(context(body.robot, to="goal1")), [], 25.0)
     assert done[-1].mode == "arrived"
@@ -41,22 +41,22 @@ def test_chair_that_is_there_stops_and_says_so() -> None:
     assert done[0].goal is not None
 
 
-def test_chair_without_a_way_goes_back_after_a_while() -> None:
+def test_chair_without_a_way_backs_up_after_a_while() -> None:
     body = Body(robot("corridor-chair"))
     # A pen: walls all round, nearer than the chair is long, but with room behind.
     pen = [*box(0.9, -0.6, 1.0, 0.6), *box(-2.5, 0.5, 1.0, 0.6), *box(-2.5, -0.6, 1.0, -0.5)]
-    done = run(body, Mind(context(body.robot, to="goal1")), pen, STUCK + 10.0)
+    done = run(body, Mind(context(body.robot, to="goal1")), pen, STUCK_TIME + 10.0)
     first = next(k for k, one in enumerate(done) if one.mode == "backing")
-    assert first * 0.05 >= STUCK
-    assert done[first + round(BACK / 0.05) + 1].mode == "autonomous"
+    assert first * 0.05 >= STUCK_TIME
+    assert done[first + round(BACKING_TIME / 0.05) + 1].mode == "autonomous"
 
 
-def test_place_must_be_told() -> None:
+def test_place_is_required() -> None:
     with pytest.raises(OptionError, match="option to: expected a place of the map, got none"):
         Mind(context(robot("corridor-chair")))
 
 
-def test_a_goal_of_its_user_takes_the_place_of_its_place() -> None:
+def test_goal_of_the_user_replaces_the_place() -> None:
     arena = Arena("room")
     arena.join("chair", "seek", "corridor-chair", "start1", {"to": "start1"})
     arena.run(1.0)
@@ -69,5 +69,5 @@ def test_a_goal_of_its_user_takes_the_place_of_its_place() -> None:
     assert arena.contacts() == []
 
 
-def test_its_robot_declares_that_it_takes_goals() -> None:
+def test_robot_declares_goals() -> None:
     assert equip(robot("corridor-chair"), Options()).user_input == ("goal",)

@@ -7,5 +7,5 @@ from intellwheels_schemas.messages import Actions, Measures, Robot
 from tests.agents.kinematics import RUN, context
 
 
-def test_a_table_does_nothing_at_all() -> None:
+def test_table_does_nothing() -> None:
     assert Mind(context(Robot())).decide(Measures(run=RUN, tick=0, time=0.0)) == Actions()

@@ -1,4 +1,4 @@
-"""A chair gets where its path leads, with its own noisy idea of where it is."""
+"""A chair follows its path to the end, with its own noisy odometry."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def test_every_chair_gets_round_corners_to_the_end_with_noise(name: str) -> None
     assert (done[-1].left_motor, done[-1].right_motor) == (0.0, 0.0)
 
 
-def test_places_are_asked_of_the_map_and_the_last_is_its_goal() -> None:
+def test_places_come_from_the_map_and_the_last_is_the_goal() -> None:
     body = Body(robot("intellwheels"))
     done = run(body, Mind(context(body.robot, via="goal2", to="goal1")), [], 20.0)
     assert math.dist((body.x, body.y), (5.0, 1.0)) < 0.15
@@ -36,23 +36,23 @@ def test_places_are_asked_of_the_map_and_the_last_is_its_goal() -> None:
     assert (done[0].goal.x, done[0].goal.y) == (5.0, 1.0)
 
 
-def test_a_place_that_is_not_on_the_map_is_refused_with_those_that_are() -> None:
+def test_unknown_place_is_refused_with_the_known_ones() -> None:
     with pytest.raises(OptionError, match=r"option to: expected a place of the map \(goal1, goal2\), got 'goal3'"):
         Mind(context(robot("intellwheels"), to="goal3"))
 
 
-def test_no_path_at_all_is_refused() -> None:
+def test_missing_path_is_refused() -> None:
     with pytest.raises(OptionError, match="option points: expected points, via or to, got none"):
         Mind(context(robot("intellwheels")))
 
 
-def test_a_start_that_lies_backwards_turns_the_chair_first() -> None:
+def test_path_that_starts_behind_turns_the_chair_first() -> None:
     body = Body(robot("rear-wheel"))
     run(body, Mind(context(body.robot, points="-3 0")), [], 20.0)
     assert math.dist((body.x, body.y), (-3.0, 0.0)) < 0.15
 
 
-def test_truth_overrides_whatever_the_encoders_say() -> None:
+def test_truth_sensor_overrides_the_encoders() -> None:
     document = equip(robot("intellwheels"), Options({"truth": "true"}))
     wrong = msgspec.structs.replace(document, wheel_diameter=0.3)
     body = Body(document)
@@ -61,13 +61,13 @@ def test_truth_overrides_whatever_the_encoders_say() -> None:
     assert math.dist((body.x, body.y), (6.0, 0.0)) < 0.15
 
 
-def test_without_encoders_or_truth_it_cannot_know_where_it_is() -> None:
+def test_robot_without_encoders_needs_the_truth_sensor() -> None:
     with pytest.raises(OptionError, match="option truth: expected true for a robot without encoders"):
         Mind(context(Robot(top_speed=1.0, length=1.0, width=0.6), points="1 1"))
 
 
 @pytest.mark.parametrize("name", CHAIRS)
-def test_it_waits_before_a_closed_door_and_goes_on_when_it_is_open(name: str) -> None:
+def test_chair_waits_at_a_closed_door_and_goes_on_when_it_opens(name: str) -> None:
     jambs = box(5.0, -2.0, 5.1, -0.55) + box(5.0, 0.55, 5.1, 2.0)
     leaf: list[Segment] = [(5.0, -0.5, 5.0, 0.5)]
     body = Body(robot(name))
@@ -82,13 +82,13 @@ def test_it_waits_before_a_closed_door_and_goes_on_when_it_is_open(name: str) ->
     assert math.dist((body.x, body.y), (8.0, 0.0)) < 0.15
 
 
-def test_a_wall_behind_the_end_does_not_stop_it_before() -> None:
+def test_wall_beyond_the_end_does_not_stop_the_chair_early() -> None:
     body = Body(robot("intellwheels"))
     run(body, Mind(context(body.robot, points="3 0")), box(-5.0, -3.0, 4.0, 3.0), 15.0)
     assert math.dist((body.x, body.y), (3.0, 0.0)) < 0.15
 
 
-def test_it_speeds_up_and_slows_down_gently() -> None:
+def test_chair_speeds_up_and_slows_down_gently() -> None:
     body = Body(robot("intellwheels"))
     done = run(body, Mind(context(body.robot, points="5 0")), [], 15.0)
     powers = [actions.left_motor or 0.0 for actions in done]
@@ -96,7 +96,7 @@ def test_it_speeds_up_and_slows_down_gently() -> None:
     assert max(a - b for a, b in pairwise(powers)) < 0.0501
 
 
-def test_a_goal_of_its_user_takes_the_place_of_its_path_on_the_way_and_at_its_end() -> None:
+def test_goal_of_the_user_replaces_the_path_on_the_way_and_at_its_end() -> None:
     body = Body(robot("intellwheels"))
     mind = Mind(context(body.robot, points="6 0"))
     run(body, mind, [], 3.0)
@@ -111,6 +111,6 @@ def test_a_goal_of_its_user_takes_the_place_of_its_path_on_the_way_and_at_its_en
         assert actions.goal == told.goal
 
 
-def test_its_robot_declares_that_it_takes_goals() -> None:
+def test_robot_declares_goals() -> None:
     assert equip(robot("rear-wheel"), Options()).user_input == ("goal",)
     assert equip(robot("rear-wheel"), Options({"truth": "true"})).user_input == ("goal",)

@@ -1,4 +1,4 @@
-"""A batch from what is kept of its runs to its files and lines: what is done is not run again."""
+"""A batch from its stored runs to its files and lines. Finished runs are not repeated."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ from rich.console import Console
 from intellwheels_experiments.batch.batch_command import OtherBatchError, perform_batch, show, write_files
 from intellwheels_experiments.batch.experiment_rows import rows_of
 from intellwheels_experiments.batch.run_batch import Batch
-from intellwheels_experiments.batch.run_measures import measured
-from intellwheels_experiments.batch.run_store import StoredRun, keep
+from intellwheels_experiments.batch.run_measures import measure_run
+from intellwheels_experiments.batch.run_store import StoredRun, store_run
 from intellwheels_experiments.batch.summary import Summary
 from intellwheels_maps import floor, scene
 from intellwheels_schemas.messages import Scene
@@ -26,8 +26,8 @@ from tests.experiments.scenes import write_scene
 FLOOR = floor("corridor15m")
 
 
-def kept_batch(folder: Path, seeds: int = 2) -> tuple[Batch, Scene]:
-    """Return a batch of which all runs are there."""
+def finished_batch(folder: Path, seeds: int = 2) -> tuple[Batch, Scene]:
+    """Return a batch of which all runs are finished."""
     path = write_scene(folder)
     document = scene(str(path))
     wanted = Batch(
@@ -37,8 +37,8 @@ def kept_batch(folder: Path, seeds: int = 2) -> tuple[Batch, Scene]:
     for row in wanted.rows:
         for seed in wanted.seeds:
             aside = 0.1 if row.name == "unlike" else 0.0
-            numbers, course = measured(straight(aside=aside), document, FLOOR, "chair", real=False)
-            keep(wanted.out, StoredRun(row=row.name, seed=seed, measured=numbers, wall=float(seed)), course)
+            numbers, series = measure_run(straight(aside=aside), document, FLOOR, "chair", real=False)
+            store_run(wanted.out, StoredRun(row=row.name, seed=seed, measured=numbers, wall=float(seed)), series)
     return wanted, document
 
 
@@ -48,13 +48,13 @@ def shown(summary: Summary, *, terminal: bool = False) -> str:
     return text.getvalue()
 
 
-def test_batch_that_is_done_starts_nothing_and_writes_its_files(tmp_path: Path) -> None:
-    wanted, document = kept_batch(tmp_path)
-    # No simulator would come from a scene that is not there.
+def test_finished_batch_starts_nothing_and_writes_its_files(tmp_path: Path) -> None:
+    wanted, document = finished_batch(tmp_path)
+    # The scene's file does not exist, so any start of a simulator would fail.
     wanted = replace(wanted, source=str(tmp_path / "gone.xml"))
-    said = io.StringIO()
-    summary = perform_batch(wanted, document, Console(file=said), threading.Event())
-    assert "going on: 4 of 4 runs are there" in said.getvalue()
+    printed = io.StringIO()
+    summary = perform_batch(wanted, document, Console(file=printed), threading.Event())
+    assert "resuming: 4 of 4 runs are done" in printed.getvalue()
     assert [(line.name, line.runs, line.died) for line in summary.lines] == [("equal", 2, ()), ("unlike", 2, ())]
     names = {"batch.json", "batch.csv", "summary.json", "junit.xml", "report.html"}
     assert names <= {path.name for path in wanted.out.iterdir()}
@@ -63,7 +63,7 @@ def test_batch_that_is_done_starts_nothing_and_writes_its_files(tmp_path: Path) 
 
 
 def test_csv_is_the_same_however_long_the_runs_took(tmp_path: Path) -> None:
-    wanted, document = kept_batch(tmp_path)
+    wanted, document = finished_batch(tmp_path)
     write_files(wanted, document)
     before = [(wanted.out / name).read_bytes() for name in ("batch.csv", "summary.json", "junit.xml")]
     for path in wanted.out.glob("runs/*/*/result.json"):
@@ -73,7 +73,7 @@ def test_csv_is_the_same_however_long_the_runs_took(tmp_path: Path) -> None:
 
 
 def test_folder_of_another_scene_is_refused_and_left_as_it_was(tmp_path: Path) -> None:
-    wanted, document = kept_batch(tmp_path)
+    wanted, document = finished_batch(tmp_path)
     perform_batch(wanted, document, Console(file=io.StringIO()), threading.Event())
     before = {path: path.read_bytes() for path in wanted.out.iterdir() if path.is_file()}
     with pytest.raises(OtherBatchError, match="got another batch's"):
@@ -82,7 +82,7 @@ def test_folder_of_another_scene_is_refused_and_left_as_it_was(tmp_path: Path) -
 
 
 def test_script_reads_lines_and_a_person_a_table(tmp_path: Path) -> None:
-    wanted, document = kept_batch(tmp_path)
+    wanted, document = finished_batch(tmp_path)
     summary = write_files(wanted, document)
     lines = shown(summary).splitlines()
     assert [line.split()[0:2] for line in lines[:2]] == [["row", "name=equal"], ["row", "name=unlike"]]
@@ -90,15 +90,15 @@ def test_script_reads_lines_and_a_person_a_table(tmp_path: Path) -> None:
     assert "┃" in shown(summary, terminal=True)
 
 
-def test_titles_with_brackets_stand_in_the_table_as_they_are(tmp_path: Path) -> None:
-    wanted, document = kept_batch(tmp_path)
+def test_titles_with_brackets_are_printed_unchanged(tmp_path: Path) -> None:
+    wanted, document = finished_batch(tmp_path)
     rows = tuple(dataclasses.replace(row, title=f"{row.name} [/m]") for row in wanted.rows)
     summary = write_files(dataclasses.replace(wanted, rows=rows), document)
     assert "unlike [/m]" in shown(summary, terminal=True)
 
 
-def test_run_that_is_missing_is_told_and_counts_nowhere(tmp_path: Path) -> None:
-    wanted, document = kept_batch(tmp_path)
+def test_missing_run_is_reported_and_counts_nowhere(tmp_path: Path) -> None:
+    wanted, document = finished_batch(tmp_path)
     (wanted.out / "runs" / "equal" / "2" / "result.json").unlink()
     summary = write_files(wanted, document)
     assert [(line.runs, line.died) for line in summary.lines] == [(1, ("2",)), (2, ())]
@@ -115,12 +115,12 @@ def test_umbmark_finds_the_wheels_that_the_chair_has(tmp_path: Path) -> None:
     found = summary.umbmark
     assert found is not None
     assert (found.seeds, found.wheels.true, found.base.true) == (2, 1.002, 1.005)
-    # The method's own error at these figures, as in test_metrics, and the wheels' noise.
+    # The tolerance is the method's own error for these factors, as in test_metrics, and the wheels' noise.
     assert found.wheels.found == pytest.approx(1.002, abs=6e-4)
     assert found.base.found == pytest.approx(1.005, abs=6e-4)
     lines = [line.split() for line in shown(summary).splitlines() if line.startswith("umbmark ")]
     assert [line[1:3] for line in lines] == [["figure=E_d", "true=1.0020"], ["figure=E_b", "true=1.0050"]]
-    assert "UMBmark E_b: truly 1.0050, found 1.00" in shown(summary, terminal=True)
+    assert "UMBmark E_b: true 1.0050, found 1.00" in shown(summary, terminal=True)
     report = (wanted.out / "report.html").read_text()
     assert "<h2>UMBmark</h2>" in report
     assert f"{found.base.found:.4f}" in report

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from intellwheels_experiments.batch.clearance import clearance, half_width, shortest_way
+from intellwheels_experiments.batch.clearance import clearance, half_width, shortest_path
 from intellwheels_maps import floor, robot
 
 
@@ -33,19 +33,19 @@ def test_body_that_is_not_there_does_not_count() -> None:
     assert found == pytest.approx([0.87])
 
 
-def test_shortest_way_is_straight_where_nothing_stands_in_it() -> None:
-    assert shortest_way(floor("corridor15m"), (0.0, 0.0), (4.0, 0.0), 0.33) == pytest.approx(4.0)
+def test_shortest_path_is_straight_without_obstacles() -> None:
+    assert shortest_path(floor("corridor15m"), (0.0, 0.0), (4.0, 0.0), 0.33) == pytest.approx(4.0)
 
 
 def test_shortest_way_bends_round_the_blocks_at_the_bodys_half_width() -> None:
     # From the straight line it must leave by 0.13 m twice: once to the left of A, once to the right of B.
-    found = shortest_way(floor("corridor15m"), (0.0, 0.0), (15.0, 0.0), 0.33)
+    found = shortest_path(floor("corridor15m"), (0.0, 0.0), (15.0, 0.0), 0.33)
     taut = math.hypot(5.0, 0.13) + 0.8 + math.hypot(4.2, 0.26) + 0.8 + math.hypot(4.2, 0.13)
     assert found == pytest.approx(taut, abs=0.005)
 
 
-def test_there_is_no_way_for_who_is_wider_than_the_gap() -> None:
-    assert shortest_way(floor("corridor15m"), (0.0, 0.0), (15.0, 0.0), 0.75) == math.inf
+def test_body_wider_than_the_gap_has_no_path() -> None:
+    assert shortest_path(floor("corridor15m"), (0.0, 0.0), (15.0, 0.0), 0.75) == math.inf
 
 
 def test_half_width_is_to_the_wider_side() -> None:

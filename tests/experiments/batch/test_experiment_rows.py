@@ -11,7 +11,7 @@ from intellwheels_schemas.messages import Bridge, Experiment, Level, Scene, Sett
 
 def test_scene_without_factors_is_one_row() -> None:
     (row,) = rows_of(scene("figure6"))
-    assert (row.name, row.real, row.words, dict(row.bridges)) == ("figure6", False, (), {})
+    assert (row.name, row.real, row.arguments, dict(row.bridges)) == ("figure6", False, (), {})
 
 
 def test_rows_are_every_combination_of_levels() -> None:
@@ -22,7 +22,7 @@ def test_rows_are_every_combination_of_levels() -> None:
     assert options == {"left": "1.0", "right": "1.0"}
 
 
-def test_level_puts_its_cast_in_the_place_of_the_scenes_and_gives_it_options() -> None:
+def test_level_replaces_the_cast_of_the_scene_and_sets_options() -> None:
     rows = {row.name: row for row in rows_of(scene("table1"))}
     assert rows["real-manual"].scene.cast[0].mind == "driver"
     assert rows["real-manual"].real
@@ -34,24 +34,24 @@ def test_level_puts_its_cast_in_the_place_of_the_scenes_and_gives_it_options() -
     assert set(rows["augmented-raw"].bridges) == {"chair"}
 
 
-def test_setting_without_an_agent_is_a_rule_of_the_simulation() -> None:
+def test_setting_without_an_agent_is_an_option_of_the_simulator() -> None:
     rows = {row.name: row for row in rows_of(scene("follow"))}
-    assert rows["loss30"].words == ("--say-loss", "0.3")
-    assert rows["silent"].words == ()
+    assert rows["loss30"].arguments == ("--say-loss", "0.3")
+    assert rows["silent"].arguments == ()
 
 
-def test_rules_of_how_a_say_is_heard_are_settings() -> None:
+def test_options_about_hearing_are_settings() -> None:
     given = {"SayRange": "4", "SayLoss": "0.1", "SayDelay": "0.2", "SayWalls": "true"}
     settings = tuple(Setting(name=name, value=value) for name, value in given.items())
     levels = (Level(name="a", setting=settings), Level(name="b", setting=(Setting(name="SayWalls", value="false"),)))
     first, second = rows_of(_varied(*levels))
-    assert first.words == ("--say-range", "4", "--say-loss", "0.1", "--say-delay", "0.2", "--say-walls")
-    assert second.words == ("--no-say-walls",)
+    assert first.arguments == ("--say-range", "4", "--say-loss", "0.1", "--say-delay", "0.2", "--say-walls")
+    assert second.arguments == ("--no-say-walls",)
     with pytest.raises(WireError, match=r"Setting.Value: expected true or false, got 'perhaps'"):
         rows_of(_varied(Level(name="a", setting=(Setting(name="SayWalls", value="perhaps"),))))
 
 
-def test_bridges_of_the_scene_are_in_every_row_and_those_of_a_level_in_their_place() -> None:
+def test_bridges_of_the_scene_are_in_every_row_unless_a_level_replaces_them() -> None:
     (row,) = rows_of(scene("lab"))
     assert (row.real, set(row.bridges)) == (True, {"real1", "real2"})
     other = Bridge(agent="real1", chair="intellwheels")
@@ -66,28 +66,28 @@ def _varied(*levels: Level, of: str = "figure6") -> Scene:
     return msgspec.structs.replace(scene(of), experiment=experiment)
 
 
-def test_rule_that_there_is_not_is_refused() -> None:
+def test_unknown_setting_is_refused() -> None:
     level = Level(name="a", setting=(Setting(name="Gravity", value="1"),))
     experiment = Experiment(subject="chair1", factor=(Varied(name="f", level=(level,)),))
-    with pytest.raises(WireError, match=r"Setting.Name: expected a rule \(SayRange, .*\), got 'Gravity'"):
+    with pytest.raises(WireError, match=r"Setting.Name: expected one of SayRange, .*, got 'Gravity'"):
         rows_of(msgspec.structs.replace(scene("figure6"), experiment=experiment))
 
 
-def test_runs_of_a_scene_with_bridges_are_those_of_a_chair_that_has_one() -> None:
+def test_subject_of_a_scene_with_bridges_must_have_one() -> None:
     lab = scene("lab")
-    with pytest.raises(WireError, match=r"expected one with a bridge \(real1, real2\), got 'virtual1'"):
+    with pytest.raises(WireError, match=r"expected an agent with a bridge \(real1, real2\), got 'virtual1'"):
         rows_of(msgspec.structs.replace(lab, experiment=Experiment(subject="virtual1")))
 
 
-def test_runs_of_a_level_with_a_bridge_are_those_of_a_chair_that_has_one() -> None:
+def test_subject_of_a_level_with_a_bridge_must_have_one() -> None:
     level = Level(name="a", bridge=(Bridge(agent="chair2"),))
-    with pytest.raises(WireError, match=r"expected one with a bridge \(chair2\), got 'chair1'"):
+    with pytest.raises(WireError, match=r"expected an agent with a bridge \(chair2\), got 'chair1'"):
         rows_of(_varied(level))
 
 
-def test_period_of_a_row_is_that_of_its_laboratory_too() -> None:
+def test_laboratory_has_the_period_of_its_row() -> None:
     (row,) = rows_of(_varied(Level(name="a", setting=(Setting(name="Period", value="0.1"),)), of="lab"))
-    assert (row.scene.period, row.words) == (0.1, ("--period", "0.1"))
+    assert (row.scene.period, row.arguments) == (0.1, ("--period", "0.1"))
     for wrong in ("soon", "0", "nan"):
         with pytest.raises(WireError, match=r"Setting.Value: expected a period in \[0.001, 1\] s, got '" + wrong):
             rows_of(_varied(Level(name="a", setting=(Setting(name="Period", value=wrong),))))

@@ -1,4 +1,4 @@
-"""The page stands alone and says what is to be read off it."""
+"""The report is self-contained and says what its tables show."""
 
 from __future__ import annotations
 
@@ -10,20 +10,20 @@ import numpy as np
 from intellwheels_experiments.batch import report_drawings
 from intellwheels_experiments.batch.experiment_rows import Row, rows_of
 from intellwheels_experiments.batch.html_report import HtmlReport, floor_hash, render
-from intellwheels_experiments.batch.report_drawings import Drawn
-from intellwheels_experiments.batch.summary import sum_up
+from intellwheels_experiments.batch.report_drawings import PlottedRun
+from intellwheels_experiments.batch.summary import summarize
 from intellwheels_maps import floor, scene
 from intellwheels_schemas.agent_colours import colour_of, css
 from intellwheels_schemas.messages import Compare, Experiment
-from tests.experiments.runs import kept
+from tests.experiments.runs import stored
 
 SCENE, FLOOR = scene("table1"), floor("corridor15m")
 
 
-def run(seed: str, reported: bool = True) -> Drawn:
+def run(seed: str, reported: bool = True) -> PlottedRun:
     times = np.arange(50) * 0.05
     true = np.column_stack([times, times * 0.5, np.zeros(50), np.zeros(50)])
-    return Drawn(
+    return PlottedRun(
         seed=seed, success=True, true=true, reported=true + np.array([0.0, 0.0, 0.1, 0.0]) if reported else None,
         clearance=np.full(50, 0.5), speed=np.full(50, 0.5), contacts=[(0.5, 0.1)],
     )  # fmt: skip
@@ -31,37 +31,37 @@ def run(seed: str, reported: bool = True) -> Drawn:
 
 def page() -> str:
     rows = tuple(Row(name, title, True, SCENE, (), {}) for name, title in (("a", "Real <chair>"), ("b", "Virtual")))
-    runs = [kept(row, str(seed), success=row == "b") for row in "ab" for seed in range(3)]
-    runs.append(kept("a", "9", died="agent-chair: killed by SIGKILL"))
+    runs = [stored(row, str(seed), success=row == "b") for row in "ab" for seed in range(3)]
+    runs.append(stored("a", "9", died="agent-chair: killed by SIGKILL"))
     experiment = Experiment(subject="chair", compare=(Compare(first="a", second="b", expect="worse"),))
     return render(
         HtmlReport(
-            scene=SCENE, floor=FLOOR, summary=sum_up(rows, runs, experiment), runs=runs,
-            drawn={"a": [run("1"), run("2")]},
+            scene=SCENE, floor=FLOOR, summary=summarize(rows, runs, experiment), runs=runs,
+            plotted={"a": [run("1"), run("2")]},
             drift={"a": (1e-5, 0.572)}, origin={"floor": floor_hash(FLOOR), "command": "iw-run table1 --seeds 3"},
             timelines={},
         )
     )  # fmt: skip
 
 
-def test_page_asks_no_network_for_anything() -> None:
+def test_page_needs_no_network() -> None:
     found = page()
-    # Names of XML vocabularies look like addresses and are never asked for.
+    # Names of XML vocabularies look like addresses, but nothing is loaded from them.
     asked = re.sub(r'xmlns(:\w+)?="[^"]*"|<(rdf|cc|dc):.*|.*</(rdf|cc|dc):.*|<!DOCTYPE svg[^>]*>', "", found)
     assert not re.search(r'(src|href)="(?!#)', asked)
     assert "url(http" not in asked
     assert "<script" not in asked
 
 
-def test_page_says_rows_comparison_who_died_and_where_it_comes_from() -> None:
+def test_page_has_rows_comparison_unfinished_runs_and_origin() -> None:
     found = page()
     expected = (
-        "What these runs say",
-        "expected to be worse than Virtual",
+        "Findings",
+        "expected to do worse than Virtual",
         "Real &lt;chair&gt;",
         "0 %",
         "100 %",
-        "it is worse",
+        "first is worse",
         "undecided",
         "killed by SIGKILL",
     )
@@ -73,16 +73,16 @@ def whole(name: str, succeeded: Callable[[str], bool]) -> str:
     """Return the page of a shipped experiment, of one run a row."""
     document = scene(name)
     rows = rows_of(document)
-    runs = [kept(row.name, "1", success=succeeded(row.name)) for row in rows]
+    runs = [stored(row.name, "1", success=succeeded(row.name)) for row in rows]
     return render(
         HtmlReport(
-            scene=document, floor=floor(document.map), summary=sum_up(rows, runs, document.experiment), runs=runs,
-            drawn={row.name: [run("1")] for row in rows[:1]}, drift={}, origin={}, timelines={},
+            scene=document, floor=floor(document.map), summary=summarize(rows, runs, document.experiment), runs=runs,
+            plotted={row.name: [run("1")] for row in rows[:1]}, drift={}, origin={}, timelines={},
         )
     )  # fmt: skip
 
 
-def test_sweep_is_read_at_a_glance_and_its_many_rows_are_folded() -> None:
+def test_sweep_is_a_grid_and_its_many_rows_are_folded() -> None:
     found = whole("door", lambda row: "r60" in row)
     assert found.index("At a glance") < found.index("Row by row")
     assert found.count("<td class=all>1 / 1</td>") == 12
@@ -91,26 +91,26 @@ def test_sweep_is_read_at_a_glance_and_its_many_rows_are_folded() -> None:
     assert "<summary>0.5 m/s, opens away, sees 2.0 m, opens in 3 s: 0 / 1</summary>" in found
 
 
-def test_few_rows_are_open_under_their_factors_name_and_the_place_is_the_subjects() -> None:
+def test_few_rows_are_not_folded_and_the_goal_is_the_subjects() -> None:
     found = whole("follow", lambda _row: True)
     assert "At a glance" not in found
     assert "<details>" not in found
     assert "<th>Leader&#x27;s words</th>" in found
-    # Nobody drives by hand: there is no effort to be told.
+    # No row has a user, so there is no effort to show.
     assert "effort" not in found
     goal = next(one for one in floor("corner").grid.position if one.name == "goal1")  # type: ignore[union-attr]
     colour = css(colour_of("follower1"))
     assert report_drawings.paths(floor("corner"), [run("1")], (goal.x, goal.y, 0.3), colour) in found
 
 
-def test_drawing_scales_with_the_page_and_is_the_same_again() -> None:
+def test_drawing_scales_with_the_page_and_is_reproducible() -> None:
     drawn = report_drawings.paths(FLOOR, [run("1")], (15.0, 0.0, 0.5))
     assert drawn.startswith("<svg")
     assert 'width="100%"' in drawn[:400]
     assert drawn == report_drawings.paths(FLOOR, [run("1")], (15.0, 0.0, 0.5))
 
 
-def test_drift_is_drawn_where_something_is_reported() -> None:
+def test_drift_is_drawn_if_poses_were_reported() -> None:
     assert report_drawings.drift([run("1", reported=False)], 1e-5, 0.5) is None
     drawn = report_drawings.drift([run("1")], 1e-5, 0.5)
     assert drawn is not None

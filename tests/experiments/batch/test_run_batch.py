@@ -1,4 +1,4 @@
-"""A batch with real processes: every row and seed, what is done is kept, who dies is named."""
+"""A batch with real processes: every row runs with every seed, finished runs stay, and dead runs are named."""
 
 from __future__ import annotations
 
@@ -8,8 +8,8 @@ import threading
 from pathlib import Path
 
 from intellwheels_experiments.batch.experiment_rows import rows_of
-from intellwheels_experiments.batch.run_batch import Batch, read_batch, run_batch, shares_of
-from intellwheels_experiments.batch.run_store import StoredRun, place_of, table
+from intellwheels_experiments.batch.run_batch import Batch, pending_runs, read_batch, run_batch
+from intellwheels_experiments.batch.run_store import StoredRun, run_folder, runs_csv
 from intellwheels_maps import floor, scene
 from tests.experiments.scenes import write_scene
 
@@ -25,20 +25,22 @@ def batch(folder: Path, seeds: int, *, jobs: int = 1, dies: bool = False, labora
 
 
 def run(wanted: Batch) -> list[StoredRun]:
-    told: list[StoredRun] = []
-    run_batch(wanted, told.append, threading.Event())
-    return told
+    runs_made: list[StoredRun] = []
+    run_batch(wanted, runs_made.append, threading.Event())
+    return runs_made
 
 
-def test_every_row_runs_with_every_seed_on_stands_that_are_kept_alive(tmp_path: Path) -> None:
+def test_every_row_runs_with_every_seed_on_workers_that_stay_alive(tmp_path: Path) -> None:
     wanted = batch(tmp_path, 3, jobs=2)
-    told = run(wanted)
-    assert sorted((one.row, one.seed) for one in told) == [(row, seed) for row in ("equal", "unlike") for seed in "123"]
+    runs_made = run(wanted)
+    assert sorted((one.row, one.seed) for one in runs_made) == [
+        (row, seed) for row in ("equal", "unlike") for seed in "123"
+    ]
     runs = read_batch(wanted)
     assert [one.died for one in runs] == [""] * 6
     hashes = [one.measured.hash for one in runs if one.measured]
     assert len(set(hashes)) == 6
-    log = place_of(wanted.out, "unlike", "3") / "input.jsonl"
+    log = run_folder(wanted.out, "unlike", "3") / "input.jsonl"
     again = subprocess.run(
         [sys.executable, "-m", "intellwheels_server", "--resimulate", str(log)],
         capture_output=True,
@@ -48,33 +50,33 @@ def test_every_row_runs_with_every_seed_on_stands_that_are_kept_alive(tmp_path: 
     assert again.stdout == f"same ticks=40 tick=40 hash={hashes[-1]}\n"
 
 
-def test_run_is_the_same_whether_it_is_its_stands_first_or_a_later_one(tmp_path: Path) -> None:
+def test_run_is_the_same_as_the_first_of_its_worker_or_as_a_later_one(tmp_path: Path) -> None:
     wanted = batch(tmp_path, 2)
     run(wanted)
-    before = table(read_batch(wanted))
-    (place_of(wanted.out, "equal", "2") / "result.json").unlink()
-    assert [(row.name, seeds) for row, seeds in shares_of(wanted)] == [("equal", ("2",))]
+    before = runs_csv(read_batch(wanted))
+    (run_folder(wanted.out, "equal", "2") / "result.json").unlink()
+    assert [(row.name, seeds) for row, seeds in pending_runs(wanted)] == [("equal", ("2",))]
     assert [(one.row, one.seed) for one in run(wanted)] == [("equal", "2")]
-    assert table(read_batch(wanted)) == before
+    assert runs_csv(read_batch(wanted)) == before
 
 
-def test_run_that_dies_is_named_and_the_rest_goes_on(tmp_path: Path) -> None:
+def test_run_that_dies_is_named_and_the_others_go_on(tmp_path: Path) -> None:
     wanted = batch(tmp_path, 3, dies=True)
-    told = {(one.row, one.seed): one for one in run(wanted)}
-    assert {key for key, one in told.items() if one.died} == {("equal", "2"), ("unlike", "2")}
-    assert "it was to fail" in told["equal", "2"].died
-    assert told["equal", "3"].measured is not None
-    # It is tried again, first of its stand this time.
+    runs_made = {(one.row, one.seed): one for one in run(wanted)}
+    assert {key for key, one in runs_made.items() if one.died} == {("equal", "2"), ("unlike", "2")}
+    assert "failed on purpose" in runs_made["equal", "2"].died
+    assert runs_made["equal", "3"].measured is not None
+    # They are run again, this time as the first of their worker.
     assert [one.died for one in run(wanted)] == ["", ""]
 
 
-def test_chair_of_a_laboratory_is_truly_elsewhere_than_it_is_shown(tmp_path: Path) -> None:
+def test_chair_of_a_laboratory_is_mirrored_away_from_its_true_pose(tmp_path: Path) -> None:
     wanted = batch(tmp_path, 2, laboratory=True)
     run(wanted)
-    before = table(read_batch(wanted))
+    before = runs_csv(read_batch(wanted))
     real = [one.measured for one in read_batch(wanted) if one.row == "real"]
     assert all(one is not None and one.odometry_error is not None and one.odometry_error > 1e-3 for one in real)
-    assert (place_of(wanted.out, "real", "2") / "image.jsonl").exists()
-    (place_of(wanted.out, "real", "2") / "result.json").unlink()
+    assert (run_folder(wanted.out, "real", "2") / "image.jsonl").exists()
+    (run_folder(wanted.out, "real", "2") / "result.json").unlink()
     run(wanted)
-    assert table(read_batch(wanted)) == before
+    assert runs_csv(read_batch(wanted)) == before

@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 from intellwheels_experiments.batch.experiment_rows import Row, rows_of
-from intellwheels_experiments.batch.summary import sum_up
+from intellwheels_experiments.batch.summary import summarize
 from intellwheels_experiments.batch.sweep import sweep
 from intellwheels_maps import scene
-from tests.experiments.runs import kept
+from tests.experiments.runs import stored
 
 DOOR = scene("door")
 
 
 def test_every_row_is_where_its_levels_cross() -> None:
     rows = rows_of(DOOR)
-    summary = sum_up(rows, [kept(row.name, "1") for row in rows], DOOR.experiment)
+    summary = summarize(rows, [stored(row.name, "1") for row in rows], DOOR.experiment)
     found = sweep(DOOR.experiment, summary.lines)
     assert found is not None
     assert found.down == ("Speed", "Swing")
@@ -27,7 +27,7 @@ def test_every_row_is_where_its_levels_cross() -> None:
 
 def test_row_that_was_not_run_is_an_empty_cell() -> None:
     rows = rows_of(DOOR)[:3]
-    summary = sum_up(rows, [kept(row.name, "1") for row in rows], DOOR.experiment)
+    summary = summarize(rows, [stored(row.name, "1") for row in rows], DOOR.experiment)
     found = sweep(DOOR.experiment, summary.lines)
     assert found is not None
     [(titles, cells)] = found.rows
@@ -37,12 +37,12 @@ def test_row_that_was_not_run_is_an_empty_cell() -> None:
 
 def test_one_factor_is_no_grid() -> None:
     rows = rows_of(scene("follow"))
-    summary = sum_up(rows, [kept(row.name, "1") for row in rows], None)
+    summary = summarize(rows, [stored(row.name, "1") for row in rows], None)
     assert sweep(scene("follow").experiment, summary.lines) is None
     assert sweep(None, summary.lines) is None
 
 
 def test_rows_that_are_not_of_the_experiment_are_no_grid() -> None:
     rows = [Row(name, name, False, DOOR, (), {}) for name in ("parent", "branch")]
-    summary = sum_up(rows, [kept(row.name, "1") for row in rows], None)
+    summary = summarize(rows, [stored(row.name, "1") for row in rows], None)
     assert sweep(DOOR.experiment, summary.lines) is None

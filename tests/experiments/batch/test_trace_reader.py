@@ -1,13 +1,27 @@
 from __future__ import annotations
 
 import math
+from pathlib import Path
 
+import msgspec
 import numpy as np
 import pytest
 
-from intellwheels_experiments.batch.trace_reader import Shown, commanded, reported, rolled
-from intellwheels_maps import robot
-from tests.experiments.runs import straight
+from intellwheels_experiments.batch.trace_reader import commanded, read_trace, reported, rolled
+from intellwheels_maps import floor, robot
+from intellwheels_schemas.errors import WireError
+from intellwheels_schemas.file_records import (
+    FileRecord,
+    InputHeader,
+    Inputs,
+    InputTick,
+    Join,
+    TraceBody,
+    TraceHeader,
+    TraceTick,
+    WorldRules,
+)
+from tests.experiments.runs import RUN, straight
 
 
 def test_wheels_that_roll_a_quarter_circle_end_on_it_whatever_the_cut() -> None:
@@ -28,16 +42,78 @@ def test_reported_pose_is_that_of_the_counts_within_one_of_them() -> None:
 
 
 def test_odometry_sensor_is_told_in_the_frame_of_the_start() -> None:
-    start, here = (1.0, 2.0, math.pi / 2.0), Shown(pose=(1.0, 3.0, math.pi / 2.0), odometry=(1.0, 0.5, 0.1))
-    found = reported([Shown(pose=start, odometry=(0.0, 0.0, 0.0)), here], robot("corridor-chair"))
+    start, here = (1.0, 2.0, math.pi / 2.0), TraceBody(pose=(1.0, 3.0, math.pi / 2.0), odometry=(1.0, 0.5, 0.1))
+    found = reported([TraceBody(pose=start, odometry=(0.0, 0.0, 0.0)), here], robot("corridor-chair"))
     assert found is not None
     assert found[1] == pytest.approx([0.5, 3.0, math.pi / 2.0 + 0.1])
 
 
 def test_body_without_wheels_reports_nothing() -> None:
-    assert reported([Shown(pose=(0.0, 0.0, 0.0))], robot("table")) is None
+    assert reported([TraceBody(pose=(0.0, 0.0, 0.0))], robot("table")) is None
 
 
 def test_command_leads_as_far_as_the_powers_say() -> None:
     trace = straight(ticks=20, speed=0.5)
     assert commanded(trace.shown("chair"), trace.robots["chair"], 0.05)[-1] == pytest.approx([0.5, 0.0, 0.0])
+
+
+def written(folder: Path) -> tuple[Path, Path]:
+    """Write a trace and an input log as the simulator does; return their paths."""
+    rules = WorldRules(say_limit=100, say_range=8.0, command_timeout=0.5, truth=False, strict=True)
+    joins = (
+        Join(agent="chair", robot=robot("corridor-chair")),
+        Join(agent="chair", robot=msgspec.structs.replace(robot("table"), role="mind")),
+    )
+    log: list[FileRecord] = [
+        InputHeader(log="iw.v1", run=RUN, map=floor("corridor15m"), seed="1", period=0.05, setup=rules),
+        InputTick(tick=0, inputs=Inputs(changes=joins), hash="0" * 16),
+        InputTick(tick=1, inputs=Inputs(), hash="1" * 16),
+    ]
+    lines: list[FileRecord] = [
+        TraceHeader(run=RUN, seed="1", period=0.05, floor="corridor15m"),
+        TraceTick(tick=0, body={"chair": TraceBody(pose=(0.0, 0.0, 0.0))}, hash="0" * 16),
+        TraceTick(tick=1, body={"chair": TraceBody(pose=(0.1, 0.0, 0.0), speed=2.0)}, hash="1" * 16),
+    ]
+    for name, records in (("trace", lines), ("log", log)):
+        (folder / name).write_bytes(b"".join(msgspec.json.encode(record) + b"\n" for record in records))
+    return folder / "trace", folder / "log"
+
+
+def test_trace_and_the_bodies_of_its_log_are_read(tmp_path: Path) -> None:
+    trace = read_trace(*written(tmp_path))
+    assert trace.heading.floor == "corridor15m"
+    assert trace.poses("chair").tolist() == [[0.0, 0.0, 0.0], [0.1, 0.0, 0.0]]
+    assert trace.robots == {"chair": robot("corridor-chair")}
+
+
+@pytest.mark.parametrize("name", ["trace", "log"])
+def test_file_of_an_older_release_without_a_version_is_read(tmp_path: Path, name: str) -> None:
+    paths = written(tmp_path)
+    file = tmp_path / name
+    file.write_bytes(file.read_bytes().replace(b'"Version":1,', b""))
+    assert len(read_trace(*paths).moments) == 2
+
+
+@pytest.mark.parametrize(("name", "what"), [("trace", "a trace"), ("log", "an input log")])
+def test_file_of_a_later_release_is_refused_in_words(tmp_path: Path, name: str, what: str) -> None:
+    paths = written(tmp_path)
+    file = tmp_path / name
+    file.write_bytes(file.read_bytes().replace(b'"Version":1,', b'"Version":2,'))
+    with pytest.raises(WireError, match=f"{name}:1: expected {what} of version 1, got version 2"):
+        read_trace(*paths)
+
+
+@pytest.mark.parametrize("name", ["trace", "log"])
+def test_line_that_cannot_be_read_is_named(tmp_path: Path, name: str) -> None:
+    paths = written(tmp_path)
+    first, _, last = (tmp_path / name).read_bytes().splitlines()
+    (tmp_path / name).write_bytes(first + b"\n{}\n" + last + b"\n")
+    with pytest.raises(WireError, match=f"{name}:2: expected the line of a tick, got "):
+        read_trace(*paths)
+
+
+def test_empty_trace_is_no_trace(tmp_path: Path) -> None:
+    trace, log = written(tmp_path)
+    trace.write_bytes(b"")
+    with pytest.raises(WireError, match="trace:1: expected the header of a trace, got "):
+        read_trace(trace, log)

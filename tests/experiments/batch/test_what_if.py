@@ -7,17 +7,17 @@ import pytest
 
 from intellwheels_experiments.batch.experiment_rows import rows_of
 from intellwheels_experiments.batch.run_batch import Batch, read_batch, run_batch
-from intellwheels_experiments.batch.run_store import StoredRun, place_of, read_tum
-from intellwheels_experiments.batch.what_if import ParentError, changed, perform_branch
+from intellwheels_experiments.batch.run_store import StoredRun, read_tum, run_folder
+from intellwheels_experiments.batch.what_if import BranchError, perform_branch, with_changes
 from intellwheels_maps import floor, scene
 from intellwheels_schemas.errors import WireError
 from tests.experiments.scenes import write_scene
 
 
-def test_other_mind_and_options_are_in_the_cast() -> None:
+def test_changed_mind_and_options_are_in_the_cast() -> None:
     row = rows_of(scene("table1"))[2]
-    other = changed(row, ["chair=driver"], ["chair.to=goal", "chair.speed=0.3"])
-    (cast,) = other.scene.cast
+    changed = with_changes(row, ["chair=driver"], ["chair.to=goal", "chair.speed=0.3"])
+    (cast,) = changed.scene.cast
     assert cast.mind == "driver"
     own, body = ({one.name for one in cast.option if one.name[0].isupper() is upper} for upper in (False, True))
     assert own == {"to", "speed"}
@@ -29,7 +29,7 @@ def test_other_mind_and_options_are_in_the_cast() -> None:
 )
 def test_what_a_branch_cannot_change_is_refused(minds: list[str], options: list[str]) -> None:
     with pytest.raises(WireError, match="expected AGENT"):
-        changed(rows_of(scene("table1"))[2], minds, options)
+        with_changes(rows_of(scene("table1"))[2], minds, options)
 
 
 @pytest.fixture
@@ -42,27 +42,27 @@ def parent(tmp_path: Path) -> tuple[Batch, Path]:
         rows=rows, seeds=("1", "2"), subject="chair", floor=floor("corridor15m"), source=str(path), folder=tmp_path,
         out=out, jobs=1, timeout=120.0,
     )  # fmt: skip
-    told: list[StoredRun] = []
-    run_batch(batch, told.append, threading.Event())
-    return batch, place_of(out, "equal", "2") / "input.jsonl"
+    runs: list[StoredRun] = []
+    run_batch(batch, runs.append, threading.Event())
+    return batch, run_folder(out, "equal", "2") / "input.jsonl"
 
 
-def test_branch_is_its_parent_up_to_the_tick_and_another_after_it(parent: tuple[Batch, Path]) -> None:
+def test_branch_equals_its_parent_up_to_the_tick_and_differs_after_it(parent: tuple[Batch, Path]) -> None:
     batch, log = parent
-    other = changed(batch.rows[0], [], ["chair.left=0.1"])
-    summary = perform_branch(batch, scene(batch.source), other, log, 20, threading.Event())
-    assert [line.title for line in summary.lines] == ["equal: as it was", "equal: chair.left=0.1 from tick 20 on"]
-    was, branch = (read_tum(place_of(batch.out, name, "2") / "true.tum") for name in ("parent", "branch"))
+    changed = with_changes(batch.rows[0], [], ["chair.left=0.1"])
+    summary = perform_branch(batch, scene(batch.source), changed, log, 20, threading.Event())
+    assert [line.title for line in summary.lines] == ["equal: as recorded", "equal: chair.left=0.1 from tick 20 on"]
+    was, branch = (read_tum(run_folder(batch.out, name, "2") / "true.tum") for name in ("parent", "branch"))
     assert was is not None
     assert branch is not None
     assert (was[:21] == branch[:21]).all()
     assert abs(branch[-1, 3] - was[-1, 3]) > 0.1
 
 
-def test_branch_with_the_same_mind_is_the_same_run_to_the_hash(parent: tuple[Batch, Path]) -> None:
+def test_branch_with_the_same_mind_has_the_same_hash(parent: tuple[Batch, Path]) -> None:
     batch, log = parent
     perform_branch(batch, scene(batch.source), batch.rows[0], log, 20, threading.Event())
-    files = [place_of(batch.out, name, "2") / "measures.csv" for name in ("parent", "branch")]
+    files = [run_folder(batch.out, name, "2") / "measures.csv" for name in ("parent", "branch")]
     was, branch = (path.read_text().splitlines()[1].split(",", 1)[1] for path in files)
     assert was == branch
     assert was.split(",")[-1] == next(
@@ -70,7 +70,7 @@ def test_branch_with_the_same_mind_is_the_same_run_to_the_hash(parent: tuple[Bat
     )
 
 
-def test_branch_of_a_chair_in_a_laboratory_is_its_parent_in_both_worlds_up_to_the_tick(tmp_path: Path) -> None:
+def test_branch_of_a_chair_in_a_laboratory_equals_its_parent_in_both_worlds_up_to_the_tick(tmp_path: Path) -> None:
     path = write_scene(tmp_path, laboratory=True)
     row = rows_of(scene(str(path)))[2]
     out = tmp_path / "out"
@@ -79,24 +79,24 @@ def test_branch_of_a_chair_in_a_laboratory_is_its_parent_in_both_worlds_up_to_th
         rows=(row,), seeds=("1",), subject="chair", floor=floor("corridor15m"), source=str(path), folder=tmp_path,
         out=out, jobs=1, timeout=120.0,
     )  # fmt: skip
-    told: list[StoredRun] = []
-    run_batch(batch, told.append, threading.Event())
-    log = place_of(out, "real", "1") / "input.jsonl"
-    perform_branch(batch, scene(batch.source), changed(row, [], ["chair.left=0.1"]), log, 10, threading.Event())
+    runs: list[StoredRun] = []
+    run_batch(batch, runs.append, threading.Event())
+    log = run_folder(out, "real", "1") / "input.jsonl"
+    perform_branch(batch, scene(batch.source), with_changes(row, [], ["chair.left=0.1"]), log, 10, threading.Event())
     for name in ("true", "reported"):
-        was, branch = (read_tum(place_of(out, run, "1") / f"{name}.tum") for run in ("parent", "branch"))
+        was, branch = (read_tum(run_folder(out, run, "1") / f"{name}.tum") for run in ("parent", "branch"))
         assert was is not None
         assert branch is not None
         assert (was[:11] == branch[:11]).all()
         end = min(len(was), len(branch)) - 2
         assert abs(branch[end, 3] - was[end, 3]) > 0.02
-    assert (place_of(out, "branch", "1") / "image.jsonl").exists()
+    assert (run_folder(out, "branch", "1") / "image.jsonl").exists()
     log.with_name("image.jsonl").unlink()
-    with pytest.raises(ParentError, match="expected the log of the world that showed the chair"):
+    with pytest.raises(BranchError, match="expected the mirror world's log beside the laboratory's"):
         perform_branch(batch, scene(batch.source), row, log, 20, threading.Event())
 
 
-def test_tick_that_the_log_has_not_is_told(parent: tuple[Batch, Path]) -> None:
+def test_tick_beyond_the_log_is_refused(parent: tuple[Batch, Path]) -> None:
     batch, log = parent
-    with pytest.raises(ParentError, match="expected a tick in"):
+    with pytest.raises(BranchError, match="expected a tick in"):
         perform_branch(batch, scene(batch.source), batch.rows[0], log, 4000, threading.Event())

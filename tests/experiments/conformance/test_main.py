@@ -36,9 +36,9 @@ def test_program_without_a_fault_passes_all_points() -> None:
     ("fault", "point", "expected", "got"),
     [
         ("ignores-refusal", "refusal", "no Actions after a refused join", r'got \{"Tick": \d'),
-        ("answers-old-ticks", "late", r"no answer to tick \d+ behind tick \d+", r'got \{.*"Tick": \d+'),
-        ("ignores-run", "reset", r"Actions with Tick 0, Run [0-9a-f]{16}", "got nothing to"),
-        ("refuses-unknown-fields", "unknown", "Actions with Tick", 'got nothing to .*"Weather"'),
+        ("answers-old-ticks", "late", r"no answer to tick \d+ after tick \d+", r'got \{.*"Tick": \d+'),
+        ("ignores-run", "reset", r"Actions with Tick 0, Run [0-9a-f]{16}", "got nothing in answer to"),
+        ("refuses-unknown-fields", "unknown", "Actions with Tick", 'got nothing in answer to .*"Weather"'),
         ("drives-on", "leave", r"no Actions after it left \(asked to leave\)", r'got \{.*"Tick": \d+'),
     ],
 )
@@ -52,7 +52,7 @@ def test_one_fault_fails_its_point_and_no_other(fault: str, point: str, expected
     assert re.search(got, words)
 
 
-def test_shipped_minds_keep_the_contract_in_xml_and_as_a_mind_of_another_s_body() -> None:
+def test_shipped_minds_keep_the_contract_in_xml_and_as_the_mind_of_another_body() -> None:
     agent = (sys.executable, "-m", "intellwheels_agents", "avoid", "--name", "{name}", "--connect", "{endpoint}")
     for words in (("--encoding", "xml"), ("--role", "mind")):
         done = check("--world", "ward", "--name", "blue", "--", *agent, "--world", "{world}", *words)
@@ -64,7 +64,7 @@ def test_program_that_never_asks_fails_the_first_point_and_the_rest_is_skipped()
     done = check("--", sys.executable, "-c", program)
     assert done.returncode == 1
     assert failed(done.stdout) == ["join"]
-    assert "got the program's end, exit code 0" in done.stdout
+    assert "got the end of the program, exit code 0" in done.stdout
     assert "| chair1 main tcp/127.0.0.1:" in done.stdout
     assert done.stdout.count("skipped") == 10
 
@@ -79,7 +79,7 @@ def test_program_that_never_asks_fails_the_first_point_and_the_rest_is_skipped()
         (("--answer-within", "0", "--", "true"), 2, "expected seconds above 0, got '0'"),
     ],
 )
-def test_wrong_usage_is_said_in_words(words: tuple[str, ...], code: int, said: str) -> None:
+def test_wrong_usage_is_explained(words: tuple[str, ...], code: int, said: str) -> None:
     done = check(*words)
     assert done.returncode == code
     assert said in done.stderr

@@ -1,4 +1,4 @@
-"""The stand of a real process: its life, its output, and what a simulator's going leaves behind."""
+"""The probe of a real process: its life, its output, and what a simulator that disappears leaves behind."""
 
 from __future__ import annotations
 
@@ -9,7 +9,13 @@ from contextlib import contextmanager
 
 import pytest
 
-from intellwheels_experiments.conformance.contract_points import Asked, Ended, Left, News, Seen
+from intellwheels_experiments.conformance.probe import (
+    JoinRequest,
+    LeaveRequest,
+    ProgramEvent,
+    ProgramExit,
+    TokenChange,
+)
 from intellwheels_experiments.conformance.scripted_simulator import NetworkProbe
 from intellwheels_maps import floor
 from intellwheels_schemas.codec import Encoding, decode
@@ -23,65 +29,65 @@ INSTANCE = "5f0c2a9be1d84377"
 
 
 @contextmanager
-def standing(program: str) -> Iterator[tuple[NetworkProbe, Link]]:
+def probing(program: str) -> Iterator[tuple[NetworkProbe, Link]]:
     endpoint = f"tcp/127.0.0.1:{free_port()}"
     link = Link("main", listen=(endpoint,))
     command = [sys.executable, "-uc", program]
-    with NetworkProbe(command, {"IW_NAME": "chair1"}, link, "chair1", floor("room"), threading.Event()) as stand:
-        yield stand, Link("main", connect=(endpoint,))
+    with NetworkProbe(command, {"IW_NAME": "chair1"}, link, "chair1", floor("room"), threading.Event()) as probe:
+        yield probe, Link("main", connect=(endpoint,))
 
 
-def news(stand: NetworkProbe, within: float = 20.0) -> News:
-    came = stand.wait(within)
-    assert came is not None
-    return came
+def event(probe: NetworkProbe, within: float = 20.0) -> ProgramEvent:
+    found = probe.next_event(within)
+    assert found is not None
+    return found
 
 
-def test_end_of_the_program_comes_with_its_code_and_its_output() -> None:
-    with standing("import os, sys; print(os.environ['IW_NAME']); sys.exit('no place')") as (stand, _):
-        stand.start()
-        assert news(stand) == Ended(1)
-        assert stand.printed() == "chair1\nno place\n"
-        assert stand.wait(0.1) is None  # it ends once
+def test_exit_of_the_program_has_its_code_and_its_output() -> None:
+    with probing("import os, sys; print(os.environ['IW_NAME']); sys.exit('no place')") as (probe, _):
+        probe.start_program()
+        assert event(probe) == ProgramExit(1)
+        assert probe.output() == "chair1\nno place\n"
+        assert probe.next_event(0.1) is None  # the exit is told once
 
 
-def test_program_is_told_to_end_and_starts_anew_with_nothing_printed() -> None:
-    with standing("import signal; print('here'); signal.pause()") as (stand, _):
+def test_program_that_is_started_again_has_a_new_output() -> None:
+    with probing("import signal; print('here'); signal.pause()") as (probe, _):
         for _ in range(2):
-            stand.start()
-            while "here" not in stand.printed():
-                assert stand.wait(0.05) is None
-            assert stand.printed() == "here\n"
-            stand.interrupt()
-            assert news(stand) == Ended(-15)
+            probe.start_program()
+            while "here" not in probe.output():
+                assert probe.next_event(0.05) is None
+            assert probe.output() == "here\n"
+            probe.interrupt_program()
+            assert event(probe) == ProgramExit(-15)
 
 
-def test_program_that_is_not_there_is_an_error_in_words() -> None:
+def test_missing_program_is_an_error_that_names_it() -> None:
     link = Link("main", listen=(f"tcp/127.0.0.1:{free_port()}",))
     with (
-        NetworkProbe(["/no/such/program"], {}, link, "chair1", floor("room"), threading.Event()) as stand,
+        NetworkProbe(["/no/such/program"], {}, link, "chair1", floor("room"), threading.Event()) as probe,
         pytest.raises(OSError, match="/no/such/program"),
     ):
-        stand.start()
+        probe.start_program()
 
 
-def test_simulator_is_present_answers_and_goes() -> None:
+def test_simulator_is_present_answers_and_disappears() -> None:
     stop = threading.Event()
-    with standing("") as (stand, link):
-        stand.rise()
+    with probing("") as (probe, link):
+        probe.start_simulator()
         session = open_session(link, stop, timeout=20.0)
         assert session is not None
         with session:
             assert tokens(session, KEYS.alive) == [KEYS.alive]
             with declare_token(session, KEYS.token("chair1", "both", INSTANCE)):
-                assert news(stand) == Seen("both", INSTANCE, True)
-            assert news(stand) == Seen("both", INSTANCE, False)
+                assert event(probe) == TokenChange("both", INSTANCE, True)
+            assert event(probe) == TokenChange("both", INSTANCE, False)
 
             answers: list[bytes] = []
             asker = threading.Thread(target=lambda: answers.append(query(session, KEYS.join("chair1"), b"{}")[0].data))
             asker.start()
-            asked = news(stand)
-            assert isinstance(asked, Asked)
+            asked = event(probe)
+            assert isinstance(asked, JoinRequest)
             assert (asked.data, asked.encoding) == (b"{}", Encoding.JSON.value)
             asked.answer(b"joined", Encoding.JSON, True)
             asker.join(timeout=20.0)
@@ -89,7 +95,7 @@ def test_simulator_is_present_answers_and_goes() -> None:
 
             asker = threading.Thread(target=lambda: answers.append(query(session, KEYS.leave("chair1"))[0].data))
             asker.start()
-            assert news(stand) == Left()
+            assert event(probe) == LeaveRequest()
             asker.join(timeout=20.0)
             assert decode(Result, answers[1]).code == "ok"
 
@@ -97,11 +103,11 @@ def test_simulator_is_present_answers_and_goes() -> None:
                 target=lambda: answers.append(query(session, KEYS.map, encoding=Encoding.XML)[0].data)
             )
             asker.start()
-            assert stand.wait(0.5) is None
+            assert probe.next_event(0.5) is None
             asker.join(timeout=20.0)
             assert decode(Map, answers[2], Encoding.XML) == floor("room")
-        stand.fall()
-        stand.put("measures", b"{}", Encoding.JSON)  # to nobody
+        probe.stop_simulator()
+        probe.put("measures", b"{}", Encoding.JSON)  # to nobody
         with pytest.raises(ConnectionError):
             open_session(link, stop, timeout=0.1)
 
@@ -109,7 +115,7 @@ def test_simulator_is_present_answers_and_goes() -> None:
 def test_check_that_is_told_to_stop_stops() -> None:
     stop = threading.Event()
     link = Link("main", listen=(f"tcp/127.0.0.1:{free_port()}",))
-    with NetworkProbe([sys.executable, "-c", ""], {}, link, "chair1", floor("room"), stop) as stand:
+    with NetworkProbe([sys.executable, "-c", ""], {}, link, "chair1", floor("room"), stop) as probe:
         stop.set()
         with pytest.raises(ConnectionError, match="told to stop"):
-            stand.wait(20.0)
+            probe.next_event(20.0)

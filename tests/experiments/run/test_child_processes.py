@@ -1,20 +1,22 @@
-"""Children are heard, ended and outlived by nobody. The children here are small Python programs."""
+"""Children are heard, awaited and ended, and none outlives its parent. The children are small Python programs."""
 
 from __future__ import annotations
 
 import os
-import select
 import signal
 import subprocess
 import sys
-import time
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 
-from intellwheels_experiments.run.child_processes import ChildProcesses, Exited, Line, News
+from intellwheels_experiments.run.child_processes import UNREAD_LIMIT, ChildProcesses, Exited, WaitError, parse
+from tests.e2e.stage import is_gone
 
 DEADLINE = 20.0
+WAITS = "print('ready port=7 name=a', flush=True); import time; time.sleep(60)"
+PRINTS_AND_FAILS = "print('ready name=b'); print('no such wheel'); raise SystemExit(3)"
 STUBBORN = (
     "import signal,time; signal.signal(signal.SIGTERM, signal.SIG_IGN); print('here', flush=True); time.sleep(60)"
 )
@@ -29,85 +31,150 @@ print('left', flush=True)
 """
 
 
-def start(children: ChildProcesses, name: str, program: str) -> None:
-    children.start(name, lambda lifeline: [sys.executable, "-c", program, str(lifeline)])
+@pytest.fixture
+def children(tmp_path: Path) -> Iterator[ChildProcesses]:
+    with ChildProcesses(tmp_path / "logs") as found:
+        yield found
 
 
-def hear(children: ChildProcesses, wanted: type[News]) -> News:
-    deadline = time.monotonic() + DEADLINE
-    while time.monotonic() < deadline:
-        news = children.news(0.5)
-        if isinstance(news, wanted):
-            return news
-    pytest.fail(f"no {wanted.__name__} in {DEADLINE} s")
+def launch(children: ChildProcesses, name: str, program: str, environment: dict[str, str] | None = None) -> str:
+    return children.launch(name, lambda lifeline: [sys.executable, "-c", program, str(lifeline)], environment)
 
 
-def is_gone(pid: int, within: float = 0.0) -> bool:
-    """Return whether a process, anybody's child, ends within so many seconds."""
-    try:
-        descriptor = os.pidfd_open(pid)
-    except ProcessLookupError:
-        return True
-    try:
-        return bool(select.select([descriptor], [], [], within)[0])
-    finally:
-        os.close(descriptor)
+# ---------------------------------------------------------------- lines and ends
 
 
-def test_lines_come_before_the_end(tmp_path: Path) -> None:
-    with ChildProcesses(tmp_path) as children:
-        start(children, "a", "print('ready x=1'); print('ended', flush=True); raise SystemExit(3)")
-        assert hear(children, Line) == Line("a", "ready x=1")
-        assert hear(children, Line) == Line("a", "ended")
-        assert hear(children, Exited) == Exited("a", 3)
-        assert children.living == ()
+def test_all_lines_are_there_when_the_exit_is(children: ChildProcesses) -> None:
+    child = launch(children, "a", "print('ready x=1'); print('ended', flush=True); raise SystemExit(3)")
+    assert children.exit(child, DEADLINE) == 3
+    assert children.exits == {"a": Exited("a", 3)}
+    assert children.running == ()
+    assert children.find_line(child, "ready") == {"x": "1"}
+    assert children.find_line(child, "ended") == {}
 
 
-def test_log_holds_output_and_errors_and_its_tail_is_short(tmp_path: Path) -> None:
-    with ChildProcesses(tmp_path) as children:
-        start(children, "a", "import sys; print('out', flush=True); [print(i, file=sys.stderr) for i in range(100)]")
-        hear(children, Exited)
-        assert "out" in children.log_of("a").read_text()
-        # Output and errors are two streams: which of them is last in the log is nobody's promise.
-        assert [line for line in children.tail("a", 4) if line != "out"][-3:] == ["97", "98", "99"]
+def test_line_is_given_with_its_values(children: ChildProcesses) -> None:
+    child = launch(children, "a", WAITS)
+    assert children.line(child, "ready", DEADLINE, name="a") == {"port": "7", "name": "a"}
 
 
-def test_end_of_a_child_that_a_signal_ended_says_which(tmp_path: Path) -> None:
-    with ChildProcesses(tmp_path) as children:
-        start(children, "a", "import os; os.kill(os.getpid(), 9)")
-        ended = hear(children, Exited)
-        assert isinstance(ended, Exited)
-        assert ended.how == "killed by SIGKILL"
+def test_line_that_was_found_and_those_before_it_are_read_and_others_stay(children: ChildProcesses) -> None:
+    child = launch(children, "a", "print('a n=1'); print('b n=1'); print('a n=2'); print('ab n=3')")
+    children.exit(child, DEADLINE)
+    assert children.find_line(child, "c") is None
+    assert children.find_line(child, "b") == {"n": "1"}
+    assert children.find_line(child, "a") == {"n": "2"}
+    assert children.find_line(child, "a") is None
+    assert children.find_line(child, "ab", n="3") == {"n": "3"}
 
 
-def test_child_that_ignores_sigterm_is_killed(tmp_path: Path) -> None:
-    with ChildProcesses(tmp_path) as children:
-        start(children, "a", STUBBORN)
-        hear(children, Line)
-        assert children.end(["a"], grace=0.3) == ["a"]
-        assert children.living == ()
+def test_unread_lines_do_not_grow_without_limit(children: ChildProcesses) -> None:
+    child = launch(children, "a", f"for n in range({UNREAD_LIMIT} + 1): print(f'line n={{n}}')")
+    children.exit(child, DEADLINE)
+    assert children.find_line(child, "line") == {"n": "1"}
 
 
-def test_child_that_is_stopped_still_leaves_in_words(tmp_path: Path) -> None:
-    with ChildProcesses(tmp_path) as children:
-        start(children, "a", PATIENT)
-        hear(children, Line)
-        os.kill(children.pid("a"), signal.SIGSTOP)
-        assert children.end(["a"], grace=DEADLINE) == []
-        assert children.tail("a", 1) == ["left"]
+def test_last_line_of_a_process_that_ended_is_found(children: ChildProcesses) -> None:
+    child = launch(children, "a", PRINTS_AND_FAILS)
+    assert children.exit(child, DEADLINE) == 3
+    assert children.line(child, "ready") == {"name": "b"}
 
 
-def test_what_a_child_started_ends_with_it(tmp_path: Path) -> None:
+def test_printed_line_is_a_verb_and_values() -> None:
+    assert parse("ended tick=812 hash=00ff") == ("ended", {"tick": "812", "hash": "00ff"})
+    assert parse("") == ("", {})
+    assert parse("words without values") == ("words", {})
+
+
+# ---------------------------------------------------------------- waits that fail
+
+
+def test_end_of_the_awaited_process_fails_the_wait_at_once_with_its_log(children: ChildProcesses) -> None:
+    child = launch(children, "a", PRINTS_AND_FAILS)
+    with pytest.raises(WaitError, match=r"no line 'running' of a: a ended \(exit 3\)\n--- a \(exit 3\)\n(.|\n)*wheel"):
+        children.line(child, "running")
+
+
+def test_wait_that_takes_too_long_fails_with_its_name(children: ChildProcesses) -> None:
+    with pytest.raises(WaitError, match=r"no spring within 0\.01 s"):
+        children.wait(lambda: None, "spring", 0.01)
+
+
+# ---------------------------------------------------------------- start
+
+
+def test_second_process_of_a_name_has_a_number(children: ChildProcesses) -> None:
+    assert [launch(children, "a", "") for _ in range(3)] == ["a", "a.2", "a.3"]
+
+
+def test_environment_is_added_to_ours(children: ChildProcesses) -> None:
+    child = launch(children, "a", "import os; print('has', 'x=' + os.environ['IW_X'])", {"IW_X": "5"})
+    assert children.line(child, "has") == {"x": "5"}
+
+
+def test_errors_are_lines_too_when_merged(children: ChildProcesses) -> None:
+    program = "import sys; print('a', flush=True); print('b', file=sys.stderr, flush=True); print('c')"
+    child = children.launch("a", lambda _: [sys.executable, "-c", program], merge_errors=True)
+    children.exit(child, DEADLINE)
+    assert children.log(child) == "a\nb\nc\n"
+    assert children.find_line(child, "b") == {}
+
+
+# ---------------------------------------------------------------- logs
+
+
+def test_log_holds_output_and_errors_and_its_tail_is_short(children: ChildProcesses) -> None:
+    child = launch(
+        children, "a", "import sys; print('out', flush=True); [print(i, file=sys.stderr) for i in range(99)]"
+    )
+    children.exit(child, DEADLINE)
+    assert "out" in children.log(child).splitlines()
+    # Output and errors are two streams, and the order of their lines in the log is not defined.
+    assert [line for line in children.tail(child, 4) if line != "out"][-3:] == ["96", "97", "98"]
+
+
+def test_tail_leaves_out_single_steps(children: ChildProcesses) -> None:
+    child = launch(children, "a", "print('joined a'); [print(f'asked verb=step tick={n}') for n in range(99)]")
+    children.exit(child, DEADLINE)
+    assert children.tail(child) == ["joined a"]
+
+
+def test_signal_ends_a_process_and_the_section_says_how(children: ChildProcesses) -> None:
+    child = launch(children, "a", WAITS)
+    children.line(child, "ready", DEADLINE)
+    assert children.sections()[0][0] == "a (running)"
+    children.signal(child, signal.SIGKILL)
+    assert children.exit(child) == -signal.SIGKILL
+    assert children.sections() == [("a (killed by SIGKILL)", "ready port=7 name=a")]
+
+
+# ---------------------------------------------------------------- end
+
+
+def test_child_that_ignores_sigterm_is_killed(children: ChildProcesses) -> None:
+    child = launch(children, "a", STUBBORN)
+    children.line(child, "here", DEADLINE)
+    assert children.end([child], grace=0.3) == [child]
+    assert children.running == ()
+
+
+def test_stopped_child_still_ends_by_itself(children: ChildProcesses) -> None:
+    child = launch(children, "a", PATIENT)
+    children.line(child, "here", DEADLINE)
+    os.kill(children.pid(child), signal.SIGSTOP)
+    assert children.end([child], grace=DEADLINE) == []
+    assert children.tail(child, 1) == ["left"]
+
+
+def test_what_a_child_started_ends_with_it(children: ChildProcesses) -> None:
     program = (
         "import subprocess,sys; p = subprocess.Popen([sys.executable, '-c', 'import time; time.sleep(60)']); "
-        "print(p.pid, flush=True)"
+        "print('started', f'pid={p.pid}', flush=True)"
     )
-    with ChildProcesses(tmp_path) as children:
-        start(children, "a", program)
-        line = hear(children, Line)
-        assert isinstance(line, Line)
-        hear(children, Exited)
-        assert is_gone(int(line.text), DEADLINE)
+    child = launch(children, "a", program)
+    pid = int(children.line(child, "started", DEADLINE)["pid"])
+    children.exit(child, DEADLINE)
+    assert is_gone(pid, DEADLINE)
 
 
 def test_leaving_ends_children_also_after_an_error(tmp_path: Path) -> None:
@@ -115,8 +182,7 @@ def test_leaving_ends_children_also_after_an_error(tmp_path: Path) -> None:
 
     def fail() -> None:
         with children:
-            start(children, "a", PATIENT)
-            hear(children, Line)
+            children.line(launch(children, "a", PATIENT), "here", DEADLINE)
             raise RuntimeError("ours")
 
     with pytest.raises(RuntimeError, match="ours"):
@@ -130,9 +196,9 @@ def test_kill_of_the_parent_ends_the_children(tmp_path: Path, stuck: bool) -> No
     parent = (
         "import sys, time\nfrom pathlib import Path\n"
         "from intellwheels_experiments.run.child_processes import ChildProcesses\n"
-        f"children = Children(Path({str(tmp_path)!r}))\n"
-        f"children.start('a', lambda lifeline: [sys.executable, '-c', {child!r}, str(lifeline)])\n"
-        "children.news(20)\nprint(children.pid('a'), flush=True)\ntime.sleep(60)\n"
+        f"children = ChildProcesses(Path({str(tmp_path)!r}))\n"
+        f"children.launch('a', lambda lifeline: [sys.executable, '-c', {child!r}, str(lifeline)])\n"
+        "children.line('a', 'here')\nprint(children.pid('a'), flush=True)\ntime.sleep(60)\n"
     )
     with subprocess.Popen([sys.executable, "-c", parent], stdout=subprocess.PIPE, text=True) as process:
         assert process.stdout is not None

@@ -9,22 +9,23 @@ from pathlib import Path
 import pytest
 from msgspec.structs import replace as replace_struct
 
-from intellwheels_experiments.run.launch_spec import WALL_LIMIT, LaunchSpec, parse, wall_limit
+from intellwheels_experiments.run.launch_spec import WALL_LIMIT, LaunchSpec, wall_limit
 from intellwheels_schemas.messages import Bridge, Cast, End, Map, Option, Scene, Timeout
 
 SCENE = Scene(format="iw.v1", name="test", map="room", seed="a b", end=End(timeout=Timeout(seconds=100.0)))
-PLAN = LaunchSpec(
+SPEC = LaunchSpec(
     scene=SCENE,
     source="figure6",
     floor=Map(format="iw.v1", name="room"),
+    world="main",
     listen=("tcp/127.0.0.1:7000",),
     logs=Path("logs"),
     folder=Path("/scenes"),
 )
 
 
-def test_server_is_told_scene_seed_and_pace() -> None:
-    command = PLAN.server_command(5)
+def test_server_gets_scene_seed_and_pace() -> None:
+    command = SPEC.server_command(5)
     assert command[:3] == [sys.executable, "-m", "intellwheels_server"]
     for name, value in (("--scene", "figure6"), ("--seed", "a b"), ("--pace", "lockstep"), ("--lifeline", "5")):
         assert command[command.index(name) + 1] == value
@@ -32,20 +33,20 @@ def test_server_is_told_scene_seed_and_pace() -> None:
 
 
 def test_free_pace_is_open_loop() -> None:
-    plan = replace(PLAN, scene=Scene(format="iw.v1", name="test", map="room", pace="free"))
-    assert "--open-loop" in plan.server_command(5)
+    spec = replace(SPEC, scene=Scene(format="iw.v1", name="test", map="room", pace="free"))
+    assert "--open-loop" in spec.server_command(5)
 
 
 def test_paths_of_a_scene_start_from_its_folder_and_names_stay() -> None:
-    command = PLAN.agent_command(Cast(name="chair1", robot="own/robot.xml", mind="mind.py"), 5)
+    command = SPEC.agent_command(Cast(name="chair1", robot="own/robot.xml", mind="mind.py"), 5)
     assert command[3] == "/scenes/mind.py"
     assert command[command.index("--robot") + 1] == "/scenes/own/robot.xml"
-    assert PLAN.agent_command(Cast(name="chair1", robot="table", mind="table"), 5)[3] == "table"
+    assert SPEC.agent_command(Cast(name="chair1", robot="table", mind="table"), 5)[3] == "table"
 
 
 def test_options_and_place_are_passed_on() -> None:
     cast = Cast(name="c", robot="table", mind="table", place="start1", option=(Option(name="points", value="1 2=3"),))
-    command = PLAN.agent_command(cast, 5)
+    command = SPEC.agent_command(cast, 5)
     assert command[command.index("--option") + 1] == "points=1 2=3"
     assert command[command.index("--place") + 1] == "start1"
 
@@ -57,8 +58,8 @@ def test_scene_with_bridges_has_a_laboratory_that_hides_the_truth_and_minds_with
     )  # fmt: skip
     bridge = Bridge(agent="c", option=(Option(name="pose", value="raw"), Option(name="WheelRatio", value="1.002")))
     scene = replace_struct(SCENE, cast=(cast,), bridge=(bridge,))
-    plan = replace(PLAN, scene=scene, laboratory="tcp/127.0.0.1:7001", log=Path("a/run.jsonl"))
-    told = " ".join(plan.laboratory_command(5)[3:])
+    spec = replace(SPEC, scene=scene, laboratory="tcp/127.0.0.1:7001", log=Path("a/run.jsonl"))
+    laboratory = " ".join(spec.laboratory_command(5)[3:])
     for words in (
         "--world lab --listen tcp/127.0.0.1:7001",
         "--expect c",
@@ -66,13 +67,13 @@ def test_scene_with_bridges_has_a_laboratory_that_hides_the_truth_and_minds_with
         "--seed a b",
         "run-lab.jsonl",
     ):
-        assert words in told
-    told = " ".join(plan.bridge_command(cast, 5)[3:])
+        assert words in laboratory
+    command = " ".join(spec.bridge_command(cast, 5)[3:])
     for words in ("--lab-world lab --lab-connect tcp/127.0.0.1:7001", "--pose raw", "--connect tcp/127.0.0.1:7000"):
-        assert words in told
-    assert "--option MotorNoise=0.1" in told
-    assert "--chair-option WheelRatio=1.002" in told
-    mind = " ".join(plan.agent_command(cast, 5)[3:])
+        assert words in command
+    assert "--option MotorNoise=0.1" in command
+    assert "--chair-option WheelRatio=1.002" in command
+    mind = " ".join(spec.agent_command(cast, 5)[3:])
     assert "--role mind" in mind
     assert "--option speed=0.4" in mind
     assert "MotorNoise" not in mind
@@ -80,7 +81,7 @@ def test_scene_with_bridges_has_a_laboratory_that_hides_the_truth_and_minds_with
 
 
 def test_laboratory_of_world_lab_has_another_name() -> None:
-    assert (PLAN.lab, replace(PLAN, world="lab").lab) == ("lab", "lab2")
+    assert (SPEC.lab, replace(SPEC, world="lab").lab) == ("lab", "lab2")
 
 
 @pytest.mark.parametrize(("pace", "limit"), [("lockstep", WALL_LIMIT), ("realtime", WALL_LIMIT + 50.0)])
@@ -89,22 +90,16 @@ def test_wall_limit_leaves_room_for_real_time(pace: str, limit: float) -> None:
     assert wall_limit(scene, 2.0) == limit
 
 
-def test_line_is_a_verb_and_values() -> None:
-    assert parse("ended tick=812 hash=00ff") == ("ended", {"tick": "812", "hash": "00ff"})
-    assert parse("") == ("", {})
-    assert parse("words without values") == ("words", {})
-
-
 def test_agents_connect_where_the_simulator_listens() -> None:
     cast = Cast(name="c", robot="table", mind="table")
-    server, agent = PLAN.server_command(5), PLAN.agent_command(cast, 5)
+    server, agent = SPEC.server_command(5), SPEC.agent_command(cast, 5)
     assert server[server.index("--listen") + 1] == agent[agent.index("--connect") + 1] == "tcp/127.0.0.1:7000"
     assert "--listen" not in agent
 
 
 def test_all_connect_to_a_router() -> None:
-    plan = replace(PLAN, listen=(), connect=("tcp/router:7447",), config=Path("/secure.json5"))
-    server, agent = plan.server_command(5), plan.agent_command(Cast(name="c", robot="table", mind="table"), 5)
+    spec = replace(SPEC, listen=(), connect=("tcp/router:7447",), config=Path("/secure.json5"))
+    server, agent = spec.server_command(5), spec.agent_command(Cast(name="c", robot="table", mind="table"), 5)
     for command in (server, agent):
         assert command[command.index("--connect") + 1] == "tcp/router:7447"
         assert command[command.index("--config") + 1] == "/secure.json5"

@@ -1,4 +1,4 @@
-"""Whoever waits is told how far a run is."""
+"""The progress line says how far a run is."""
 
 from __future__ import annotations
 
@@ -27,16 +27,16 @@ def record(waiting: tuple[str, ...] = ()) -> RunRecord:
     return seen
 
 
-def test_line_tells_time_pace_and_what_is_left_to_go() -> None:
-    assert describe(record(), GOALS) == "running 2.0 s, 12.0 times real time, chair1 2.0 m to go, chair2 there"
+def test_line_has_time_factor_and_remaining_distances() -> None:
+    assert describe(record(), GOALS) == "running 2.0 s, 12.0 times real time, chair1 2.0 m to go, chair2 at its goal"
 
 
-def test_line_tells_whom_the_barrier_awaits() -> None:
+def test_line_names_agents_that_are_awaited() -> None:
     assert "waiting for chair1, chair2" in describe(record(("chair1", "chair2")), GOALS)
 
 
-def test_nothing_is_told_before_anything_is_seen() -> None:
-    assert describe(RunRecord(), GOALS) == "nothing seen yet"
+def test_line_before_the_first_message_says_so() -> None:
+    assert describe(RunRecord(), GOALS) == "nothing received yet"
 
 
 def test_words_are_not_taken_for_markup() -> None:

@@ -1,4 +1,4 @@
-"""What was seen of a run does not depend on the order it arrived in."""
+"""The record of a run does not depend on the order in which messages arrive."""
 
 from __future__ import annotations
 
@@ -42,14 +42,14 @@ def test_state_that_is_older_changes_nothing() -> None:
     assert record.tracks["chair1"].length == 0.0
 
 
-def test_turn_is_the_greatest_and_the_short_way_round() -> None:
+def test_turn_is_the_largest_angle_in_either_direction() -> None:
     record = RunRecord()
     for tick, degrees in enumerate((170, -170, 175, 171)):
         record.on_state(state(tick, 0.0, math.radians(degrees)))
     assert record.tracks["chair1"].turned == pytest.approx(math.radians(20))
 
 
-def test_new_run_clears_what_was_known_and_the_old_one_stays_past() -> None:
+def test_new_run_clears_the_record_and_the_old_run_does_not_return() -> None:
     record = RunRecord()
     record.on_state(state(900, 5.0))
     record.on_event(event(0))
@@ -68,13 +68,13 @@ def test_event_counts_once_and_a_gap_is_wanted_until_it_is_filled() -> None:
     for number in (0, 2, 2, 0):
         record.on_event(event(number))
     assert record.counts == {"joined": 2}
-    assert record.wanted == 1
+    assert record.next_missing == 1
     record.on_events(Events(run=RUN, oldest=0, next=4, event=(event(1), event(3, "contact"))))
-    assert record.wanted == 4
+    assert record.next_missing == 4
     assert record.counts == {"joined": 3, "contact": 1}
 
 
-def test_event_that_ended_the_run_is_kept() -> None:
+def test_event_that_ended_the_run_is_recorded() -> None:
     record = RunRecord()
     record.on_event(event(0, "ended"))
     assert record.ended == event(0, "ended")

@@ -1,4 +1,4 @@
-"""A result for people and for programs says the same."""
+"""A result has the same content for people and for programs."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import msgspec
 from rich.console import Console
 
 from intellwheels_experiments.run.run_report import Result, lines, show, to_json, versions
-from intellwheels_experiments.run.verdict import Row
+from intellwheels_experiments.run.verdict import AgentResult
 
 RESULT = Result(
     scene="figure6",
@@ -21,7 +21,7 @@ RESULT = Result(
     finish="ended",
     words="",
     held=False,
-    failed=("agent 'chair1' did not reach 'goal1': 1.00 m short of it",),
+    failed=("agent 'chair1' did not reach 'goal1': it ended 1.00 m away",),
     hash="00000000000000ff",
     ticks=812,
     time=40.6,
@@ -30,7 +30,9 @@ RESULT = Result(
     late=0,
     contacts=0,
     events={"joined": 1},
-    agents=(Row(name="chair1", mind="waypoints", robot="rear-wheel", place="goal1", distance=1.0, reached=False),),
+    agents=(
+        AgentResult(name="chair1", mind="waypoints", robot="rear-wheel", place="goal1", distance=1.0, reached=False),
+    ),
     versions={"python": "3.11.0"},
 )
 
@@ -46,7 +48,7 @@ def test_lines_are_a_verb_and_values() -> None:
         "agent name=chair1 mind=waypoints robot=rear-wheel place=goal1 reached=no distance=1.000m contacts=0 "
         "path=0.00m turned_deg=0",
         "run ticks=812 time=40.60s wall=2.00s factor=20.3 contacts=0 late=0 seed=1 hash=00000000000000ff",
-        "failed agent 'chair1' did not reach 'goal1': 1.00 m short of it",
+        "failed agent 'chair1' did not reach 'goal1': it ended 1.00 m away",
         "not-held scene=figure6 finish=ended",
     ]
 

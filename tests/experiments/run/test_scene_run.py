@@ -1,4 +1,4 @@
-"""A run however it finishes has a result. Simulator and agents here are small Python programs."""
+"""However a run finishes, it has a result. Simulator and agents here are small Python programs."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ WAIT = "import time; time.sleep(60)"
 
 
 @dataclass(frozen=True, kw_only=True)
-class FakePlan(LaunchSpec):
+class FakeSpec(LaunchSpec):
     server: str
     agent: str = WAIT
 
@@ -50,10 +50,10 @@ class FakePlan(LaunchSpec):
 
 
 class FakeWatch:
-    def pour(self, record: RunRecord) -> None:
+    def drain(self, record: RunRecord) -> None:
         pass
 
-    def complete(self, record: RunRecord) -> None:
+    def query_all(self, record: RunRecord) -> None:
         chair = Entity(name="chair1", x=5.0, y=1.0, heading=0.0)
         record.on_state(WorldState(run=RUN, tick=9, time=0.45, entity=(chair,)))
 
@@ -64,10 +64,11 @@ def watching(stop: threading.Event) -> Iterator[FakeWatch]:
 
 
 def play(tmp_path: Path, server: str, agent: str = WAIT, *, timeout: float = 60.0, stop: bool = False) -> Result:
-    plan = FakePlan(
+    spec = FakeSpec(
         scene=SCENE,
         source="test",
         floor=FLOOR,
+        world="main",
         listen=("tcp/127.0.0.1:1",),
         logs=tmp_path,
         server=server,
@@ -78,17 +79,17 @@ def play(tmp_path: Path, server: str, agent: str = WAIT, *, timeout: float = 60.
     if stop:
         threading.Timer(1.0, event.set).start()
     with Progress(Console(file=io.StringIO()), SCENE, FLOOR) as progress:
-        return perform(plan, watching, progress, event)
+        return perform(spec, watching, progress, event)
 
 
-def test_run_that_ends_is_judged_by_what_the_simulator_says_last(tmp_path: Path) -> None:
+def test_run_that_ends_is_judged_by_the_last_state(tmp_path: Path) -> None:
     result = play(tmp_path, RUNNING + f"print('ended tick=812 hash={HASH}', flush=True); {WAIT}")
     assert (result.finish, result.hash, result.ticks, result.held) == ("ended", HASH, 812, True)
     assert result.time == pytest.approx(40.6)
     assert result.wall > 0.0
 
 
-def test_agent_that_dies_is_named_with_its_last_words(tmp_path: Path) -> None:
+def test_agent_that_dies_is_named_with_its_last_lines(tmp_path: Path) -> None:
     result = play(tmp_path, RUNNING + WAIT, "raise SystemExit('no such mind')")
     assert result.finish == "died"
     assert result.words.startswith("agent-chair1: exit 1; the last lines of ")
@@ -121,5 +122,5 @@ def test_interrupted_run_says_what_happened(tmp_path: Path) -> None:
     assert not result.held
 
 
-def test_run_that_takes_too_long_is_broken_off(tmp_path: Path) -> None:
+def test_run_that_takes_too_long_is_aborted(tmp_path: Path) -> None:
     assert play(tmp_path, RUNNING + WAIT, timeout=0.5).finish == "overtime"

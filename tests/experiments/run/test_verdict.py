@@ -60,17 +60,17 @@ def test_everything_held() -> None:
     assert verdict.agents[0].distance == pytest.approx(0.2)
 
 
-def test_place_not_reached_is_said_with_the_distance() -> None:
+def test_place_that_was_not_reached_is_reported_with_the_distance() -> None:
     verdict = judge(scene(BOTH), FLOOR, seen(4.0))
-    assert verdict.failed == ("agent 'chair1' did not reach 'goal1': 1.00 m short of it",)
+    assert verdict.failed == ("agent 'chair1' did not reach 'goal1': it ended 1.00 m away",)
 
 
-def test_contact_too_many_does_not_hold() -> None:
+def test_one_contact_too_many_does_not_hold() -> None:
     assert judge(scene(BOTH), FLOOR, seen(5.0, contacts=1)).failed == ("contacts: expected at most 0, got 1",)
     assert judge(scene(Hold(contacts=1)), FLOOR, seen(5.0, contacts=1)).held
 
 
-def test_body_count_stands_when_events_were_lost() -> None:
+def test_contacts_of_a_body_count_when_events_were_lost() -> None:
     record = seen(5.0, contacts=2)
     record.events.clear()
     record.counts.clear()
@@ -78,11 +78,11 @@ def test_body_count_stands_when_events_were_lost() -> None:
 
 
 def test_run_without_an_end_does_not_hold() -> None:
-    assert judge(scene(BOTH), FLOOR, seen(5.0), ended=False).failed == ("the run did not come to its end",)
+    assert judge(scene(BOTH), FLOOR, seen(5.0), ended=False).failed == ("the run did not reach its end",)
 
 
-def test_run_that_never_began_says_no_more_than_that() -> None:
-    assert judge(scene(BOTH), FLOOR, RunRecord(), ended=False).failed == ("the run did not come to its end",)
+def test_run_that_never_began_reports_nothing_else() -> None:
+    assert judge(scene(BOTH), FLOOR, RunRecord(), ended=False).failed == ("the run did not reach its end",)
 
 
 def test_agent_never_seen_does_not_hold() -> None:

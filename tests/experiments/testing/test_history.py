@@ -1,4 +1,4 @@
-"""Moments are whole, in order, and of one run."""
+"""Moments are complete, in order, and of one run."""
 
 from __future__ import annotations
 
@@ -36,11 +36,11 @@ def test_path_has_a_point_for_each_tick_and_the_later_of_equals() -> None:
     assert history.paths["chair1"] == [Point(0.0, 1.0, 1.0, 0.5), Point(0.5, 2.5, 1.0, 0.5), Point(1.0, 3.0, 1.0, 0.5)]
 
 
-def test_state_that_is_older_is_no_moment() -> None:
+def test_older_state_gives_no_moment() -> None:
     history = History()
     history.on_state(state(5, 1.0))
     history.on_state(state(4, 9.0))
-    assert [moment.tick for moment in history.fresh] == [5]
+    assert [moment.tick for moment in history.unread] == [5]
 
 
 def test_moment_needs_all_parts_of_one_tick() -> None:
@@ -88,15 +88,15 @@ def test_moment_has_the_events_until_then_in_order() -> None:
     assert not newest(history).happened("left", "chair2")
 
 
-def test_body_that_is_not_there_is_named_with_those_that_are() -> None:
+def test_absent_body_is_named_with_those_present() -> None:
     history = History()
     history.on_state(state(3))
     assert newest(history)["chair1"].y == 1.0
-    with pytest.raises(AbsentError, match=r"tick 3: expected a body that is there \(chair1\), got 'chair9'"):
+    with pytest.raises(AbsentError, match=r"tick 3: expected one of the bodies present \(chair1\), got 'chair9'"):
         newest(history)["chair9"]
 
 
-def test_description_says_where_all_are_and_what_happened() -> None:
+def test_description_has_every_body_and_the_last_events() -> None:
     history = History()
     history.on_event(event(0, "contact", agent="chair1", other="wall"))
     history.on_state(state(2, 1.25))

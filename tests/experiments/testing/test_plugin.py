@@ -1,4 +1,4 @@
-"""The fixture in a user's own pytest: what fails is shown with what the processes printed, and all of them end."""
+"""The fixture in a user's own pytest: a failure shows what the processes printed, and all of them end."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ def test_fails(intellwheels):
     for _ in range(2):
         sim = intellwheels(floor="corner")
         sim.agent("chair1", mind="mine.py")
-        print("PIDS", *map(sim.processes.pid, sim.processes.children.living))
+        print("PIDS", *map(sim.processes.pid, sim.processes.running))
     sim.run_until(lambda now: now["chair1"].x > 99.0, seconds=0.5)
 
 def test_start_fails(intellwheels):
@@ -51,12 +51,12 @@ def test_failing_test_shows_what_its_processes_printed_and_all_end(tmp_path: Pat
     done = pytest_of_a_user(tmp_path, "tests")
     assert "1 passed" in done.stdout, done.stdout
     assert "2 failed" in done.stdout
-    # Where it failed is the user's own line, with none of ours.
+    # The traceback ends at the user's own line and shows none of ours.
     assert re.search(
-        r"seconds=0.5\)\nE +intellwheels_experiments.run.run_processes.AwaitedError: run_until: the condition",
+        r"seconds=0.5\)\nE +intellwheels_experiments.run.child_processes.WaitError: run_until: the condition",
         done.stdout,
     )
-    assert done.stdout.count("intellwheels: agent-chair1 (runs)") == 2
+    assert done.stdout.count("intellwheels: agent-chair1 (running)") == 2
     assert "a word of mine" in done.stdout
     assert "intellwheels: server (exit 2)" in done.stdout
     assert "nowhere.xml" in done.stdout
@@ -76,7 +76,7 @@ def test_pytest_that_does_not_use_it_loads_nothing_of_ours(tmp_path: Path) -> No
     assert "1 passed" in done.stdout, done.stdout + done.stderr
 
 
-def test_missing_extra_is_said_in_words(tmp_path: Path) -> None:
+def test_missing_extra_is_named(tmp_path: Path) -> None:
     (tmp_path / "test_user.py").write_text("def test_user(intellwheels):\n    intellwheels(floor='corner')\n")
     program = "import sys; sys.modules['numba'] = None; import pytest; sys.exit(pytest.main(sys.argv[1:]))"
     words = ["-p", "no:intellwheels", "-p", "intellwheels_experiments.testing.plugin", "-p", "no:cacheprovider"]

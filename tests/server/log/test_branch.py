@@ -31,7 +31,7 @@ def written(path: Path, *changes: Change, at: int = 3) -> list[str]:
     return hashes
 
 
-def test_inputs_are_the_parents_before_the_branch_and_nobodys_after(tmp_path: Path) -> None:
+def test_inputs_come_from_the_parent_until_the_branch(tmp_path: Path) -> None:
     hashes = written(tmp_path / "log")
     branch = read_branch(tmp_path / "log", 4)
     assert branch.agents == ("one",)
@@ -44,12 +44,12 @@ def test_inputs_are_the_parents_before_the_branch_and_nobodys_after(tmp_path: Pa
     assert branch.setup({"strict": True}).seed == "7"
 
 
-def test_pause_in_the_parent_is_nothing_to_the_branch(tmp_path: Path) -> None:
+def test_branch_ignores_a_pause_in_the_parent(tmp_path: Path) -> None:
     written(tmp_path / "log", Note(code="paused"), Note(code="resumed"))
     assert read_branch(tmp_path / "log", 5).at == 5
 
 
-def test_what_an_operator_did_cannot_be_branched_over(tmp_path: Path) -> None:
+def test_branch_after_a_change_by_an_operator_is_refused(tmp_path: Path) -> None:
     written(tmp_path / "log", DeleteBody(agent="one"))
     assert read_branch(tmp_path / "log", 3).at == 3
     with pytest.raises(LogError, match="expected only joins at tick 0 before a branch, got DeleteBody"):

@@ -10,6 +10,7 @@ from intellwheels_schemas.messages import Actions
 from intellwheels_server.log.input_log import Line, Log, LogError, read_header, read_lines
 from intellwheels_server.world import Setup
 from intellwheels_server.world.inputs import Inputs
+from tests.server.worlds import unusual_setup
 
 RUN = "0123456789abcdef"
 SETUP = Setup(floor=floor("room"), seed="7", say_walls=True, say_loss=0.1, say_delay=0.2)
@@ -27,7 +28,7 @@ def written(path: Path, count: int = 3) -> list[Line]:
     return lines
 
 
-def test_what_is_written_is_read_again(tmp_path: Path) -> None:
+def test_written_log_is_read_back(tmp_path: Path) -> None:
     path = tmp_path / "log"
     lines = written(path)
     with path.open("rb") as file:
@@ -38,7 +39,7 @@ def test_what_is_written_is_read_again(tmp_path: Path) -> None:
         assert list(read_lines(file, "log")) == lines
 
 
-def test_a_line_is_in_the_file_after_a_second(tmp_path: Path) -> None:
+def test_line_is_in_the_file_after_a_second(tmp_path: Path) -> None:
     path = tmp_path / "log"
     log = Log(path, Setup(floor=floor("room")), RUN)
     line = Line(tick=0, inputs=Inputs(), hash="0" * 16)
@@ -48,7 +49,7 @@ def test_a_line_is_in_the_file_after_a_second(tmp_path: Path) -> None:
     log.close()
 
 
-def test_a_last_line_that_was_cut_is_told(tmp_path: Path) -> None:
+def test_incomplete_last_line_is_reported(tmp_path: Path) -> None:
     path = tmp_path / "log"
     lines = written(path)
     path.write_bytes(path.read_bytes()[:-20])
@@ -57,7 +58,7 @@ def test_a_last_line_that_was_cut_is_told(tmp_path: Path) -> None:
         assert list(read_lines(file, "log")) == [*lines[:2], None]
 
 
-def test_a_broken_line_in_the_middle_is_an_error_with_its_number(tmp_path: Path) -> None:
+def test_broken_line_in_the_middle_is_an_error_with_its_number(tmp_path: Path) -> None:
     path = tmp_path / "log"
     written(path)
     whole = path.read_bytes().splitlines(keepends=True)
@@ -69,14 +70,39 @@ def test_a_broken_line_in_the_middle_is_an_error_with_its_number(tmp_path: Path)
 
 
 @pytest.mark.parametrize("data", [b"", b"{}\n", b"\xff\n", b"hello\n"])
-def test_what_is_no_log_is_said_so(tmp_path: Path, data: bytes) -> None:
+def test_file_that_is_no_log_is_an_error(tmp_path: Path, data: bytes) -> None:
     path = tmp_path / "log"
     path.write_bytes(data)
     with path.open("rb") as file, pytest.raises(LogError, match=r"^log:1: expected the header of an input log"):
         read_header(file, "log")
 
 
-def test_a_step_is_not_said_and_no_step_is() -> None:
+def test_log_says_its_version_and_one_of_another_is_refused_in_words(tmp_path: Path) -> None:
+    path = tmp_path / "log"
+    lines = written(path)
+    data = path.read_bytes()
+    assert data.startswith(b'{"Log":"iw.v1","Version":1,"Run":')
+    path.write_bytes(data.replace(b'"Version":1', b'"Version":2'))
+    with (
+        path.open("rb") as file,
+        pytest.raises(LogError, match=r"^log:1: expected an input log of version 1, got vers"),
+    ):
+        read_header(file, "log")
+    path.write_bytes(data.replace(b'"Version":1,', b""))
+    with path.open("rb") as file:
+        assert read_header(file, "log").world_setup() == SETUP
+        assert list(read_lines(file, "log")) == lines
+
+
+def test_only_a_line_without_a_step_says_so() -> None:
     line = Line(tick=1, inputs=Inputs(), hash="0" * 16)
     assert msgspec.json.encode(line) == b'{"Tick":1,"Inputs":{},"Hash":"0000000000000000"}'
     assert b'"Stepped":false' in msgspec.json.encode(msgspec.structs.replace(line, stepped=False))
+
+
+def test_header_gives_every_field_of_the_setup_back(tmp_path: Path) -> None:
+    path = tmp_path / "log"
+    setup = unusual_setup()
+    Log(path, setup, "0" * 16).close()
+    with path.open("rb") as file:
+        assert read_header(file, str(path)).world_setup() == setup

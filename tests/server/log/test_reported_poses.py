@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from intellwheels_schemas.messages import Pose, Reset, Result
-from intellwheels_server.log.reported_poses import Reported
+from intellwheels_server.log.reported_poses import ReportedPoses
 from intellwheels_server.log.seekable_log import SeekableLog
 from tests.server.stage import Stage, real
 
@@ -35,13 +35,13 @@ def log(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture
-def reported(log: Path) -> Iterator[Reported]:
+def reported(log: Path) -> Iterator[ReportedPoses]:
     recording = SeekableLog(log)
-    yield Reported(RUNS, recording)
+    yield ReportedPoses(RUNS, recording)
     recording.close()
 
 
-def test_it_is_where_the_bridge_said_at_that_tick_however_one_comes_there(reported: Reported) -> None:
+def test_reported_pose_is_that_of_the_tick_however_it_is_reached(reported: ReportedPoses) -> None:
     onwards = [reported.at(RUNS[0], tick)["chair1"] for tick in range(5, 16)]
     assert [pose.tick for pose in onwards] == list(range(5, 16))
     assert {pose.run for pose in onwards} == {RUNS[0]}
@@ -52,11 +52,11 @@ def test_it_is_where_the_bridge_said_at_that_tick_however_one_comes_there(report
     assert reported.at(RUNS[0], 15)["chair1"] == onwards[10]
 
 
-def test_who_is_simulated_reported_nothing(reported: Reported) -> None:
+def test_simulated_body_has_no_reported_pose(reported: ReportedPoses) -> None:
     assert reported.at(RUNS[0], 5).keys() == {"chair1"}
 
 
-def test_runs_are_paired_in_their_order_and_what_is_not_there_is_not_told(reported: Reported) -> None:
+def test_runs_are_paired_in_order_and_missing_ticks_have_no_poses(reported: ReportedPoses) -> None:
     assert reported.at(RUNS[1], 5)["chair1"].run == RUNS[1]
     assert reported.at(RUNS[1], 5)["chair1"].x != reported.at(RUNS[0], 15)["chair1"].x
     assert reported.at(RUNS[0], 10_000) == {}

@@ -32,7 +32,7 @@ def run(path: Path, ticks: int = 5) -> str:
     return digest(state)
 
 
-def test_a_run_gives_the_same_hashes_again(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_log_gives_the_same_hashes_again(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     path = tmp_path / "log"
     hashed = run(path)
     found = resimulate(path)
@@ -41,17 +41,17 @@ def test_a_run_gives_the_same_hashes_again(tmp_path: Path, capsys: pytest.Captur
     assert capsys.readouterr().out == f"same ticks=5 tick=5 hash={hashed}\n"
 
 
-def test_a_cut_last_line_is_dropped_and_said(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_incomplete_last_line_is_dropped_and_reported(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     path = tmp_path / "log"
     run(path)
     path.write_bytes(path.read_bytes()[:-9])
     found = resimulate(path)
     assert (found.ticks, found.cut, found.differs) == (4, True, None)
     assert main(["--resimulate", str(path)]) == 0
-    assert "the last line was cut and is dropped" in capsys.readouterr().err
+    assert "the last line is incomplete and is ignored" in capsys.readouterr().err
 
 
-def test_the_first_tick_that_differs_is_named(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_first_tick_that_differs_is_reported(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     path = tmp_path / "log"
     run(path)
     lines = path.read_bytes().splitlines(keepends=True)
@@ -64,7 +64,7 @@ def test_the_first_tick_that_differs_is_named(tmp_path: Path, capsys: pytest.Cap
     )
 
 
-def test_a_tick_that_is_missing_is_an_error(tmp_path: Path) -> None:
+def test_missing_tick_is_an_error(tmp_path: Path) -> None:
     path = tmp_path / "log"
     run(path)
     lines = path.read_bytes().splitlines(keepends=True)
@@ -73,7 +73,7 @@ def test_a_tick_that_is_missing_is_an_error(tmp_path: Path) -> None:
         resimulate(path)
 
 
-def test_a_file_that_is_not_there_is_said(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_missing_file_is_reported(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["--resimulate", str(tmp_path / "none")]) == 1
     assert "No such file" in capsys.readouterr().err
 
@@ -91,7 +91,7 @@ def test_a_file_that_is_not_there_is_said(tmp_path: Path, capsys: pytest.Capture
         ),
     ],
 )
-def test_a_header_of_no_world_is_an_error_in_words(
+def test_header_of_an_impossible_world_is_an_error(
     tmp_path: Path, edit: Callable[[dict[str, Any]], None], message: str
 ) -> None:
     run(tmp_path / "log")

@@ -13,7 +13,7 @@ from intellwheels_server.log.resimulate import resimulate
 from intellwheels_server.log.run_files import LOG, TRACE, RunFiles
 from intellwheels_server.world import Setup, State, advance, apply, begin, digest
 from intellwheels_server.world.inputs import Inputs, Join, Restart
-from intellwheels_server.world.kernels.rows import X
+from intellwheels_server.world.kernels import rows
 
 FIRST, SECOND = "1" * 16, "2" * 16
 
@@ -29,7 +29,7 @@ class World:
         tick = self.state.tick
         self.state, outputs = advance(self.state, inputs)
         for event in outputs.events:
-            self.files.happened(event)
+            self.files.add_event(event)
         self.files.record(tick, inputs, digest(self.state), stepped=True)
 
     def reset(self, seed: str) -> None:
@@ -64,7 +64,7 @@ def test_trace_has_every_tick_and_is_not_rounded(tmp_path: Path) -> None:
     lines = [msgspec.json.decode(line) for line in (tmp_path / SECOND / TRACE).read_bytes().splitlines()]
     assert (lines[0]["Run"], lines[0]["Seed"], lines[0]["Floor"]) == (SECOND, "another", "room")
     assert [line["Tick"] for line in lines[1:]] == list(range(7))
-    assert lines[-1]["Body"]["one"]["Pose"][0] == float(world.state.numbers[X, 0])
+    assert lines[-1]["Body"]["one"]["Pose"][0] == float(world.state.numbers[rows.X, 0])
     assert lines[-1]["Body"]["one"]["Wheels"][0] > 0
 
 
@@ -75,17 +75,17 @@ def test_trace_of_a_log_is_that_of_the_run(tmp_path: Path) -> None:
     assert again.read_bytes() == (tmp_path / SECOND / TRACE).read_bytes()
 
 
-def test_event_stands_in_the_line_of_its_tick(tmp_path: Path) -> None:
+def test_event_is_in_the_line_of_its_tick(tmp_path: Path) -> None:
     world = World(tmp_path)
     world.step(Inputs(changes=(Join(agent="one", robot=robot("rear-wheel")),)))
-    world.files.happened(Event(run=FIRST, tick=2, number=9, code="contact", agent="one", other="wall"))
+    world.files.add_event(Event(run=FIRST, tick=2, number=9, code="contact", agent="one", other="wall"))
     world.step(Inputs())
     world.files.close()
     last = msgspec.json.decode((tmp_path / FIRST / TRACE).read_bytes().splitlines()[-1])
     assert [(event["Code"], event["Tick"]) for event in last["Event"]] == [("contact", 2)]
 
 
-def test_run_without_a_step_leaves_nothing(tmp_path: Path) -> None:
+def test_run_without_a_step_leaves_no_files(tmp_path: Path) -> None:
     world = World(tmp_path)
     world.reset("2")
     world.files.close()

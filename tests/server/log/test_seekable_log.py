@@ -33,7 +33,7 @@ def written(path: Path, ticks: int) -> list[str]:
     return hashes
 
 
-def test_every_tick_of_every_run_is_found_in_any_order_as_it_was(tmp_path: Path) -> None:
+def test_every_tick_of_every_run_can_be_reached_in_any_order(tmp_path: Path) -> None:
     seen = record(tmp_path / "log")
     recording = SeekableLog(tmp_path / "log")
     assert recording.runs == tuple(dict.fromkeys(one.run for one in seen))
@@ -45,13 +45,13 @@ def test_every_tick_of_every_run_is_found_in_any_order_as_it_was(tmp_path: Path)
     recording.close()
 
 
-def test_going_on_from_the_beginning_shows_every_tick_of_every_run_once(tmp_path: Path) -> None:
+def test_next_places_from_the_beginning_show_every_tick_of_every_run_once(tmp_path: Path) -> None:
     seen = record(tmp_path / "log")
     recording = SeekableLog(tmp_path / "log")
     place = recording.go_to(recording.runs[0], 0)
     shown = [place]
     while place.position < recording.end:
-        place = recording.go_on(place)
+        place = recording.next_place(place)
         shown.append(place)
     assert [(one.state.run, one.state.tick) for one in shown] == [(one.run, one.tick) for one in seen]
     assert shown[0].state.names == ("chair1",)
@@ -63,7 +63,7 @@ def test_going_on_from_the_beginning_shows_every_tick_of_every_run_once(tmp_path
     recording.close()
 
 
-def test_a_run_or_tick_that_is_not_in_the_log_is_said(tmp_path: Path) -> None:
+def test_run_or_tick_that_is_not_in_the_log_is_an_error(tmp_path: Path) -> None:
     written(tmp_path / "log", 5)
     recording = SeekableLog(tmp_path / "log")
     assert (recording.header.world, recording.ticks("f" * 16)) == ("ward", None)
@@ -74,7 +74,7 @@ def test_a_run_or_tick_that_is_not_in_the_log_is_said(tmp_path: Path) -> None:
     recording.close()
 
 
-def test_a_seek_in_a_long_log_is_quick_and_exact(tmp_path: Path) -> None:
+def test_seek_in_a_long_log_is_quick_and_exact(tmp_path: Path) -> None:
     hashes = written(tmp_path / "log", 1500)
     recording = SeekableLog(tmp_path / "log")
     draw = random.Random(2)
@@ -89,7 +89,7 @@ def test_a_seek_in_a_long_log_is_quick_and_exact(tmp_path: Path) -> None:
     recording.close()
 
 
-def test_kept_states_are_thinned_out_and_one_is_always_near() -> None:
+def test_keyframes_are_thinned_out_and_one_is_always_near() -> None:
     keyframes = Keyframes(budget=2.0, most=8)
     state = begin(Setup(floor=floor("room")), RUN)
     for position in range(1001):
@@ -102,7 +102,7 @@ def test_kept_states_are_thinned_out_and_one_is_always_near() -> None:
         assert kept.tick == at
 
 
-def test_a_state_is_kept_after_a_line_that_took_long() -> None:
+def test_keyframe_follows_a_line_that_took_long() -> None:
     keyframes = Keyframes(budget=0.1)
     state = begin(Setup(floor=floor("room")), RUN)
     for position in range(10):
@@ -110,7 +110,7 @@ def test_a_state_is_kept_after_a_line_that_took_long() -> None:
     assert [keyframes.before(position)[0] for position in (3, 4, 9)] == [0, 4, 4]
 
 
-def test_a_cut_last_line_is_dropped_and_a_hash_that_differs_is_said(tmp_path: Path) -> None:
+def test_incomplete_last_line_is_dropped_and_a_different_hash_is_reported(tmp_path: Path) -> None:
     path = tmp_path / "log"
     written(path, 5)
     lines = path.read_bytes().splitlines(keepends=True)
@@ -123,7 +123,7 @@ def test_a_cut_last_line_is_dropped_and_a_hash_that_differs_is_said(tmp_path: Pa
     recording.close()
 
 
-def test_what_is_no_log_is_an_error_in_words(tmp_path: Path) -> None:
+def test_other_file_is_an_error(tmp_path: Path) -> None:
     path = tmp_path / "log"
     path.write_text("{}\n")
     with pytest.raises(LogError, match=r"log:1: expected the header of an input log"):
@@ -135,19 +135,19 @@ def test_what_is_no_log_is_an_error_in_words(tmp_path: Path) -> None:
         SeekableLog(path)
 
 
-def test_who_leaves_after_the_last_step_is_shown_at_the_end(tmp_path: Path) -> None:
+def test_agent_that_leaves_after_the_last_step_is_still_shown(tmp_path: Path) -> None:
     path = tmp_path / "log"
     hashes = written(path, 5)
     gone = Line(tick=5, inputs=Inputs(changes=(Depart(agent="one"),)), hash="f" * 16, stepped=False)
     path.write_bytes(path.read_bytes() + msgspec.json.encode(gone) + b"\n")
     recording = SeekableLog(path)
-    place = recording.go_on(recording.go_to(RUN, 4))
+    place = recording.next_place(recording.go_to(RUN, 4))
     assert (place.position, place.state.names, digest(place.state)) == (recording.end, ("one",), hashes[5])
     assert recording.go_to(RUN, 5).state.names == ("one",)
     recording.close()
 
 
-def test_a_log_without_lines_is_at_its_end(tmp_path: Path) -> None:
+def test_log_without_lines_is_at_its_end(tmp_path: Path) -> None:
     Log(tmp_path / "log", Setup(floor=floor("room")), RUN).close()
     recording = SeekableLog(tmp_path / "log")
     assert recording.go_to(RUN, 0) == Place(0, recording.go_to(RUN, 0).state)

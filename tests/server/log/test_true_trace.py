@@ -13,12 +13,12 @@ from tests.server.log.test_branch import written
 def test_trace_of_a_log_has_every_tick_and_its_hash(tmp_path: Path) -> None:
     hashes = written(tmp_path / "log")
     first, *rest = [msgspec.json.decode(line) for line in trace_lines(tmp_path / "log")]
-    assert (first["Trace"], first["Seed"], first["Period"]) == ("iw.v1", "7", 0.05)
+    assert (first["Trace"], first["Version"], first["Seed"], first["Period"]) == ("iw.v1", 1, "7", 0.05)
     assert [(line["Tick"], line["Hash"]) for line in rest] == list(enumerate(hashes, start=1))
     assert rest[-1]["Body"]["one"]["Power"][0] > 0.0
 
 
-def test_log_that_gives_something_else_has_no_trace(tmp_path: Path) -> None:
+def test_log_whose_hashes_differ_has_no_trace(tmp_path: Path) -> None:
     hashes = written(tmp_path / "log")
     text = (tmp_path / "log").read_text().replace(hashes[3], "0" * 16)
     (tmp_path / "log").write_text(text)

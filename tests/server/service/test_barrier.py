@@ -15,7 +15,7 @@ def elastic() -> Barrier:
     return barrier
 
 
-def test_a_barrier_is_complete_when_every_member_has_answered() -> None:
+def test_barrier_is_complete_when_every_member_has_answered() -> None:
     barrier = elastic()
     assert barrier.answer("one", "actions", b"a") == "first"
     assert not barrier.complete(0.1)
@@ -24,14 +24,14 @@ def test_a_barrier_is_complete_when_every_member_has_answered() -> None:
     assert barrier.complete(0.1)
 
 
-def test_the_first_answer_counts_and_the_same_bytes_are_no_second_answer() -> None:
+def test_first_answer_counts_and_the_same_bytes_are_a_duplicate() -> None:
     barrier = elastic()
     barrier.answer("one", "actions", b"a")
-    assert barrier.answer("one", "actions", b"a") == "same"
-    assert barrier.answer("one", "actions", b"b") == "again"
+    assert barrier.answer("one", "actions", b"a") == "duplicate"
+    assert barrier.answer("one", "actions", b"b") == "conflict"
 
 
-def test_an_answer_to_the_tick_before_is_known_by_its_bytes() -> None:
+def test_repeated_answer_to_the_last_tick_is_recognised_by_its_bytes() -> None:
     barrier = elastic()
     barrier.answer("one", "actions", b"a")
     barrier.open([ONE, TWO], 0.1)
@@ -43,7 +43,7 @@ def test_an_answer_to_the_tick_before_is_known_by_its_bytes() -> None:
     assert barrier.repeats("one", "actions", b"a")
 
 
-def test_unanswered_measures_are_put_again_after_20_ms_then_twice_as_long() -> None:
+def test_unanswered_measures_are_repeated_after_20_ms_then_twice_as_long() -> None:
     barrier = elastic()
     barrier.answer("one", "actions", b"a")
     assert barrier.due() == pytest.approx(FIRST_REPEAT)
@@ -54,7 +54,7 @@ def test_unanswered_measures_are_put_again_after_20_ms_then_twice_as_long() -> N
     assert barrier.due() == pytest.approx(0.14)
 
 
-def test_a_strict_barrier_names_who_missed_and_stays_closed() -> None:
+def test_strict_barrier_reports_missed_answers_and_stays_incomplete() -> None:
     barrier = Barrier(strict=True, deadline=10.0)
     barrier.open([ONE, TWO], 0.0)
     assert barrier.missed(9.9) == ()
@@ -62,7 +62,7 @@ def test_a_strict_barrier_names_who_missed_and_stays_closed() -> None:
     assert not barrier.complete(10.0)
 
 
-def test_an_elastic_miss_lets_the_run_go_on_and_the_third_in_a_row_puts_to_rest() -> None:
+def test_elastic_run_continues_after_a_miss_and_the_third_in_a_row_puts_the_body_to_rest() -> None:
     barrier = elastic()
     for tick in range(3):
         now = float(tick)
@@ -76,7 +76,7 @@ def test_an_elastic_miss_lets_the_run_go_on_and_the_third_in_a_row_puts_to_rest(
     assert barrier.awaited == ("one",)
 
 
-def test_an_answer_between_misses_begins_the_count_anew() -> None:
+def test_answer_resets_the_count_of_misses() -> None:
     barrier = elastic()
     for tick, answers in enumerate([False, False, True, False, False]):
         barrier.open([TWO], float(tick))
@@ -97,7 +97,7 @@ def at_rest() -> Barrier:
     return barrier
 
 
-def test_a_body_at_rest_is_back_when_it_answers() -> None:
+def test_body_at_rest_is_back_when_it_answers() -> None:
     barrier = at_rest()
     barrier.open([ONE, TWO], 3.0)
     assert barrier.answer("two", "actions", b"x") == "first"
@@ -106,14 +106,14 @@ def test_a_body_at_rest_is_back_when_it_answers() -> None:
     assert barrier.awaited == ("one", "two")
 
 
-def test_a_body_at_rest_is_back_even_when_its_answer_is_late() -> None:
+def test_body_at_rest_is_back_even_with_a_late_answer() -> None:
     barrier = at_rest()
     barrier.revive("two")
     barrier.revive("two")
     assert barrier.verdicts() == [Verdict(agent="two", code="back")]
 
 
-def test_when_all_are_at_rest_a_tick_takes_the_deadline_or_until_one_answers() -> None:
+def test_if_all_are_at_rest_a_tick_lasts_until_one_answers_or_the_deadline() -> None:
     barrier = elastic()
     for tick in range(3):
         barrier.open([ONE], float(tick))
@@ -126,22 +126,22 @@ def test_when_all_are_at_rest_a_tick_takes_the_deadline_or_until_one_answers() -
     assert barrier.complete(3.5)
 
 
-def test_who_leaves_is_awaited_no_more() -> None:
+def test_barrier_does_not_wait_for_an_agent_that_left() -> None:
     barrier = elastic()
     barrier.answer("one", "actions", b"a")
-    barrier.excuse("two", "actions")
+    barrier.cancel("two", "actions")
     assert barrier.complete(0.0)
 
 
-def test_who_comes_while_it_is_open_is_awaited_too() -> None:
+def test_barrier_waits_for_an_agent_that_joins_while_it_is_open() -> None:
     barrier = elastic()
     barrier.answer("one", "actions", b"a")
     barrier.answer("two", "actions", b"a")
-    barrier.join([("three", "actions")])
+    barrier.add([("three", "actions")])
     assert barrier.awaited == ("three",)
 
 
-def test_a_new_run_forgets_rest_and_misses() -> None:
+def test_new_run_forgets_rest_and_misses() -> None:
     barrier = at_rest()
     barrier.begin_new_run()
     barrier.open([ONE, TWO], 5.0)

@@ -4,11 +4,13 @@ import msgspec
 import pytest
 
 from intellwheels_maps import robot
+from intellwheels_schemas.channels import VERB_CLASSES
 from intellwheels_schemas.messages import (
     Delete,
     Load,
     Map,
     Position,
+    Record,
     Reset,
     Result,
     Robot,
@@ -19,10 +21,11 @@ from intellwheels_schemas.messages import (
     Teleport,
     UserInput,
 )
+from intellwheels_server.service.control import change, handle
 from tests.server.stage import RUN, Stage
 
 
-def test_pause_stops_resume_goes_on_and_both_name_tick_and_hash() -> None:
+def test_pause_stops_and_resume_continues_and_both_replies_have_tick_and_hash() -> None:
     stage = Stage(pace="realtime")
     stage.work(1.0)
     paused = stage.result("pause")
@@ -61,7 +64,7 @@ def test_steps_in_lockstep_wait_for_answers() -> None:
     assert stage.tick == 2
 
 
-def test_a_paused_strict_run_misses_nobody() -> None:
+def test_no_answer_is_missed_while_a_strict_run_is_paused() -> None:
     stage = Stage()
     stage.join("chair1")
     stage.result("pause")
@@ -72,7 +75,7 @@ def test_a_paused_strict_run_misses_nobody() -> None:
     assert stage.live_run.exit is None
 
 
-def test_a_reset_begins_a_new_run_with_the_same_joins_and_sessions() -> None:
+def test_reset_begins_a_new_run_with_the_same_members_and_sessions() -> None:
     stage = Stage()
     stage.join("chair1")
     for _ in range(10):
@@ -89,7 +92,7 @@ def test_a_reset_begins_a_new_run_with_the_same_joins_and_sessions() -> None:
     assert stage.of("map")[-1].run == result.run
 
 
-def test_load_puts_another_floor_in_or_says_why_not() -> None:
+def test_load_replaces_the_floor_or_says_why_not() -> None:
     stage = Stage()
     stage.join("chair1")
     stage.result("pause")
@@ -123,12 +126,12 @@ def test_bodies_are_spawned_teleported_and_deleted() -> None:
     assert stage.result("delete", b'{"Agent":"table9"}').code == "not-found"
 
 
-def test_a_live_run_cannot_be_sought() -> None:
+def test_live_run_refuses_to_seek() -> None:
     result = Stage().result("seek", b'{"Tick":3}')
-    assert (result.code, result.text) == ("unsupported", "this run is live: only a log that is played can be sought")
+    assert (result.code, result.text) == ("unsupported", "this run is live; only a playback can seek")
 
 
-def test_an_operators_words_are_heard_at_the_tick_after_them() -> None:
+def test_operator_is_heard_at_the_next_tick() -> None:
     stage = Stage()
     stage.join("chair1")
     replies = stage.ask("ctl", "say", b'{"Text":"stop please"}')
@@ -138,7 +141,7 @@ def test_an_operators_words_are_heard_at_the_tick_after_them() -> None:
     assert [(h.sender, h.text) for h in stage.measures("chair1")[-1].message] == [("operator", "stop please")]
 
 
-def test_an_operators_words_are_heard_once_in_real_time_too() -> None:
+def test_operator_is_heard_once_in_real_time_too() -> None:
     stage = Stage(pace="realtime")
     stage.join("chair1")
     stage.work(0.2)
@@ -154,7 +157,7 @@ def test_quit_ends_with_0() -> None:
     assert stage.live_run.exit == 0
 
 
-def test_a_bad_verb_is_told_why() -> None:
+def test_faulty_control_message_is_refused_with_the_reason() -> None:
     stage = Stage()
     reply, ok = stage.ask("ctl", "speed", b'{"Factor":0}')[0]
     assert not ok
@@ -166,7 +169,7 @@ def test_a_bad_verb_is_told_why() -> None:
     assert reply.code == "unsupported"
 
 
-def test_a_taken_chair_obeys_the_user_until_the_lease_ends() -> None:
+def test_taken_chair_obeys_its_user_until_the_lease_ends() -> None:
     stage = Stage(pace="realtime", strict=False)
     stage.join("chair1")
     taken = stage.result("take", Take(agent="chair1"))
@@ -182,7 +185,7 @@ def test_a_taken_chair_obeys_the_user_until_the_lease_ends() -> None:
     assert [code for code in stage.events() if code in ("taken", "released")] == ["taken", "released"]
 
 
-def test_a_lease_is_renewed_and_freed_by_its_holder_only() -> None:
+def test_only_the_holder_renews_and_releases_a_lease() -> None:
     stage = Stage(pace="realtime", strict=False)
     stage.join("chair1")
     lease = stage.result("take", Take(agent="chair1")).lease
@@ -201,4 +204,11 @@ def test_nothing_is_kept_for_a_spawned_body_that_was_deleted() -> None:
     box = Robot(name="box1", length=0.5, width=0.5, top=1.0)
     assert stage.result("spawn", Spawn(robot=box, position=Position(x=2.0, y=2.0, heading=0.0))).code == "ok"
     assert stage.result("delete", Delete(agent="box1")).code == "ok"
-    assert stage.sent[-1][:2] == ("box1", "farewell")
+    assert stage.sent[-1][:2] == ("box1", "undeclare")
+
+
+def test_every_control_message_has_one_handler() -> None:
+    at_once = handle.registry.keys() - {object, Record}
+    queued = change.registry.keys() - {object, Record}
+    assert set(VERB_CLASSES.values()) == at_once | queued
+    assert at_once & queued == set()

@@ -11,7 +11,7 @@ from intellwheels_schemas.messages import (
 from tests.server.stage import Stage, real
 
 
-def test_an_answer_counts_once_and_the_same_bytes_are_silent() -> None:
+def test_answer_counts_once_and_repeated_bytes_give_no_error() -> None:
     stage = Stage()
     stage.join_two()
     stage.act("chair1", 0.1, 0.1, seq=1)
@@ -21,7 +21,7 @@ def test_an_answer_counts_once_and_the_same_bytes_are_silent() -> None:
     assert [(e.code, e.seq) for e in stage.errors("chair1")] == [("answered", 2)]
 
 
-def test_a_second_answer_to_measures_put_twice_is_silent_after_the_barrier_too() -> None:
+def test_late_repetition_of_an_answer_gives_no_error() -> None:
     stage = Stage()
     stage.join("chair1")
     stage.act("chair1", tick=0)
@@ -30,7 +30,7 @@ def test_a_second_answer_to_measures_put_twice_is_silent_after_the_barrier_too()
     assert stage.errors("chair1") == []
 
 
-def test_old_and_future_ticks_and_old_runs_are_told() -> None:
+def test_wrong_ticks_and_runs_give_an_error() -> None:
     stage = Stage()
     stage.join("chair1")
     for _ in range(3):
@@ -42,7 +42,7 @@ def test_old_and_future_ticks_and_old_runs_are_told() -> None:
     assert stage.tick == 3
 
 
-def test_the_papers_form_counts_for_the_current_tick() -> None:
+def test_actions_in_the_form_of_the_paper_count_for_the_current_tick() -> None:
     stage = Stage()
     stage.join("chair1")
     stage.put(
@@ -51,7 +51,7 @@ def test_the_papers_form_counts_for_the_current_tick() -> None:
     assert stage.tick == 1
 
 
-def test_who_has_not_joined_is_told_a_few_times() -> None:
+def test_agent_that_has_not_joined_gets_a_few_errors() -> None:
     stage = Stage()
     for number in range(50):
         stage.put("ghost", Actions(seq=number))
@@ -59,7 +59,7 @@ def test_who_has_not_joined_is_told_a_few_times() -> None:
     assert len(stage.errors("ghost")) <= 10
 
 
-def test_a_flood_is_told_and_bounded() -> None:
+def test_flood_is_limited_and_gives_an_error() -> None:
     stage = Stage()
     stage.join_two()
     for number in range(5000):
@@ -70,7 +70,7 @@ def test_a_flood_is_told_and_bounded() -> None:
     assert stage.errors("chair1")[-1].suppressed > 4000
 
 
-def test_a_flood_of_user_input_leaves_the_agent_its_voice() -> None:
+def test_flood_of_user_input_does_not_use_up_the_limit_of_the_agent() -> None:
     stage = Stage()
     stage.join("chair1")
     for number in range(1000):
@@ -79,7 +79,7 @@ def test_a_flood_of_user_input_leaves_the_agent_its_voice() -> None:
     assert stage.tick == 1
 
 
-def test_newest_wins_for_who_is_not_awaited() -> None:
+def test_newest_actions_win_where_no_answer_is_expected() -> None:
     stage = Stage(pace="realtime")
     stage.join("chair1")
     stage.act("chair1", 1.0, 1.0, seq=2)
@@ -88,7 +88,7 @@ def test_newest_wins_for_who_is_not_awaited() -> None:
     assert stage.of("state")[-1].entity[0].speed > 0.0
 
 
-def test_user_input_rides_in_the_measures_of_who_declares_it() -> None:
+def test_measures_carry_the_user_input_that_a_robot_declares() -> None:
     stage = Stage(pace="realtime", strict=False)
     stage.join("chair1", user_input=("drive",))
     stage.put("chair1", UserInput(forward=0.5, turn=0.1, seq=3), "user")
@@ -101,7 +101,7 @@ def test_user_input_rides_in_the_measures_of_who_declares_it() -> None:
     assert heard is None or heard.forward == 0.0
 
 
-def test_words_are_heard_in_the_next_measures_in_any_encoding() -> None:
+def test_say_is_in_the_next_measures_in_any_encoding() -> None:
     stage = Stage()
     stage.join_two()
     for data, encoding in ((b"hello", "text/plain"), (b'<Say Seq="2"><![CDATA[hello]]></Say>', "application/xml")):
@@ -111,7 +111,7 @@ def test_words_are_heard_in_the_next_measures_in_any_encoding() -> None:
         assert [(h.sender, h.text) for h in stage.measures("chair2")[-1].message] == [("chair1", "hello")]
 
 
-def test_a_long_say_is_told_and_the_motors_count() -> None:
+def test_say_that_is_too_long_gives_an_error_and_the_motors_count() -> None:
     stage = Stage()
     stage.join("chair1")
     stage.act("chair1", 0.5, 0.5, say="x" * 101)
@@ -121,7 +121,7 @@ def test_a_long_say_is_told_and_the_motors_count() -> None:
     assert stage.errors("chair1")[-1].where == "Say"
 
 
-def test_a_say_beside_actions_that_speak_is_told() -> None:
+def test_say_beside_actions_with_a_say_gives_an_error() -> None:
     stage = Stage()
     stage.join_two()
     stage.put("chair1", Say(text="beside", seq=7), "say")
@@ -131,7 +131,7 @@ def test_a_say_beside_actions_that_speak_is_told() -> None:
     assert [h.text for h in stage.measures("chair2")[-1].message] == ["heard"]
 
 
-def test_a_real_chair_needs_its_session() -> None:
+def test_real_chair_must_show_its_session() -> None:
     stage = Stage(pace="realtime", strict=False)
     stage.join("chair1", real())
     stage.put("chair1", Pose(x=2.0, y=2.0, heading=0.0), "pose")
@@ -139,7 +139,7 @@ def test_a_real_chair_needs_its_session() -> None:
     assert [e.code for e in stage.errors("chair1")] == ["session", "session"]
 
 
-def test_a_simulated_chair_reports_no_pose() -> None:
+def test_pose_of_a_simulated_chair_gives_an_error() -> None:
     stage = Stage(pace="realtime", strict=False)
     stage.join("chair1")
     stage.put("chair1", Pose(x=2.0, y=2.0, heading=0.0), "pose")
@@ -149,7 +149,7 @@ def test_a_simulated_chair_reports_no_pose() -> None:
 @pytest.mark.parametrize(
     "data", [b'{"LeftMotor":0.5,"RightMotor":0.4}', b'<Actions LeftMotor="0.5" RightMotor="0.4"/>']
 )
-def test_the_papers_form_answers_tick_after_tick_with_the_same_bytes(data: bytes) -> None:
+def test_same_bytes_without_a_tick_answer_one_tick_after_the_other(data: bytes) -> None:
     stage = Stage()
     stage.join("chair1")
     for tick in range(5):

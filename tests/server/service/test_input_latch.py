@@ -8,11 +8,11 @@ from intellwheels_server.service.input_latch import InputLatch, check_time
 RUN = "0" * 16
 
 
-def test_absent_run_and_tick_mean_now() -> None:
+def test_missing_run_and_tick_mean_the_current_ones() -> None:
     assert check_time(None, None, RUN, 5, "Actions") is None
 
 
-def test_an_older_tick_is_late_and_a_future_one_early() -> None:
+def test_older_tick_is_late_and_future_tick_is_early() -> None:
     late, early = check_time(RUN, 4, RUN, 5, "Actions"), check_time(RUN, 6, RUN, 5, "Actions")
     assert late is not None
     assert (late.code, late.text, late.where) == ("late", "Actions.Tick: expected 5, got 4", "Actions.Tick")
@@ -20,20 +20,20 @@ def test_an_older_tick_is_late_and_a_future_one_early() -> None:
     assert early.code == "early"
 
 
-def test_another_run_is_late_whatever_its_tick() -> None:
+def test_another_run_is_late_whatever_the_tick() -> None:
     fault = check_time("1" * 16, 5, RUN, 5, "Pose")
     assert fault is not None
     assert (fault.code, fault.where) == ("late", "Pose.Run")
 
 
-def test_the_largest_number_wins_whatever_comes_last() -> None:
+def test_largest_sequence_number_wins_in_any_order() -> None:
     latch = InputLatch()
     latch.act("one", Actions(seq=2, left_motor=0.2))
     latch.act("one", Actions(seq=1, left_motor=0.1))
     assert latch.collect((), []).actions["one"].left_motor == 0.2
 
 
-def test_without_numbers_the_last_wins_and_keeps_what_it_does_not_say() -> None:
+def test_without_numbers_the_last_wins_and_keeps_fields_it_leaves_out() -> None:
     latch = InputLatch()
     latch.act("one", Actions(left_motor=0.2, say="hello"))
     latch.act("one", Actions(right_motor=0.1, leave=True))
@@ -41,15 +41,15 @@ def test_without_numbers_the_last_wins_and_keeps_what_it_does_not_say() -> None:
     assert latch.collect((), []).actions["one"] == Actions(left_motor=0.2, right_motor=0.1, say="hello", leave=True)
 
 
-def test_the_newest_pose_wins() -> None:
+def test_newest_pose_wins() -> None:
     latch = InputLatch()
-    latch.report("one", Pose(seq=2, x=2.0, y=0.0, heading=0.0))
-    latch.report("one", Pose(seq=1, x=1.0, y=0.0, heading=0.0))
+    latch.set_pose("one", Pose(seq=2, x=2.0, y=0.0, heading=0.0))
+    latch.set_pose("one", Pose(seq=1, x=1.0, y=0.0, heading=0.0))
     assert latch.collect((), []).poses["one"].x == 2.0
 
 
 @pytest.mark.parametrize("first", ["say", "actions"])
-def test_a_say_beside_actions_that_speak_is_not_heard_and_told_so(first: str) -> None:
+def test_say_beside_actions_with_a_say_is_refused(first: str) -> None:
     latch = InputLatch()
     if first == "say":
         assert latch.say("one", Say(text="a", seq=3)) is None
@@ -63,14 +63,14 @@ def test_a_say_beside_actions_that_speak_is_not_heard_and_told_so(first: str) ->
     assert (inputs.says, inputs.actions["one"].say) == ((), "b")
 
 
-def test_a_say_beside_actions_that_do_not_speak_is_heard() -> None:
+def test_say_beside_actions_without_a_say_is_kept() -> None:
     latch = InputLatch()
     assert latch.say("one", Say(text="a")) is None
     assert latch.act("one", Actions(left_motor=0.1)) is None
     assert [said.text for said in latch.collect((), []).says] == ["a"]
 
 
-def test_one_say_a_tick() -> None:
+def test_only_one_say_per_tick_is_kept() -> None:
     latch = InputLatch()
     assert latch.say("one", Say(text="a")) is None
     fault = latch.say("one", Say(text="b", seq=3))
@@ -80,7 +80,7 @@ def test_one_say_a_tick() -> None:
     assert latch.say("one", Say(text="c")) is None
 
 
-def test_what_is_collected_is_sorted_by_name_and_gone() -> None:
+def test_collected_inputs_are_sorted_by_name_and_removed() -> None:
     latch = InputLatch()
     for agent in ("b", "c", "a"):
         latch.act(agent, Actions())

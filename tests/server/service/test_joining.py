@@ -17,12 +17,12 @@ from intellwheels_schemas.messages import (
     Take,
 )
 from intellwheels_server.service.arrival import Topic
-from intellwheels_server.service.joining import MOST_WAITING
-from intellwheels_server.world.kernels.rows import X
+from intellwheels_server.service.joining import MAX_WAITING
+from intellwheels_server.world.kernels import rows
 from tests.server.stage import Stage, real
 
 
-def test_a_leave_takes_effect_at_the_next_barrier_and_names_its_tick() -> None:
+def test_leave_takes_effect_at_the_next_barrier_and_its_reply_names_the_tick() -> None:
     stage = Stage()
     stage.join_two()
     replies = stage.ask("leave", "chair2", Leave(session=stage.sessions["chair2"]))
@@ -35,7 +35,7 @@ def test_a_leave_takes_effect_at_the_next_barrier_and_names_its_tick() -> None:
 
 
 @pytest.mark.parametrize("topic", ["join", "leave"])
-def test_a_name_that_is_none_is_refused_in_words_once_and_a_wildcard_not_at_all(topic: Topic) -> None:
+def test_invalid_name_is_refused_once_and_a_wildcard_gets_no_reply(topic: Topic) -> None:
     stage = Stage()
     (reply,) = stage.ask(topic, "")
     message, ok = reply
@@ -43,7 +43,7 @@ def test_a_name_that_is_none_is_refused_in_words_once_and_a_wildcard_not_at_all(
     assert (message.code, ok) == ("name" if topic == "join" else "failed", False)
     assert message.text is not None
     assert message.text.startswith(f"{topic}/<agent>: expected a name")
-    assert stage.ask(topic, "", wild=True) == []
+    assert stage.ask(topic, "", has_wildcards=True) == []
 
 
 def test_leave_in_the_last_actions_leaves() -> None:
@@ -55,7 +55,7 @@ def test_leave_in_the_last_actions_leaves() -> None:
     assert "left" in stage.events()
 
 
-def test_two_of_one_name_are_refused_in_words() -> None:
+def test_second_agent_of_a_name_is_refused() -> None:
     stage = Stage()
     stage.join("chair1")
     stage.result("pause")
@@ -65,7 +65,7 @@ def test_two_of_one_name_are_refused_in_words() -> None:
     assert (refused.code, refused.text) == ("already-here", "agent 'chair1' is already here")
 
 
-def test_a_join_waits_a_moment_for_its_token() -> None:
+def test_join_waits_a_moment_for_its_token() -> None:
     stage = Stage()
     wanted = msgspec.structs.replace(robot("rear-wheel"), name="chair1", instance="a" * 16, format=None)
     replies = stage.ask("join", "chair1", wanted)
@@ -74,7 +74,7 @@ def test_a_join_waits_a_moment_for_its_token() -> None:
     assert isinstance(replies[0][0], Joined)
 
 
-def test_a_join_without_token_is_refused() -> None:
+def test_join_without_token_is_refused() -> None:
     stage = Stage()
     wanted = msgspec.structs.replace(robot("rear-wheel"), name="chair1", instance="a" * 16, format=None)
     replies = stage.ask("join", "chair1", wanted)
@@ -94,7 +94,7 @@ def test_a_join_without_token_is_refused() -> None:
         (b"{" + b" " * 70_000 + b"}", "limit"),
     ],
 )
-def test_a_robot_that_cannot_be_read_is_refused_with_place_and_code(data: bytes, code: str) -> None:
+def test_robot_that_cannot_be_read_is_refused_with_place_and_code(data: bytes, code: str) -> None:
     stage = Stage()
     stage.token("chair1")
     refused, ok = stage.ask("join", "chair1", data)[0]
@@ -104,7 +104,7 @@ def test_a_robot_that_cannot_be_read_is_refused_with_place_and_code(data: bytes,
     assert refused.text.startswith("Robot")
 
 
-def test_a_successor_within_the_grace_time_gets_the_body_where_it_is() -> None:
+def test_successor_within_the_grace_time_gets_the_body_where_it_is() -> None:
     stage = Stage()
     first = stage.join("chair1")
     for _ in range(20):
@@ -121,7 +121,7 @@ def test_a_successor_within_the_grace_time_gets_the_body_where_it_is() -> None:
     ]
 
 
-def test_the_old_twin_is_told_that_its_session_is_over() -> None:
+def test_replaced_agent_gets_an_error_about_its_session() -> None:
     stage = Stage()
     old = stage.join("chair1").session
     stage.token("chair1", present=False)
@@ -131,7 +131,7 @@ def test_the_old_twin_is_told_that_its_session_is_over() -> None:
     assert [e.code for e in stage.errors("chair1")] == ["session"]
 
 
-def test_a_lost_token_removes_the_body_after_the_grace_time() -> None:
+def test_lost_token_removes_the_body_after_the_grace_time() -> None:
     stage = Stage(strict=False, pace="realtime")
     stage.join("chair1")
     stage.token("chair1", present=False)
@@ -142,7 +142,7 @@ def test_a_lost_token_removes_the_body_after_the_grace_time() -> None:
     assert [code for code in stage.events() if code != "timeout"] == ["joined", "lost", "left"]
 
 
-def test_a_token_that_returns_within_the_grace_time_is_as_if_nothing_was() -> None:
+def test_token_that_returns_within_the_grace_time_changes_nothing() -> None:
     stage = Stage(strict=False, pace="realtime")
     stage.join("chair1")
     stage.token("chair1", present=False)
@@ -153,7 +153,7 @@ def test_a_token_that_returns_within_the_grace_time_is_as_if_nothing_was() -> No
     assert "returned" in stage.events()
 
 
-def test_in_strict_lockstep_a_member_lost_for_the_grace_time_is_a_miss() -> None:
+def test_member_lost_for_the_grace_time_ends_a_strict_run() -> None:
     stage = Stage()
     stage.join("chair1")
     stage.token("chair1", present=False)
@@ -161,7 +161,7 @@ def test_in_strict_lockstep_a_member_lost_for_the_grace_time_is_a_miss() -> None
     assert stage.live_run.exit == 1
 
 
-def test_a_mind_joins_the_body_of_another_process() -> None:
+def test_mind_joins_the_body_of_another_process() -> None:
     stage = Stage()
     mind = Robot(role="mind")
     refused, ok = stage.try_join("chair1", mind, "b" * 16)
@@ -179,7 +179,7 @@ def test_a_mind_joins_the_body_of_another_process() -> None:
     assert stage.tick == 1
 
 
-def test_the_reserved_name_and_crews_are_refused() -> None:
+def test_reserved_name_and_crews_are_refused() -> None:
     stage = Stage()
     for agent, more, code in (("operator", {}, "name"), ("chair1", {"crew": "many"}, "value")):
         refused, ok = stage.try_join(agent, **more)
@@ -188,7 +188,7 @@ def test_the_reserved_name_and_crews_are_refused() -> None:
         assert refused.code == code
 
 
-def test_real_hardware_is_refused_where_time_is_not_real() -> None:
+def test_real_hardware_is_refused_unless_time_is_real() -> None:
     for options in ({"pace": "lockstep"}, {"pace": "realtime", "speed": 2.0}):
         stage = Stage(**options)
         refused, ok = stage.try_join("chair1", real())
@@ -198,7 +198,7 @@ def test_real_hardware_is_refused_where_time_is_not_real() -> None:
     assert Stage().try_join("chair1", real(hardware="simulated"))[1]
 
 
-def test_a_successor_in_a_body_at_rest_moves_it_again() -> None:
+def test_successor_moves_a_body_at_rest_again() -> None:
     stage = Stage(strict=False)
     stage.join("chair1")
     stage.work(3.5)
@@ -210,10 +210,10 @@ def test_a_successor_in_a_body_at_rest_moves_it_again() -> None:
     for _ in range(20):
         stage.act("chair1", 0.5, 0.5)
     assert stage.events()[-1] == "back"
-    assert stage.live_run.state.numbers[X, 0] > start.x + 0.1
+    assert stage.live_run.state.numbers[rows.X, 0] > start.x + 0.1
 
 
-def test_a_new_mind_in_a_body_at_rest_moves_it_again() -> None:
+def test_new_mind_moves_a_body_at_rest_again() -> None:
     stage = Stage(strict=False)
     stage.join("chair1", role="body", barrier=False)
     stage.result("pause")
@@ -230,10 +230,10 @@ def test_a_new_mind_in_a_body_at_rest_moves_it_again() -> None:
     for _ in range(20):
         stage.act("chair1", 0.5, 0.5)
     assert stage.events()[-2:] == ["resumed", "back"]
-    assert stage.live_run.state.numbers[X, 0] > start.x + 0.1
+    assert stage.live_run.state.numbers[rows.X, 0] > start.x + 0.1
 
 
-def test_a_stale_bridge_that_joins_again_is_fresh_with_its_first_pose() -> None:
+def test_stale_bridge_that_joins_again_is_fresh_with_its_first_pose() -> None:
     stage = Stage(strict=False, pace="realtime")
     stage.join("chair1", real(), role="body")
     stage.work(1.0)
@@ -245,7 +245,7 @@ def test_a_stale_bridge_that_joins_again_is_fresh_with_its_first_pose() -> None:
     assert [code for code in stage.events() if code in ("stale", "fresh")] == ["stale", "fresh"]
 
 
-def test_a_simulated_successor_of_a_real_chair_has_no_bridge_that_could_be_silent() -> None:
+def test_simulated_successor_of_a_real_chair_has_no_bridge() -> None:
     stage = Stage(strict=False, pace="realtime")
     stage.join("chair1", real())
     stage.token("chair1", present=False)
@@ -254,7 +254,7 @@ def test_a_simulated_successor_of_a_real_chair_has_no_bridge_that_could_be_silen
     assert "stale" not in stage.events()
 
 
-def test_a_lease_ends_with_the_body_it_was_taken_on() -> None:
+def test_lease_ends_with_its_body() -> None:
     stage = Stage(strict=False, pace="realtime")
     stage.join("chair1")
     lease = stage.result("take", Take(agent="chair1", seconds=10.0)).lease
@@ -263,7 +263,7 @@ def test_a_lease_ends_with_the_body_it_was_taken_on() -> None:
     assert stage.result("take", Take(agent="chair1", lease=lease, seconds=10.0)).code == "incorrect-state"
 
 
-def test_a_leave_of_both_roles_is_answered_when_both_are_gone() -> None:
+def test_leave_of_both_roles_is_answered_when_both_are_gone() -> None:
     stage = Stage(strict=False, pace="realtime")
     stage.join("chair1", role="body")
     stage.join("chair1", Robot(role="mind"), "b" * 16)
@@ -277,8 +277,8 @@ def test_joins_without_token_are_refused_while_a_barrier_is_open() -> None:
     stage = Stage()
     stage.join("chair1")
     wanted = msgspec.structs.replace(robot("rear-wheel"), instance="a" * 16, format=None)
-    replies = [stage.ask("join", f"n{number}", wanted) for number in range(MOST_WAITING + 5)]
-    assert [bool(reply) for reply in replies] == [False] * MOST_WAITING + [True] * 5
+    replies = [stage.ask("join", f"n{number}", wanted) for number in range(MAX_WAITING + 5)]
+    assert [bool(reply) for reply in replies] == [False] * MAX_WAITING + [True] * 5
     stage.work(0.5)
     assert stage.tick == 0
     assert {reply.code for ((reply, _),) in replies if isinstance(reply, Refused)} == {"no-token"}

@@ -35,7 +35,7 @@ def test_measures_0_come_before_any_command_and_a_tick_follows_each_answer() -> 
     assert stage.errors("chair1") == []
 
 
-def test_the_barrier_waits_for_every_member() -> None:
+def test_barrier_waits_for_every_member() -> None:
     stage = Stage()
     stage.join_two()
     stage.act("chair1")
@@ -44,7 +44,7 @@ def test_the_barrier_waits_for_every_member() -> None:
     assert stage.tick == 1
 
 
-def test_tick_0_is_held_until_those_expected_are_there() -> None:
+def test_run_stays_at_tick_0_until_all_expected_agents_have_joined() -> None:
     stage = Stage(expect=("chair1", "chair2"))
     stage.join("chair1")
     assert stage.lines == []
@@ -58,7 +58,7 @@ def test_tick_0_is_held_until_those_expected_are_there() -> None:
     assert [m.tick for m in stage.measures("chair1")] == [0]
 
 
-def test_a_join_in_a_running_lockstep_takes_effect_at_the_next_barrier() -> None:
+def test_join_in_a_running_lockstep_takes_effect_at_the_next_barrier() -> None:
     stage = Stage()
     stage.join("chair1")
     stage.act("chair1")
@@ -75,14 +75,14 @@ def test_a_join_in_a_running_lockstep_takes_effect_at_the_next_barrier() -> None
     assert stage.tick == 2
 
 
-def test_unanswered_measures_are_put_again() -> None:
+def test_unanswered_measures_are_sent_again() -> None:
     stage = Stage()
     stage.join("chair1")
     stage.work(0.15)
     assert [m.tick for m in stage.measures("chair1")] == [0, 0, 0, 0]
 
 
-def test_a_strict_miss_ends_the_run_with_exit_1() -> None:
+def test_missed_answer_ends_a_strict_run_with_exit_1() -> None:
     stage = Stage()
     stage.join("chair1")
     stage.act("chair1")
@@ -91,7 +91,7 @@ def test_a_strict_miss_ends_the_run_with_exit_1() -> None:
     assert stage.lines[-1] == "miss agent=chair1 tick=1"
 
 
-def test_an_elastic_run_goes_on_rests_a_body_after_three_misses_and_takes_it_back() -> None:
+def test_elastic_run_rests_a_body_after_three_misses_until_it_answers() -> None:
     stage = Stage(strict=False)
     stage.join_two()
     for _ in range(3):
@@ -107,7 +107,7 @@ def test_an_elastic_run_goes_on_rests_a_body_after_three_misses_and_takes_it_bac
     assert stage.tick == tick
 
 
-def test_a_resting_agent_that_is_always_late_is_awaited_again() -> None:
+def test_barrier_waits_again_for_a_resting_agent_that_answers_late() -> None:
     stage = Stage(strict=False)
     stage.join_two()
     for _ in range(4):
@@ -121,7 +121,7 @@ def test_a_resting_agent_that_is_always_late_is_awaited_again() -> None:
     assert stage.tick == tick
 
 
-def test_a_member_of_lockstep_without_barrier_is_not_awaited() -> None:
+def test_barrier_does_not_wait_for_a_member_with_barrier_false() -> None:
     stage = Stage()
     stage.join("watcher", instance="b" * 16, barrier=False)
     stage.join("chair1")
@@ -130,7 +130,7 @@ def test_a_member_of_lockstep_without_barrier_is_not_awaited() -> None:
     assert [m.tick for m in stage.measures("watcher")] == [0, 1]
 
 
-def test_a_lockstep_of_nobody_waits() -> None:
+def test_lockstep_without_members_waits() -> None:
     stage = Stage()
     stage.work(5.0)
     assert stage.tick == 0
@@ -147,7 +147,7 @@ def test_real_time_keeps_its_ticks_at_any_speed() -> None:
     assert clock.factor == pytest.approx(4.0, rel=0.05)
 
 
-def test_running_free_refuses_who_wants_to_be_waited_for() -> None:
+def test_free_run_refuses_an_agent_that_wants_its_answers_awaited() -> None:
     stage = Stage(pace="free")
     stage.result("pause")
     refused, ok = stage.try_join("chair1")
@@ -157,7 +157,7 @@ def test_running_free_refuses_who_wants_to_be_waited_for() -> None:
     assert isinstance(stage.join("chair1", barrier=False), Joined)
 
 
-def test_the_end_is_told_with_tick_and_hash_and_resume_goes_on() -> None:
+def test_end_is_printed_with_tick_and_hash_and_resume_continues() -> None:
     stage = Stage(end=End(timeout=Timeout(seconds=0.1)))
     stage.join("chair1")
     stage.act("chair1")
@@ -170,14 +170,14 @@ def test_the_end_is_told_with_tick_and_hash_and_resume_goes_on() -> None:
     assert stage.tick == 3
 
 
-def test_the_end_may_be_the_end_of_the_service() -> None:
+def test_service_can_quit_at_the_end() -> None:
     stage = Stage(end=End(timeout=Timeout(seconds=0.05)), quit_at_end=True)
     stage.join("chair1")
     stage.act("chair1")
     assert stage.live_run.exit == 0
 
 
-def test_a_bridge_that_falls_silent_makes_its_chair_stale_until_it_reports() -> None:
+def test_chair_whose_bridge_is_silent_is_stale_until_it_reports() -> None:
     stage = Stage(pace="realtime", strict=False)
     session = stage.join("chair1", real()).session
     stage.work(1.0)
@@ -205,7 +205,7 @@ def same(path: Path) -> None:
     assert not found.cut
 
 
-def test_a_log_of_an_elastic_run_with_everything_in_it_gives_the_same_hashes(tmp_path: Path) -> None:
+def test_log_of_an_elastic_run_with_everything_in_it_gives_the_same_hashes(tmp_path: Path) -> None:
     path = tmp_path / "run.jsonl"
     stage = Stage(strict=False, log=path)
     stage.join_two(user_input=("drive",))
@@ -236,7 +236,7 @@ def test_a_log_of_an_elastic_run_with_everything_in_it_gives_the_same_hashes(tmp
     same(path)
 
 
-def test_a_changed_log_differs_at_the_tick_it_was_changed(tmp_path: Path) -> None:
+def test_changed_log_differs_at_the_changed_tick(tmp_path: Path) -> None:
     path = tmp_path / "run.jsonl"
     stage = Stage(log=path)
     stage.join("chair1")

@@ -4,7 +4,7 @@ from intellwheels_schemas.messages import Reset, Restore
 from tests.server.stage import Stage
 
 
-def test_a_body_at_rest_in_the_saved_state_is_not_waited_for_and_comes_back_when_it_answers() -> None:
+def test_body_at_rest_in_the_saved_state_is_not_waited_for_until_it_answers() -> None:
     stage = Stage(strict=False)
     stage.join_two()
     for _ in range(4):
@@ -23,7 +23,7 @@ def test_a_body_at_rest_in_the_saved_state_is_not_waited_for_and_comes_back_when
     assert stage.events()[-1] == "back"
 
 
-def test_what_was_latched_for_the_run_before_does_not_act_in_the_new_one() -> None:
+def test_inputs_of_the_earlier_run_do_not_act_in_the_new_one() -> None:
     stage = Stage(pace="realtime")
     stage.join("chair1")
     stage.result("pause")

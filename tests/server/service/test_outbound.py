@@ -17,14 +17,14 @@ from intellwheels_schemas.messages import (
 from tests.server.stage import Stage, real
 
 
-def test_state_and_clock_go_out_sixty_times_a_second_at_most() -> None:
+def test_state_and_clock_are_published_at_most_sixty_times_a_second() -> None:
     stage = Stage(pace="realtime", speed=50.0)
     stage.work(1.0)
     assert stage.tick >= 999
     assert 50 <= len(stage.of("clock")) <= 62
 
 
-def test_the_last_state_before_a_pause_goes_out() -> None:
+def test_last_state_before_a_pause_is_published() -> None:
     stage = Stage(pace="realtime", speed=50.0)
     stage.work(0.503)
     stage.result("pause")
@@ -32,7 +32,7 @@ def test_the_last_state_before_a_pause_goes_out() -> None:
     assert stage.of("clock")[-1].state == "paused"
 
 
-def test_events_are_numbered_and_asked_for() -> None:
+def test_events_are_numbered_and_can_be_asked_for() -> None:
     stage = Stage()
     stage.join("chair1")
     stage.result("pause")
@@ -41,7 +41,7 @@ def test_events_are_numbered_and_asked_for() -> None:
     assert not stage.ask("event", "", parameters={"since": "x"})[0][1]
 
 
-def test_state_and_bodies_are_asked_for_by_late_viewers() -> None:
+def test_late_viewer_can_ask_for_state_and_bodies() -> None:
     stage = Stage()
     stage.join("chair1")
     assert [type(reply) for reply, _ in stage.ask("state", "")] == [WorldState]
@@ -49,7 +49,7 @@ def test_state_and_bodies_are_asked_for_by_late_viewers() -> None:
     assert stage.ask("body", "", matches=lambda name: name == "chair2") == []
 
 
-def test_a_real_chair_is_where_its_bridge_says_and_gets_power_each_tick() -> None:
+def test_real_chair_is_where_its_bridge_says_and_gets_power_each_tick() -> None:
     stage = Stage(pace="realtime", strict=False)
     session = stage.join("chair1", real()).session
     for tick in range(10):
@@ -88,7 +88,7 @@ def test_pause_and_speed_stop_real_chairs() -> None:
     assert stage.of("power", "chair1")[-1].left_motor == 0.0
 
 
-def test_what_a_mind_of_its_own_process_takes_is_told_with_the_body() -> None:
+def test_published_body_has_the_user_input_of_a_mind_in_another_process() -> None:
     stage = Stage(pace="realtime", strict=False)
     stage.join("chair1", real(role="body"))
     assert stage.of("body", "chair1")[-1].robot.user_input == ()

@@ -2,24 +2,24 @@ from __future__ import annotations
 
 import pytest
 
-from intellwheels_server.service.pace import BACKLOG, Metronome, Tachometer
+from intellwheels_server.service.pace import BACKLOG, Metronome, RealTimeFactor
 
 
-def test_deadlines_are_absolute_so_lateness_does_not_add_up() -> None:
+def test_lateness_does_not_add_up() -> None:
     metronome = Metronome(0.05, 1.0)
     metronome.start(10.0)
     for tick in range(1, 101):
-        metronome.began(metronome.due() + 0.004)
+        metronome.begin_tick(metronome.due() + 0.004)
         assert metronome.due() == pytest.approx(10.0 + 0.05 * (tick + 1))
     assert metronome.late == 0
 
 
-def test_a_tick_that_begins_more_than_a_tenth_of_its_time_late_is_counted() -> None:
+def test_tick_that_begins_late_by_more_than_a_tenth_is_counted() -> None:
     metronome = Metronome(0.05, 1.0)
     metronome.start(0.0)
-    metronome.began(0.0549)
+    metronome.begin_tick(0.0549)
     assert metronome.late == 0
-    metronome.began(0.1 + 0.0051)
+    metronome.begin_tick(0.1 + 0.0051)
     assert metronome.late == 1
 
 
@@ -31,31 +31,31 @@ def test_speed_divides_the_interval() -> None:
     assert metronome.due() == pytest.approx(1.1)
 
 
-def test_a_run_that_fell_far_behind_gives_lost_time_up() -> None:
+def test_run_that_is_far_behind_drops_the_lost_time() -> None:
     metronome = Metronome(0.05, 1.0)
     metronome.start(0.0)
-    metronome.began(5.0)
+    metronome.begin_tick(5.0)
     assert metronome.late == 1
     assert metronome.due() == pytest.approx(5.05)
 
 
-def test_a_run_that_is_a_little_behind_catches_up() -> None:
+def test_run_that_is_a_little_behind_catches_up() -> None:
     metronome = Metronome(0.05, 1.0)
     metronome.start(0.0)
-    metronome.began(BACKLOG)
+    metronome.begin_tick(BACKLOG)
     assert metronome.due() == pytest.approx(0.1)
 
 
-def test_the_factor_is_simulated_over_wall_time_of_late() -> None:
-    tachometer = Tachometer(0.05)
-    assert tachometer.factor(0.0) == 0.0
+def test_factor_is_recent_simulated_time_over_wall_time() -> None:
+    factor = RealTimeFactor(0.05)
+    assert factor.value(0.0) == 0.0
     for tick in range(400):
-        tachometer.ticked(tick * 0.0125)
-    assert tachometer.factor(5.0) == pytest.approx(4.0, rel=0.05)
+        factor.count_tick(tick * 0.0125)
+    assert factor.value(5.0) == pytest.approx(4.0, rel=0.05)
 
 
-def test_the_factor_falls_when_no_tick_comes() -> None:
-    tachometer = Tachometer(0.05)
+def test_factor_falls_when_no_tick_comes() -> None:
+    factor = RealTimeFactor(0.05)
     for tick in range(41):
-        tachometer.ticked(tick * 0.05)
-    assert tachometer.factor(60.0) < 0.1
+        factor.count_tick(tick * 0.05)
+    assert factor.value(60.0) < 0.1

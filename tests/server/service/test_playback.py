@@ -34,7 +34,7 @@ def clock(stage: PlayStage) -> Clock:
     return found
 
 
-def test_a_log_is_told_as_the_live_world_told_it(stage: PlayStage, seen: list[Seen]) -> None:
+def test_playback_publishes_what_the_live_world_published(stage: PlayStage, seen: list[Seen]) -> None:
     assert [info.name for info in stage.of("map")] == ["room"]
     assert stage.of("body", "chair1")[-1].roles == ("both",)
     stage.work(10.0)
@@ -49,7 +49,7 @@ def test_a_log_is_told_as_the_live_world_told_it(stage: PlayStage, seen: list[Se
     assert stage.lines == [f"ended tick=35 hash={seen[-1].hash} run={seen[-1].run}"]
 
 
-def test_time_goes_by_the_speed_that_is_asked_for(log: Path, seen: list[Seen]) -> None:
+def test_playback_runs_at_the_requested_speed(log: Path, seen: list[Seen]) -> None:
     stage = PlayStage(log, speed=2.0)
     stage.work(0.51)
     assert stage.tick == 20
@@ -60,7 +60,7 @@ def test_time_goes_by_the_speed_that_is_asked_for(log: Path, seen: list[Seen]) -
     stage.close()
 
 
-def test_a_pause_holds_it_steps_move_it_and_resume_goes_on(stage: PlayStage) -> None:
+def test_pause_stops_steps_move_and_resume_continues(stage: PlayStage) -> None:
     assert stage.result("step", Step(count=2)).code == "incorrect-state"
     assert stage.result("pause").code == "ok"
     tick = stage.tick
@@ -78,7 +78,7 @@ def test_a_pause_holds_it_steps_move_it_and_resume_goes_on(stage: PlayStage) -> 
     assert stage.tick == tick + 8
 
 
-def test_seeking_goes_forth_and_back_and_to_other_runs(stage: PlayStage, seen: list[Seen]) -> None:
+def test_seek_reaches_later_and_earlier_ticks_and_other_runs(stage: PlayStage, seen: list[Seen]) -> None:
     hashes = {one[:2]: one.hash for one in seen}
     stage.result("pause")
     for tick in (45, 12, 31, 25):
@@ -97,11 +97,11 @@ def test_seeking_goes_forth_and_back_and_to_other_runs(stage: PlayStage, seen: l
     assert stage.result("seek", Seek(tick=0, run="f" * 16)).code == "not-found"
 
 
-def test_a_body_that_is_gone_at_the_tick_sought_is_gone(stage: PlayStage) -> None:
+def test_body_that_is_not_here_at_the_sought_tick_is_removed(stage: PlayStage) -> None:
     stage.result("seek", Seek(tick=20))
     assert stage.of("body", "chair2")
     stage.result("seek", Seek(tick=5))
-    assert stage.of("farewell", "chair2")
+    assert stage.of("undeclare", "chair2")
     assert [entity.name for entity in stage.of("state")[-1].entity] == ["chair1"]
     told = len(stage.measures("chair2"))
     stage.work(0.1)
@@ -110,7 +110,7 @@ def test_a_body_that_is_gone_at_the_tick_sought_is_gone(stage: PlayStage) -> Non
     assert len(stage.of("body", "chair2")) == 2
 
 
-def test_events_until_the_tick_sought_are_there_for_who_asks(stage: PlayStage) -> None:
+def test_events_up_to_the_sought_tick_can_be_asked_for(stage: PlayStage) -> None:
     def codes() -> list[str]:
         (reply,) = stage.ask("event", "")
         assert isinstance(reply[0], Events)
@@ -126,7 +126,7 @@ def test_events_until_the_tick_sought_are_there_for_who_asks(stage: PlayStage) -
     assert codes() == ["joined", "joined", "left"]
 
 
-def test_the_end_is_said_and_one_can_go_back_from_it(stage: PlayStage, seen: list[Seen]) -> None:
+def test_end_is_printed_and_seek_can_go_back_from_it(stage: PlayStage, seen: list[Seen]) -> None:
     stage.result("seek", Seek(tick=34, run=seen[-1].run))
     stage.work(1.0)
     assert clock(stage).state == "ended"
@@ -166,12 +166,12 @@ def test_steps_end_with_the_log(stage: PlayStage, seen: list[Seen]) -> None:
         ("restore", b'{"Slot":"s1"}'),
     ],
 )
-def test_a_played_log_cannot_be_steered(stage: PlayStage, verb: str, data: bytes) -> None:
-    before = len(stage.live_run.state.kept)
+def test_playback_refuses_to_be_steered(stage: PlayStage, verb: str, data: bytes) -> None:
+    before = len(stage.live_run.state.saved)
     result = stage.result(verb, data)
     assert (result.code, result.text) == ("unsupported", "a played log cannot be steered")
     assert stage.live_run.state.names == ("chair1",)
-    assert len(stage.live_run.state.kept) == before
+    assert len(stage.live_run.state.saved) == before
 
 
 def test_nobody_joins_leaves_or_drives(stage: PlayStage) -> None:
@@ -186,10 +186,10 @@ def test_nobody_joins_leaves_or_drives(stage: PlayStage) -> None:
     assert [(error.code, error.text) for error in stage.errors("chair1")] == [
         ("not-joined", "actions: a played log cannot be steered")
     ]
-    assert stage.ask("join", "", Robot(), wild=True) == []
+    assert stage.ask("join", "", Robot(), has_wildcards=True) == []
 
 
-def test_who_asks_is_answered_and_quit_ends_it(stage: PlayStage) -> None:
+def test_queries_are_answered_and_quit_ends_the_playback(stage: PlayStage) -> None:
     (floor,) = stage.ask("map", "")
     assert isinstance(floor[0], Map)
     (now,) = stage.ask("clock", "")
@@ -201,14 +201,14 @@ def test_who_asks_is_answered_and_quit_ends_it(stage: PlayStage) -> None:
     stage.live_run.finish(stage.now)
 
 
-def test_it_quits_at_the_end_if_told_to(log: Path, seen: list[Seen]) -> None:
+def test_playback_can_quit_at_the_end(log: Path, seen: list[Seen]) -> None:
     stage = PlayStage(log, speed=100.0, quit_at_end=True)
     stage.work(5.0)
     assert stage.live_run.exit == 0
     stage.close()
 
 
-def test_what_a_bridge_reported_is_told_with_each_state_and_heard_by_nobody_here(tmp_path: Path) -> None:
+def test_reported_poses_are_published_with_each_state_and_ignored_by_the_playback_itself(tmp_path: Path) -> None:
     for name, kind in (("lab", "rear-wheel"), ("ward", real())):
         live = Stage(pace="realtime", strict=False, log=tmp_path / name)
         session = live.join("chair1", kind).session

@@ -1,30 +1,30 @@
 from __future__ import annotations
 
-from intellwheels_server.service.publish_schedule import FASTEST, IDLE, Cadence
+from intellwheels_server.service.publish_schedule import IDLE_INTERVAL, MIN_INTERVAL, PublishSchedule
 
 
-def test_news_goes_out_at_most_sixty_times_a_second() -> None:
-    cadence = Cadence()
+def test_changes_are_published_at_most_sixty_times_a_second() -> None:
+    schedule = PublishSchedule()
     published = 0
     for millisecond in range(1000):
-        cadence.note()
-        published += cadence.ready(millisecond / 1000)
+        schedule.mark_changed()
+        published += schedule.take_due(millisecond / 1000)
     assert 55 <= published <= 60
 
 
-def test_the_last_news_is_never_forgotten() -> None:
-    cadence = Cadence()
-    assert cadence.ready(0.0)
-    cadence.note()
-    assert not cadence.ready(0.001)
-    assert cadence.due() == FASTEST
-    assert cadence.ready(FASTEST)
-    assert not cadence.news
+def test_last_change_is_always_published() -> None:
+    schedule = PublishSchedule()
+    assert schedule.take_due(0.0)
+    schedule.mark_changed()
+    assert not schedule.take_due(0.001)
+    assert schedule.due() == MIN_INTERVAL
+    assert schedule.take_due(MIN_INTERVAL)
+    assert not schedule.changed
 
 
-def test_without_news_it_is_twice_a_second() -> None:
-    cadence = Cadence()
-    assert cadence.ready(0.0)
-    assert cadence.due() == IDLE
-    assert not cadence.ready(0.49)
-    assert cadence.ready(0.5)
+def test_without_changes_it_publishes_twice_a_second() -> None:
+    schedule = PublishSchedule()
+    assert schedule.take_due(0.0)
+    assert schedule.due() == IDLE_INTERVAL
+    assert not schedule.take_due(0.49)
+    assert schedule.take_due(0.5)

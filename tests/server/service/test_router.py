@@ -43,7 +43,7 @@ def router(address: str) -> Iterator["subprocess.Popen[str]"]:
         child.stdout.close()
 
 
-def test_two_clients_meet_at_the_router_and_it_ends_when_told() -> None:
+def test_router_connects_two_clients_and_ends_on_a_signal() -> None:
     address = endpoint()
     heard: list[bytes] = []
     arrived = threading.Event()
@@ -65,23 +65,23 @@ def test_two_clients_meet_at_the_router_and_it_ends_when_told() -> None:
     assert heard[0] == b"hello"
 
 
-def test_printed_configuration_is_one_that_zenoh_takes(capsys: pytest.CaptureFixture[str]) -> None:
+def test_zenoh_accepts_the_printed_configuration(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["--listen", "tcp/0.0.0.0:7000", "--print"]) == 0
     text = capsys.readouterr().out
     assert json.loads(text)["mode"] == "router"
     assert json.loads(zenoh.Config.from_json5(text).get_json("listen/endpoints")) == ["tcp/0.0.0.0:7000"]
 
 
-def test_taken_port_is_said_in_words(capsys: pytest.CaptureFixture[str]) -> None:
+def test_port_in_use_is_reported(capsys: pytest.CaptureFixture[str]) -> None:
     with socket.socket() as taken:
         taken.bind(("127.0.0.1", 0))
         taken.listen()
         address = f"tcp/127.0.0.1:{taken.getsockname()[1]}"
         assert main(["--listen", address]) == 1
-    assert f"iw-router: cannot listen at {address}: it is taken" in capsys.readouterr().err
+    assert f"iw-router: cannot listen at {address}: the port is in use" in capsys.readouterr().err
 
 
-def test_router_is_present_and_nobody_else() -> None:
+def test_world_with_a_router_alone_has_no_simulator_or_agent() -> None:
     address = endpoint()
     with router(address):
         assert present(["--router", "--connect", address]) == 0

@@ -22,7 +22,7 @@ from intellwheels_schemas.messages import (
 )
 from intellwheels_server.log.resimulate import resimulate
 from intellwheels_server.world.changes import SLOTS
-from intellwheels_server.world.kernels.rows import SILENT, TAKEN
+from intellwheels_server.world.kernels import rows
 from tests.server.stage import RUN, Stage, real
 
 SENSING = msgspec.structs.replace(
@@ -55,7 +55,7 @@ def later(stage: Stage, verb: str, message: Any = b"") -> Result:
     return result_of(replies)
 
 
-def test_a_restored_run_goes_as_the_saved_one_went_and_its_log_gives_it_again(tmp_path: Path) -> None:
+def test_restored_run_repeats_the_saved_one_and_its_log_runs_again(tmp_path: Path) -> None:
     stage = Stage(log=tmp_path / "log")
     stage.join_two()
     stage.result("pause")
@@ -79,7 +79,7 @@ def test_a_restored_run_goes_as_the_saved_one_went_and_its_log_gives_it_again(tm
     assert (found.differs, found.hash) == (None, went[-1][1])
 
 
-def test_saves_survive_a_reset_and_the_oldest_makes_room() -> None:
+def test_saved_states_survive_a_reset_and_the_oldest_is_dropped() -> None:
     stage = Stage()
     stage.join("chair1")
     hashes = {}
@@ -89,10 +89,10 @@ def test_saves_survive_a_reset_and_the_oldest_makes_room() -> None:
     later(stage, "reset", Reset(seed="2"))
     assert stage.live_run.state.setup.seed == "2"
     gone = later(stage, "restore", Restore(slot="s2"))
-    assert (gone.code, (gone.text or "").startswith("no slot 's2' here; kept: s3, s4")) == ("not-found", True)
+    assert (gone.code, (gone.text or "").startswith("no slot 's2' here; there are: s3, s4")) == ("not-found", True)
     assert later(stage, "restore", Restore(slot="s3")).hash == hashes["s3"]
     assert stage.live_run.state.setup.seed == "1"
-    assert all(kept.state.kept == () for kept in stage.live_run.state.kept)
+    assert all(saved.state.saved == () for saved in stage.live_run.state.saved)
 
 
 def test_restoring_while_paused_stays_paused() -> None:
@@ -112,7 +112,7 @@ def test_restoring_while_paused_stays_paused() -> None:
     assert stage.of("clock")[-1].state == "paused"
 
 
-def test_who_came_after_the_save_is_told_to_join_again() -> None:
+def test_agent_that_joined_after_the_save_must_join_again() -> None:
     stage = Stage()
     stage.join("chair1")
     later(stage, "save")
@@ -130,7 +130,7 @@ def test_who_came_after_the_save_is_told_to_join_again() -> None:
     assert "chair2" in stage.live_run.state.names
 
 
-def test_the_body_of_who_left_after_the_save_stands_and_is_its_own_again() -> None:
+def test_body_of_an_agent_that_left_after_the_save_waits_for_it() -> None:
     stage = Stage()
     stage.join_two()
     saved = later(stage, "save")
@@ -146,7 +146,7 @@ def test_the_body_of_who_left_after_the_save_stands_and_is_its_own_again() -> No
     assert stage.tick == (saved.tick or 0) + 3
 
 
-def test_another_robot_of_that_name_takes_the_place_of_the_body_that_was_left() -> None:
+def test_another_robot_of_that_name_replaces_the_waiting_body() -> None:
     stage = Stage()
     stage.join_two()
     later(stage, "save")
@@ -154,11 +154,11 @@ def test_another_robot_of_that_name_takes_the_place_of_the_body_that_was_left() 
     stage.ask("leave", "chair2", Leave(session=stage.sessions.pop("chair2")))
     stage.result("restore", Restore(slot="s1"))
     stage.join("chair2", "mid-wheel", instance="c" * 16)
-    assert stage.live_run.state.body_set.figures["chair2"].robot.top_speed == robot("mid-wheel").top_speed
+    assert stage.live_run.state.body_set.models["chair2"].robot.top_speed == robot("mid-wheel").top_speed
     assert stage.events()[-2:] == ["left", "joined"]
 
 
-def test_who_changed_its_robot_after_the_save_is_let_go() -> None:
+def test_agent_that_changed_its_robot_after_the_save_is_removed() -> None:
     stage = Stage()
     stage.join_two()
     later(stage, "save")
@@ -172,7 +172,7 @@ def test_who_changed_its_robot_after_the_save_is_let_go() -> None:
     assert stage.of("clock")[-1].waiting == ()
 
 
-def test_a_mind_of_another_process_stays_and_one_that_the_saved_run_had_not_joins_again() -> None:
+def test_mind_in_another_process_stays_only_if_the_saved_run_had_it() -> None:
     stage = Stage()
     stage.join("chair1", role="body")
     stage.result("pause")
@@ -185,7 +185,7 @@ def test_a_mind_of_another_process_stays_and_one_that_the_saved_run_had_not_join
     assert [error.code for error in stage.errors("chair1")] == ["not-joined"]
 
 
-def test_a_body_deleted_by_an_operator_can_be_restored() -> None:
+def test_body_deleted_by_an_operator_can_be_restored() -> None:
     stage = Stage()
     stage.join("chair1")
     stage.result("pause")
@@ -196,25 +196,25 @@ def test_a_body_deleted_by_an_operator_can_be_restored() -> None:
     assert stage.live_run.digest() == saved.hash
 
 
-def test_a_lease_that_is_over_does_not_come_back() -> None:
+def test_lease_that_has_ended_does_not_come_back() -> None:
     stage = Stage(pace="realtime")
     stage.join("chair1")
     stage.result("pause")
     lease = stage.result("take", Take(agent="chair1", seconds=60.0)).lease
     stage.result("save")
     stage.result("restore", Restore(slot="s1"))
-    assert stage.live_run.state.flags[TAKEN, 0] == 1
+    assert stage.live_run.state.flags[rows.TAKEN, 0] == 1
     stage.result("take", Take(agent="chair1", lease=lease, seconds=0.0))
     stage.result("restore", Restore(slot="s1"))
-    assert stage.live_run.state.flags[TAKEN, 0] == 0
+    assert stage.live_run.state.flags[rows.TAKEN, 0] == 0
     stage.result("save")
     assert stage.result("take", Take(agent="chair1")).code == "ok"
     stage.result("restore", Restore(slot="s2"))
-    assert stage.live_run.state.flags[TAKEN, 0] == 0
+    assert stage.live_run.state.flags[rows.TAKEN, 0] == 0
     assert stage.result("take", Take(agent="chair1")).code == "ok"
 
 
-def test_a_user_who_is_gone_does_not_drive_on_in_a_restored_run() -> None:
+def test_body_of_a_user_who_is_gone_stops_in_a_restored_run() -> None:
     stage = Stage(pace="realtime")
     stage.join("chair1", user_input=("drive",))
     lease = stage.result("take", Take(agent="chair1", seconds=60.0)).lease
@@ -222,14 +222,14 @@ def test_a_user_who_is_gone_does_not_drive_on_in_a_restored_run() -> None:
     stage.work(0.1)
     stage.result("save")
     stage.work(1.0)
-    assert stage.live_run.state.flags[SILENT, 0] == 1
+    assert stage.live_run.state.flags[rows.SILENT, 0] == 1
     stage.result("restore", Restore(slot="s1"))
-    assert stage.live_run.state.flags[SILENT, 0] == 0
+    assert stage.live_run.state.flags[rows.SILENT, 0] == 0
     stage.work(1.0)
-    assert stage.live_run.state.flags[SILENT, 0] == 1
+    assert stage.live_run.state.flags[rows.SILENT, 0] == 1
 
 
-def test_a_real_chair_that_is_stale_in_the_saved_state_is_fresh_again_when_it_reports() -> None:
+def test_real_chair_that_is_stale_in_the_saved_state_is_fresh_when_it_reports() -> None:
     stage = Stage(pace="realtime")
     stage.join("chair1", real())
     stage.work(1.0)
@@ -243,7 +243,7 @@ def test_a_real_chair_that_is_stale_in_the_saved_state_is_fresh_again_when_it_re
     assert stage.events()[-1] == "fresh"
 
 
-def test_the_map_is_told_anew_when_the_saved_run_had_another() -> None:
+def test_map_is_published_again_if_the_saved_run_had_another() -> None:
     stage = Stage()
     stage.result("pause")
     stage.result("save")
@@ -252,7 +252,7 @@ def test_the_map_is_told_anew_when_the_saved_run_had_another() -> None:
     assert [(info.name, info.revision) for info in stage.of("map")[-3:]] == [("room", 0), ("corner", 1), ("room", 2)]
 
 
-def test_a_teleport_and_a_save_in_one_tick_are_given_again_by_the_log(tmp_path: Path) -> None:
+def test_log_repeats_a_teleport_and_a_save_in_one_tick(tmp_path: Path) -> None:
     stage = Stage(log=tmp_path / "log")
     stage.join("chair1", SENSING)
     stage.result("pause")

@@ -7,36 +7,31 @@ def service_of(stage: Stage) -> ServiceState:
     return stage.live_run._service
 
 
-def test_reply_names_run_tick_and_hash_and_cuts_long_words() -> None:
-    service = service_of(Stage())
-    result = service.result("failed", "x" * 2000)
-    assert (result.run, result.tick, result.hash) == (service.state.run, service.state.tick, service.digest())
-    assert result.text == "x" * 1000
-
-
-def test_changes_that_ask_for_changes_are_all_made() -> None:
+def test_queued_changes_that_queue_changes_are_all_made() -> None:
     service = service_of(Stage())
     made: list[str] = []
 
     def first(_now: float) -> None:
         made.append("first")
-        service.later(lambda _now: made.append("second"))
+        service.queue_change(lambda _now: made.append("second"))
 
-    service.later(first)
-    service.change(0.0)
+    service.queue_change(first)
+    service.make_queued_changes(0.0)
     assert made == ["first", "second"]
-    assert not service.pending
+    assert not service.has_queued_changes
 
 
-def test_change_of_the_world_is_kept_for_the_log_and_told() -> None:
-    service = service_of(Stage())
-    service.apply(Note(code="paused"), 0.0)
-    assert service.changes[-1] == Note(code="paused")
-    assert service.state.event_count == 1
+def test_change_of_the_world_is_kept_for_the_log_and_published() -> None:
+    stage = Stage()
+    service = service_of(stage)
+    service.apply(Note(code="paused"))
+    assert service.run.unrecorded[-1] == Note(code="paused")
+    assert stage.events() == ["paused"]
+    assert service.publisher.schedule.changed
 
 
-def test_run_that_is_held_stands() -> None:
-    service = service_of(Stage())
-    service.held = True
-    assert service.stands()
+def test_run_that_waits_for_agents_is_stopped_and_may_change() -> None:
+    service = service_of(Stage(expect=("chair1",)))
+    assert service.missing_agents() == ["chair1"]
+    assert service.is_stopped()
     assert service.may_change()

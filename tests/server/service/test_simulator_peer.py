@@ -37,7 +37,7 @@ from intellwheels_schemas.messages import (
     WorldState,
 )
 from intellwheels_server.service.arrival import Put
-from intellwheels_server.service.simulator_peer import Post
+from intellwheels_server.service.simulator_peer import ArrivalReader
 
 DEADLINE = 20.0
 KEYS = Keys("main")
@@ -176,7 +176,7 @@ def result(session: zenoh.Session, verb: Any, data: bytes | None = None) -> Resu
     return decode(Result, ask(session, KEYS.ctl(verb), data).data)
 
 
-def test_an_agent_joins_answers_20_ticks_leaves_and_the_log_runs_again(tmp_path: Path) -> None:
+def test_agent_joins_answers_20_ticks_and_leaves_and_the_log_runs_again(tmp_path: Path) -> None:
     log = tmp_path / "run.jsonl"
     with serving("--pace", "lockstep", "--expect", "chair1", "--log", str(log)) as server, connected(server) as session:
         client = Client(session)
@@ -201,7 +201,7 @@ def test_an_agent_joins_answers_20_ticks_leaves_and_the_log_runs_again(tmp_path:
     assert again.stdout.startswith(f"same ticks={leave.tick} tick={leave.tick} hash=")
 
 
-def test_each_thing_is_told_in_the_encoding_asked_for() -> None:
+def test_queries_are_answered_in_their_own_encoding() -> None:
     with serving("--pace", "lockstep") as server, connected(server) as session:
         client = Client(session)
         client.join(Encoding.XML)
@@ -216,7 +216,7 @@ def test_each_thing_is_told_in_the_encoding_asked_for() -> None:
         assert decode(Result, refused.data, Encoding.XML).code == "failed"
 
 
-def test_a_world_has_one_simulator() -> None:
+def test_world_has_one_simulator() -> None:
     with serving() as server:
         second = Server(connect=server.endpoint)
         _, errors = second.process.communicate(timeout=DEADLINE)
@@ -225,10 +225,10 @@ def test_a_world_has_one_simulator() -> None:
         third = Server(endpoint=server.endpoint)
         _, errors = third.process.communicate(timeout=DEADLINE)
         assert third.process.returncode == 1
-        assert "is taken" in errors
+        assert "the port is in use" in errors
 
 
-def test_two_of_one_name_are_refused_until_the_first_is_gone() -> None:
+def test_second_agent_of_a_name_is_refused_until_the_first_is_gone() -> None:
     with serving("--grace", "20") as server, connected(server) as session:
         first = Client(session)
         first.join()
@@ -244,7 +244,7 @@ def test_two_of_one_name_are_refused_until_the_first_is_gone() -> None:
             assert answer.ok
 
 
-def test_strangers_bytes_do_no_harm_and_are_told() -> None:
+def test_invalid_bytes_do_no_harm_and_give_errors() -> None:
     with serving() as server, connected(server) as session:
         client = Client(session)
         client.join()
@@ -271,7 +271,7 @@ def test_quit_ends_the_process_and_its_token_goes() -> None:
         assert link.tokens(session, KEYS.alive) == []
 
 
-def test_a_strict_miss_ends_the_process_with_exit_1() -> None:
+def test_missed_answer_ends_a_strict_process_with_exit_1() -> None:
     with serving("--pace", "lockstep", "--deadline", "0.3") as server, connected(server) as session:
         assert server.line().startswith("running tick=0 run=")
         Client(session).join()
@@ -279,7 +279,7 @@ def test_a_strict_miss_ends_the_process_with_exit_1() -> None:
         assert server.process.wait(timeout=DEADLINE) == 1
 
 
-def test_the_lifeline_ends_the_process() -> None:
+def test_closed_lifeline_ends_the_process() -> None:
     reading, writing = os.pipe()
     endpoint = f"tcp/127.0.0.1:{free_port()}"
     process = subprocess.Popen(
@@ -300,14 +300,14 @@ def test_the_lifeline_ends_the_process() -> None:
     [
         (["--map", "nowhere"], "expected one of the floors"),
         (["--world", "Not A Name"], "--world: expected a name"),
-        (["--speed", "2", "--pace", "lockstep"], "only real time has a speed"),
-        (["--open-loop"], "it is for --pace free"),
+        (["--speed", "2", "--pace", "lockstep"], "--speed: expected pace realtime, got lockstep"),
+        (["--open-loop"], "--open-loop: expected pace free, got realtime"),
         (["--period", "7"], "--period: expected seconds"),
         (["--expect", "chair1,Bad"], "--expect"),
         (["--speed", "0"], "expected a number above 0"),
     ],
 )
-def test_wrong_usage_is_exit_2_in_words(options: list[str], text: str, capsys: pytest.CaptureFixture[str]) -> None:
+def test_wrong_usage_exits_with_2(options: list[str], text: str, capsys: pytest.CaptureFixture[str]) -> None:
     from intellwheels_server.__main__ import main
 
     try:
@@ -318,7 +318,7 @@ def test_wrong_usage_is_exit_2_in_words(options: list[str], text: str, capsys: p
     assert text in capsys.readouterr().err
 
 
-def test_help_shows_how_to_begin(capsys: pytest.CaptureFixture[str]) -> None:
+def test_help_has_examples(capsys: pytest.CaptureFixture[str]) -> None:
     from intellwheels_server.__main__ import main
 
     with pytest.raises(SystemExit) as exit_:
@@ -329,9 +329,9 @@ def test_help_shows_how_to_begin(capsys: pytest.CaptureFixture[str]) -> None:
     assert "--resimulate" in shown
 
 
-def test_keys_that_are_nobodys_are_not_remembered() -> None:
-    post = Post(Keys("main"))
+def test_unknown_keys_are_not_remembered() -> None:
+    reader = ArrivalReader(Keys("main"))
     for number in range(10):
-        assert post.open(link.Put(f"iw/v1/main/in/{'x' * 60_000}{number}/actions", b"{}", "")) is None
-    assert post.open(link.Put("iw/v1/main/in/chair1/actions", b"{}", "")) == Put("chair1", "actions", b"{}", "")
-    assert list(post._known) == ["iw/v1/main/in/chair1/actions"]
+        assert reader.read(link.Put(f"iw/v1/main/in/{'x' * 60_000}{number}/actions", b"{}", "")) is None
+    assert reader.read(link.Put("iw/v1/main/in/chair1/actions", b"{}", "")) == Put("chair1", "actions", b"{}", "")
+    assert list(reader._known) == ["iw/v1/main/in/chair1/actions"]

@@ -4,7 +4,7 @@ import pytest
 
 from intellwheels_schemas.codec import encode
 from intellwheels_schemas.messages import Entity
-from intellwheels_server.service.state_parts import PART_BYTES, cut
+from intellwheels_server.service.state_parts import PART_BYTES, split_state
 
 RUN = "0" * 16
 
@@ -16,20 +16,20 @@ def entities(count: int) -> list[Entity]:
 
 
 @pytest.mark.parametrize("count", [0, 1, 100, 700, 1000, 5000])
-def test_parts_hold_everybody_in_order_and_none_is_too_long(count: int) -> None:
+def test_parts_hold_all_entities_in_order_and_none_is_too_long(count: int) -> None:
     everybody = entities(count)
-    parts = cut(RUN, 3, 0.15, everybody)
+    parts = split_state(RUN, 3, 0.15, everybody)
     assert [entity for part in parts for entity in part.entity] == everybody
     assert [part.part for part in parts] == list(range(len(parts)))
     assert all(part.parts == len(parts) for part in parts)
     assert all(len(encode(part)) <= PART_BYTES for part in parts)
 
 
-def test_an_empty_world_is_one_part() -> None:
-    assert len(cut(RUN, 0, 0.0, [])) == 1
+def test_empty_world_is_one_part() -> None:
+    assert len(split_state(RUN, 0, 0.0, [])) == 1
 
 
-def test_parts_are_not_more_than_twice_as_many_as_needed() -> None:
+def test_there_are_at_most_twice_as_many_parts_as_needed() -> None:
     everybody = entities(5000)
-    size = sum(len(encode(part)) for part in cut(RUN, 3, 0.15, everybody))
-    assert len(cut(RUN, 3, 0.15, everybody)) <= 2 * size / PART_BYTES
+    size = sum(len(encode(part)) for part in split_state(RUN, 3, 0.15, everybody))
+    assert len(split_state(RUN, 3, 0.15, everybody)) <= 2 * size / PART_BYTES

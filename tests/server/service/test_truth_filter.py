@@ -4,7 +4,7 @@ import msgspec
 
 from intellwheels_maps import robot
 from intellwheels_schemas.messages import Body, Event, Position, Teleport
-from intellwheels_server.service.truth_filter import nominal, placeless
+from intellwheels_server.service.truth_filter import nominal, without_positions
 from tests.server.stage import Stage
 
 EVENT = Event(
@@ -13,21 +13,21 @@ EVENT = Event(
 CROOKED = msgspec.structs.replace(robot("rear-wheel"), wheel_ratio=1.002, wheel_scale=0.99, track_ratio=1.01)
 
 
-def test_an_event_keeps_who_and_loses_where() -> None:
-    assert placeless(EVENT) == Event(run="0" * 16, tick=3, number=1, code="contact", agent="a", other="wall")
+def test_event_keeps_its_agent_and_loses_its_position() -> None:
+    assert without_positions(EVENT) == Event(run="0" * 16, tick=3, number=1, code="contact", agent="a", other="wall")
 
 
-def test_the_clock_s_speed_is_no_secret() -> None:
+def test_speed_of_the_clock_is_not_hidden() -> None:
     event = Event(run="0" * 16, tick=3, number=1, code="speed", speed=2.0)
-    assert placeless(event) is event
+    assert without_positions(event) is event
 
 
-def test_a_robot_is_told_as_its_data_sheet_has_it() -> None:
+def test_robot_is_published_with_the_figures_of_its_data_sheet() -> None:
     assert nominal(CROOKED) == robot("rear-wheel")
     assert nominal(robot("rear-wheel")) == robot("rear-wheel")
 
 
-def test_a_laboratory_puts_no_state_no_place_and_no_true_figure() -> None:
+def test_laboratory_publishes_no_state_no_position_and_no_true_figure() -> None:
     stage = Stage(pace="realtime", strict=False, hide_truth=True)
     joined = stage.join("chair1", CROOKED)
     for _ in range(20):

@@ -3,17 +3,17 @@ import pytest
 from intellwheels_schemas.errors import RequestRefusedError
 from intellwheels_schemas.messages import Part, Robot
 from intellwheels_server.world.body_set import assemble, body_model_of
-from intellwheels_server.world.kernels.arrays import ANCHORED, HELD, KEY
-from intellwheels_server.world.kernels.motion import ACCELERATION, KEPT, TOP_SPEED, TRACK
+from intellwheels_server.world.kernels.arrays import ANCHORED, EXTERNALLY_POSED, KEY
+from intellwheels_server.world.kernels.motor_model import MOTOR_ACCELERATION, MOTOR_KEPT, MOTOR_TOP_SPEED, MOTOR_TRACK
 from intellwheels_server.world.state import Setup
 from tests.server.worlds import cart, floor_of
 
 
-def test_figure_is_the_robot_as_accepted() -> None:
-    figure = body_model_of("a", cart(format="iw.v1", command_timeout=0.12), Setup(floor=floor_of()))
-    assert (figure.robot.name, figure.robot.format) == ("a", None)
+def test_model_has_the_robot_as_accepted() -> None:
+    model = body_model_of("a", cart(format="iw.v1", command_timeout=0.12), Setup(floor=floor_of()))
+    assert (model.robot.name, model.robot.format) == ("a", None)
     # 0.12 s is over in three steps of 0.05 s.
-    assert figure.timeout == 3
+    assert model.timeout == 3
     assert body_model_of("a", cart(), Setup(floor=floor_of())).timeout == 10
 
 
@@ -34,14 +34,19 @@ def test_arrays_of_a_body_set_are_in_the_order_of_names() -> None:
     )
     assert body_set.names == ("a", "b")
     assert body_set.bodies.part_start.tolist() == [0, 2, 3]
-    assert body_set.bodies.marks[[HELD, ANCHORED]].tolist() == [[1, 0], [1, 0]]
+    assert body_set.bodies.marks[[EXTERNALLY_POSED, ANCHORED]].tolist() == [[1, 0], [1, 0]]
     assert [body_set.by_key[int(key)] for key in body_set.bodies.marks[KEY]] == ["a", "b"]
-    assert body_set.motors[[TRACK, TOP_SPEED, KEPT, ACCELERATION], 1].tolist() == [0.4, 1.0, 0.5, 2.0]
+    assert body_set.motors[[MOTOR_TRACK, MOTOR_TOP_SPEED, MOTOR_KEPT, MOTOR_ACCELERATION], 1].tolist() == [
+        0.4,
+        1.0,
+        0.5,
+        2.0,
+    ]
     assert body_set.limits.tolist() == [[10, 10], [1, 0]]
     assert samples.shape == (0,)
 
 
-def test_an_empty_body_set_is_one_too() -> None:
+def test_body_set_may_be_empty() -> None:
     body_set, _ = assemble({}, Setup(floor=floor_of()), 0, None)
     assert body_set.motors.shape == (8, 0)
     assert body_set.noise.shape == (2, 0)

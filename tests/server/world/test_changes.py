@@ -19,7 +19,7 @@ from intellwheels_server.world.inputs import (
     TakeBody,
     TeleportBody,
 )
-from intellwheels_server.world.kernels.rows import HEADING, LEFT_SPEED, LICENCE, X, Y
+from intellwheels_server.world.kernels import rows
 from tests.server.worlds import box_wall, cart, do, run, world
 
 
@@ -56,10 +56,10 @@ def test_mind_joins_a_body_that_is_here_and_leaves_it_standing() -> None:
     assert outcome.code == "ok"
     assert outcome.robot is not None
     assert outcome.robot.top_speed == 1.0
-    assert state.body_set.figures["a"].wants_user
+    assert state.body_set.models["a"].wants_user
     state, _, _ = do(state, Depart(agent="a", role="mind"))
     assert state.names == ("a",)
-    assert not state.body_set.figures["a"].wants_user
+    assert not state.body_set.models["a"].wants_user
 
 
 def test_columns_follow_their_names_when_bodies_come_and_go() -> None:
@@ -73,7 +73,7 @@ def test_columns_follow_their_names_when_bodies_come_and_go() -> None:
     assert {name: state.numbers[:, i].tolist() for i, name in enumerate(state.names)} == before
 
 
-def test_joins_at_one_tick_do_not_stand_on_each_other() -> None:
+def test_bodies_that_join_at_one_tick_do_not_overlap() -> None:
     _, outputs = apply(world(), [Join(agent="a", robot=cart()), Join(agent="b", robot=cart(0.5))])
     assert [outcome.refused for outcome in outputs.outcomes] == [None, "overlaps"]
     assert outputs.outcomes[1].text == "agent 'b' would overlap agent 'a' at its position"
@@ -98,25 +98,25 @@ def test_teleported_body_is_there_at_once_and_keeps_its_speed() -> None:
     state, outcome, events = do(state, TeleportBody(agent="a", position=Position(x=5.0, y=6.0, heading=1.0)))
     assert outcome.code == "ok"
     assert [event.code for event in events] == ["teleported"]
-    assert state.numbers[[X, Y, HEADING], 0].tolist() == [5.0, 6.0, 1.0]
-    assert state.numbers[LEFT_SPEED, 0] == 1.0
+    assert state.numbers[[rows.X, rows.Y, rows.HEADING], 0].tolist() == [5.0, 6.0, 1.0]
+    assert state.numbers[rows.LEFT_SPEED, 0] == 1.0
     state, outcome, _ = do(state, TeleportBody(agent="a", position=Position(x=5.0, y=6.0, heading=6.0)))
     assert outcome.position is not None
-    assert state.numbers[HEADING, 0] == outcome.position.heading == pytest.approx(6.0 - math.tau, abs=1e-15)
+    assert state.numbers[rows.HEADING, 0] == outcome.position.heading == pytest.approx(6.0 - math.tau, abs=1e-15)
 
 
 def test_command_that_timed_out_while_the_body_was_taken_does_not_come_back() -> None:
     state, _ = run(world({"a": cart()}), 1, {"a": (1.0, 1.0)})
     state, _ = run(state, 20)
-    where = state.numbers[X, 0]
+    where = state.numbers[rows.X, 0]
     state, _, _ = do(state, TakeBody(agent="a"))
     state, _ = run(state, 20)
     state, _, _ = do(state, TakeBody(agent="a", on=False))
     state, _ = run(state, 20)
-    assert state.numbers[X, 0] == where
+    assert state.numbers[rows.X, 0] == where
 
 
-def test_who_leaves_and_comes_back_at_one_tick_has_new_sensors() -> None:
+def test_body_that_leaves_and_returns_at_one_tick_has_new_sensors() -> None:
     robot = cart(encoders=(Encoders(id="wheels", latency=5),))
     state, _ = run(world({"a": robot}), 20, {"a": (1.0, 1.0)})
     assert measures(state, "a").sensors is not None
@@ -124,16 +124,16 @@ def test_who_leaves_and_comes_back_at_one_tick_has_new_sensors() -> None:
     assert measures(state, "a").sensors is None
 
 
-def test_reset_puts_two_that_started_at_one_place_there_and_both_can_leave() -> None:
+def test_reset_returns_two_bodies_to_a_shared_start_and_both_can_leave() -> None:
     state, _ = run(world({"b": cart()}, command_timeout=10.0), 60, {"b": (1.0, 1.0)})
     state, _, _ = do(state, Join(agent="a", robot=cart()))
     state, outcome, _ = do(state, Restart(run="1" * 16, seed="2"))
     assert outcome.code == "ok", outcome.text
-    assert state.numbers[X].tolist() == [0.0, 0.0]
-    assert state.numbers[LICENCE].tolist() == pytest.approx([0.6, 0.6])
+    assert state.numbers[rows.X].tolist() == [0.0, 0.0]
+    assert state.numbers[rows.ALLOWED_PENETRATION].tolist() == pytest.approx([0.6, 0.6])
     state, _ = run(state, 60, {"a": (-1.0, -1.0), "b": (1.0, 1.0)})
-    assert state.numbers[X].tolist() == pytest.approx([-3.0, 3.0])
-    assert state.numbers[LICENCE].tolist() == [0.0, 0.0]
+    assert state.numbers[rows.X].tolist() == pytest.approx([-3.0, 3.0])
+    assert state.numbers[rows.ALLOWED_PENETRATION].tolist() == [0.0, 0.0]
 
 
 def test_teleport_into_something_is_refused_with_the_reason_and_changes_nothing() -> None:
@@ -151,15 +151,15 @@ def test_body_teleported_by_force_may_be_as_deep_as_it_is() -> None:
     state = world({"a": cart()}, [box_wall(5.0, -1.0, 6.0, 1.0)])
     state, outcome, _ = do(state, TeleportBody(agent="a", position=Position(x=4.8, y=0.0, heading=0.0), force=True))
     assert outcome.code == "ok"
-    assert state.numbers[LICENCE, 0] == pytest.approx(0.3, abs=1e-12)
+    assert state.numbers[rows.ALLOWED_PENETRATION, 0] == pytest.approx(0.3, abs=1e-12)
     state, _ = run(state, 20, {"a": (1.0, 1.0)})
-    assert state.numbers[X, 0] == pytest.approx(4.8, abs=1e-9)
+    assert state.numbers[rows.X, 0] == pytest.approx(4.8, abs=1e-9)
     state, _ = run(state, 20, {"a": (-1.0, -1.0)})
-    assert state.numbers[X, 0] == pytest.approx(3.8, abs=1e-9)
-    assert state.numbers[LICENCE, 0] == 0.0
+    assert state.numbers[rows.X, 0] == pytest.approx(3.8, abs=1e-9)
+    assert state.numbers[rows.ALLOWED_PENETRATION, 0] == 0.0
 
 
-def test_real_chair_is_put_by_its_bridge_only() -> None:
+def test_real_chair_cannot_be_teleported() -> None:
     state = world({"a": cart(type="real")})
     _, outcome, _ = do(state, TeleportBody(agent="a", position=Position(x=1.0, y=0.0, heading=0.0)))
     assert outcome.code == "failed"
@@ -171,7 +171,7 @@ def test_real_chair_joins_where_it_says_it_is_whatever_stands_there() -> None:
     state, outcome, _ = do(state, Join(agent="b", robot=cart(0.2, type="real")))
     assert outcome.code == "ok"
     # So deep the two may stay while they part: 0.6 m across is the shortest way out.
-    assert state.numbers[LICENCE, state.body_set.index["b"]] == pytest.approx(0.6)
+    assert state.numbers[rows.ALLOWED_PENETRATION, state.body_set.index["b"]] == pytest.approx(0.6)
 
 
 @pytest.mark.parametrize(
@@ -184,12 +184,12 @@ def test_real_chair_joins_where_it_says_it_is_whatever_stands_there() -> None:
         Speech(text="hi", to="x"),
     ],
 )
-def test_change_to_nobody_is_not_found(change: Change) -> None:
+def test_change_of_an_unknown_body_is_not_found(change: Change) -> None:
     _, outcome, events = do(world(), change)
     assert (outcome.code, outcome.text, events) == ("not-found", "no agent 'x' here", ())
 
 
-def test_operator_is_heard_everywhere_or_by_one() -> None:
+def test_operator_is_heard_by_all_or_by_one() -> None:
     state = world({"a": cart(), "b": cart(100.0)})
     state, _ = apply(state, [Speech(text="all"), Speech(text="only b", to="b")])
     # The measures of this tick may be out already: who speaks between two ticks is heard at the next.
@@ -220,7 +220,7 @@ def test_every_change_can_be_written_and_read_again() -> None:
     assert msgspec.json.decode(msgspec.json.encode(change), type=Change) == change
 
 
-def test_robot_that_asks_for_the_truth_is_refused_where_it_is_not_told() -> None:
+def test_truth_sensor_is_refused_where_truth_is_not_allowed() -> None:
     from intellwheels_schemas.messages import Truth
 
     robot = cart(truth=(Truth(id="t"),))

@@ -5,7 +5,7 @@ from intellwheels_maps import robot
 from intellwheels_schemas.codec import decode, encode
 from intellwheels_schemas.messages import Event, Part, Position
 from intellwheels_server.world import entities, measures
-from intellwheels_server.world.kernels.rows import CONTACTS
+from intellwheels_server.world.kernels import rows
 from tests.server.worlds import box_wall, cart, run, world
 
 
@@ -34,7 +34,7 @@ def test_body_that_is_hit_is_in_contact_and_did_not_collide() -> None:
     assert (second.contacts, second.collision, second.contact) == (1, False, True)
 
 
-def test_event_is_about_who_ran_into_the_other_whatever_their_names() -> None:
+def test_event_names_the_body_that_ran_into_the_other_first() -> None:
     state = world({"a": cart(1.5), "b": cart()})
     _, events = run(state, 15, {"b": (1.0, 1.0)})
     assert (events[0].agent, events[0].other) == ("b", "a")
@@ -56,10 +56,10 @@ def test_touching_again_within_the_pause_counts_once_and_after_it_twice() -> Non
     state, _ = run(state, 6, {"a": (0.6, 0.6)})
     state, _ = run(state, 2, {"a": (-0.1, -0.1)})
     state, _ = run(state, 6, {"a": (0.6, 0.6)})
-    assert state.flags[CONTACTS, 0] == 1
+    assert state.flags[rows.CONTACTS, 0] == 1
     state, _ = run(state, 10, {"a": (-0.1, -0.1)})
     state, _ = run(state, 6, {"a": (0.6, 0.6)})
-    assert state.flags[CONTACTS, 0] == 2
+    assert state.flags[rows.CONTACTS, 0] == 2
 
 
 def test_episode_of_a_body_that_left_is_forgotten() -> None:
@@ -118,7 +118,7 @@ def test_upper_body_of_a_chair_hits_a_table_s_top_under_which_its_base_has_gone(
     assert x + base.x + base.length / 2 > edge + 0.1
 
 
-def test_touch_beyond_the_edge_of_the_world_is_told_at_the_edge() -> None:
+def test_touch_beyond_the_edge_of_the_world_is_reported_at_the_edge() -> None:
     state = world({"a": cart(10_000.0), "b": cart(10_000.0, 0.7, heading=0.1)})
     _, events = run(state, 5, {"b": (0.5, -0.5)})
     event = next(event for event in events if event.code == "contact")

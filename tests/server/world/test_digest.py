@@ -6,7 +6,7 @@ import numpy as np
 
 from intellwheels_schemas.messages import Compass, Odometry
 from intellwheels_server.world import digest, map_hash
-from intellwheels_server.world.kernels.rows import FLAG_ROWS, NUMBER_ROWS, Y
+from intellwheels_server.world.kernels import rows
 from tests.server.worlds import box_wall, cart, floor_of, run, world
 
 
@@ -15,7 +15,7 @@ def test_hash_is_blake2b_64_over_tick_numbers_and_flags_of_each_body_in_turn() -
     values = [2.0]
     for i in range(2):
         values += [*state.numbers[:, i], *state.flags[:, i].astype(float)]
-    assert len(values) == 1 + 2 * (NUMBER_ROWS + FLAG_ROWS)
+    assert len(values) == 1 + 2 * (rows.NUMBER_ROWS + rows.FLAG_ROWS)
     packed = struct.pack(f"<{len(values)}d", *(value + 0.0 for value in values))
     assert digest(state) == hashlib.blake2b(packed, digest_size=8).hexdigest()
 
@@ -36,8 +36,8 @@ def test_minus_zero_counts_as_zero() -> None:
     state = world({"a": cart()})
     before = digest(state)
     numbers = state.numbers.copy()
-    numbers[Y, 0] = -0.0
-    assert np.signbit(numbers[Y, 0])
+    numbers[rows.Y, 0] = -0.0
+    assert np.signbit(numbers[rows.Y, 0])
     assert digest(msgspec.structs.replace(state, numbers=numbers)) == before
 
 

@@ -27,6 +27,6 @@ def test_end_is_met_when_every_reach_is(end: End, reason: str | None) -> None:
     assert end_reason(world({"a": cart()}, floor=FLOOR), end) == reason
 
 
-def test_place_that_is_not_on_the_floor_is_refused_in_words() -> None:
+def test_place_that_is_not_on_the_floor_is_refused() -> None:
     with pytest.raises(RequestRefusedError, match="no place 'moon'"):
         end_reason(world({"a": cart()}, floor=FLOOR), End(reach=(reach(place="moon"),)))

@@ -31,7 +31,7 @@ def test_say_is_heard_within_its_range_with_its_distance() -> None:
 
 
 @pytest.mark.parametrize(("top", "kept"), [(2.5, True), (1.1, False)])
-def test_wall_keeps_a_say_from_being_heard_where_it_is_as_high_as_a_voice(*, top: float, kept: bool) -> None:
+def test_wall_as_high_as_a_mouth_stops_speech(*, top: float, kept: bool) -> None:
     wall = box_wall(1.9, -1.0, 2.1, 1.0)
     wall = type(wall)(height=top, corner=wall.corner)
     robots = {"a": cart(), "b": cart(4.0), "c": cart(4.0, 4.0)}
@@ -45,7 +45,7 @@ def _leaf(heading: float) -> Any:
     return cart(2.0, -0.5, heading, kind="door", length=1.2, width=0.1, center=0.0, top=2.0)
 
 
-def test_closed_door_keeps_a_say_and_an_open_one_does_not() -> None:
+def test_closed_door_stops_speech_and_an_open_one_does_not() -> None:
     for heading, hears in ((math.pi / 2, []), (-math.pi / 2, ["a at 0"])):
         robots = {"a": cart(), "b": cart(4.0), "door": _leaf(heading)}
         state = _say(world(robots, say_walls=True), "a")
@@ -53,7 +53,7 @@ def test_closed_door_keeps_a_say_and_an_open_one_does_not() -> None:
         assert _hears(state, "door") == ["a at 0"]
 
 
-def test_door_is_heard_and_other_bodies_are_in_no_ones_way() -> None:
+def test_door_itself_is_heard_and_other_bodies_do_not_stop_speech() -> None:
     robots = {"a": cart(), "b": cart(4.0), "door": _leaf(math.pi / 2), "person": cart(1.2, kind="person")}
     state = _say(world(robots, say_walls=True), "door")
     assert _hears(state, "a") == _hears(state, "b") == ["door at 0"]
@@ -73,7 +73,7 @@ def test_say_is_late_by_the_delay_in_whole_ticks() -> None:
         assert found == expected
 
 
-def test_who_left_is_still_heard_from_where_it_was_and_a_reset_ends_it() -> None:
+def test_agent_that_left_is_still_heard_until_a_reset() -> None:
     state = _say(world({"a": cart(), "b": cart(4.0)}, say_delay=0.1, say_walls=True), "a")
     state, _, _ = do(state, Depart(agent="a"))
     late, _ = run(state, 2)
@@ -101,7 +101,7 @@ def _missed(loss: float, seed: str, robots: dict[str, Any]) -> list[bool]:
     return found
 
 
-def test_listener_misses_its_share_by_the_seed_whoever_else_is_there() -> None:
+def test_missed_messages_follow_from_the_seed_whoever_else_is_there() -> None:
     pair = {"a": cart(), "b": cart(4.0)}
     missed = _missed(0.3, "1", pair)
     assert sum(missed) == pytest.approx(90, abs=32)  # four standard deviations
@@ -111,7 +111,7 @@ def test_listener_misses_its_share_by_the_seed_whoever_else_is_there() -> None:
     assert all(_missed(1.0, "1", pair))
 
 
-def test_listeners_miss_on_their_own() -> None:
+def test_listeners_miss_messages_independently() -> None:
     state = world({"a": cart(), "b": cart(4.0), "c": cart(0.0, 4.0)}, say_loss=0.5)
     alike = 0
     for _ in range(200):

@@ -2,10 +2,10 @@ import math
 
 import pytest
 
-from intellwheels_schemas.codec import decode, encode
-from intellwheels_schemas.messages import Actions, Pose, WorldState
+from intellwheels_schemas.codec import Encoding, decode, encode
+from intellwheels_schemas.messages import Actions, Measures, MotorState, Pose, WorldState
 from intellwheels_server.world import advance, entities, measures, power_in_force
-from intellwheels_server.world.inputs import Inputs
+from intellwheels_server.world.inputs import Inputs, TakeBody, Verdict
 from tests.server.worlds import cart, run, world
 
 
@@ -27,7 +27,7 @@ def test_robot_may_ask_for_its_own_time_out() -> None:
     assert entities(state)[0].x == pytest.approx(0.1)
 
 
-def test_time_out_is_told_once_and_again_after_the_next_command() -> None:
+def test_time_out_is_reported_once_per_command() -> None:
     state = world({"a": cart()})
     codes = []
     for _ in range(2):
@@ -37,18 +37,45 @@ def test_time_out_is_told_once_and_again_after_the_next_command() -> None:
     assert codes == [["timeout"], ["timeout"]]
 
 
-def test_what_has_no_motors_times_never_out() -> None:
+def test_body_without_motors_never_times_out() -> None:
     state, events = run(world({"a": cart(top_speed=0.0)}), 30)
     assert entities(state)[0].state == "drive"
     assert not events
 
 
-def test_who_is_not_here_has_no_measures() -> None:
+@pytest.mark.parametrize("encoding", [Encoding.JSON, Encoding.XML])
+@pytest.mark.parametrize(
+    ("inputs", "told"),
+    [
+        (Inputs(verdicts=(Verdict(agent="a", code="rested"),)), "rested"),
+        (Inputs(verdicts=(Verdict(agent="a", code="stale"),)), "stale"),
+        (Inputs(verdicts=(Verdict(agent="a", code="halt"),)), "paused"),
+        (Inputs(changes=(TakeBody(agent="a"),)), "taken"),
+    ],
+)
+def test_agent_is_told_why_its_body_does_not_obey(inputs: Inputs, told: MotorState, encoding: Encoding) -> None:
+    state, _ = advance(world({"a": cart(type="real")}), Inputs(actions={"a": Actions(left_motor=0.5, right_motor=0.5)}))
+    state, _ = advance(state, inputs)
+    message = decode(Measures, encode(measures(state, "a"), encoding), encoding)
+    assert message.state == told
+    assert message.state == entities(state)[0].state == power_in_force(state, "a").state
+
+
+def test_agent_whose_commands_are_too_old_is_told_and_one_that_drives_is_not() -> None:
+    state, _ = advance(world({"a": cart()}), Inputs(actions={"a": Actions(left_motor=0.5, right_motor=0.5)}))
+    assert b"State" not in encode(measures(state, "a"))
+    state, _ = run(state, 10)
+    assert b'"State":"timeout"' in encode(measures(state, "a"))
+    state, _ = advance(state, Inputs(actions={"a": Actions(left_motor=0.5, right_motor=0.5)}))
+    assert b"State" not in encode(measures(state, "a"))
+
+
+def test_unknown_body_has_no_measures() -> None:
     with pytest.raises(KeyError):
         measures(world(), "a")
 
 
-def test_pose_that_jumps_is_told_with_a_speed_the_wire_can_carry() -> None:
+def test_speed_after_a_jump_is_limited_to_the_range_of_a_message() -> None:
     state = world({"a": cart(type="real")})
     state, _ = advance(state, Inputs(poses={"a": Pose(x=10_000.0, y=-10_000.0, heading=3.0)}))
     (entity,) = entities(state)
@@ -57,6 +84,6 @@ def test_pose_that_jumps_is_told_with_a_speed_the_wire_can_carry() -> None:
     assert abs(entity.speed) == 100.0
 
 
-def test_heading_is_told_in_its_range_though_it_is_rounded() -> None:
+def test_rounded_heading_stays_in_its_range() -> None:
     for heading in (math.pi, -math.pi + 1e-9):
         assert entities(world({"a": cart(heading=heading)}))[0].heading == math.pi

@@ -6,7 +6,7 @@ from intellwheels_schemas.errors import RequestRefusedError
 from intellwheels_schemas.messages import Map, Place, Position, Robot
 from intellwheels_server.world.body_set import body_model_of
 from intellwheels_server.world.map_geometry import walls_of
-from intellwheels_server.world.placement import Crowd, place, places_for, position_of
+from intellwheels_server.world.placement import OccupiedSpace, place, places_for, position_of
 from intellwheels_server.world.state import Setup
 from tests.server.worlds import box_wall, cart, floor_of
 
@@ -17,16 +17,16 @@ PLACES = (
 )
 
 
-def put(robot: Robot, floor: Map, crowd: Crowd | None = None) -> Position:
-    figure = body_model_of("a", robot, Setup(floor=floor))
-    return place(figure, floor, crowd or Crowd(walls_of(floor), floor))
+def put(robot: Robot, floor: Map, space: OccupiedSpace | None = None) -> Position:
+    model = body_model_of("a", robot, Setup(floor=floor))
+    return place(model, floor, space or OccupiedSpace(walls_of(floor), floor))
 
 
-def crowd_with(floor: Map, *positions: tuple[float, float]) -> Crowd:
-    crowd = Crowd(walls_of(floor), floor)
+def space_with(floor: Map, *positions: tuple[float, float]) -> OccupiedSpace:
+    space = OccupiedSpace(walls_of(floor), floor)
     for k, (x, y) in enumerate(positions):
-        crowd.add(f"b{k}", body_model_of(f"b{k}", cart(), Setup(floor=floor)), x, y, 0.0)
-    return crowd
+        space.add(f"b{k}", body_model_of(f"b{k}", cart(), Setup(floor=floor)), x, y, 0.0)
+    return space
 
 
 def test_place_comes_before_position_and_position_before_the_first_free() -> None:
@@ -38,35 +38,35 @@ def test_place_comes_before_position_and_position_before_the_first_free() -> Non
 
 def test_first_free_place_is_one_for_the_kind_where_nobody_stands() -> None:
     floor = floor_of((), PLACES)
-    crowd = crowd_with(floor, (5.5, 0.2))
-    assert put(cart(position=None), floor, crowd).x == 8.0
-    crowd = crowd_with(floor, (5.5, 0.2), (8.0, 0.0))
+    space = space_with(floor, (5.5, 0.2))
+    assert put(cart(position=None), floor, space).x == 8.0
+    space = space_with(floor, (5.5, 0.2), (8.0, 0.0))
     with pytest.raises(RequestRefusedError) as refusal:
-        put(cart(position=None), floor, crowd)
+        put(cart(position=None), floor, space)
     assert refusal.value.code == "no-place"
     assert "no free place for a wheelchair on floor 'test'" in refusal.value.text
 
 
-def test_unknown_place_is_refused_with_those_there_are() -> None:
+def test_unknown_place_is_refused_with_the_places_there_are() -> None:
     with pytest.raises(RequestRefusedError) as refusal:
         put(cart(place="third"), floor_of((), PLACES))
     assert refusal.value.text == "no place 'third' on floor 'test': there are bed, first, second"
 
 
-def test_place_taken_is_refused_naming_who_stands_there() -> None:
+def test_occupied_place_is_refused_with_the_name_of_the_occupant() -> None:
     floor = floor_of([box_wall(0.2, -1.0, 1.0, 1.0)], PLACES)
     for robot, words in [
         (cart(place="first"), "agent 'a' would overlap agent 'b0' at place 'first'"),
         (cart(), "agent 'a' would overlap wall 1 at its position"),
     ]:
         with pytest.raises(RequestRefusedError) as refusal:
-            put(robot, floor, crowd_with(floor, (5.5, 0.2)))
+            put(robot, floor, space_with(floor, (5.5, 0.2)))
         assert (refusal.value.code, refusal.value.text) == ("overlaps", words)
 
 
 def test_touching_is_not_overlapping() -> None:
     floor = floor_of([box_wall(0.5, -1.0, 1.0, 1.0)])
-    assert put(cart(), floor, crowd_with(floor, (-1.0, 0.0))).x == 0.0
+    assert put(cart(), floor, space_with(floor, (-1.0, 0.0))).x == 0.0
 
 
 def test_real_chair_is_where_it_is() -> None:
@@ -92,9 +92,9 @@ def test_heading_of_a_place_is_in_its_range(degrees: float, heading: float) -> N
 
 def test_depth_is_that_of_the_deepest_thing() -> None:
     floor = floor_of([box_wall(0.4, -1.0, 1.4, 1.0)])
-    crowd = crowd_with(floor, (0.0, 0.0), (-0.7, 0.0))
-    assert crowd.depth_at("b0") == pytest.approx(0.3, abs=1e-12)
-    assert crowd.in_the_way("b0") == "agent 'b1'"
-    crowd.remove("b1")
-    assert crowd.depth_at("b0") == pytest.approx(0.1, abs=1e-12)
-    assert crowd.in_the_way("b0") == "wall 1"
+    space = space_with(floor, (0.0, 0.0), (-0.7, 0.0))
+    assert space.depth_at("b0") == pytest.approx(0.3, abs=1e-12)
+    assert space.overlap_of("b0") == "agent 'b1'"
+    space.remove("b1")
+    assert space.depth_at("b0") == pytest.approx(0.1, abs=1e-12)
+    assert space.overlap_of("b0") == "wall 1"

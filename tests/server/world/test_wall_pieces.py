@@ -50,7 +50,7 @@ def test_pieces_of_a_solid_are_convex_and_cover_it_without_overlap(corners: list
     assert unary_union(pieces).symmetric_difference(Polygon(corners)).area < 1e-12
 
 
-def test_random_star_shapes_are_cut_without_rest() -> None:
+def test_pieces_of_random_star_shapes_cover_them_exactly() -> None:
     rng = np.random.default_rng(3)
     for _ in range(40):
         angles = np.sort(rng.uniform(0, 2 * math.pi, 12))
@@ -161,7 +161,7 @@ def test_large_floor_gets_larger_cells() -> None:
         (Solid([(0, 0), (1, 0), (1, 1e-200)], 0, 1), "wall 0: expected corners at least 1e-09 m apart, got "),
     ],
 )
-def test_wall_that_is_none_is_refused_in_words(wall: Solid | Line, words: str) -> None:
+def test_impossible_wall_is_refused_with_the_reason(wall: Solid | Line, words: str) -> None:
     with pytest.raises(ValueError, match=words[:-1] if words.endswith(" ") else f"^{words}$"):
         walls_from([wall])
 

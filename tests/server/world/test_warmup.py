@@ -26,7 +26,7 @@ with event.install_recorder("numba:compile") as compiled:
     state, _ = apply(state, joins)
     here = [name for name in state.names]
     if len(here) > 1:
-        at = state.body_set.figures[here[0]].start
+        at = state.body_set.models[here[0]].start
         there = Position(x=at.x + 0.3, y=at.y, heading=1.0)
         state, _ = apply(state, [TeleportBody(agent=here[1], position=there, force=True)])
     for _ in range(100):
@@ -38,7 +38,7 @@ print(len(here), len(compiled.buffer))
 """
 
 
-def test_after_warming_nothing_is_compiled_any_more() -> None:
+def test_nothing_is_compiled_after_the_warm_up() -> None:
     done = subprocess.run([sys.executable, "-c", PROGRAM], capture_output=True, text=True, timeout=300, check=False)
     assert done.returncode == 0, done.stderr
     here, compiled = done.stdout.split()

@@ -19,7 +19,7 @@ from intellwheels_schemas.messages import (
 )
 from intellwheels_server.world import advance, apply, digest, entities, measures
 from intellwheels_server.world.inputs import GoOn, Inputs, Join, Restart, TakeBody
-from intellwheels_server.world.kernels.rows import HEADING, X, Y
+from intellwheels_server.world.kernels import rows
 from tests.server.worlds import RUN, box_wall, cart, do, floor_of, run, world
 
 
@@ -35,10 +35,10 @@ def test_measures_of_tick_t_describe_the_state_after_t_steps() -> None:
     state, _ = run(state, 3, {"a": (1.0, 1.0)})
     assert measures(state, "a").tick == 3
     assert measures(state, "a").time == pytest.approx(0.15)
-    assert state.numbers[X, 0] == pytest.approx(0.15, abs=1e-12)
+    assert state.numbers[rows.X, 0] == pytest.approx(0.15, abs=1e-12)
 
 
-def test_advance_leaves_the_state_it_was_given_alone() -> None:
+def test_advance_does_not_change_its_argument() -> None:
     state = world({"a": cart(proximity=(front(),)), "b": cart(2.0)})
     before = digest(state)
     numbers = state.numbers.copy()
@@ -80,9 +80,9 @@ def test_hash_does_not_depend_on_the_run_s_name() -> None:
     assert digest(state) == digest(msgspec.structs.replace(state, run="f" * 16))
 
 
-def test_state_that_is_no_number_is_a_bug_and_says_so() -> None:
+def test_state_with_a_number_that_is_not_finite_is_a_bug() -> None:
     state = world({"a": cart()})
-    state.numbers[X, 0] = np.nan
+    state.numbers[rows.X, 0] = np.nan
     with pytest.raises(FloatingPointError, match="expected finite numbers"):
         digest(state)
 
@@ -127,7 +127,7 @@ def test_agent_that_is_not_here_has_reached_nothing() -> None:
     assert events[-1].text.startswith("timeout")
 
 
-def test_reset_puts_bodies_at_their_starts_in_a_new_run_that_repeats() -> None:
+def test_reset_begins_a_new_run_that_repeats_the_first() -> None:
     state = world({"a": cart(motor_noise=0.05, encoders=(Encoders(id="w"),))})
     first, _ = run(state, 30, {"a": (1.0, 0.8)})
     state, outcome, events = do(first, Restart(run="fedcba9876543210", seed="1"))
@@ -138,7 +138,7 @@ def test_reset_puts_bodies_at_their_starts_in_a_new_run_that_repeats() -> None:
     assert digest(again) == digest(first)
 
 
-def test_load_puts_another_floor_in_and_counts_revisions() -> None:
+def test_load_replaces_the_floor_and_counts_revisions() -> None:
     state = world({"a": cart()})
     other = floor_of([box_wall(5.0, -1.0, 6.0, 1.0)], [Place(name="spot", x=2.0, y=0.5, heading_deg=90.0)])
     state, outcome, events = do(state, Restart(run=RUN, seed="2", map=other))
@@ -156,17 +156,17 @@ def test_load_of_a_floor_without_room_changes_nothing() -> None:
     assert digest(state) == before
 
 
-def test_taken_body_obeys_its_user_and_given_back_its_mind() -> None:
+def test_taken_body_obeys_its_user_and_a_released_one_its_mind() -> None:
     state = world({"a": cart()})
     state, _, events = do(state, TakeBody(agent="a"))
     assert [event.code for event in events] == ["taken"]
     state, _ = run(state, 5, {"a": (1.0, 1.0)})
-    assert state.numbers[X, 0] == 0.0
+    assert state.numbers[rows.X, 0] == 0.0
     assert entities(state)[0].state == "taken"
     state, _, events = do(state, TakeBody(agent="a", on=False))
     assert [event.code for event in events] == ["released"]
     state, _ = run(state, 1, {"a": (1.0, 1.0)})
-    assert state.numbers[X, 0] == pytest.approx(0.05)
+    assert state.numbers[rows.X, 0] == pytest.approx(0.05)
 
 
 def test_nothing_to_apply_changes_nothing() -> None:
@@ -198,7 +198,7 @@ def test_positions_in_the_world_s_state_are_rounded_and_in_the_order_of_names() 
     assert [(one.name, one.x) for one in entities(state)] == [("a", 3.0), ("b", 0.123457)]
 
 
-def test_join_refused_leaves_no_trace() -> None:
+def test_refused_join_changes_nothing() -> None:
     state = world({"a": cart()})
     before = digest(state)
     for robot, code in [
@@ -215,6 +215,6 @@ def test_pose_after_a_quarter_turn_in_place() -> None:
     state = world({"a": cart()})
     # Wheels at -v and v turn by 2 v T / track a tick: 0.5 rad/s at v = 0.125 m/s.
     state, _ = run(state, 20, {"a": (-0.125, 0.125)})
-    assert state.numbers[HEADING, 0] == pytest.approx(0.5, abs=1e-12)
-    assert (state.numbers[X, 0], state.numbers[Y, 0]) == (0.0, 0.0)
+    assert state.numbers[rows.HEADING, 0] == pytest.approx(0.5, abs=1e-12)
+    assert (state.numbers[rows.X, 0], state.numbers[rows.Y, 0]) == (0.0, 0.0)
     assert Position(x=0.0, y=0.0, heading=0.0) is not None

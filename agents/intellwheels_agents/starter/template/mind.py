@@ -1,11 +1,11 @@
-"""A chair that drives where there is room: make it yours.
+"""A chair that drives where there is room. Change it as you like.
 
-`decide` is asked once a tick, 20 times a simulated second, with what the sensors of `robot.xml` measure.
+`decide` is called once a tick, 20 times a simulated second, with the readings of the sensors in `robot.xml`.
 """
 
 from intellwheels_agents import Actions, Context, Measures
 
-FAR = 4.0  # m: nothing is in sight
+FAR = 4.0  # m: the sensors' range, for a sensor that sees nothing
 
 
 class Mind:
@@ -13,15 +13,15 @@ class Mind:
         self.power = context.options.number("power", 0.5, 0.0, 1.0)
 
     def decide(self, measures: Measures) -> Actions:
-        see = {"left": FAR, "front": FAR, "right": FAR}
+        ranges = {"left": FAR, "front": FAR, "right": FAR}
         for reading in measures.sensors.proximity if measures.sensors else ():
             if reading.value is not None:
-                see[reading.id] = reading.value
+                ranges[reading.id] = reading.value
             elif reading.status == "near":
-                see[reading.id] = 0.0
-        room = min(see.values())
-        if room < 0.8:  # slowly round, in place, until the way is free
+                ranges[reading.id] = 0.0
+        clearance = min(ranges.values())
+        if clearance < 0.8:  # turn slowly in place until the way is free
             return Actions(left_motor=-0.15, right_motor=0.15)
-        forward = self.power * min(1.0, room - 0.5)
-        bend = 0.05 * (see["left"] - see["right"])
-        return Actions(left_motor=forward - bend, right_motor=forward + bend)
+        forward = self.power * min(1.0, clearance - 0.5)
+        turn = 0.05 * (ranges["left"] - ranges["right"])
+        return Actions(left_motor=forward - turn, right_motor=forward + turn)

@@ -1,7 +1,7 @@
-"""Tests of the mind: each starts a simulator and the chair, as processes of their own. Run them with `pytest`."""
+"""Tests of the mind. Each starts a simulator and the chair as separate processes. Run them with `pytest`."""
 
 
-def test_chair_gets_somewhere_and_touches_nothing(intellwheels):
+def test_chair_crosses_the_room_without_contact(intellwheels):
     sim = intellwheels(scene="scene.xml")
     sim.cast()
     sim.run_until(lambda now: now["chair1"].x > 4.0, seconds=15.0)
@@ -16,7 +16,7 @@ def test_chair_turns_away_from_a_wall(intellwheels):
     assert sim.contacts == []
 
 
-def test_chair_without_its_mind_comes_to_rest(intellwheels):
+def test_chair_stops_when_its_mind_is_killed(intellwheels):
     sim = intellwheels(floor="corner", pace="realtime")
     sim.agent("chair1", mind="mind.py", robot="robot.xml", place="leader")
     sim.run_until(lambda now: now["chair1"].speed > 0.1, seconds=5.0)

@@ -1,9 +1,12 @@
 """The arrays that kernels work on: what each row and column of a block means.
 
-Numbers of one sort are packed into one block, since calling a compiled function costs a tenth of a
-microsecond per array. Blocks of bodies have a row for each quantity and a column for each body
-(`POSE[X, i]`); blocks of parts, wall pieces and edges have a row for each thing. Lengths are metres, angles
-radians, in the world's frame unless said otherwise.
+Numbers of one sort are packed into one block, since calling a compiled function from Python costs a tenth of a
+microsecond for each array. Blocks of bodies have a row for each quantity and a column for each body. Blocks of parts,
+wall pieces and edges have a row for each thing. A pose block, float64[3, n], has the rows `X`, `Y` and `HEADING` of
+`rows`, which come first in the state. Lengths are metres, angles radians, in the world's frame unless said otherwise.
+
+A name of a row or a column stands for one index in all of `kernels`. The rows of the state are written with their
+module, `rows.SPEED`.
 """
 
 import hashlib
@@ -17,19 +20,16 @@ import numpy.typing as npt
 Floats: TypeAlias = npt.NDArray[np.float64]
 Ints: TypeAlias = npt.NDArray[np.int64]
 
-# Rows of a pose block, float64[3, n]: centre of movement and heading in (-pi, pi].
-X, Y, HEADING = 0, 1, 2
-
 # Rows of a twist block, float64[2, n]: travel along the arc, forward, and turn, anticlockwise, of one tick.
 TRAVEL, TURN = 0, 1
 
 # Rows of an outcome block, float64[6, n]: the pose after the tick, forward travel and turn achieved, and
-# the licence after it.
-END_X, END_Y, END_HEADING, FORWARD, TURNED, LICENCE = 0, 1, 2, 3, 4, 5
+# the allowed penetration after it.
+END_X, END_Y, END_HEADING, FORWARD, TURNED, END_ALLOWED = 0, 1, 2, 3, 4, 5
 
 # Rows of an outcome's flags, int64[4, n]: did not get all it proposed; wheels stop; was in the way of itself (its own
 # motion led into something); touched something or was touched.
-BLOCKED, STALLED, COLLISION, CONTACT = 0, 1, 2, 3
+BLOCKED, STALLED, COLLIDED, TOUCHED = 0, 1, 2, 3
 
 # Columns of a hit block, int64[hits, 6]: body; other body, or -2 for a wall; index of the wall, or -1; part of the
 # body; part of the other, or wall piece; who collided (1 the body, 2 the other, 3 both).
@@ -46,9 +46,9 @@ PART_X, PART_Y, HALF_LENGTH, HALF_WIDTH, BOTTOM, TOP = 0, 1, 2, 3, 4, 5
 # Rows of a shape block, float64[4, n]: farthest corner from the centre of movement, z range, least thickness of a part.
 RADIUS, LOWEST, HIGHEST, THICKNESS = 0, 1, 2, 3
 
-# Rows of a marks block, int64[3, n]: 53-bit key of the name; 1 for what the simulator never moves
-# (a real chair, a body that was deleted); 1 for what a hinge holds.
-KEY, HELD, ANCHORED = 0, 1, 2
+# Rows of a marks block, int64[3, n]: 53-bit key of the name; 1 for what is externally posed (a real
+# chair), so that the simulator never moves it; 1 for what a hinge holds.
+KEY, EXTERNALLY_POSED, ANCHORED = 0, 1, 2
 
 # Columns of a piece block, float64[pieces, 7]: bounding box, z range, distance through the piece.
 PIECE_X0, PIECE_Y0, PIECE_X1, PIECE_Y1, PIECE_BOTTOM, PIECE_TOP, PIECE_THICKNESS = 0, 1, 2, 3, 4, 5, 6
@@ -65,7 +65,7 @@ ORIGIN_X, ORIGIN_Y, CELL = 0, 1, 2
 
 
 class Walls(NamedTuple):
-    """All that stands still, as convex pieces in a grid. Kernels take the five arrays.
+    """All that stands still, as convex pieces in a grid.
 
     Attributes:
         pieces: float64[pieces, 7], columns `PIECE_X0` to `PIECE_THICKNESS`.
@@ -89,7 +89,7 @@ class Bodies(NamedTuple):
         parts: float64[parts, 6], columns `PART_X` to `TOP`; those of a body follow one another.
         part_start: int64[n + 1], the first part of each body and the end.
         shape: float64[4, n], rows `RADIUS` to `THICKNESS`.
-        marks: int64[3, n], rows `KEY`, `HELD`, `ANCHORED`.
+        marks: int64[3, n], rows `KEY`, `EXTERNALLY_POSED`, `ANCHORED`.
     """
 
     parts: Floats
@@ -124,13 +124,13 @@ class Shape(NamedTuple):
     Attributes:
         name: Its name, from which its key is made.
         boxes: At least one.
-        held: True for what the simulator never moves: a real chair.
+        externally_posed: True for what the simulator never moves: a real chair.
         anchored: True for what a hinge holds.
     """
 
     name: str
     boxes: Sequence[Box]
-    held: bool = False
+    externally_posed: bool = False
     anchored: bool = False
 
 
@@ -183,7 +183,7 @@ def bodies_from(shapes: Sequence[Shape]) -> Bodies:
         marks=np.array(
             [
                 [key_of(shape.name) for shape in shapes],
-                [int(shape.held) for shape in shapes],
+                [int(shape.externally_posed) for shape in shapes],
                 [int(shape.anchored) for shape in shapes],
             ],
             np.int64,

@@ -8,7 +8,7 @@ from numba import njit
 
 from intellwheels_server.world.kernels.arrays import Ints
 
-FIRST, SECOND, LAST = 0, 1, 2
+FIRST_KEY, SECOND_KEY, LAST_TOUCH = 0, 1, 2
 """Columns of episodes, int64[e, 3]: keys of both, the tick of the last touch."""
 
 
@@ -22,7 +22,7 @@ def merge_episodes(episodes: Ints, pairs: Ints, tick: int, hold: int) -> tuple[I
     """Return the episodes after a tick, and what began and ended in it.
 
     Args:
-        episodes: int64[e, 3], sorted by (FIRST, SECOND), each pair once.
+        episodes: int64[e, 3], sorted by (FIRST_KEY, SECOND_KEY), each pair once.
         pairs: int64[p, 3]: keys of both and a number of the caller's, sorted by the keys; a pair may stand
             several times.
         tick: This tick.
@@ -42,9 +42,9 @@ def merge_episodes(episodes: Ints, pairs: Ints, tick: int, hold: int) -> tuple[I
             i < episodes.shape[0] and _before(episodes[i, 0], episodes[i, 1], pairs[j, 0], pairs[j, 1])
         )
         if old_first:  # not touching now
-            if tick - episodes[i, LAST] >= hold:
-                ended[ends, 0] = episodes[i, FIRST]
-                ended[ends, 1] = episodes[i, SECOND]
+            if tick - episodes[i, LAST_TOUCH] >= hold:
+                ended[ends, 0] = episodes[i, FIRST_KEY]
+                ended[ends, 1] = episodes[i, SECOND_KEY]
                 ends += 1
             else:
                 kept[count] = episodes[i]
@@ -53,14 +53,14 @@ def merge_episodes(episodes: Ints, pairs: Ints, tick: int, hold: int) -> tuple[I
             continue
         first = pairs[j, 0]
         second = pairs[j, 1]
-        if i < episodes.shape[0] and episodes[i, FIRST] == first and episodes[i, SECOND] == second:
+        if i < episodes.shape[0] and episodes[i, FIRST_KEY] == first and episodes[i, SECOND_KEY] == second:
             i += 1
         else:
             began[starts] = pairs[j, 2]
             starts += 1
-        kept[count, FIRST] = first
-        kept[count, SECOND] = second
-        kept[count, LAST] = tick
+        kept[count, FIRST_KEY] = first
+        kept[count, SECOND_KEY] = second
+        kept[count, LAST_TOUCH] = tick
         count += 1
         while j < pairs.shape[0] and pairs[j, 0] == first and pairs[j, 1] == second:
             j += 1

@@ -1,4 +1,7 @@
-"""The rows of a state: what each number and flag of a body is. The order is that of the hash."""
+"""The rows of a state: what each number and flag of a body is. The order is that of the hash.
+
+Written with the module's name, `numbers[rows.SPEED, i]`, which numba compiles to the constant.
+"""
 
 # Rows of numbers, float64[NUMBER_ROWS, n]. The first eight are the block of bodies that sensors read, in their order.
 X = 0
@@ -12,9 +15,9 @@ SPEED = 3
 TURN_RATE = 4
 """Turn in the last tick over its period, rad/s, within `MOST_TURN_RATE`."""
 LEFT_TRAVEL = 5
-"""Way the left wheel rolled since joining, m."""
+"""Distance that the left wheel rolled since joining, m."""
 RIGHT_TRAVEL = 6
-"""Way the right wheel rolled since joining, m."""
+"""Distance that the right wheel rolled since joining, m."""
 TOUCHING = 7
 """1 where the body touched something in the last tick."""
 LEFT_SPEED = 8
@@ -33,8 +36,8 @@ USER_FORWARD = 14
 """The user's wish forward, in [-1, 1]; 0 once the user is silent."""
 USER_TURN = 15
 """The user's wish to the left, in [-1, 1]."""
-LICENCE = 16
-"""Depth up to which the body may overlap, because it was put there, m."""
+ALLOWED_PENETRATION = 16
+"""Depth up to which the body may overlap something, because it was put there, m."""
 NUMBER_ROWS = 17
 
 WORLD_EDGE = 10_000.0

@@ -4,7 +4,7 @@ Samples are part of the world's state: one array, which every kind writes its ow
 follows from the declarations, so that rate, latency and noise need no other memory and any
 state can be copied, kept and gone on from.
 
-A new kind of sensor is a file here and a line in `KINDS`.
+A new kind of sensor is one file here: `catalogue` finds it.
 """
 
 from __future__ import annotations
@@ -16,55 +16,13 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from intellwheels_schemas.errors import RequestRefusedError
-from intellwheels_schemas.messages import (
-    GPS,
-    IMU,
-    Beacon,
-    Bumper,
-    Compass,
-    Encoders,
-    Ground,
-    Lidar,
-    Map,
-    Odometry,
-    Position,
-    Proximity,
-    Record,
-    Robot,
-    Sensors,
-    Truth,
-)
+from intellwheels_schemas.messages import Map, Position, Record, Robot, Sensors
 from intellwheels_schemas.rules import sensors_of
-from intellwheels_server.world.kernels import timetable
+from intellwheels_server.world.kernels import sample_schedule
 from intellwheels_server.world.kernels.arrays import Floats, Ints
 from intellwheels_server.world.kernels.noise import noise_key
-from intellwheels_server.world.sensors.beacon import BeaconKind, find_place
-from intellwheels_server.world.sensors.bumper import BumperKind
-from intellwheels_server.world.sensors.compass import CompassKind
-from intellwheels_server.world.sensors.encoders import EncodersKind
-from intellwheels_server.world.sensors.gps import GPSKind
-from intellwheels_server.world.sensors.ground import GroundKind
-from intellwheels_server.world.sensors.imu import IMUKind
+from intellwheels_server.world.sensors.catalogue import KINDS
 from intellwheels_server.world.sensors.kind import Block, Fitted, Kind, View
-from intellwheels_server.world.sensors.lidar import LidarKind
-from intellwheels_server.world.sensors.odometry import ODOMETRY_STREAM, OdometryKind, read_encoders
-from intellwheels_server.world.sensors.proximity import ProximityKind
-from intellwheels_server.world.sensors.truth import TruthKind
-
-KINDS: dict[type[Record], Kind] = {
-    Proximity: ProximityKind(),
-    Lidar: LidarKind(),
-    Encoders: EncodersKind(),
-    Odometry: OdometryKind(),
-    Compass: CompassKind(),
-    GPS: GPSKind(),
-    IMU: IMUKind(),
-    Beacon: BeaconKind(),
-    Ground: GroundKind(),
-    Bumper: BumperKind(),
-    Truth: TruthKind(),
-}
-"""The kinds, by their declaration: all that the contract names."""
 
 
 def check_sensors(robot: Robot, floor: Map, *, truth: bool) -> None:
@@ -81,16 +39,14 @@ def check_sensors(robot: Robot, floor: Map, *, truth: bool) -> None:
     """
     for name, index, declaration in sensors_of(robot):
         where = f"Robot.{name}[{index}]"
-        if isinstance(declaration, Truth) and not truth:
-            raise RequestRefusedError("truth", f"{where}: truth sensors are not allowed in this simulation")
+        kind = KINDS[type(declaration)]
+        if kind.restricted and not truth:
+            raise RequestRefusedError("truth", f"{where}: {kind.field} sensors are not allowed in this simulation")
         if robot.type == "real" and getattr(declaration, "mount", "body") == "start":
             raise RequestRefusedError("mount", f"{where}.Mount: expected body for a real robot, got 'start'")
         if declaration.source == "real":  # the bridge reads it
             continue
-        if isinstance(declaration, Beacon) and find_place(floor, declaration.place) is None:
-            text = f"{where}.Place: expected a place of floor '{floor.name}', got '{declaration.place}'"
-            raise RequestRefusedError("no-place", text)
-        KINDS[type(declaration)].check(where, declaration, robot)
+        kind.check(where, declaration, floor)
 
 
 class _Place(NamedTuple):
@@ -175,10 +131,10 @@ def plan_sensors(
                 continue
             kind = KINDS[type(declaration)]
             sensor = Fitted(body, robot, start, declaration, floor)
-            every, latency, phase = declaration.every, declaration.latency, getattr(declaration, "group", 0)
-            depth, width = timetable.depth(every, latency), kind.width(declaration)
+            every, latency, phase = declaration.every, declaration.latency, kind.phase(declaration)
+            depth, width = sample_schedule.depth(every, latency), kind.width(declaration)
             places.append(_Place(kind, sensor, size - begin, depth, width, every, latency, phase))
-            key = noise_key(seed, str(robot.name), _stream(sensor))
+            key = noise_key(seed, str(robot.name), kind.stream(sensor))
             row = _row(body, declaration, joined + phase, size, depth, key)
             fitted.setdefault(kind, []).append((sensor, row))
             size += depth * width
@@ -195,25 +151,17 @@ def plan_sensors(
     return SensorPlan(blocks, tuple(fittings), np.array(remembered, dtype=np.int64)), samples
 
 
-def _stream(sensor: Fitted) -> str:
-    """Return the name of a sensor's noise: odometry errs as the encoders do that it reads."""
-    if isinstance(sensor.declaration, Odometry):
-        read = read_encoders(sensor.robot)
-        return ODOMETRY_STREAM if read is None else read.id
-    return str(sensor.declaration.id)
-
-
 def _row(
     body: int, declaration: Any, joined: int, first: int, depth: int, key: tuple[np.uint64, np.uint64]
 ) -> list[int]:
-    row = [0] * timetable.COLUMNS
-    row[timetable.BODY] = body
-    row[timetable.EVERY] = declaration.every
-    row[timetable.LATENCY] = declaration.latency
-    row[timetable.JOINED] = joined
-    row[timetable.FIRST] = first
-    row[timetable.DEPTH] = depth
-    row[timetable.KEY0], row[timetable.KEY1] = (int(half.view(np.int64)) for half in key)
+    row = [0] * sample_schedule.SCHEDULE_COLUMNS
+    row[sample_schedule.BODY] = body
+    row[sample_schedule.EVERY] = declaration.every
+    row[sample_schedule.LATENCY] = declaration.latency
+    row[sample_schedule.JOINED] = joined
+    row[sample_schedule.FIRST_SAMPLE] = first
+    row[sample_schedule.DEPTH] = depth
+    row[sample_schedule.KEY0], row[sample_schedule.KEY1] = (int(half.view(np.int64)) for half in key)
     return row
 
 

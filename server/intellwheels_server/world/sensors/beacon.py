@@ -12,17 +12,18 @@ from dataclasses import dataclass
 import numpy as np
 from numba import njit
 
-from intellwheels_schemas.messages import Beacon, BeaconReading, Map, Place, Robot
+from intellwheels_schemas.errors import RequestRefusedError
+from intellwheels_schemas.messages import Beacon, BeaconReading, Map, Place
+from intellwheels_server.world.kernels import rows
 from intellwheels_server.world.kernels.arrays import Floats, Ints
-from intellwheels_server.world.kernels.bias import MEMORY, memory_of, walk
 from intellwheels_server.world.kernels.elementary import atan2, sincos, wrap
+from intellwheels_server.world.kernels.line_of_sight import in_sight
 from intellwheels_server.world.kernels.noise import normal
-from intellwheels_server.world.kernels.rows import HEADING, X, Y
-from intellwheels_server.world.kernels.sight import in_sight
-from intellwheels_server.world.kernels.surroundings import place_boxes
-from intellwheels_server.world.kernels.timetable import BODY, KEY0, KEY1, due_slot
+from intellwheels_server.world.kernels.sample_schedule import BODY, KEY0, KEY1, due_slot
+from intellwheels_server.world.kernels.sensor_errors import BIAS_MEMORY, memory_of, walk
+from intellwheels_server.world.kernels.spatial_query import place_boxes
 from intellwheels_server.world.sensors.angles import unit_vector
-from intellwheels_server.world.sensors.kind import Fitted, View
+from intellwheels_server.world.sensors.kind import Fitted, Kind, View
 
 # Columns of the settings, float64[sensors, 13]: the place, NaN where the map has none; the point and height; direction
 # and half the cone; range, m; noise, walk and step, rad.
@@ -52,27 +53,27 @@ def _take(
     cells: Ints,
     frame: Floats,
     settings: Floats,
-    timetable: Ints,
+    schedule: Ints,
     samples: Floats,
 ) -> None:
     any_due = False
-    for sensor in range(timetable.shape[0]):
+    for sensor in range(schedule.shape[0]):
         if settings[sensor, _WALK] > 0.0:
-            walk(timetable, sensor, tick, _WIDTH, 1, settings[sensor, _WALK], 0.0, period, samples)
-        any_due |= due_slot(timetable, sensor, tick, _WIDTH) >= 0
+            walk(schedule, sensor, tick, _WIDTH, 1, settings[sensor, _WALK], 0.0, period, samples)
+        any_due |= due_slot(schedule, sensor, tick, _WIDTH) >= 0
     if not any_due:
         return
     boxes, _ = place_boxes(numbers, parts, part_start)
     opaque = np.ones(numbers.shape[1], np.int64)
-    for sensor in range(timetable.shape[0]):
-        slot = due_slot(timetable, sensor, tick, _WIDTH)
+    for sensor in range(schedule.shape[0]):
+        slot = due_slot(schedule, sensor, tick, _WIDTH)
         if slot < 0:
             continue
         samples[slot] = samples[slot + 1] = 0.0
-        body = timetable[sensor, BODY]
-        s, c = sincos(numbers[HEADING, body])
-        x = numbers[X, body] + (c * settings[sensor, _X] - s * settings[sensor, _Y])
-        y = numbers[Y, body] + (s * settings[sensor, _X] + c * settings[sensor, _Y])
+        body = schedule[sensor, BODY]
+        s, c = sincos(numbers[rows.HEADING, body])
+        x = numbers[rows.X, body] + (c * settings[sensor, _X] - s * settings[sensor, _Y])
+        y = numbers[rows.Y, body] + (s * settings[sensor, _X] + c * settings[sensor, _Y])
         dx, dy = settings[sensor, _PLACE_X] - x, settings[sensor, _PLACE_Y] - y
         # From here on in the body frame.
         forward, left = c * dx + s * dy, c * dy - s * dx
@@ -92,9 +93,9 @@ def _take(
             continue
         bearing = atan2(left, forward)
         if settings[sensor, _WALK] > 0.0:
-            bearing += samples[memory_of(timetable, sensor, _WIDTH) + 1]
+            bearing += samples[memory_of(schedule, sensor, _WIDTH) + 1]
         if settings[sensor, _SIGMA] > 0.0:
-            key0, key1 = np.uint64(timetable[sensor, KEY0]), np.uint64(timetable[sensor, KEY1])
+            key0, key1 = np.uint64(schedule[sensor, KEY0]), np.uint64(schedule[sensor, KEY1])
             bearing += settings[sensor, _SIGMA] * normal(key0, key1, tick, 0)
         if settings[sensor, _STEP] > 0.0:
             bearing = settings[sensor, _STEP] * np.floor(bearing / settings[sensor, _STEP] + 0.5)
@@ -107,7 +108,7 @@ class BeaconBlock:
     """All beacons."""
 
     settings: Floats
-    timetable: Ints
+    schedule: Ints
 
     def take(self, tick: int, view: View, samples: Floats) -> None:
         """Store the samples that are due at a tick."""
@@ -119,30 +120,35 @@ class BeaconBlock:
             view.part_start,
             *view.walls,
             self.settings,
-            self.timetable,
+            self.schedule,
             samples,
         )
 
 
-class BeaconKind:
+class BeaconKind(Kind):
     """The kind that serves `Beacon`."""
 
-    field = "beacon"
+    declaration = Beacon
+    sample_width = _WIDTH
 
-    def check(self, where: str, declaration: Beacon, robot: Robot) -> None:
-        """Refuse none; whether the floor has the place is checked beside, see `check_sensors`."""
+    def check(self, where: str, declaration: Beacon, floor: Map, /) -> None:
+        """Refuse a beacon at a place that the floor does not have."""
+        if find_place(floor, declaration.place) is None:
+            text = f"{where}.Place: expected a place of floor '{floor.name}', got '{declaration.place}'"
+            raise RequestRefusedError("no-place", text)
 
-    def width(self, declaration: Beacon) -> int:  # noqa: ARG002 - as `Kind` has it
-        """Return the numbers in a sample."""
-        return _WIDTH
+    def examples(self, floor: Map, /) -> tuple[Beacon, ...]:
+        """Return a beacon at the first place of the floor."""
+        place = floor.grid.position[0].name if floor.grid is not None else ""
+        return (Beacon(id=self.field, place=place),)
 
-    def memory(self, declaration: Beacon) -> int:
+    def memory(self, declaration: Beacon, /) -> int:
         """Return the room of a bias that walks."""
-        return MEMORY if declaration.walk_deg > 0.0 else 0
+        return BIAS_MEMORY if declaration.walk_deg > 0.0 else 0
 
-    def compile(self, fitted: Sequence[Fitted], timetable: Ints) -> BeaconBlock:
+    def compile(self, fitted: Sequence[Fitted], schedule: Ints, /) -> BeaconBlock:
         """Return the block."""
-        return BeaconBlock(np.array([_settings(sensor) for sensor in fitted], dtype=np.float64), timetable)
+        return BeaconBlock(np.array([_settings(sensor) for sensor in fitted], dtype=np.float64), schedule)
 
     def reading(self, sensor: Fitted, tick: int | None, sample: Sequence[float]) -> BeaconReading:
         """Return the bearing in the body frame, rad, or that it is not seen."""

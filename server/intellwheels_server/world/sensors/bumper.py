@@ -7,51 +7,40 @@ from dataclasses import dataclass
 
 from numba import njit
 
-from intellwheels_schemas.messages import Bumper, BumperReading, Robot
+from intellwheels_schemas.messages import Bumper, BumperReading
+from intellwheels_server.world.kernels import rows
 from intellwheels_server.world.kernels.arrays import Floats, Ints
-from intellwheels_server.world.kernels.rows import TOUCHING
-from intellwheels_server.world.kernels.timetable import BODY, due_slot
-from intellwheels_server.world.sensors.kind import Fitted, View
+from intellwheels_server.world.kernels.sample_schedule import BODY, due_slot
+from intellwheels_server.world.sensors.kind import Fitted, Kind, View
 
 
 @njit(cache=True, error_model="numpy")
-def _take(tick: int, numbers: Floats, timetable: Ints, samples: Floats) -> None:
-    for sensor in range(timetable.shape[0]):
-        slot = due_slot(timetable, sensor, tick, 1)
+def _take(tick: int, numbers: Floats, schedule: Ints, samples: Floats) -> None:
+    for sensor in range(schedule.shape[0]):
+        slot = due_slot(schedule, sensor, tick, 1)
         if slot >= 0:
-            samples[slot] = numbers[TOUCHING, timetable[sensor, BODY]]
+            samples[slot] = numbers[rows.TOUCHING, schedule[sensor, BODY]]
 
 
 @dataclass(frozen=True)
 class BumperBlock:
     """All bumpers."""
 
-    timetable: Ints
+    schedule: Ints
 
     def take(self, tick: int, view: View, samples: Floats) -> None:
         """Store the samples that are due at a tick."""
-        _take(tick, view.numbers, self.timetable, samples)
+        _take(tick, view.numbers, self.schedule, samples)
 
 
-class BumperKind:
+class BumperKind(Kind):
     """The kind that serves `Bumper`."""
 
-    field = "bumper"
+    declaration = Bumper
 
-    def check(self, where: str, declaration: Bumper, robot: Robot) -> None:
-        """Refuse none."""
-
-    def width(self, declaration: Bumper) -> int:  # noqa: ARG002 - as `Kind` has it
-        """Return the numbers in a sample."""
-        return 1
-
-    def memory(self, declaration: Bumper) -> int:  # noqa: ARG002 - as `Kind` has it
-        """Return 0: it remembers nothing."""
-        return 0
-
-    def compile(self, fitted: Sequence[Fitted], timetable: Ints) -> BumperBlock:  # noqa: ARG002 - as `Kind` has it
+    def compile(self, _fitted: Sequence[Fitted], schedule: Ints, /) -> BumperBlock:
         """Return the block."""
-        return BumperBlock(timetable)
+        return BumperBlock(schedule)
 
     def reading(self, sensor: Fitted, tick: int | None, sample: Sequence[float]) -> BumperReading:
         """Return whether it is pressed."""

@@ -19,13 +19,13 @@ import numpy as np
 from numba import njit
 
 from intellwheels_schemas.messages import MAX_INTEGER, Encoders, EncodersReading, Robot
+from intellwheels_server.world.kernels import rows
 from intellwheels_server.world.kernels.arrays import Floats, Ints
-from intellwheels_server.world.kernels.bias import memory_of
-from intellwheels_server.world.kernels.motion import wheel_scales
+from intellwheels_server.world.kernels.motor_model import wheel_scales
 from intellwheels_server.world.kernels.noise import normal
-from intellwheels_server.world.kernels.rows import LEFT_TRAVEL, RIGHT_TRAVEL
-from intellwheels_server.world.kernels.timetable import BODY, KEY0, KEY1, due_slot
-from intellwheels_server.world.sensors.kind import Fitted, View
+from intellwheels_server.world.kernels.sample_schedule import BODY, KEY0, KEY1, due_slot
+from intellwheels_server.world.kernels.sensor_errors import memory_of
+from intellwheels_server.world.sensors.kind import Fitted, Kind, View
 
 # The largest count of the wire; a wheel of a nanometre would soon be beyond.
 _MOST = float(MAX_INTEGER)
@@ -35,12 +35,12 @@ _LEFT, _RIGHT, _DRIFT = 0, 1, 2
 
 # What encoders remember, from `memory_of` on: ways that the errors cover, m; errors, m; counts.
 LEFT_COVERED, RIGHT_COVERED, LEFT_ERROR, RIGHT_ERROR, LEFT_COUNT, RIGHT_COUNT = 0, 1, 2, 3, 4, 5
-MEMORY = 6
+COUNT_MEMORY = 6
 
 
 @njit(cache=True, error_model="numpy")
 def count_rolled(
-    tick: int, numbers: Floats, figures: Floats, timetable: Ints, sensor: int, place: int, samples: Floats
+    tick: int, numbers: Floats, figures: Floats, schedule: Ints, sensor: int, place: int, samples: Floats
 ) -> None:
     """Bring what a sensor remembers up to the ways that its wheels have rolled; again at the same tick changes nothing.
 
@@ -48,19 +48,19 @@ def count_rolled(
         tick: The tick.
         numbers: Of the bodies.
         figures: float64[sensors, 3], as `encoder_figures` gives them.
-        timetable: int64[sensors, 8].
-        sensor: Row of the timetable and of the figures.
+        schedule: int64[sensors, 8].
+        sensor: Row of the schedule and of the figures.
         place: Where it remembers.
         samples: float64[...], in and out.
     """
-    body = timetable[sensor, BODY]
+    body = schedule[sensor, BODY]
     drift = figures[sensor, _DRIFT]
     for wheel in range(2):
-        way = numbers[LEFT_TRAVEL if wheel == 0 else RIGHT_TRAVEL, body]
+        way = numbers[rows.LEFT_TRAVEL if wheel == 0 else rows.RIGHT_TRAVEL, body]
         if drift > 0.0:
             rolled = abs(way - samples[place + LEFT_COVERED + wheel])
             if rolled > 0.0:
-                key0, key1 = np.uint64(timetable[sensor, KEY0]), np.uint64(timetable[sensor, KEY1])
+                key0, key1 = np.uint64(schedule[sensor, KEY0]), np.uint64(schedule[sensor, KEY1])
                 error = math.sqrt(drift * rolled) * normal(key0, key1, tick, wheel)
                 samples[place + LEFT_ERROR + wheel] += error
                 samples[place + LEFT_COVERED + wheel] = way
@@ -71,11 +71,11 @@ def count_rolled(
 
 
 @njit(cache=True, error_model="numpy")
-def _take(tick: int, numbers: Floats, figures: Floats, timetable: Ints, samples: Floats) -> None:
-    for sensor in range(timetable.shape[0]):
-        place = memory_of(timetable, sensor, 2)
-        count_rolled(tick, numbers, figures, timetable, sensor, place, samples)
-        slot = due_slot(timetable, sensor, tick, 2)
+def _take(tick: int, numbers: Floats, figures: Floats, schedule: Ints, samples: Floats) -> None:
+    for sensor in range(schedule.shape[0]):
+        place = memory_of(schedule, sensor, 2)
+        count_rolled(tick, numbers, figures, schedule, sensor, place, samples)
+        slot = due_slot(schedule, sensor, tick, 2)
         if slot >= 0:
             samples[slot] = samples[place + LEFT_COUNT]
             samples[slot + 1] = samples[place + RIGHT_COUNT]
@@ -96,33 +96,27 @@ class EncodersBlock:
     """All encoders."""
 
     figures: Floats
-    timetable: Ints
+    schedule: Ints
 
     def take(self, tick: int, view: View, samples: Floats) -> None:
         """Store the samples that are due at a tick."""
-        _take(tick, view.numbers, self.figures, self.timetable, samples)
+        _take(tick, view.numbers, self.figures, self.schedule, samples)
 
 
-class EncodersKind:
+class EncodersKind(Kind):
     """The kind that serves `Encoders`."""
 
-    field = "encoders"
+    declaration = Encoders
+    sample_width = 2
 
-    def check(self, where: str, declaration: Encoders, robot: Robot) -> None:
-        """Refuse none."""
-
-    def width(self, declaration: Encoders) -> int:  # noqa: ARG002 - as `Kind` has it
-        """Return the numbers in a sample."""
-        return 2
-
-    def memory(self, declaration: Encoders) -> int:  # noqa: ARG002 - as `Kind` has it
+    def memory(self, _declaration: Encoders, /) -> int:
         """Return the room of errors and counts."""
-        return MEMORY
+        return COUNT_MEMORY
 
-    def compile(self, fitted: Sequence[Fitted], timetable: Ints) -> EncodersBlock:
+    def compile(self, fitted: Sequence[Fitted], schedule: Ints, /) -> EncodersBlock:
         """Return the block."""
         figures = [encoder_figures(sensor.robot, sensor.declaration.drift) for sensor in fitted]
-        return EncodersBlock(np.array(figures, dtype=np.float64), timetable)
+        return EncodersBlock(np.array(figures, dtype=np.float64), schedule)
 
     def reading(self, sensor: Fitted, tick: int | None, sample: Sequence[float]) -> EncodersReading:
         """Return the counts."""

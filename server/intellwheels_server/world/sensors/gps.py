@@ -8,34 +8,34 @@ from dataclasses import dataclass
 import numpy as np
 from numba import njit
 
-from intellwheels_schemas.messages import GPS, GPSReading, Robot
+from intellwheels_schemas.messages import GPS, GPSReading
+from intellwheels_server.world.kernels import rows
 from intellwheels_server.world.kernels.arrays import Floats, Ints
-from intellwheels_server.world.kernels.bias import MEMORY, spoilt, walk
 from intellwheels_server.world.kernels.elementary import sincos
-from intellwheels_server.world.kernels.rows import HEADING, WORLD_EDGE, X, Y
-from intellwheels_server.world.kernels.timetable import BODY, due_slot
-from intellwheels_server.world.sensors.kind import Fitted, View
+from intellwheels_server.world.kernels.sample_schedule import BODY, due_slot
+from intellwheels_server.world.kernels.sensor_errors import BIAS_MEMORY, spoilt, walk
+from intellwheels_server.world.sensors.kind import Fitted, Kind, View
 
 # Columns of the settings, float64[sensors, 5]: the point, then m.
 _X, _Y, _SIGMA, _STEP, _WALK = 0, 1, 2, 3, 4
 
 
 @njit(cache=True, error_model="numpy")
-def _take(tick: int, period: float, numbers: Floats, settings: Floats, timetable: Ints, samples: Floats) -> None:
-    for sensor in range(timetable.shape[0]):
+def _take(tick: int, period: float, numbers: Floats, settings: Floats, schedule: Ints, samples: Floats) -> None:
+    for sensor in range(schedule.shape[0]):
         if settings[sensor, _WALK] > 0.0:
-            walk(timetable, sensor, tick, 2, 2, settings[sensor, _WALK], settings[sensor, _WALK], period, samples)
-        slot = due_slot(timetable, sensor, tick, 2)
+            walk(schedule, sensor, tick, 2, 2, settings[sensor, _WALK], settings[sensor, _WALK], period, samples)
+        slot = due_slot(schedule, sensor, tick, 2)
         if slot < 0:
             continue
-        body = timetable[sensor, BODY]
-        s, c = sincos(numbers[HEADING, body])
+        body = schedule[sensor, BODY]
+        s, c = sincos(numbers[rows.HEADING, body])
         a, b = settings[sensor, _X], settings[sensor, _Y]
         for axis in range(2):
-            true = numbers[X, body] + (c * a - s * b) if axis == 0 else numbers[Y, body] + (s * a + c * b)
+            true = numbers[rows.X, body] + (c * a - s * b) if axis == 0 else numbers[rows.Y, body] + (s * a + c * b)
             samples[slot + axis] = spoilt(
-                true, timetable, sensor, tick, 2, axis, settings[sensor, _WALK] > 0.0, settings[sensor, _SIGMA],
-                settings[sensor, _STEP], WORLD_EDGE, samples,
+                true, schedule, sensor, tick, 2, axis, settings[sensor, _WALK] > 0.0, settings[sensor, _SIGMA],
+                settings[sensor, _STEP], rows.WORLD_EDGE, samples,
             )  # fmt: skip
 
 
@@ -44,34 +44,28 @@ class GPSBlock:
     """All of them."""
 
     settings: Floats
-    timetable: Ints
+    schedule: Ints
 
     def take(self, tick: int, view: View, samples: Floats) -> None:
         """Store the samples that are due at a tick."""
-        _take(tick, view.period, view.numbers, self.settings, self.timetable, samples)
+        _take(tick, view.period, view.numbers, self.settings, self.schedule, samples)
 
 
-class GPSKind:
+class GPSKind(Kind):
     """The kind that serves `GPS`."""
 
-    field = "gps"
+    declaration = GPS
+    sample_width = 2
 
-    def check(self, where: str, declaration: GPS, robot: Robot) -> None:
-        """Refuse none."""
-
-    def width(self, declaration: GPS) -> int:  # noqa: ARG002 - as `Kind` has it
-        """Return the numbers in a sample."""
-        return 2
-
-    def memory(self, declaration: GPS) -> int:
+    def memory(self, declaration: GPS, /) -> int:
         """Return the room of a bias that walks."""
-        return MEMORY if declaration.walk > 0.0 else 0
+        return BIAS_MEMORY if declaration.walk > 0.0 else 0
 
-    def compile(self, fitted: Sequence[Fitted], timetable: Ints) -> GPSBlock:
+    def compile(self, fitted: Sequence[Fitted], schedule: Ints, /) -> GPSBlock:
         """Return the block."""
         ones: list[GPS] = [sensor.declaration for sensor in fitted]
         settings = [(one.x, one.y, one.noise, one.step, one.walk) for one in ones]
-        return GPSBlock(np.array(settings, dtype=np.float64), timetable)
+        return GPSBlock(np.array(settings, dtype=np.float64), schedule)
 
     def reading(self, sensor: Fitted, tick: int | None, sample: Sequence[float]) -> GPSReading:
         """Return the position on the map, m."""

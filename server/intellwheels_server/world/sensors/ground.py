@@ -8,12 +8,12 @@ from dataclasses import dataclass
 import numpy as np
 from numba import njit
 
-from intellwheels_schemas.messages import Ground, GroundReading, Map, Robot
+from intellwheels_schemas.messages import Ground, GroundReading, Map
+from intellwheels_server.world.kernels import rows
 from intellwheels_server.world.kernels.arrays import Floats, Ints
 from intellwheels_server.world.kernels.elementary import sincos
-from intellwheels_server.world.kernels.rows import HEADING, X, Y
-from intellwheels_server.world.kernels.timetable import BODY, due_slot
-from intellwheels_server.world.sensors.kind import Fitted, View
+from intellwheels_server.world.kernels.sample_schedule import BODY, due_slot
+from intellwheels_server.world.sensors.kind import Fitted, Kind, View
 
 
 @njit(cache=True, error_model="numpy")
@@ -39,16 +39,16 @@ def _zone_at(corners: Floats, starts: Ints, x: float, y: float) -> int:
 
 @njit(cache=True, error_model="numpy")
 def _take(
-    tick: int, numbers: Floats, points: Floats, corners: Floats, starts: Ints, timetable: Ints, samples: Floats
+    tick: int, numbers: Floats, points: Floats, corners: Floats, starts: Ints, schedule: Ints, samples: Floats
 ) -> None:
-    for sensor in range(timetable.shape[0]):
-        slot = due_slot(timetable, sensor, tick, 1)
+    for sensor in range(schedule.shape[0]):
+        slot = due_slot(schedule, sensor, tick, 1)
         if slot < 0:
             continue
-        body = timetable[sensor, BODY]
-        s, c = sincos(numbers[HEADING, body])
-        x = numbers[X, body] + (c * points[sensor, 0] - s * points[sensor, 1])
-        y = numbers[Y, body] + (s * points[sensor, 0] + c * points[sensor, 1])
+        body = schedule[sensor, BODY]
+        s, c = sincos(numbers[rows.HEADING, body])
+        x = numbers[rows.X, body] + (c * points[sensor, 0] - s * points[sensor, 1])
+        y = numbers[rows.Y, body] + (s * points[sensor, 0] + c * points[sensor, 1])
         samples[slot] = _zone_at(corners, starts, x, y)
 
 
@@ -59,30 +59,19 @@ class GroundBlock:
     points: Floats
     corners: Floats
     starts: Ints
-    timetable: Ints
+    schedule: Ints
 
     def take(self, tick: int, view: View, samples: Floats) -> None:
         """Store the samples that are due at a tick."""
-        _take(tick, view.numbers, self.points, self.corners, self.starts, self.timetable, samples)
+        _take(tick, view.numbers, self.points, self.corners, self.starts, self.schedule, samples)
 
 
-class GroundKind:
+class GroundKind(Kind):
     """The kind that serves `Ground`."""
 
-    field = "ground"
+    declaration = Ground
 
-    def check(self, where: str, declaration: Ground, robot: Robot) -> None:
-        """Refuse none."""
-
-    def width(self, declaration: Ground) -> int:  # noqa: ARG002 - as `Kind` has it
-        """Return the numbers in a sample."""
-        return 1
-
-    def memory(self, declaration: Ground) -> int:  # noqa: ARG002 - as `Kind` has it
-        """Return 0: it remembers nothing."""
-        return 0
-
-    def compile(self, fitted: Sequence[Fitted], timetable: Ints) -> GroundBlock:
+    def compile(self, fitted: Sequence[Fitted], schedule: Ints, /) -> GroundBlock:
         """Return the block."""
         floor: Map = fitted[0].floor
         corners = [(corner.x, corner.y) for zone in floor.zone for corner in zone.corner]
@@ -90,7 +79,7 @@ class GroundKind:
             points=np.array([(one.declaration.x, one.declaration.y) for one in fitted], dtype=np.float64),
             corners=np.array(corners, dtype=np.float64).reshape(-1, 2),
             starts=np.cumsum([0, *(len(zone.corner) for zone in floor.zone)], dtype=np.int64),
-            timetable=timetable,
+            schedule=schedule,
         )
 
     def reading(self, sensor: Fitted, tick: int | None, sample: Sequence[float]) -> GroundReading:

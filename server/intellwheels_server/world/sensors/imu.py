@@ -12,13 +12,13 @@ from dataclasses import dataclass
 import numpy as np
 from numba import njit
 
-from intellwheels_schemas.messages import IMU, IMUReading, Robot
+from intellwheels_schemas.messages import IMU, IMUReading
+from intellwheels_server.world.kernels import rows
 from intellwheels_server.world.kernels.arrays import Floats, Ints
-from intellwheels_server.world.kernels.bias import MEMORY, memory_of, spoilt, walk
 from intellwheels_server.world.kernels.noise import normal
-from intellwheels_server.world.kernels.rows import MOST_TURN_RATE, SPEED, TURN_RATE
-from intellwheels_server.world.kernels.timetable import BODY, KEY0, KEY1, due_slot
-from intellwheels_server.world.sensors.kind import Fitted, View
+from intellwheels_server.world.kernels.sample_schedule import BODY, KEY0, KEY1, due_slot
+from intellwheels_server.world.kernels.sensor_errors import BIAS_MEMORY, memory_of, spoilt, walk
+from intellwheels_server.world.sensors.kind import Fitted, Kind, View
 
 # Columns of the settings, float64[sensors, 6].
 _SIGMA, _STEP, _WALK, _TURN_SIGMA, _TURN_STEP, _TURN_WALK = 0, 1, 2, 3, 4, 5
@@ -26,39 +26,39 @@ _WIDTH = 3
 # Bound of the wire, m/s2.
 _MOST = 1000.0
 # Behind the biases: the speed at the last tick and at the one before, and the last tick, from 1.
-_LAST, _BEFORE, _AT = MEMORY, MEMORY + 1, MEMORY + 2
-# Draws of the acceleration to the left, behind those of `bias`.
+_LAST, _BEFORE, _AT = BIAS_MEMORY, BIAS_MEMORY + 1, BIAS_MEMORY + 2
+# Draws of the acceleration to the left, behind those of `sensor_errors`.
 _LEFT_DRAW = 4
 
 
 @njit(cache=True, error_model="numpy")
-def _take(tick: int, period: float, numbers: Floats, settings: Floats, timetable: Ints, samples: Floats) -> None:
-    for sensor in range(timetable.shape[0]):
-        body = timetable[sensor, BODY]
-        place = memory_of(timetable, sensor, _WIDTH)
-        speed = numbers[SPEED, body]
+def _take(tick: int, period: float, numbers: Floats, settings: Floats, schedule: Ints, samples: Floats) -> None:
+    for sensor in range(schedule.shape[0]):
+        body = schedule[sensor, BODY]
+        place = memory_of(schedule, sensor, _WIDTH)
+        speed = numbers[rows.SPEED, body]
         if samples[place + _AT] != tick + 1.0:
             samples[place + _BEFORE] = samples[place + _LAST] if samples[place + _AT] > 0.0 else speed
             samples[place + _AT] = tick + 1.0
         samples[place + _LAST] = speed
-        walk(timetable, sensor, tick, _WIDTH, 2, settings[sensor, _WALK], settings[sensor, _TURN_WALK], period, samples)
-        slot = due_slot(timetable, sensor, tick, _WIDTH)
+        walk(schedule, sensor, tick, _WIDTH, 2, settings[sensor, _WALK], settings[sensor, _TURN_WALK], period, samples)
+        slot = due_slot(schedule, sensor, tick, _WIDTH)
         if slot < 0:
             continue
-        turn_rate = numbers[TURN_RATE, body]
+        turn_rate = numbers[rows.TURN_RATE, body]
         sigma, step = settings[sensor, _SIGMA], settings[sensor, _STEP]
         samples[slot] = spoilt(
-            (speed - samples[place + _BEFORE]) / period, timetable, sensor, tick, _WIDTH, 0, True, sigma, step, _MOST,
+            (speed - samples[place + _BEFORE]) / period, schedule, sensor, tick, _WIDTH, 0, True, sigma, step, _MOST,
             samples,
         )  # fmt: skip
         left = speed * turn_rate
         if sigma > 0.0:
-            key0, key1 = np.uint64(timetable[sensor, KEY0]), np.uint64(timetable[sensor, KEY1])
+            key0, key1 = np.uint64(schedule[sensor, KEY0]), np.uint64(schedule[sensor, KEY1])
             left += sigma * normal(key0, key1, tick, _LEFT_DRAW)
-        samples[slot + 1] = spoilt(left, timetable, sensor, tick, _WIDTH, 0, True, 0.0, step, _MOST, samples)
+        samples[slot + 1] = spoilt(left, schedule, sensor, tick, _WIDTH, 0, True, 0.0, step, _MOST, samples)
         samples[slot + 2] = spoilt(
-            turn_rate, timetable, sensor, tick, _WIDTH, 1, True, settings[sensor, _TURN_SIGMA],
-            settings[sensor, _TURN_STEP], MOST_TURN_RATE, samples,
+            turn_rate, schedule, sensor, tick, _WIDTH, 1, True, settings[sensor, _TURN_SIGMA],
+            settings[sensor, _TURN_STEP], rows.MOST_TURN_RATE, samples,
         )  # fmt: skip
 
 
@@ -67,34 +67,28 @@ class IMUBlock:
     """All inertial units."""
 
     settings: Floats
-    timetable: Ints
+    schedule: Ints
 
     def take(self, tick: int, view: View, samples: Floats) -> None:
         """Store the samples that are due at a tick."""
-        _take(tick, view.period, view.numbers, self.settings, self.timetable, samples)
+        _take(tick, view.period, view.numbers, self.settings, self.schedule, samples)
 
 
-class IMUKind:
+class IMUKind(Kind):
     """The kind that serves `IMU`. Both accelerations share one bias."""
 
-    field = "imu"
+    declaration = IMU
+    sample_width = _WIDTH
 
-    def check(self, where: str, declaration: IMU, robot: Robot) -> None:
-        """Refuse none."""
-
-    def width(self, declaration: IMU) -> int:  # noqa: ARG002 - as `Kind` has it
-        """Return the numbers in a sample."""
-        return _WIDTH
-
-    def memory(self, declaration: IMU) -> int:  # noqa: ARG002 - as `Kind` has it
+    def memory(self, _declaration: IMU, /) -> int:
         """Return the room of the biases and of the speeds."""
-        return MEMORY + 3
+        return BIAS_MEMORY + 3
 
-    def compile(self, fitted: Sequence[Fitted], timetable: Ints) -> IMUBlock:
+    def compile(self, fitted: Sequence[Fitted], schedule: Ints, /) -> IMUBlock:
         """Return the block."""
         ones: list[IMU] = [sensor.declaration for sensor in fitted]
         settings = [(one.noise, one.step, one.walk, one.turn_noise, one.turn_step, one.turn_walk) for one in ones]
-        return IMUBlock(np.array(settings, dtype=np.float64), timetable)
+        return IMUBlock(np.array(settings, dtype=np.float64), schedule)
 
     def reading(self, sensor: Fitted, tick: int | None, sample: Sequence[float]) -> IMUReading:
         """Return accelerations, m/s2, and turn rate, rad/s."""

@@ -1,16 +1,17 @@
 """What a kind of sensor is.
 
-A kind is one file of this package. It says which declaration it serves, what a declaration must
-fulfil, how the samples of all its sensors are taken from the world's arrays in one call, and
-how a sample becomes a reading.
+A kind is one file of this package. It names the declaration that it serves. It says what a declaration must fulfil,
+how the samples of all its sensors are taken from the world's arrays in one call, and how a sample becomes a reading.
 """
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Sequence
-from typing import Any, NamedTuple, Protocol
+from typing import Any, ClassVar, NamedTuple, Protocol
 
 from intellwheels_schemas.messages import Map, Position, Record, Robot
+from intellwheels_schemas.rules import SENSOR_RECORDS
 from intellwheels_server.world.kernels.arrays import Floats, Ints, Walls
 
 Declaration = Any
@@ -60,41 +61,89 @@ class Block(Protocol):
         """Store the samples that are due at a tick."""
 
 
-class Kind(Protocol):
-    """A kind of sensor."""
+class Kind(ABC):
+    """A kind of sensor. A subclass states its declaration, `compile` and `reading`; the rest has defaults.
 
-    @property
-    def field(self) -> str:
-        """The field of `Robot` and of `Sensors` that lists its sensors."""
+    Attributes:
+        declaration: The record that declares such a sensor.
+        field: The field of `Robot` and of `Sensors` that lists its sensors; found from the declaration.
+        sample_width: Numbers in a sample.
+        restricted: Whether the simulation must allow it (`Setup.truth`).
 
-    def width(self, declaration: Declaration) -> int:
-        """Return the numbers in a sample."""
+    Raises:
+        TypeError: While a subclass is defined whose declaration no field of both `Robot` and `Sensors` lists.
+    """
 
-    def memory(self, declaration: Declaration) -> int:
-        """Return the numbers that the sensor remembers from tick to tick, behind its samples; they begin as 0.
+    declaration: ClassVar[type[Record]]
+    field: ClassVar[str]
+    sample_width: ClassVar[int] = 1
+    restricted: ClassVar[bool] = False
 
-        They are part of the hash. Sensing twice at one tick must leave them as sensing once does.
-        """
+    def __init_subclass__(cls) -> None:
+        super().__init_subclass__()
+        fields = [field for field, records in SENSOR_RECORDS.items() if records.declaration is cls.declaration]
+        if len(fields) != 1:
+            raise TypeError(
+                f"{cls.__name__}.declaration: expected a record that one field of Robot and Sensors lists, "
+                f"got {cls.declaration.__name__}"
+            )
+        cls.field = fields[0]
 
-    def check(self, where: str, declaration: Declaration, robot: Robot) -> None:
-        """Refuse a declaration that is well-formed but cannot be.
+    def check(self, where: str, declaration: Declaration, floor: Map, /) -> None:  # noqa: B027 - most refuse none
+        """Refuse a declaration that is well-formed but cannot be simulated; by default none.
 
         Args:
             where: The declaration's place in the wire's names: `Robot.Proximity[2]`.
-            declaration: The declaration.
-            robot: The whole robot.
+            declaration: The declaration, of a simulated sensor.
+            floor: The map, for what is named on it.
 
         Raises:
-            RequestRefusedError: Why it cannot be.
+            RequestRefusedError: Why it cannot be simulated.
         """
 
-    def compile(self, fitted: Sequence[Fitted], timetable: Ints) -> Block:
+    def width(self, _declaration: Declaration, /) -> int:
+        """Return the numbers in a sample; by default `sample_width`."""
+        return self.sample_width
+
+    def memory(self, _declaration: Declaration, /) -> int:
+        """Return the numbers that the sensor remembers from tick to tick; by default 0.
+
+        They are stored behind its samples, begin as 0 and are part of the hash. Sensing twice at one tick must leave
+        them as sensing once does.
+        """
+        return 0
+
+    def phase(self, _declaration: Declaration, /) -> int:
+        """Return the ticks between joining and the first sample; by default 0."""
+        return 0
+
+    def stream(self, sensor: Fitted) -> str:
+        """Return the name of the sensor's noise stream; by default its id."""
+        return str(sensor.declaration.id)
+
+    def examples(self, _floor: Map, /) -> tuple[Declaration, ...]:
+        """Return declarations that together need every kernel of the kind, to compile them; by default one of id only.
+
+        Args:
+            _floor: A map with at least one named place.
+        """
+        return (self.declaration(id=self.field),)
+
+    @abstractmethod
+    def compile(self, fitted: Sequence[Fitted], schedule: Ints, /) -> Block:
         """Return the block of at least one sensor.
 
         Args:
             fitted: The sensors by body, those mounted on the body before those left at its start.
-            timetable: int64[sensors, 8], in the same order.
+            schedule: int64[sensors, 8], in the same order.
         """
 
+    @abstractmethod
     def reading(self, sensor: Fitted, tick: int | None, sample: Sequence[float]) -> Record:
-        """Return the reading of a sample; `tick` only where it is not the tick of the measures."""
+        """Return the reading of a sample.
+
+        Args:
+            sensor: The sensor.
+            tick: When the sample was taken, None if at the tick of the measures.
+            sample: As many numbers as `width` says.
+        """

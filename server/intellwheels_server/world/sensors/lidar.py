@@ -1,4 +1,4 @@
-"""Lidars: ranges by angle. See `kernels.scanning` for how they are found and what goes wrong."""
+"""Lidars: ranges by angle. See `kernels.lidar_rays` for how they are found and what goes wrong."""
 
 from __future__ import annotations
 
@@ -7,11 +7,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from intellwheels_schemas.messages import Lidar, LidarReading, Robot, Status
+from intellwheels_schemas.messages import Lidar, LidarReading, Map, Status
 from intellwheels_server.world.kernels.arrays import Floats, Ints
-from intellwheels_server.world.kernels.scanning import scan
+from intellwheels_server.world.kernels.lidar_rays import scan
 from intellwheels_server.world.sensors.angles import unit_vector
-from intellwheels_server.world.sensors.kind import Fitted, View
+from intellwheels_server.world.sensors.kind import Fitted, Kind, View
 
 # By the whole number that stands for it, negated.
 _STATUS: tuple[Status, ...] = ("ok", "none", "near", "fault")
@@ -37,7 +37,7 @@ class LidarBlock:
     scanners: Floats
     reels: Ints
     directions: Floats
-    timetable: Ints
+    schedule: Ints
 
     def take(self, tick: int, view: View, samples: Floats) -> None:
         """Store the samples that are due at a tick."""
@@ -51,28 +51,25 @@ class LidarBlock:
             self.scanners,
             self.reels,
             self.directions,
-            self.timetable,
+            self.schedule,
             samples,
         )
 
 
-class LidarKind:
+class LidarKind(Kind):
     """The kind that serves `Lidar`."""
 
-    field = "lidar"
+    declaration = Lidar
 
-    def check(self, where: str, declaration: Lidar, robot: Robot) -> None:
-        """Refuse none."""
+    def examples(self, _floor: Map, /) -> tuple[Lidar, ...]:
+        """Return a lidar of a few rays."""
+        return (Lidar(id=self.field, x=0.5, y=0.0, z=0.4, direction_deg=0.0, fov_deg=180.0, rays=9, max_range=9.0),)
 
-    def width(self, declaration: Lidar) -> int:
+    def width(self, declaration: Lidar, /) -> int:
         """Return the numbers in a sample: its time, and one for each ray."""
         return 1 + declaration.rays
 
-    def memory(self, declaration: Lidar) -> int:  # noqa: ARG002 - as `Kind` has it
-        """Return 0: it remembers nothing."""
-        return 0
-
-    def compile(self, fitted: Sequence[Fitted], timetable: Ints) -> LidarBlock:
+    def compile(self, fitted: Sequence[Fitted], schedule: Ints, /) -> LidarBlock:
         """Return the block."""
         scanners: list[tuple[float, ...]] = []
         reels: list[tuple[int, int, int]] = []
@@ -91,7 +88,7 @@ class LidarKind:
             scanners=np.array(scanners, dtype=np.float64),
             reels=np.array(reels, dtype=np.int64),
             directions=np.array(directions, dtype=np.float64),
-            timetable=timetable,
+            schedule=schedule,
         )
 
     def reading(self, sensor: Fitted, tick: int | None, sample: Sequence[float]) -> LidarReading:

@@ -19,20 +19,32 @@ import numpy as np
 from numba import njit
 
 from intellwheels_schemas.messages import Encoders, Odometry, OdometryReading, Robot
+from intellwheels_server.world.kernels import rows
 from intellwheels_server.world.kernels.arrays import Floats, Ints
-from intellwheels_server.world.kernels.bias import memory_of
 from intellwheels_server.world.kernels.geometry import arc
-from intellwheels_server.world.kernels.rows import WORLD_EDGE
-from intellwheels_server.world.kernels.timetable import due_slot
-from intellwheels_server.world.sensors.encoders import LEFT_COUNT, MEMORY, RIGHT_COUNT, count_rolled, encoder_figures
-from intellwheels_server.world.sensors.kind import Fitted, View
+from intellwheels_server.world.kernels.sample_schedule import due_slot
+from intellwheels_server.world.kernels.sensor_errors import memory_of
+from intellwheels_server.world.sensors.encoders import (
+    COUNT_MEMORY,
+    LEFT_COUNT,
+    RIGHT_COUNT,
+    count_rolled,
+    encoder_figures,
+)
+from intellwheels_server.world.sensors.kind import Fitted, Kind, View
 
 ODOMETRY_STREAM: Final = "@odometry"
 """The noise stream of odometry without encoders; no sensor's id can begin so."""
 
 _WIDTH = 3
 # Behind what the encoders remember: the counts that are in the pose, and the pose.
-_LEFT_USED, _RIGHT_USED, _X, _Y, _HEADING = MEMORY, MEMORY + 1, MEMORY + 2, MEMORY + 3, MEMORY + 4
+_LEFT_USED, _RIGHT_USED, _X, _Y, _HEADING = (
+    COUNT_MEMORY,
+    COUNT_MEMORY + 1,
+    COUNT_MEMORY + 2,
+    COUNT_MEMORY + 3,
+    COUNT_MEMORY + 4,
+)
 # Columns of the nominal figures, float64[sensors, 2]: metres a tick, track in metres.
 _WAY, _TRACK = 0, 1
 
@@ -43,10 +55,10 @@ def read_encoders(robot: Robot) -> Encoders | None:
 
 
 @njit(cache=True, error_model="numpy")
-def _take(tick: int, numbers: Floats, figures: Floats, nominal: Floats, timetable: Ints, samples: Floats) -> None:
-    for sensor in range(timetable.shape[0]):
-        place = memory_of(timetable, sensor, _WIDTH)
-        count_rolled(tick, numbers, figures, timetable, sensor, place, samples)
+def _take(tick: int, numbers: Floats, figures: Floats, nominal: Floats, schedule: Ints, samples: Floats) -> None:
+    for sensor in range(schedule.shape[0]):
+        place = memory_of(schedule, sensor, _WIDTH)
+        count_rolled(tick, numbers, figures, schedule, sensor, place, samples)
         left = (samples[place + LEFT_COUNT] - samples[place + _LEFT_USED]) * nominal[sensor, _WAY]
         right = (samples[place + RIGHT_COUNT] - samples[place + _RIGHT_USED]) * nominal[sensor, _WAY]
         samples[place + _LEFT_USED] = samples[place + LEFT_COUNT]
@@ -56,10 +68,10 @@ def _take(tick: int, numbers: Floats, figures: Floats, nominal: Floats, timetabl
                 samples[place + _X], samples[place + _Y], samples[place + _HEADING], 0.5 * (left + right),
                 (right - left) / nominal[sensor, _TRACK],
             )  # fmt: skip
-            samples[place + _X] = min(max(x, -WORLD_EDGE), WORLD_EDGE)
-            samples[place + _Y] = min(max(y, -WORLD_EDGE), WORLD_EDGE)
+            samples[place + _X] = min(max(x, -rows.WORLD_EDGE), rows.WORLD_EDGE)
+            samples[place + _Y] = min(max(y, -rows.WORLD_EDGE), rows.WORLD_EDGE)
             samples[place + _HEADING] = heading
-        slot = due_slot(timetable, sensor, tick, _WIDTH)
+        slot = due_slot(schedule, sensor, tick, _WIDTH)
         if slot >= 0:
             for at in range(_WIDTH):
                 samples[slot + at] = samples[place + _X + at]
@@ -71,30 +83,29 @@ class OdometryBlock:
 
     figures: Floats
     nominal: Floats
-    timetable: Ints
+    schedule: Ints
 
     def take(self, tick: int, view: View, samples: Floats) -> None:
         """Store the samples that are due at a tick."""
-        _take(tick, view.numbers, self.figures, self.nominal, self.timetable, samples)
+        _take(tick, view.numbers, self.figures, self.nominal, self.schedule, samples)
 
 
-class OdometryKind:
+class OdometryKind(Kind):
     """The kind that serves `Odometry`."""
 
-    field = "odometry"
+    declaration = Odometry
+    sample_width = _WIDTH
 
-    def check(self, where: str, declaration: Odometry, robot: Robot) -> None:
-        """Refuse none."""
+    def stream(self, sensor: Fitted) -> str:
+        """Return the stream of the encoders that it reads, so that it errs as they do."""
+        read = read_encoders(sensor.robot)
+        return ODOMETRY_STREAM if read is None else str(read.id)
 
-    def width(self, declaration: Odometry) -> int:  # noqa: ARG002 - as `Kind` has it
-        """Return the numbers in a sample."""
-        return _WIDTH
-
-    def memory(self, declaration: Odometry) -> int:  # noqa: ARG002 - as `Kind` has it
+    def memory(self, _declaration: Odometry, /) -> int:
         """Return the room of what the encoders remember, and of the pose."""
-        return MEMORY + 5
+        return COUNT_MEMORY + 5
 
-    def compile(self, fitted: Sequence[Fitted], timetable: Ints) -> OdometryBlock:
+    def compile(self, fitted: Sequence[Fitted], schedule: Ints, /) -> OdometryBlock:
         """Return the block."""
         robots = [sensor.robot for sensor in fitted]
         read = [read_encoders(robot) for robot in robots]
@@ -102,7 +113,7 @@ class OdometryKind:
             encoder_figures(robot, 0.0 if one is None else one.drift) for robot, one in zip(robots, read, strict=True)
         ]
         nominal = [(math.pi * robot.wheel_diameter / robot.encoder_ticks, robot.track) for robot in robots]
-        return OdometryBlock(np.array(figures, dtype=np.float64), np.array(nominal, dtype=np.float64), timetable)
+        return OdometryBlock(np.array(figures, dtype=np.float64), np.array(nominal, dtype=np.float64), schedule)
 
     def reading(self, sensor: Fitted, tick: int | None, sample: Sequence[float]) -> OdometryReading:
         """Return the pose since joining, m and rad."""

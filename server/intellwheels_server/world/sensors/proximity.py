@@ -2,7 +2,7 @@
 
 `ideal` tells the exact distance. `infrared` measures by triangulation: its voltage is V = c / d, so that noise of
 the voltage becomes a standard deviation that grows with the square of the distance; it never tells beyond its range.
-`sonar` hears only what echoes: see `kernels.echoes`. Kernels of `kernels.sensing` find the distances.
+`sonar` hears only what echoes: see `kernels.sonar_echoes`. Kernels of `kernels.proximity_wedges` find the distances.
 """
 
 from __future__ import annotations
@@ -11,31 +11,31 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import groupby
-from typing import Final, NamedTuple
+from typing import Final, NamedTuple, get_args
 
 import numpy as np
 from numba import njit
 
 from intellwheels_schemas.errors import RequestRefusedError
-from intellwheels_schemas.messages import Proximity, ProximityReading, Robot, Status
+from intellwheels_schemas.messages import Map, Model, Proximity, ProximityReading, Status
 from intellwheels_server.world.kernels.arrays import Floats, Ints
-from intellwheels_server.world.kernels.echoes import sense_sonars
 from intellwheels_server.world.kernels.noise import normal, uniform
-from intellwheels_server.world.kernels.sensing import (
-    CREW_COLUMNS,
-    EYE_COLUMNS,
-    FAULT,
-    OK,
+from intellwheels_server.world.kernels.proximity_wedges import (
+    BEAM_COLUMNS,
+    GROUP_COLUMNS,
+    MOUNT_COLUMNS,
     SAMPLE_WIDTH,
-    STATION_COLUMNS,
+    STATUS_FAULT,
+    STATUS_OK,
     sense_proximity,
 )
-from intellwheels_server.world.kernels.timetable import KEY0, KEY1, due_slot
+from intellwheels_server.world.kernels.sample_schedule import KEY0, KEY1, due_slot
+from intellwheels_server.world.kernels.sonar_echoes import sense_sonars
 from intellwheels_server.world.sensors.angles import unit_vector
-from intellwheels_server.world.sensors.kind import Fitted, View
+from intellwheels_server.world.sensors.kind import Fitted, Kind, View
 
 VOLT_METRES: Final = 0.47
-"""c of an infrared sensor, V m: SIMULATION.md's 10 mV are then 2 mm at 0.3 m and 48 mm at 1.5 m."""
+"""c of an infrared sensor, V m: MODEL.md's 10 mV are then 2 mm at 0.3 m and 48 mm at 1.5 m."""
 
 _STATUS: tuple[Status, ...] = ("ok", "none", "near", "fault")
 
@@ -45,46 +45,46 @@ _SIGMA, _DROPOUT, _NEAREST, _FARTHEST = 0, 1, 2, 3
 
 
 @njit(cache=True, error_model="numpy")
-def _spoil(tick: int, infrared: Floats, timetable: Ints, samples: Floats) -> None:
+def _spoil(tick: int, infrared: Floats, schedule: Ints, samples: Floats) -> None:
     """Make the exact samples that were taken at a tick those of infrared sensors."""
     for sensor in range(infrared.shape[0]):
-        slot = due_slot(timetable, sensor, tick, SAMPLE_WIDTH)
+        slot = due_slot(schedule, sensor, tick, SAMPLE_WIDTH)
         if slot < 0:
             continue
-        key0, key1 = np.uint64(timetable[sensor, KEY0]), np.uint64(timetable[sensor, KEY1])
-        if samples[slot] == OK:
+        key0, key1 = np.uint64(schedule[sensor, KEY0]), np.uint64(schedule[sensor, KEY1])
+        if samples[slot] == STATUS_OK:
             exact = samples[slot + 1]
             told = exact + infrared[sensor, _SIGMA] * exact * exact * normal(key0, key1, tick, 0)
             samples[slot + 1] = min(max(told, infrared[sensor, _NEAREST]), infrared[sensor, _FARTHEST])
         if infrared[sensor, _DROPOUT] > 0.0 and uniform(key0, key1, tick, 1) < infrared[sensor, _DROPOUT]:
-            samples[slot] = FAULT
+            samples[slot] = STATUS_FAULT
             samples[slot + 1] = 0.0
 
 
-class _Lookouts(NamedTuple):
+class _Grouped(NamedTuple):
     """Sensors by the frames they look from, as kernels take them."""
 
-    stations: Floats
-    crews: Ints
-    eyes: Floats
+    mounts: Floats
+    groups: Ints
+    beams: Floats
 
 
 @dataclass(frozen=True)
 class ProximityBlock:
     """All proximity sensors: those that are no sonars, errors of the infrared ones among them, and sonars."""
 
-    seeing: _Lookouts
-    seeing_times: Ints
+    seeing: _Grouped
+    seeing_schedule: Ints
     infrared: Floats
-    infrared_times: Ints
-    sonars: _Lookouts
-    ears: Floats
-    sonar_times: Ints
+    infrared_schedule: Ints
+    sonars: _Grouped
+    sonar_errors: Floats
+    sonar_schedule: Ints
 
     def take(self, tick: int, view: View, samples: Floats) -> None:
         """Store the samples that are due at a tick."""
         numbers, parts, part_start = view.numbers, view.parts, view.part_start
-        if len(self.seeing_times):
+        if len(self.seeing_schedule):
             of = self.seeing
             sense_proximity(
                 tick,
@@ -92,29 +92,41 @@ class ProximityBlock:
                 parts,
                 part_start,
                 *view.walls,
-                of.stations,
-                of.crews,
-                of.eyes,
-                self.seeing_times,
+                of.mounts,
+                of.groups,
+                of.beams,
+                self.seeing_schedule,
                 samples,
             )
-        if len(self.infrared_times):
-            _spoil(tick, self.infrared, self.infrared_times, samples)
-        if len(self.sonar_times):
+        if len(self.infrared_schedule):
+            _spoil(tick, self.infrared, self.infrared_schedule, samples)
+        if len(self.sonar_schedule):
             of = self.sonars
             sense_sonars(
-                tick, numbers, parts, part_start, *view.walls, of.stations, of.crews, of.eyes, self.ears,
-                self.sonar_times, samples,
+                tick, numbers, parts, part_start, *view.walls, of.mounts, of.groups, of.beams, self.sonar_errors,
+                self.sonar_schedule, samples,
             )  # fmt: skip
 
 
-class ProximityKind:
+class ProximityKind(Kind):
     """The kind that serves `Proximity`."""
 
-    field = "proximity"
+    declaration = Proximity
+    sample_width = SAMPLE_WIDTH
 
-    def check(self, where: str, declaration: Proximity, robot: Robot) -> None:  # noqa: ARG002 - as `Kind` has it
-        """Refuse errors that a model has not, and a firing group that its rate has no room for."""
+    def phase(self, declaration: Proximity, /) -> int:
+        """Return the ticks that its firing group waits."""
+        return declaration.group
+
+    def examples(self, _floor: Map, /) -> tuple[Proximity, ...]:
+        """Return a sensor of each model."""
+        return tuple(
+            Proximity(id=model, x=0.5, y=0.0, z=0.4, direction_deg=0.0, cone_deg=30.0, max_range=4.0, model=model)
+            for model in get_args(Model)
+        )
+
+    def check(self, where: str, declaration: Proximity, _floor: Map, /) -> None:
+        """Refuse an error that the model does not have, and a firing group that the rate leaves no tick for."""
         if declaration.model == "ideal" and declaration.dropout > 0.0:
             raise RequestRefusedError(
                 "value", f"{where}.Dropout: expected 0 of the model ideal, got {declaration.dropout}"
@@ -126,37 +138,29 @@ class ProximityKind:
             text = f"{where}.Group: expected less than Every {declaration.every}, got {declaration.group}"
             raise RequestRefusedError("value", text)
 
-    def width(self, declaration: Proximity) -> int:  # noqa: ARG002 - as `Kind` has it
-        """Return the numbers in a sample."""
-        return SAMPLE_WIDTH
-
-    def memory(self, declaration: Proximity) -> int:  # noqa: ARG002 - as `Kind` has it
-        """Return 0: it remembers nothing."""
-        return 0
-
-    def compile(self, fitted: Sequence[Fitted], timetable: Ints) -> ProximityBlock:
+    def compile(self, fitted: Sequence[Fitted], schedule: Ints, /) -> ProximityBlock:
         """Return the block."""
         models = [sensor.declaration.model for sensor in fitted]
         sonar = np.array([model == "sonar" for model in models])
         infrared = np.array([model == "infrared" for model in models])
-        errors = [_infrared(one.declaration) for one in fitted if one.declaration.model == "infrared"]
-        ears = [
+        infrared_errors = [_infrared(one.declaration) for one in fitted if one.declaration.model == "infrared"]
+        sonar_errors = [
             (one.declaration.dropout, one.declaration.crosstalk) for one in fitted if one.declaration.model == "sonar"
         ]
         return ProximityBlock(
-            seeing=_lookouts([one for one in fitted if one.declaration.model != "sonar"]),
-            seeing_times=timetable[~sonar],
-            infrared=np.array(errors, dtype=np.float64).reshape(-1, 4),
-            infrared_times=timetable[infrared],
-            sonars=_lookouts([one for one in fitted if one.declaration.model == "sonar"]),
-            ears=np.array(ears, dtype=np.float64).reshape(-1, 2),
-            sonar_times=timetable[sonar],
+            seeing=_grouped([one for one in fitted if one.declaration.model != "sonar"]),
+            seeing_schedule=schedule[~sonar],
+            infrared=np.array(infrared_errors, dtype=np.float64).reshape(-1, 4),
+            infrared_schedule=schedule[infrared],
+            sonars=_grouped([one for one in fitted if one.declaration.model == "sonar"]),
+            sonar_errors=np.array(sonar_errors, dtype=np.float64).reshape(-1, 2),
+            sonar_schedule=schedule[sonar],
         )
 
     def reading(self, sensor: Fitted, tick: int | None, sample: Sequence[float]) -> ProximityReading:
         """Return the distance, or why there is none."""
         status, distance = sample
-        if status == OK:
+        if status == STATUS_OK:
             return ProximityReading(id=sensor.declaration.id, tick=tick, value=distance)
         return ProximityReading(id=sensor.declaration.id, tick=tick, status=_STATUS[int(status)])
 
@@ -166,30 +170,30 @@ def _infrared(declaration: Proximity) -> tuple[float, ...]:
     return sigma, declaration.dropout, declaration.min_range, declaration.max_range
 
 
-def _lookouts(fitted: Sequence[Fitted]) -> _Lookouts:
-    """Return the sensors; those of one body and one mount share a station."""
-    stations: list[tuple[float, float, float, float]] = []
-    crews: list[tuple[int, bool, int, int]] = []
-    eyes: list[tuple[float, ...]] = []
+def _grouped(fitted: Sequence[Fitted]) -> _Grouped:
+    """Return the sensors; those of one body and one mount share a mount."""
+    mounts: list[tuple[float, float, float, float]] = []
+    groups: list[tuple[int, bool, int, int]] = []
+    beams: list[tuple[float, ...]] = []
     for (body, mount), group in groupby(fitted, key=lambda sensor: (sensor.body, sensor.declaration.mount)):
         sensors = list(group)
-        begin = len(eyes)
-        eyes.extend(_eye(sensor.declaration) for sensor in sensors)
+        begin = len(beams)
+        beams.extend(_beam(sensor.declaration) for sensor in sensors)
         reach = max(
             math.sqrt(sensor.declaration.x**2 + sensor.declaration.y**2) + sensor.declaration.max_range
             for sensor in sensors
         )
         start = sensors[0].start
-        stations.append((start.x, start.y, start.heading, reach))
-        crews.append((body, mount == "start", begin, len(eyes)))
-    return _Lookouts(
-        stations=np.array(stations, dtype=np.float64).reshape(-1, STATION_COLUMNS),
-        crews=np.array(crews, dtype=np.int64).reshape(-1, CREW_COLUMNS),
-        eyes=np.array(eyes, dtype=np.float64).reshape(-1, EYE_COLUMNS),
+        mounts.append((start.x, start.y, start.heading, reach))
+        groups.append((body, mount == "start", begin, len(beams)))
+    return _Grouped(
+        mounts=np.array(mounts, dtype=np.float64).reshape(-1, MOUNT_COLUMNS),
+        groups=np.array(groups, dtype=np.int64).reshape(-1, GROUP_COLUMNS),
+        beams=np.array(beams, dtype=np.float64).reshape(-1, BEAM_COLUMNS),
     )
 
 
-def _eye(declaration: Proximity) -> tuple[float, ...]:
+def _beam(declaration: Proximity) -> tuple[float, ...]:
     half_cos, half_sin = unit_vector(0.5 * declaration.cone_deg)
     return (
         declaration.x,

@@ -7,57 +7,48 @@ from dataclasses import dataclass
 
 from numba import njit
 
-from intellwheels_schemas.messages import Robot, Truth, TruthReading
+from intellwheels_schemas.messages import Truth, TruthReading
+from intellwheels_server.world.kernels import rows
 from intellwheels_server.world.kernels.arrays import Floats, Ints
-from intellwheels_server.world.kernels.rows import HEADING, SPEED, TURN_RATE, X, Y
-from intellwheels_server.world.kernels.timetable import BODY, due_slot
-from intellwheels_server.world.sensors.kind import Fitted, View
+from intellwheels_server.world.kernels.sample_schedule import BODY, due_slot
+from intellwheels_server.world.sensors.kind import Fitted, Kind, View
 
 
 @njit(cache=True, error_model="numpy")
-def _take(tick: int, numbers: Floats, timetable: Ints, samples: Floats) -> None:
-    for sensor in range(timetable.shape[0]):
-        slot = due_slot(timetable, sensor, tick, 5)
+def _take(tick: int, numbers: Floats, schedule: Ints, samples: Floats) -> None:
+    for sensor in range(schedule.shape[0]):
+        slot = due_slot(schedule, sensor, tick, 5)
         if slot < 0:
             continue
-        body = timetable[sensor, BODY]
-        samples[slot] = numbers[X, body]
-        samples[slot + 1] = numbers[Y, body]
-        samples[slot + 2] = numbers[HEADING, body]
-        samples[slot + 3] = numbers[SPEED, body]
-        samples[slot + 4] = numbers[TURN_RATE, body]
+        body = schedule[sensor, BODY]
+        samples[slot] = numbers[rows.X, body]
+        samples[slot + 1] = numbers[rows.Y, body]
+        samples[slot + 2] = numbers[rows.HEADING, body]
+        samples[slot + 3] = numbers[rows.SPEED, body]
+        samples[slot + 4] = numbers[rows.TURN_RATE, body]
 
 
 @dataclass(frozen=True)
 class TruthBlock:
     """All truth sensors."""
 
-    timetable: Ints
+    schedule: Ints
 
     def take(self, tick: int, view: View, samples: Floats) -> None:
         """Store the samples that are due at a tick."""
-        _take(tick, view.numbers, self.timetable, samples)
+        _take(tick, view.numbers, self.schedule, samples)
 
 
-class TruthKind:
+class TruthKind(Kind):
     """The kind that serves `Truth`."""
 
-    field = "truth"
+    declaration = Truth
+    restricted = True
+    sample_width = 5
 
-    def check(self, where: str, declaration: Truth, robot: Robot) -> None:
-        """Refuse none; whether truth is allowed is the simulation's to say, see `check_sensors`."""
-
-    def width(self, declaration: Truth) -> int:  # noqa: ARG002 - as `Kind` has it
-        """Return the numbers in a sample."""
-        return 5
-
-    def memory(self, declaration: Truth) -> int:  # noqa: ARG002 - as `Kind` has it
-        """Return 0: it remembers nothing."""
-        return 0
-
-    def compile(self, fitted: Sequence[Fitted], timetable: Ints) -> TruthBlock:  # noqa: ARG002 - as `Kind` has it
+    def compile(self, _fitted: Sequence[Fitted], schedule: Ints, /) -> TruthBlock:
         """Return the block."""
-        return TruthBlock(timetable)
+        return TruthBlock(schedule)
 
     def reading(self, sensor: Fitted, tick: int | None, sample: Sequence[float]) -> TruthReading:
         """Return pose and twist."""

@@ -14,15 +14,15 @@ from typing import Any
 
 import numpy as np
 
-from intellwheels_server.world.kernels import contact
+from intellwheels_server.world.kernels import allowed_penetration, contact
 from intellwheels_server.world.kernels.arrays import (
     BLOCKED,
-    COLLISION,
-    CONTACT,
+    COLLIDED,
+    END_ALLOWED,
     END_HEADING,
     END_X,
-    LICENCE,
     STALLED,
+    TOUCHED,
     Bodies,
     Box,
     Floats,
@@ -31,6 +31,9 @@ from intellwheels_server.world.kernels.arrays import (
     Walls,
     bodies_from,
 )
+from intellwheels_server.world.kernels.contact_hits import Outcomes
+from intellwheels_server.world.kernels.elementary import sincos
+from intellwheels_server.world.kernels.geometry import body_depth
 from intellwheels_server.world.wall_pieces import Line, Solid, walls_from
 
 CHAIR = (Box(0.25, 0.0, 1.2, 0.66, 0.0, 1.3),)
@@ -44,8 +47,7 @@ LEAF = (Box(-0.49, 0.0, 1.0, 0.1, 0.0, 2.0),)
 NO_WALLS = walls_from([])
 
 # Type checkers count the arguments of a kernel and not those of a starred tuple.
-RESOLVE: Any = contact.resolve
-DECREE: Any = contact.decree
+BODY_DEPTH: Any = body_depth
 
 
 class Floor:
@@ -55,7 +57,7 @@ class Floor:
         self.bodies: Bodies = bodies_from(shapes)
         self.walls = walls
         self.pose: Floats = np.ascontiguousarray(np.array(poses, dtype=np.float64).reshape(-1, 3).T)
-        self.licence: Floats = np.zeros(len(shapes))
+        self.allowed: Floats = np.zeros(len(shapes))
         self.twist: Floats = np.zeros((2, len(shapes)))
         self.tick_number = 0
         self.outcome: Floats = np.zeros((6, len(shapes)))
@@ -63,32 +65,27 @@ class Floor:
         self.hits: Ints = np.empty((0, 6), dtype=np.int64)
         self.hit_numbers: Floats = np.empty((0, 6))
 
-    @property
-    def blocks(self) -> tuple[Any, ...]:
-        """The arrays of bodies and walls, as kernels take them."""
-        return (*self.bodies, *self.walls)
-
-    def decree(self, who: Sequence[int] | None = None) -> None:
-        """Give those who were put where they are their licence."""
+    def allow_overlap(self, who: Sequence[int] | None = None) -> None:
+        """Give those who were put where they are their allowed penetration."""
         chosen = np.array(range(self.pose.shape[1]) if who is None else who, dtype=np.int64)
-        DECREE(*self.blocks, self.pose, chosen, self.licence)
+        allowed_penetration.allow_overlap(self.bodies, self.walls, self.pose, chosen, self.allowed)
 
     def tick(self) -> None:
         """Move all by one tick."""
         room = 4
         while True:
             hits, numbers = np.empty((room, 6), dtype=np.int64), np.empty((room, 6))
-            used = RESOLVE(
-                *self.blocks, self.pose, self.twist, self.licence, self.tick_number,
-                self.outcome, self.flags, hits, numbers,
-            )  # fmt: skip
+            outcomes = Outcomes(self.outcome, self.flags, hits, numbers)
+            used = contact.resolve(
+                self.bodies, self.walls, self.pose, self.twist, self.allowed, self.tick_number, outcomes
+            )
             if used <= room:
                 break
             room = used
         order = np.lexsort((hits[:used, 1], hits[:used, 0]))
         self.hits, self.hit_numbers = hits[:used][order], numbers[:used][order]
         self.pose = self.outcome[END_X : END_HEADING + 1].copy()
-        self.licence = self.outcome[LICENCE].copy()
+        self.allowed = self.outcome[END_ALLOWED].copy()
         self.tick_number += 1
 
     def drive(self, i: int, travel: float, turn: float) -> None:
@@ -105,20 +102,24 @@ class Floor:
 
     def collided(self, i: int) -> bool:
         """Return whether a body led itself into something."""
-        return bool(self.flags[COLLISION, i])
+        return bool(self.flags[COLLIDED, i])
 
     def touched(self, i: int) -> bool:
         """Return whether a body touched or was touched."""
-        return bool(self.flags[CONTACT, i])
+        return bool(self.flags[TOUCHED, i])
 
     def depth(self, i: int, j: int) -> float:
         """Return the depth of body i in body j, m."""
-        return float(contact.depth_between(self.bodies.parts, self.bodies.part_start, self.pose, i, j))
+        (parts, start, _, _), (x, y, heading) = self.bodies, self.pose
+        (si, ci), (sj, cj) = sincos(heading[i]), sincos(heading[j])
+        one = (parts, start[i], start[i + 1], x[i], y[i], ci, si)
+        other = (parts, start[j], start[j + 1], x[j], y[j], cj, sj)
+        return float(BODY_DEPTH(*one, *other, -np.inf))
 
     def overlap(self, i: int) -> float:
         """Return the largest depth of body i in anything, m."""
         depth = np.zeros(self.pose.shape[1])
-        DECREE(*self.blocks, self.pose, np.array([i], dtype=np.int64), depth)
+        allowed_penetration.allow_overlap(self.bodies, self.walls, self.pose, np.array([i], dtype=np.int64), depth)
         return float(depth[i])
 
 
@@ -129,7 +130,7 @@ def random_floor(rng: np.random.Generator, count: int) -> Floor:
     shapes, poses = [], []
     for k in range(count):
         kind = int(rng.choice(5, p=(0.45, 0.25, 0.1, 0.1, 0.1)))
-        shapes.append(Shape(f"body{k}", kinds[kind], anchored=kind == 3, held=bool(rng.random() < 0.05)))
+        shapes.append(Shape(f"body{k}", kinds[kind], anchored=kind == 3, externally_posed=bool(rng.random() < 0.05)))
         poses.append((rng.uniform(0.0, side), rng.uniform(0.0, side), rng.uniform(-3.1, 3.1)))
     walls = walls_from(
         [
@@ -140,7 +141,7 @@ def random_floor(rng: np.random.Generator, count: int) -> Floor:
     floor = Floor(shapes, poses, walls)
     floor.twist = np.array([rng.uniform(-0.06, 0.1, count), rng.normal(0.0, 0.06, count)])
     floor.twist[:, rng.random(count) < 0.1] = 0.0
-    floor.decree()
+    floor.allow_overlap()
     return floor
 
 
@@ -158,7 +159,7 @@ def permuted(floor: Floor, order: Ints) -> Floor:
     )
     other.pose = np.ascontiguousarray(floor.pose[:, order])
     other.twist = np.ascontiguousarray(floor.twist[:, order])
-    other.licence = floor.licence[order].copy()
+    other.allowed = floor.allowed[order].copy()
     other.outcome = np.zeros((6, len(order)))
     other.flags = np.zeros((4, len(order)), dtype=np.int64)
     return other

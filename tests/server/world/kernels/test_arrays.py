@@ -4,7 +4,7 @@ import pytest
 
 from intellwheels_server.world.kernels.arrays import (
     ANCHORED,
-    HELD,
+    EXTERNALLY_POSED,
     HIGHEST,
     KEY,
     LOWEST,
@@ -24,7 +24,7 @@ from intellwheels_server.world.kernels.arrays import (
     [(1.10, 0.62, 0.227, 0.905), (1.15, 0.655, 0.5, 0.662), (1.10, 0.655, 0.72, 0.857), (1.20, 0.66, 0.42, 0.770)],
 )
 def test_turning_radius_is_the_farthest_corner(length: float, width: float, centre: float, radius: float) -> None:
-    # SIMULATION.md, Bodies: rear-wheel, mid-wheel and front-wheel chair, the present IntellWheels chair.
+    # MODEL.md, Bodies: rear-wheel, mid-wheel and front-wheel chair, the present IntellWheels chair.
     box = Box(length * (0.5 - centre), 0.0, length, width, 0.0, 1.3)
     assert radius_of([box]) == pytest.approx(radius, abs=6e-4)
 
@@ -34,7 +34,7 @@ def test_bodies_follow_one_another_in_the_arrays() -> None:
     bodies = bodies_from(
         [
             Shape("table", [Box(0.0, 0.0, 1.2, 0.8, 0.69, 0.72), leg]),
-            Shape("chair1", [Box(0.25, 0.0, 1.2, 0.66, 0.1, 1.3)], held=True, anchored=True),
+            Shape("chair1", [Box(0.25, 0.0, 1.2, 0.66, 0.1, 1.3)], externally_posed=True, anchored=True),
         ]
     )
     assert bodies.parts.tolist() == [
@@ -47,7 +47,7 @@ def test_bodies_follow_one_another_in_the_arrays() -> None:
     assert bodies.shape[HIGHEST].tolist() == [0.72, 1.3]
     assert bodies.shape[THICKNESS].tolist() == [0.05, 0.66]
     assert bodies.shape[RADIUS, 1] == radius_of([Box(0.25, 0.0, 1.2, 0.66, 0.1, 1.3)])
-    assert bodies.marks[[HELD, ANCHORED]].tolist() == [[0, 1], [0, 1]]
+    assert bodies.marks[[EXTERNALLY_POSED, ANCHORED]].tolist() == [[0, 1], [0, 1]]
     assert bodies.marks[KEY].tolist() == [key_of("table"), key_of("chair1")]
 
 

@@ -2,24 +2,23 @@
 
 from __future__ import annotations
 
-from intellwheels_schemas.messages import Robot, SensorDeclaration, Sensors
-from intellwheels_schemas.rules import sensors_of
-from intellwheels_schemas.vectors import EVERY_SENSOR
-from intellwheels_server.world.sensors import KINDS
+import pytest
+
+from intellwheels_maps import floor
+from intellwheels_schemas.messages import Corner
+from intellwheels_server.world.sensors.catalogue import KINDS
+from intellwheels_server.world.sensors.kind import Kind
 
 
-def test_each_kind_has_a_field_of_its_own_in_robot_and_in_sensors() -> None:
-    fields = [kind.field for kind in KINDS.values()]
-    assert len(set(fields)) == len(fields)
-    for declaration, kind in KINDS.items():
-        assert kind.field == declaration.__name__.lower()
-        assert hasattr(Robot(), kind.field)
-        assert hasattr(Sensors(), kind.field)
-
-
-def test_each_declaration_of_the_contract_has_a_kind_which_takes_samples_of_it() -> None:
-    assert set(KINDS) == set(SensorDeclaration.__args__)
-    for _, _, declaration in sensors_of(EVERY_SENSOR):
-        kind = KINDS[type(declaration)]
+@pytest.mark.parametrize("kind", KINDS.values(), ids=lambda kind: kind.field)
+def test_each_kind_takes_samples_of_its_declarations(kind: Kind) -> None:
+    for declaration in kind.examples(floor("room")):
+        assert isinstance(declaration, kind.declaration)
         assert kind.width(declaration) >= 1
         assert kind.memory(declaration) >= 0
+        assert kind.phase(declaration) >= 0
+
+
+def test_kind_for_a_record_that_robots_do_not_list_is_refused() -> None:
+    with pytest.raises(TypeError, match=r"Strange.declaration: expected a record that one field of Robot and Sensors"):
+        type("Strange", (Kind,), {"declaration": Corner})

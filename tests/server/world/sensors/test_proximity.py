@@ -94,7 +94,7 @@ def test_bodies_see_one_another_across_the_same_gap() -> None:
 )
 def test_error_that_a_model_has_not_is_refused(fields: dict[str, Any], text: str) -> None:
     with pytest.raises(RequestRefusedError, match=rf"Robot.Proximity\[2\].{text}") as refused:
-        ProximityKind().check("Robot.Proximity[2]", _eye(**fields), Robot())
+        ProximityKind().check("Robot.Proximity[2]", _eye(**fields), floor_of())
     assert refused.value.code == "value"
 
 
@@ -114,7 +114,7 @@ def test_infrared_error_grows_with_the_square_of_the_distance() -> None:
     deviations = [float(np.std(_infrared_errors(distance))) for distance in distances]
     slope = float(np.polyfit(np.log(distances), np.log(deviations), 1)[0])
     assert slope == pytest.approx(2.0, abs=0.1)
-    # SIMULATION.md: 2 mm and 48 mm of 10 mV; four standard errors of 1600 draws.
+    # MODEL.md: 2 mm and 48 mm of 10 mV; four standard errors of 1600 draws.
     assert deviations[0] == pytest.approx(0.0019, rel=0.08)
     assert deviations[-1] == pytest.approx(0.048, rel=0.08)
 

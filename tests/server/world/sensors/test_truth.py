@@ -6,7 +6,7 @@ import pytest
 
 from intellwheels_schemas.messages import Truth
 from intellwheels_server.world import measures
-from intellwheels_server.world.kernels.rows import HEADING, X, Y
+from intellwheels_server.world.kernels import rows
 from tests.server.worlds import cart, run, world
 
 
@@ -17,6 +17,6 @@ def test_truth_is_the_pose_to_the_bit_and_the_twist_of_the_last_step() -> None:
     assert sensors is not None
     (reading,) = sensors.truth
     assert (reading.id, reading.tick) == ("t", None)
-    assert (reading.x, reading.y, reading.heading) == tuple(state.numbers[[X, Y, HEADING], 0])
+    assert (reading.x, reading.y, reading.heading) == tuple(state.numbers[[rows.X, rows.Y, rows.HEADING], 0])
     assert reading.speed == pytest.approx(0.5, abs=1e-12)
     assert reading.turn_rate == pytest.approx(0.2 / 0.5, abs=1e-12)

@@ -1,0 +1,181 @@
+"""The command line of `iw-bridge`, without the options that every command shares."""
+
+from __future__ import annotations
+
+import argparse
+import math
+from collections.abc import Callable
+from typing import Final
+
+from intellwheels_agents.bridge.pose_source import DRIFT, POSE_SOURCES
+from intellwheels_agents.bridge.sensor_merge import SENSORS
+
+EXAMPLES = """\
+examples:
+  a chair with its controller on a serial line; any program that joins with role mind can drive it
+      iw-bridge serial --port /dev/ttyUSB0 --name chair1 --robot intellwheels --place start1
+      iw-agent avoid --name chair1 --role mind
+  a chair in the simulation `lab` instead of hardware; its right wheel is 0.2 % too large, its pose is raw odometry
+      iw-server --world lab --listen tcp/127.0.0.1:7448 --map ward --hide-truth
+      iw-bridge world --lab-connect tcp/127.0.0.1:7448 --name chair1 --chair-option WheelRatio=1.002
+  the same, with its pose corrected once a second by a position with an error of 5 cm
+      iw-bridge world --lab-connect tcp/127.0.0.1:7448 --name chair1 --chair-option WheelRatio=1.002 \\
+          --pose corrected --fix-every 20 --fix-noise 0.05
+
+Two worlds in lockstep advance tick by tick. Give both servers a --deadline at least as long as the other may take.
+Standard output has the lines `hardware agent=...` when the chair is heard, `joined agent=...`, `run ...` and `left ...`
+of the simulation, the same with the prefix `lab-` of the laboratory, and at the end `bridged agent=...` with counts.
+Events of the chair are printed too: `simulator-gone`, `simulator-back`, `removed ... reason=...`, `replaced`, `taken`,
+`released`, `mind-joined`, `mind-left`, `mind-lost`; with --resume confirm also `held`, `ready` (for Enter), `resumed`.
+Exit code 0: done; 1: refused or failed; 2: wrong usage.
+"""
+DEFAULT_ROBOT: Final = "intellwheels"
+MAX_COUNT: Final = 2**31 - 1
+"""Largest number of bits a second and of ticks that an option takes."""
+
+
+def parser() -> argparse.ArgumentParser:
+    """Return the parser of this command's own options."""
+    result = argparse.ArgumentParser(
+        prog="iw-bridge",
+        description="Bring a real chair into a simulation, as the body of an agent.",
+        epilog=EXAMPLES,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    result.add_argument(
+        "driver", choices=("world", "serial"), help="where the chair is: in another simulation, or on a serial line"
+    )
+    body = result.add_argument_group("body")
+    body.add_argument("--name", required=True, metavar="NAME", help="name of the agent, in both worlds")
+    body.add_argument(
+        "--robot", default=DEFAULT_ROBOT, metavar="NAME|FILE",
+        help=f"the body and its virtual sensors (default: {DEFAULT_ROBOT})",
+    )  # fmt: skip
+    body.add_argument(
+        "--option",
+        action="append",
+        default=[],
+        metavar="FIELD=VALUE",
+        help="change a field of the robot; may be repeated",
+    )
+    body.add_argument(
+        "--resume", choices=("auto", "confirm"),
+        help="after the simulator was gone or silent for 1 s: drive on by itself, or stay put until Enter is pressed "
+        "here, on standard input (default: confirm for real hardware, auto for simulated)",
+    )  # fmt: skip
+    body.add_argument("--place", metavar="PLACE", help="where the chair is when the bridge starts")
+    body.add_argument(
+        "--sensors", choices=SENSORS, default="virtual", help="which sensors the mind gets: the virtual"
+        " ones, the chair's own sonars, or both, with the own ones as real-ID (default: virtual)",
+    )  # fmt: skip
+    chair = result.add_argument_group("the chair as built")
+    chair.add_argument("--chair", metavar="NAME|FILE", help="its nominal figures and own sonars (default: as --robot)")
+    chair.add_argument(
+        "--chair-option", action="append", default=[], metavar="FIELD=VALUE",
+        help="change a field of it, such as WheelRatio=1.002 with the driver world; may be repeated",
+    )  # fmt: skip
+    chair.add_argument(
+        "--hardware", choices=("real", "simulated"),
+        help="real: accepted in real time at speed 1 only (default: simulated for world, real for serial)",
+    )  # fmt: skip
+    chair.add_argument("--joystick", action="store_true", help="send the chair's own joystick as user input")
+    _add_pose_options(result)
+    _add_line_options(result)
+    result.add_argument(
+        "--encoding", choices=("json", "xml"), default="json", help="encoding of messages (default: json)"
+    )
+    result.add_argument(
+        "--retry-for", type=_positive, default=math.inf, metavar="S",
+        help="give up after S seconds without the chair or the simulator (default: never)",
+    )  # fmt: skip
+    return result
+
+
+def _add_pose_options(result: argparse.ArgumentParser) -> None:
+    pose = result.add_argument_group("pose")
+    pose.add_argument(
+        "--pose", choices=POSE_SOURCES, default="raw", help="encoders with nominal figures, with calibrated figures, "
+        "or these corrected by position fixes (default: raw)",
+    )  # fmt: skip
+    for name, meaning in (
+        ("--wheel-ratio", "right wheel over left wheel (UMBmark's E_d)"),
+        ("--wheel-scale", "mean wheel over the nominal one"),
+        ("--track-ratio", "track over the nominal one (UMBmark's E_b)"),
+    ):
+        pose.add_argument(name, type=_ratio, default=1.0, metavar="R", help=f"calibration: {meaning} (default: 1)")
+    pose.add_argument(
+        "--drift", type=_not_negative, default=DRIFT, metavar="K",
+        help=f"variance of a wheel's travel, m2 a metre, for the covariance (default: {DRIFT:g})",
+    )  # fmt: skip
+    pose.add_argument(
+        "--fix-every", type=_count, default=20, metavar="TICKS",
+        help="driver world: ticks between position fixes, for a chair without a GPS of its own (default: 20)",
+    )  # fmt: skip
+    pose.add_argument(
+        "--fix-noise", type=_not_negative, default=0.05, metavar="M",
+        help="driver world: standard deviation of a fix on each axis (default: 0.05)",
+    )  # fmt: skip
+
+
+def _add_line_options(result: argparse.ArgumentParser) -> None:
+    world = result.add_argument_group("driver world")
+    world.add_argument(
+        "--lab-world", default="lab", metavar="NAME", help="name of the other simulation, the laboratory (default: lab)"
+    )
+    world.add_argument(
+        "--lab-connect", action="append", default=[], metavar="ENDPOINT",
+        help="where the laboratory is (default: where the simulation is)",
+    )  # fmt: skip
+    world.add_argument(
+        "--lab-place", metavar="PLACE", help="where the chair starts in the laboratory (default: --place)"
+    )
+    world.add_argument(
+        "--lab-role", choices=("both", "mind"), default="both",
+        help="both: bring the chair along; mind: drive a chair that is there already (default: both)",
+    )  # fmt: skip
+    line = result.add_argument_group("driver serial")
+    line.add_argument("--port", metavar="DEVICE|URL", help="serial device such as /dev/ttyUSB0, or socket://HOST:PORT")
+    line.add_argument("--baud", type=_count, default=115_200, metavar="N", help="bits a second (default: 115200)")
+    faults = result.add_argument_group(
+        "faults for experiments, on the line between chair and bridge, in both directions"
+    )
+    faults.add_argument("--delay", type=_not_negative, default=0.0, metavar="S", help="delay in seconds (default: 0)")
+    faults.add_argument(
+        "--jitter",
+        type=_not_negative,
+        default=0.0,
+        metavar="S",
+        help="largest additional delay in seconds (default: 0)",
+    )
+    faults.add_argument("--loss", type=_share, default=0.0, metavar="SHARE", help="share of messages lost (default: 0)")
+    faults.add_argument("--seed", default="1", metavar="TEXT", help="seed of the faults (default: 1)")
+    faults.add_argument(
+        "--clock-offset", type=_finite, default=0.0, metavar="S",
+        help="added to time stamps: the simulator's clock minus this machine's (default: 0)",
+    )  # fmt: skip
+
+
+def _number(expected: str, fits: Callable[[float], bool]) -> Callable[[str], float]:
+    def read(text: str) -> float:
+        try:
+            value = float(text)
+        except ValueError:
+            value = math.nan  # outside every range
+        if not fits(value):
+            raise argparse.ArgumentTypeError(f"expected {expected}, got {text!r}")
+        return value
+
+    return read
+
+
+_positive = _number("a number above 0", lambda value: 0.0 < value < math.inf)
+_not_negative = _number("a number from 0 on", lambda value: 0.0 <= value < math.inf)
+_finite = _number("a number", math.isfinite)
+_share = _number("a share in [0, 1]", lambda value: 0.0 <= value <= 1.0)
+_ratio = _number("a ratio in [0.5, 2]", lambda value: 0.5 <= value <= 2.0)
+
+
+def _count(text: str) -> int:
+    if not (text.isascii() and text.isdigit() and 1 <= int(text) <= MAX_COUNT):
+        raise argparse.ArgumentTypeError(f"expected a whole number in [1, {MAX_COUNT}], got {text!r}")
+    return int(text)

@@ -1,0 +1,148 @@
+"""The keyboard of a terminal, for machines without a display. Needs nothing but the standard library.
+
+A terminal reports characters, not presses and releases: a held key arrives again and again. So a key counts as held for
+0.3 s after its last character, and no longer, because nobody may be there to release it. Two things follow:
+
+- The repetition of a held key starts after a delay, often 0.25 to 0.66 s. If it is longer than 0.3 s, the chair stops
+  once between the first character and the repetition. `kbdrate -d 250` or `xset r rate 250 30` shortens it.
+- Of several held keys only the last repeats. For a bend there are keys of their own: Q and E, or U and O.
+
+The terminal echoes nothing meanwhile. Ctrl-C still interrupts, Escape and Ctrl-D end the source.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+import select
+import sys
+import termios
+import time
+import tty
+from contextlib import suppress
+from types import TracebackType
+from typing import Any, Final, Self
+
+from intellwheels_agents.joystick.input_state import InputState
+from intellwheels_agents.joystick.key_bindings import FORWARD_KEYS, TURN_KEYS, from_keys
+from intellwheels_agents.joystick.pygame_source import DeviceError
+
+KEY_TIMEOUT: Final = 0.3
+"""Seconds that a key counts as held after its last character: the silence that stops a chair."""
+ESCAPE_TIMEOUT: Final = 0.1
+"""Seconds after which an Escape that nothing follows is the key, not the start of a sequence."""
+HELP: Final = (
+    "arrows, W A S D or I J K L drive, Q E or U O for bends, shift for half speed, space stops, 0-9 are buttons, "
+    "Escape ends; a key counts for 0.3 s"
+)
+_END: Final = ("\x04", "escape")
+_DRIVING: Final = {"space"}.union(*FORWARD_KEYS, *TURN_KEYS)
+_ARROWS: Final = {"A": "up", "B": "down", "C": "right", "D": "left"}
+# Of xterm and the Linux console: ESC [ A, ESC O A, and ESC [ 1 ; 2 A with shift.
+_SEQUENCE: Final = re.compile(r"\x1b(?:\[|O)(?:\d{0,4};(?P<modifier>\d{1,4})|[\d;]{0,8})(?P<final>[@-~])")
+_UNFINISHED: Final = re.compile(r"\x1b(?:(?:\[|O)[\d;]{0,8})?\Z")
+
+
+class TerminalKeys:
+    """Turns the characters of a terminal into held keys. Pure: the time is an argument."""
+
+    def __init__(self) -> None:
+        self.has_ended = False
+        self._until: dict[str, float] = {}
+        self._rest = ""
+        self._rest_at = 0.0
+
+    def feed(self, text: str, now: float) -> None:
+        """Add characters that have arrived."""
+        text = self._rest + text
+        self._rest = ""
+        while text:
+            if unfinished := _UNFINISHED.match(text):
+                self._rest, self._rest_at = unfinished[0], now
+                return
+            if sequence := _SEQUENCE.match(text):
+                name, text = _ARROWS.get(sequence["final"], ""), text[sequence.end() :]
+                # Modifiers are counted from 1, and shift is the lowest bit.
+                self._press(name, bool((int(sequence["modifier"] or 1) - 1) & 1), now)
+            elif text[0] == "\x1b":
+                name, text = "escape", text[1:]
+                self._press(name, False, now)
+            else:
+                name, text = text[0], text[1:]
+                self._press("space" if name == " " else name.lower(), name.isupper(), now)
+
+    def held(self, now: float) -> set[str]:
+        """Return the names of the keys that count as held at a time in seconds, as in `key_bindings`."""
+        if self._rest and now - self._rest_at > ESCAPE_TIMEOUT:
+            self.has_ended |= self._rest == "\x1b"
+            self._rest = ""
+        return {name for name, until in self._until.items() if now < until}
+
+    def _press(self, name: str, shift: bool, now: float) -> None:
+        self.has_ended |= name in _END
+        if name not in _DRIVING and not name.isdigit():
+            return
+        if name in _DRIVING:
+            # A second direction replaces the first, which no longer repeats: its release could not be seen.
+            self._until = {other: until for other, until in self._until.items() if other.isdigit()}
+            self._until["shift"] = now + KEY_TIMEOUT if shift else now
+        self._until[name] = now + KEY_TIMEOUT
+
+
+class TerminalSource:
+    """The keys of a terminal. Leaving the `with` restores the terminal.
+
+    Args:
+        forward: Share of full forward for a key, in [0, 1].
+        turn: Share of full turn, in [0, 1].
+        descriptor: The terminal.
+
+    Raises:
+        DeviceError: The descriptor is no terminal, or the process is in its background.
+    """
+
+    def __init__(self, forward: float, turn: float, descriptor: int) -> None:
+        if not os.isatty(descriptor):
+            raise DeviceError("--source terminal: expected a terminal on standard input, got a pipe or a file")
+        try:
+            if os.tcgetpgrp(descriptor) != os.getpgrp():
+                raise DeviceError("--source terminal: expected to run in the foreground, got the background (no &)")
+        except OSError:
+            pass  # not the controlling terminal: no job control
+        self._shares = forward, turn
+        self._descriptor = descriptor
+        self._keys = TerminalKeys()
+        self._saved: list[Any] | None = None
+
+    def __enter__(self) -> Self:
+        self._saved = termios.tcgetattr(self._descriptor)
+        # Characters at once and without echo; Ctrl-C still sends its signal.
+        tty.setcbreak(self._descriptor)
+        print(f"iw-joystick: {HELP}", file=sys.stderr, flush=True)  # noqa: T201 - for the person at the terminal
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        if self._saved is not None:
+            # Keys that were typed while the chair was driven must not reach the shell.
+            with suppress(termios.error):  # the terminal has hung up
+                termios.tcsetattr(self._descriptor, termios.TCSAFLUSH, self._saved)
+
+    def wait(self, seconds: float) -> None:
+        """Wait for a character, at most some seconds."""
+        if self._keys.has_ended or not select.select([self._descriptor], [], [], seconds)[0]:
+            return
+        try:
+            data = os.read(self._descriptor, 1024)
+        except OSError:  # the terminal has hung up
+            data = b""
+        if data:
+            self._keys.feed(data.decode("ascii", "replace"), time.monotonic())
+        else:
+            self._keys.has_ended = True
+
+    def state(self, now: float, time: float | None) -> InputState | None:  # noqa: ARG002 - as `Source` has it
+        """Return the state of the held keys, or None after Escape, Ctrl-D or the end of the terminal."""
+        held = self._keys.held(now)
+        return None if self._keys.has_ended else from_keys(held, *self._shares)

@@ -1,0 +1,275 @@
+"""The command line of `iw-server`: its options, and the world and service that they ask for."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+import msgspec
+
+from intellwheels_maps import floor, scene
+from intellwheels_schemas import defaults
+from intellwheels_schemas.link import DEFAULT_ENDPOINT, Link, add_link_options, link_of
+from intellwheels_schemas.messages import Map, Scene
+from intellwheels_schemas.names import check_name
+from intellwheels_schemas.process import add_process_options
+from intellwheels_server.log.branch import read_branch
+from intellwheels_server.service.service_state import Options
+from intellwheels_server.world import Setup
+
+DEFAULT_FLOOR = "room"
+"""The floor if neither a map nor a scene is given."""
+
+EXAMPLES = f"""\
+examples:
+  iw-server                                   the floor `{DEFAULT_FLOOR}` in real time, at {DEFAULT_ENDPOINT}
+  iw-server --map ward --speed 4              a hospital ward, four times as fast as real time
+  iw-server --scene figure6 --log run.jsonl   a scene; the run starts when all its agents have joined
+  iw-server --resimulate run.jsonl            run that log again and compare the hash of every tick
+  iw-server --play run.jsonl                  show that log in world `main-play`: pause, step, speed, seek
+
+Standard output has `ready ...` when agents may join, `running tick=0 run=R` when all expected agents have joined, and
+`ended tick=N hash=H run=R` when the end condition is met. Exit code: 0 done, 1 refused or failed, 2 wrong usage.
+"""
+
+PLAY_SUFFIX = "-play"
+"""What a playback adds to the name of the world in the log."""
+
+
+def parser() -> argparse.ArgumentParser:
+    """Return the parser of the command line."""
+    found = argparse.ArgumentParser(
+        prog="iw-server",
+        description="Simulate a floor with intelligent wheelchairs, doors and tables. "
+        "Each of them is an agent: a process of its own that joins over Zenoh.",
+        epilog=EXAMPLES,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    _add_world_options(found.add_argument_group("world"))
+    _add_time_options(found.add_argument_group("time"))
+    _add_run_options(found.add_argument_group("run"))
+    add_process_options(found)
+    add_link_options(found, listens=True)
+    found.set_defaults(world=None)  # a playback has another default
+    return found
+
+
+def _add_world_options(group: argparse._ArgumentGroup) -> None:
+    group.add_argument(
+        "--scene",
+        metavar="NAME|FILE",
+        help="take map, seed, period, pace, end condition, agents and the rules of speech from a scene",
+    )
+    group.add_argument("--map", metavar="NAME|FILE", help=f"the floor (default: {DEFAULT_FLOOR})")
+    group.add_argument("--seed", metavar="TEXT", help=f"the seed of all noise (default: {defaults.SEED})")
+    group.add_argument(
+        "--period", type=_positive, metavar="S", help=f"simulated seconds per tick (default: {defaults.PERIOD:g})"
+    )
+    group.add_argument("--truth", action="store_true", default=None, help="allow sensors that give the true pose")
+    group.add_argument(
+        "--hide-truth",
+        action="store_true",
+        default=None,
+        help="keep true poses off the network, in the log only: a laboratory, whose chairs are real in another world",
+    )
+    group.add_argument(
+        "--say-limit", type=_count, default=defaults.SAY_LIMIT, metavar="N",
+        help="most characters in what an agent says at a time (default: %(default)s)",
+    )  # fmt: skip
+    group.add_argument(
+        "--say-range", type=_positive, metavar="M",
+        help=f"metres up to which an agent is heard (default: the scene's, or {defaults.SAY_RANGE:g})",
+    )  # fmt: skip
+    group.add_argument(
+        "--say-walls", action=argparse.BooleanOptionalAction,
+        help="whether walls and closed doors stop speech (default: the scene's, or no)",
+    )  # fmt: skip
+    group.add_argument(
+        "--say-loss", type=_share, metavar="P",
+        help=f"share of messages that a listener misses (default: the scene's, or {defaults.SAY_LOSS:g})",
+    )  # fmt: skip
+    group.add_argument(
+        "--say-delay", type=_seconds, metavar="S",
+        help="simulated seconds by which speech arrives later than the next tick "
+        f"(default: the scene's, or {defaults.SAY_DELAY:g})",
+    )  # fmt: skip
+    group.add_argument(
+        "--command-timeout", type=_positive, default=defaults.COMMAND_TIMEOUT, metavar="S",
+        help="simulated seconds after which a motor command no longer counts, for robots that set no time of their own "
+        "(default: %(default)g)",
+    )  # fmt: skip
+
+
+def _add_time_options(group: argparse._ArgumentGroup) -> None:
+    group.add_argument(
+        "--pace", choices=("realtime", "free", "lockstep"),
+        help="what starts a tick: the clock, the end of the last tick, or the answers of all agents "
+        "(default: realtime)",
+    )  # fmt: skip
+    group.add_argument(
+        "--speed", type=_positive, default=1.0, metavar="F", help="simulated over real time (default: %(default)g)"
+    )
+    group.add_argument(
+        "--miss", choices=("strict", "elastic"),
+        help="what lockstep does when an answer is missing: end the run, or keep the last command (default: strict)",
+    )  # fmt: skip
+    group.add_argument("--expect", metavar="A,B,C", help="stay at tick 0 until these agents have joined")
+    group.add_argument(
+        "--open-loop", action="store_true",
+        help="at pace free, admit agents that want the simulator to wait for their answers",
+    )  # fmt: skip
+    group.add_argument(
+        "--deadline", type=_positive, metavar="S",
+        help="seconds that lockstep waits for an answer "
+        f"(default: strict {defaults.STRICT_DEADLINE:g}, elastic {defaults.ELASTIC_DEADLINE:g})",
+    )  # fmt: skip
+    group.add_argument(
+        "--grace", type=_positive, default=defaults.GRACE, metavar="S",
+        help="seconds after which an agent that vanished is removed (default: %(default)g)",
+    )  # fmt: skip
+
+
+def _add_run_options(group: argparse._ArgumentGroup) -> None:
+    group.add_argument("--log", type=Path, metavar="FILE", help="write the input log (JSON Lines)")
+    group.add_argument(
+        "--runs", type=Path, metavar="DIR", help="write the input log and the true trace of each run into DIR"
+    )
+    group.add_argument(
+        "--branch", type=Path, metavar="FILE",
+        help="repeat the run of this input log up to tick --at, then follow the agents; "
+        "floor, seed, period and end condition are those of the log",
+    )  # fmt: skip
+    group.add_argument(
+        "--at", type=_tick, metavar="TICK", default=0,
+        help="with --branch: the first tick at which the agents' answers count (default: %(default)s)",
+    )  # fmt: skip
+    group.add_argument(
+        "--resimulate", type=Path, metavar="FILE", help="run an input log again, compare every hash, and exit"
+    )
+    group.add_argument(
+        "--trace", type=Path, metavar="FILE", help="with --resimulate: write the true state at each tick"
+    )
+    group.add_argument(
+        "--play", type=Path, metavar="FILE",
+        help="show an input log on the network, as a world of its own "
+        f"(default name: that of the log, followed by {PLAY_SUFFIX}); it waits until a page opens or somebody "
+        "resumes it, except with --quit-at-end",
+    )  # fmt: skip
+    group.add_argument(
+        "--reported", type=Path, metavar="FILE",
+        help="with --play of a laboratory's log: also show the poses that the chairs reported, from the log of the "
+        "world that they joined; runs and ticks of the two logs are paired in order",
+    )  # fmt: skip
+    group.add_argument("--quit-at-end", action="store_true", help="exit when the end condition is met")
+
+
+def options_of(given: argparse.Namespace) -> tuple[Options, Link]:
+    """Return the options of the service and the link that the command line asks for.
+
+    Raises:
+        WireError: A name or a file is wrong.
+        LogError: The log of `--branch` cannot be used.
+        OSError: It cannot be read.
+        ValueError: Two options exclude each other, or a value is out of range.
+    """
+    written = scene(given.scene) if given.scene is not None else None
+    pace = given.pace or (written.pace if written else "realtime")
+    miss = given.miss or (written.miss if written else "strict")
+    if given.expect is not None:
+        expect = tuple(check_name(name, "--expect") for name in given.expect.split(",") if name)
+    else:
+        expect = tuple(cast.name for cast in written.cast) if written else ()
+    if given.speed != 1.0 and pace != "realtime":
+        raise ValueError(f"--speed: expected pace realtime, got {pace}")
+    if given.open_loop and pace != "free":
+        raise ValueError(f"--open-loop: expected pace free, got {pace}")
+    if given.period is not None and not 0.001 <= given.period <= 1.0:
+        raise ValueError(f"--period: expected seconds in [0.001, 1], got {given.period}")
+    if given.hide_truth and (given.truth or (written and written.truth)):
+        raise ValueError(
+            "--hide-truth: expected a world without truth sensors, got one that allows them (--truth, or the scene)"
+        )
+    strict = pace == "lockstep" and miss == "strict"
+    setup = Setup(
+        floor=_floor(given, written),
+        seed=given.seed if given.seed is not None else (written.seed if written else defaults.SEED),
+        period=given.period or (written.period if written else defaults.PERIOD),
+        say_limit=given.say_limit,
+        command_timeout=given.command_timeout,
+        truth=bool(given.truth) or bool(written and written.truth),
+        end=written.end if written else None,
+        strict=strict,
+    )
+    setup = _with_speech_rules(setup, given, written)
+    branch = None if given.branch is None else read_branch(given.branch, given.at)
+    if branch is not None:
+        if pace != "lockstep" or written is not None or given.map is not None or given.seed is not None:
+            raise ValueError(
+                "--branch: expected --pace lockstep and no scene, map or seed, as they are those of the log"
+            )
+        setup = branch.setup({"strict": strict})
+        expect = expect or branch.agents
+    options = Options(
+        world=check_name(given.world, "--world"),
+        setup=setup,
+        pace=pace,
+        speed=given.speed,
+        expect=expect,
+        open_loop=given.open_loop,
+        grace=given.grace,
+        deadline=given.deadline or (defaults.STRICT_DEADLINE if strict else defaults.ELASTIC_DEADLINE),
+        quit_at_end=given.quit_at_end,
+        branch=branch,
+        hide_truth=bool(given.hide_truth),
+    )
+    return options, link_of(given)
+
+
+def _with_speech_rules(setup: Setup, given: argparse.Namespace, written: Scene | None) -> Setup:
+    """Return the setup with the rules of speech of the command line, else of the scene."""
+    names = ("say_range", "say_walls", "say_loss", "say_delay")
+    sources = [source for source in (written, given) if source is not None]
+    changes = {name: getattr(source, name) for source in sources for name in names if getattr(source, name) is not None}
+    return msgspec.structs.replace(setup, **changes)
+
+
+def _floor(given: argparse.Namespace, written: Scene | None) -> Map:
+    if given.map is not None or written is None:
+        return floor(given.map or DEFAULT_FLOOR)
+    folder = Path(given.scene).parent if "/" in given.scene or given.scene.endswith(".xml") else None
+    return floor(written.map, beside=folder)
+
+
+def _tick(text: str) -> int:
+    value = int(text)
+    if not 0 <= value <= 1 << 40:
+        raise argparse.ArgumentTypeError(f"expected a tick, got {text}")
+    return value
+
+
+def _positive(text: str) -> float:
+    value = float(text)
+    if not 0.0 < value < 1e9:
+        raise argparse.ArgumentTypeError(f"expected a number above 0, got {text}")
+    return value
+
+
+def _share(text: str) -> float:
+    value = float(text)
+    if not 0.0 <= value <= 1.0:
+        raise argparse.ArgumentTypeError(f"expected a number in [0, 1], got {text}")
+    return value
+
+
+def _seconds(text: str) -> float:
+    value = float(text)
+    if not 0.0 <= value <= 3600.0:
+        raise argparse.ArgumentTypeError(f"expected seconds in [0, 3600], got {text}")
+    return value
+
+
+def _count(text: str) -> int:
+    value = int(text)
+    if not 0 < value <= 1000:
+        raise argparse.ArgumentTypeError(f"expected a number in [1, 1000], got {text}")
+    return value

@@ -1,0 +1,60 @@
+"""Who has joined, and what the service keeps for each of them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from intellwheels_schemas.codec import Encoding
+from intellwheels_schemas.messages import Robot
+from intellwheels_server.service.arrival import Query
+from intellwheels_server.service.barrier import Answer
+from intellwheels_server.service.lease import Leases
+from intellwheels_server.service.roster import Roster
+
+
+@dataclass(slots=True)
+class WaitingJoin:
+    """A join whose liveliness token has not arrived yet; it is refused after `until`."""
+
+    query: Query
+    robot: Robot
+    encoding: Encoding
+    until: float
+
+
+@dataclass(slots=True)
+class BridgeStatus:
+    """The reports of a real body.
+
+    Attributes:
+        reported_at: When its last pose arrived; minus infinity after a missed one in lockstep.
+        stale: Whether the world was told that its pose is old.
+        halted: Whether the world was told that its motors get 0.
+    """
+
+    reported_at: float
+    stale: bool = False
+    halted: bool = False
+
+
+class ConnectedAgents:
+    """The agents of the service.
+
+    Attributes:
+        roster: Who holds which role.
+        leases: Who may steer which body by user input.
+        bridges: The reports of each real body.
+        encodings: How each agent gets its measures.
+        waiting_joins: Joins that wait for their token, the oldest first.
+    """
+
+    def __init__(self) -> None:
+        self.roster = Roster()
+        self.leases = Leases()
+        self.bridges: dict[str, BridgeStatus] = {}
+        self.encodings: dict[str, Encoding] = {}
+        self.waiting_joins: list[WaitingJoin] = []
+
+    def expected_answers(self) -> frozenset[Answer]:
+        """Return what lockstep expects of all members at each tick."""
+        return frozenset(answer for member in self.roster.all_members() for answer in member.answers())

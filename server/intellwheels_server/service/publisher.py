@@ -1,0 +1,82 @@
+"""Where messages go, how often, and which events late subscribers can still get."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Protocol
+
+from intellwheels_schemas.codec import Encoding
+from intellwheels_schemas.keys import OutKind
+from intellwheels_schemas.messages import Body, Clock, Event, MapInfo, Pose, Record, WorldState
+from intellwheels_server.service.event_buffer import EventBuffer
+from intellwheels_server.service.publish_schedule import PublishSchedule
+from intellwheels_server.service.truth_filter import without_positions
+
+
+class Outlet(Protocol):
+    """Puts messages on the network and prints lines. No call waits."""
+
+    def agent(self, agent: str, kind: OutKind, message: Record, encoding: Encoding) -> None:
+        """Put `out/<agent>/<kind>`."""
+
+    def declare_agent(self, agent: str, mind: Encoding, body: Encoding) -> None:
+        """Declare the publishers of an agent: measures and errors in one encoding, power in the other."""
+
+    def undeclare_agent(self, agent: str) -> None:
+        """Undeclare the publishers of an agent."""
+
+    def body(self, agent: str, body: Body) -> None:
+        """Put `body/<agent>`."""
+
+    def pose(self, agent: str, pose: Pose) -> None:
+        """Put `in/<agent>/pose`: in a playback, the pose that the bridge reported when the log was written."""
+
+    def state(self, state: WorldState) -> None:
+        """Put `state/<part>`."""
+
+    def event(self, event: Event) -> None:
+        """Put `event`."""
+
+    def clock(self, clock: Clock) -> None:
+        """Put `clock`."""
+
+    def map(self, info: MapInfo) -> None:
+        """Put `map`."""
+
+    def print_line(self, line: str) -> None:
+        """Print a line that scripts wait for."""
+
+    def log_line(self, line: str) -> None:
+        """Print a line for people."""
+
+
+class Publisher:
+    """The outgoing side of the service.
+
+    Attributes:
+        outlet: Where messages go.
+        schedule: When state and clock are due.
+        events: The newest events of the run.
+        hide_truth: Whether true poses stay off the network.
+        unix_time: Returns Unix time in seconds, for the stamp of a clock.
+        observer: Called with each event before positions are removed, if set.
+        idle_power_at: When real chairs next get power 0 while the run is stopped.
+    """
+
+    def __init__(self, outlet: Outlet, unix_time: Callable[[], float], *, hide_truth: bool) -> None:
+        self.outlet = outlet
+        self.schedule = PublishSchedule()
+        self.events = EventBuffer()
+        self.hide_truth = hide_truth
+        self.unix_time = unix_time
+        self.observer: Callable[[Event], None] | None = None
+        self.idle_power_at = 0.0
+
+    def put_event(self, event: Event) -> None:
+        """Keep an event and publish it."""
+        if self.observer is not None:
+            self.observer(event)
+        if self.hide_truth:
+            event = without_positions(event)
+        self.events.add(event)
+        self.outlet.event(event)

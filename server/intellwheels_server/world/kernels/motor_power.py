@@ -1,0 +1,114 @@
+"""Which power is in force (the command, the user's input, or none), and what the motors make of it."""
+
+import numpy as np
+from numba import njit
+
+from intellwheels_server.world.kernels import rows
+from intellwheels_server.world.kernels.arrays import Floats, Ints
+from intellwheels_server.world.kernels.motor_model import LEFT, MOTOR_TOP_SPEED, RIGHT
+from intellwheels_server.world.kernels.noise import normal
+
+# Rows of limits, int64[2, n]: steps until a command times out; 1 for a real body.
+TIMEOUT, REAL = 0, 1
+# Rows of flaws that say how a motor errs: standard deviation of its output, as a share. `wheel_slip` has the others.
+MOTOR_NOISE = 0
+MOTOR_NOISE_ROWS = 1
+
+# What `powers` found changed, as bits, so that a tick in which nothing did costs no look.
+NOW_TIMED_OUT, NOW_SILENT, NOW_STALE = 1, 2, 4
+
+
+@njit(cache=True, error_model="numpy")
+def user_power(forward: float, turn: float) -> tuple[float, float]:
+    """Return the powers of both wheels for a user's wish.
+
+    left = F - T and right = F + T, both divided by max(1, |left|, |right|).
+    """
+    left = forward - turn
+    right = forward + turn
+    scale = max(1.0, abs(left), abs(right))
+    return left / scale, right / scale
+
+
+@njit(cache=True, error_model="numpy")
+def powers(
+    numbers: Floats,
+    flags: Ints,
+    motors: Floats,
+    limits: Ints,
+    silence: int,
+    staleness: int,
+) -> int:
+    """Fill in the power in force of every body, and count how old commands, user input and poses are.
+
+    Args:
+        numbers: float64[NUMBER_ROWS, n], in and out.
+        flags: int64[FLAG_ROWS, n], in and out; ages count the step that begins.
+        motors: float64[8, n], rows of `motor_model`.
+        limits: int64[2, n].
+        silence: Steps after which a user counts as silent, or -1 where verdicts say so.
+        staleness: Steps after which a real body's pose is stale, or -1 likewise.
+
+    Returns:
+        Bits `NOW_TIMED_OUT`, `NOW_SILENT`, `NOW_STALE` of what became so for some body.
+    """
+    found = 0
+    for i in range(numbers.shape[1]):
+        if silence >= 0 and flags[rows.SILENT, i] == 0 and flags[rows.USER_AGE, i] >= silence:
+            flags[rows.SILENT, i] = 1
+            found |= NOW_SILENT
+        if flags[rows.SILENT, i] != 0:
+            numbers[rows.USER_FORWARD, i] = 0.0
+            numbers[rows.USER_TURN, i] = 0.0
+        if (
+            limits[REAL, i] != 0
+            and staleness >= 0
+            and flags[rows.STALE, i] == 0
+            and flags[rows.POSE_AGE, i] >= staleness
+        ):
+            flags[rows.STALE, i] = 1
+            found |= NOW_STALE
+        timed_out = motors[MOTOR_TOP_SPEED, i] > 0.0 and flags[rows.COMMAND_AGE, i] >= limits[TIMEOUT, i]
+        if timed_out and flags[rows.TIMED_OUT, i] == 0:
+            flags[rows.TIMED_OUT, i] = 1
+            if numbers[rows.LEFT_COMMAND, i] != 0.0 or numbers[rows.RIGHT_COMMAND, i] != 0.0:
+                found |= NOW_TIMED_OUT
+        elif not timed_out:
+            flags[rows.TIMED_OUT, i] = 0
+        left = numbers[rows.LEFT_COMMAND, i]
+        right = numbers[rows.RIGHT_COMMAND, i]
+        if flags[rows.HALTED, i] != 0 or flags[rows.STALE, i] != 0:
+            left = right = 0.0
+        elif flags[rows.TAKEN, i] != 0:
+            left, right = user_power(numbers[rows.USER_FORWARD, i], numbers[rows.USER_TURN, i])
+        elif flags[rows.RESTED, i] != 0 or timed_out:
+            left = right = 0.0
+        numbers[rows.LEFT_POWER, i] = left
+        numbers[rows.RIGHT_POWER, i] = right
+        flags[rows.COMMAND_AGE, i] += 1
+        flags[rows.USER_AGE, i] += 1
+        flags[rows.POSE_AGE, i] += 1
+    return found
+
+
+@njit(cache=True, error_model="numpy")
+def noisy_powers(numbers: Floats, flaws: Floats, keys: Ints, tick: int, power: Floats) -> None:
+    """Fill in what the motors give for the power in force.
+
+    Each motor's output is multiplied by 1 + sd x a standard normal number of its own, drawn anew each tick.
+
+    Args:
+        numbers: float64[NUMBER_ROWS, n].
+        flaws: float64[FLAW_ROWS, n].
+        keys: int64[2, n], bits of the noise keys.
+        tick: This tick.
+        power: float64[2, n], out.
+    """
+    for i in range(numbers.shape[1]):
+        power[LEFT, i] = numbers[rows.LEFT_POWER, i]
+        power[RIGHT, i] = numbers[rows.RIGHT_POWER, i]
+        sd = flaws[MOTOR_NOISE, i]
+        if sd > 0.0:
+            key0, key1 = np.uint64(keys[0, i]), np.uint64(keys[1, i])
+            power[LEFT, i] *= 1.0 + sd * normal(key0, key1, tick, 0)
+            power[RIGHT, i] *= 1.0 + sd * normal(key0, key1, tick, 1)

@@ -1,0 +1,31 @@
+from __future__ import annotations
+
+import pytest
+
+from intellwheels_agents.bridge.command_line import parser
+
+
+def test_help_has_examples() -> None:
+    assert "iw-bridge serial --port /dev/ttyUSB0 --name chair1" in parser().format_help()
+
+
+@pytest.mark.parametrize(
+    ("words", "expected"),
+    [
+        (["--wheel-ratio", "3"], "--wheel-ratio: expected a ratio in [0.5, 2], got '3'"),
+        (["--loss", "2"], "--loss: expected a share in [0, 1], got '2'"),
+        (["--delay", "-1"], "--delay: expected a number from 0 on, got '-1'"),
+        (["--delay", "long"], "--delay: expected a number from 0 on, got 'long'"),
+        (["--clock-offset", "nan"], "--clock-offset: expected a number, got 'nan'"),
+        (["--baud", "fast"], "--baud: expected a whole number in [1, 2147483647], got 'fast'"),
+        (["--fix-every", "0"], "--fix-every: expected a whole number in [1, 2147483647], got '0'"),
+        (["--retry-for", "0"], "--retry-for: expected a number above 0, got '0'"),
+    ],
+)
+def test_an_option_out_of_range_is_refused_with_its_range(
+    words: list[str], expected: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with pytest.raises(SystemExit) as ended:
+        parser().parse_args(["world", "--name", "chair1", *words])
+    assert ended.value.code == 2
+    assert expected in capsys.readouterr().err

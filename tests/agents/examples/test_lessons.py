@@ -1,0 +1,131 @@
+"""The course in `agents/examples`: every lesson runs with the commands in its head, as real processes."""
+
+from __future__ import annotations
+
+import json
+import re
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from tests.e2e.stage import Stage
+
+EXAMPLES = Path(__file__).parents[3] / "agents" / "examples"
+LESSONS = sorted(path for path in EXAMPLES.iterdir() if path.name[0].isdigit() and path.is_file())
+RUN = 300.0
+"""Seconds of wall time that a lesson's whole run may take on a loaded machine."""
+PROGRAMS = {
+    "iw-server": "intellwheels_server",
+    "iw-agent": "intellwheels_agents",
+    "iw-bridge": "intellwheels_agents.bridge",
+    "iw-run": "intellwheels_experiments",
+    # The checkout may be newer than the installed entry point of the plug-in.
+    "pytest": "pytest -p no:intellwheels -p intellwheels_experiments.testing.plugin -p no:cacheprovider",
+}
+
+
+def lesson(number: int) -> Path:
+    (path,) = [path for path in LESSONS if path.name.startswith(f"{number:02}_")]
+    return path
+
+
+def commands(number: int) -> list[str]:
+    """Return the commands in the head of a lesson."""
+    text = lesson(number).read_text(encoding="utf-8")
+    return re.findall(r"(?:^ {4}|^# {5}|<\?command )((?:iw-|pytest |sh ).*?)(?:\?>)?$", text, re.MULTILINE)
+
+
+@pytest.fixture
+def stage(tmp_path: Path) -> Iterator[Stage]:
+    # The shell script of lesson 7 leaves the world's name at its default.
+    with Stage(tmp_path, "main") as stage:
+        programs = tmp_path / "bin"
+        programs.mkdir()
+        for name, module in {**PROGRAMS, "python": ""}.items():
+            words = f"-m {module}" if module else ""
+            (programs / name).write_text(f'#!/bin/sh\nexec "{sys.executable}" {words} "$@"\n')
+            (programs / name).chmod(0o755)
+        yield stage
+
+
+def start(stage: Stage, child: str, command: str, *more: str) -> str:
+    """Start a command in the folder of the course, as it stands, with more words at its end."""
+    line = " ".join([f"cd '{EXAMPLES}' && exec", command, *(f"'{word}'" for word in more)])
+    path = f"{stage.folder / 'bin'}:/usr/bin:/bin"
+    return stage.launch(child, lambda _: ["sh", "-c", line], {"PATH": path})
+
+
+def start_all(stage: Stage, number: int) -> None:
+    """Start the simulator and the agents of a lesson, and wait until all have joined."""
+    server, *agents = commands(number)
+    stage.simulator = start(stage, "server", server, "--listen", stage.endpoint)
+    stage.line(stage.simulator, "ready")
+    for index, command in enumerate(agents):
+        stage.line(start(stage, f"agent{index}", command, "--connect", stage.endpoint), "joined")
+
+
+@pytest.mark.parametrize("path", LESSONS, ids=[path.name for path in LESSONS])
+def test_lesson_is_short_and_listed(path: Path) -> None:
+    assert len(path.read_text(encoding="utf-8").splitlines()) < 60
+    assert f"[{path.name}]({path.name})" in (EXAMPLES / "README.md").read_text(encoding="utf-8")
+
+
+def test_every_lesson_is_there() -> None:
+    assert [int(path.name[:2]) for path in LESSONS] == [1, 2, 3, 4, 5, 6, 7]
+    assert (EXAMPLES / "08_another_language").is_dir()
+
+
+def test_lesson_1_drives_and_stops(stage: Stage) -> None:
+    start_all(stage, 1)
+    with stage.peer() as peer:
+        start = peer.entities()["chair1"]["X"]
+        peer.entity("chair1", lambda now: now["X"] > start + 0.5)
+        peer.entity("chair1", lambda now: abs(now.get("Speed", 0.0)) < 0.01)
+
+
+def test_lesson_2_turns_at_a_wall(stage: Stage) -> None:
+    start_all(stage, 2)
+    with stage.peer() as peer:
+        peer.entity("chair1", lambda now: now.get("Mode") == "turning")
+        peer.entity("chair1", lambda now: now["Heading"] > 1.4)
+        assert peer.entities()["chair1"].get("Contacts", 0) == 0
+
+
+def test_lesson_3_opens_the_door_and_drives_through(stage: Stage) -> None:
+    start_all(stage, 3)
+    with stage.peer() as peer:
+        peer.entity("chair1", lambda now: now.get("Mode") == "asking")
+        peer.entity("chair1", lambda now: now["X"] > 7.0)
+        assert peer.entities()["chair1"].get("Contacts", 0) == 0
+
+
+def test_lesson_4_passes(stage: Stage) -> None:
+    (command,) = commands(4)
+    child = start(stage, "pytest", command, "-p", "no:randomly", "-W", "error")
+    assert stage.exit(child, RUN) == 0, stage.report()
+    assert "3 passed" in stage.log(child)
+
+
+def test_lesson_5_passes(stage: Stage) -> None:
+    command, view = commands(5)
+    assert view == f"{command} --view"
+    child = start(stage, "run", command, "--json", str(stage.folder / "result.json"))
+    assert stage.exit(child, RUN) == 0, stage.report()
+    assert json.loads((stage.folder / "result.json").read_text())["held"] is True
+
+
+def test_lesson_6_writes_a_report_in_which_every_run_arrived(stage: Stage) -> None:
+    (command,) = commands(6)
+    folder = stage.folder / "lesson6"
+    child = start(stage, "run", command, "--out", str(folder))
+    assert stage.exit(child, RUN) == 0, stage.report()
+    assert (folder / "report.html").is_file()
+    assert len(list(folder.glob("runs/*/*"))) == 12
+
+
+def test_lesson_7_moves_the_chair_and_stops_it(stage: Stage) -> None:
+    child = start(stage, "script", commands(7)[0], stage.endpoint)
+    stage.line(child, "moving")
+    stage.line(child, "stopped")

@@ -1,0 +1,98 @@
+"""The command line of `iw-joystick`."""
+
+from __future__ import annotations
+
+import re
+import threading
+from pathlib import Path
+from types import SimpleNamespace
+
+import pytest
+
+from intellwheels_agents.joystick import __main__ as command
+from intellwheels_agents.joystick import main
+from intellwheels_agents.joystick.input_state import InputState, Source
+from intellwheels_agents.joystick.pygame_source import DeviceError
+from intellwheels_agents.joystick.script_source import ScriptSource
+from intellwheels_schemas.link import Link
+
+
+def test_the_options_reach_the_loop(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    asked: list[tuple[str, str, bool]] = []
+
+    def operate(where: Link, agent: str, source: Source, *, take: bool, stop: threading.Event, retry_for: float) -> int:
+        assert isinstance(source, ScriptSource)
+        assert source.state(0.0, None) == InputState(0.5, 0.0)
+        asked.append((where.world, agent, take))
+        return 0
+
+    monkeypatch.setattr(command, "operate", operate)
+    file = tmp_path / "drive.txt"
+    file.write_text("0 0.5 0\n1 0 0\n")
+    assert main(["chair1", "--source", "script", "--script", str(file), "--take", "--world", "lab"]) == 0
+    assert asked == [("lab", "chair1", True)]
+
+
+def test_wrong_usage_is_exit_2(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    file = tmp_path / "drive.txt"
+    file.write_text("nonsense\n")
+    assert main(["chair1", "--source", "script", "--script", str(file)]) == 2
+    assert "drive.txt:1: expected seconds, forward and turn" in capsys.readouterr().err
+    assert main(["No Name", "--source", "words"]) == 2
+    for words in (["chair1", "--source", "script"], ["chair1", "--script", "x"], ["chair1", "--turn", "2"]):
+        with pytest.raises(SystemExit) as ended:
+            main(words)
+        assert ended.value.code == 2
+
+
+def test_a_missing_script_is_exit_1(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["chair1", "--source", "script", "--script", str(tmp_path / "none.txt")]) == 1
+    assert "none.txt" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("option", "value", "wanted"),
+    [
+        ("--forward", "much", r"expected a share in \[0, 1\], got 'much'"),
+        ("--turn", "nan", r"expected a share in \[0, 1\], got 'nan'"),
+        ("--hold", "long", "expected seconds above 0, got 'long'"),
+    ],
+)
+def test_a_wrong_number_is_refused_with_its_range(
+    option: str, value: str, wanted: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with pytest.raises(SystemExit):
+        main(["chair1", option, value])
+    assert re.search(f"argument {option}: {wanted}", capsys.readouterr().err)
+
+
+def test_a_script_that_is_not_text_is_wrong_usage(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    file = tmp_path / "drive.txt"
+    file.write_bytes(b"\xff")
+    assert main(["chair1", "--source", "script", "--script", str(file)]) == 2
+    assert "expected UTF-8 text" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("gamepad", "pygame", "terminal", "display", "expected"),
+    [
+        (True, True, True, True, "gamepad"),
+        (False, True, True, True, "keyboard"),
+        (False, True, True, False, "terminal"),
+        (False, True, False, False, "keyboard"),
+        (False, False, True, True, "terminal"),
+        (False, False, False, True, "keyboard"),
+    ],
+)
+def test_the_automatic_source_is_the_best_there_is(
+    monkeypatch: pytest.MonkeyPatch, gamepad: bool, pygame: bool, terminal: bool, display: bool, expected: str
+) -> None:
+    def has_gamepad() -> bool:
+        if not pygame:
+            raise DeviceError("pygame is not installed")
+        return gamepad
+
+    monkeypatch.setattr(command, "has_gamepad", has_gamepad)
+    monkeypatch.setattr(command, "has_display", lambda: display)
+    monkeypatch.setattr("sys.stdin", SimpleNamespace(isatty=lambda: terminal))
+    assert command._automatic() == expected

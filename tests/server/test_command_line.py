@@ -1,0 +1,45 @@
+"""The options of `iw-server` that make a world what it is."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from intellwheels_server.__main__ import main
+from intellwheels_server.command_line import options_of, parser
+
+
+def test_rules_of_speech_are_options_without_a_default_of_their_own() -> None:
+    given = parser().parse_args([])
+    assert (given.say_walls, given.say_loss, given.say_delay, given.say_range) == (None, None, None, None)
+    given = parser().parse_args(["--say-walls", "--say-loss", "0.3", "--say-delay", "0.2"])
+    assert (given.say_walls, given.say_loss, given.say_delay) == (True, 0.3, 0.2)
+
+
+@pytest.mark.parametrize(
+    ("option", "text"),
+    [("--say-loss", "expected a number in [0, 1], got 1.5"), ("--say-delay", "expected seconds in [0, 3600], got 1e9")],
+)
+def test_share_or_time_out_of_range_is_wrong_usage(option: str, text: str, capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit) as left:
+        main([option, text.rsplit(" ", 1)[1]])
+    assert left.value.code == 2
+    assert text in capsys.readouterr().err
+
+
+SAYING = """\
+<Scene Format="iw.v1" Name="say" Map="room" SayRange="4" SayWalls="true" SayLoss="0.3" SayDelay="0.2"/>
+"""
+
+
+def test_command_line_overrides_the_rules_of_speech_of_a_scene(tmp_path: Path) -> None:
+    path = tmp_path / "say.xml"
+    path.write_text(SAYING)
+    for words, wanted in (
+        ([], (8.0, False, 0.0, 0.0)),
+        (["--scene", str(path)], (4.0, True, 0.3, 0.2)),
+        (["--scene", str(path), "--say-loss", "0.0", "--no-say-walls"], (4.0, False, 0.0, 0.2)),
+    ):
+        setup = options_of(parser().parse_args(["--world", "main", *words]))[0].setup
+        assert (setup.say_range, setup.say_walls, setup.say_loss, setup.say_delay) == wanted
