@@ -128,6 +128,7 @@ def test_pure_files_do_not_import_the_doors() -> None:
     assert guilty == {}
 
 
+@pytest.mark.process
 def test_harness_needs_neither_numpy_nor_numba_nor_shapely_nor_viser() -> None:
     program = (
         "import sys\n"
@@ -143,6 +144,7 @@ def test_harness_needs_neither_numpy_nor_numba_nor_shapely_nor_viser() -> None:
     assert done.returncode == 0, done.stderr
 
 
+@pytest.mark.process
 def test_nothing_is_added_at_the_top_level() -> None:
     listed = subprocess.run(
         ["git", "ls-files", "--cached", "--others", "--exclude-standard"],

@@ -22,6 +22,7 @@ def test_mind_of_the_readme_is_one(tmp_path: Path) -> None:
     assert callable(find(str(file)).make)
 
 
+@pytest.mark.process
 def test_test_of_the_readme_passes(tmp_path: Path) -> None:
     blocks = {block.split()[1].rstrip(":"): block for block in BLOCKS if block.startswith("# ")}
     for name in ("forward.py", "test_forward.py"):

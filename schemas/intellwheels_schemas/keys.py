@@ -79,10 +79,8 @@ class Keys:
         self.every_user = f"{p}user/*"
         self.every_ctl = f"{p}ctl/*"
         self.every_token = f"{p}in/*/alive/*/*"
-        self.every_out = f"{p}out/*/*"
         self.every_body = f"{p}body/*"
         self.every_state = f"{p}state/*"
-        self.every_crew_actions = f"{p}crew/*/actions"
 
     # ------------------------------------------------------------ make
 

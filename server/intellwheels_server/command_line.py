@@ -152,8 +152,8 @@ def _add_run_options(group: argparse._ArgumentGroup) -> None:
     group.add_argument(
         "--play", type=Path, metavar="FILE",
         help="show an input log on the network, as a world of its own "
-        f"(default name: that of the log, followed by {PLAY_SUFFIX}); it waits until a page opens or somebody "
-        "resumes it, except with --quit-at-end",
+        f"(default name: that of the log, followed by {PLAY_SUFFIX}); "
+        "it waits until a page opens or somebody resumes it, except with --quit-at-end",
     )  # fmt: skip
     group.add_argument(
         "--reported", type=Path, metavar="FILE",

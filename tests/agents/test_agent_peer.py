@@ -31,6 +31,8 @@ from intellwheels_schemas.messages import (
 )
 from tests.agents.kinematics import PARAMETERS, PLACES
 
+pytestmark = pytest.mark.process
+
 RUN, SESSION = "a" * 16, "b" * 16
 KEYS = Keys("main")
 ROBOT = Robot(top_speed=1.0, length=1.0, width=0.6)

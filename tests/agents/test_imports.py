@@ -5,6 +5,10 @@ from __future__ import annotations
 import subprocess
 import sys
 
+import pytest
+
+pytestmark = pytest.mark.process
+
 BLOCKED = """
 import sys
 for name in ("numpy", "numba", "shapely", "viser"):

@@ -8,6 +8,7 @@ import pytest
 from tests.bench.rows import HEAD, Row, append, show
 
 
+@pytest.mark.process
 def test_rows_are_appended_below_one_head(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     row = Row("tick", "1 bodies", "step", 1.23456, "µs/body", "<= 10")
     append([row], tmp_path / "rows.csv")
@@ -19,6 +20,7 @@ def test_rows_are_appended_below_one_head(tmp_path: Path, capsys: pytest.Capture
     assert "1.235 µs/body   goal <= 10" in capsys.readouterr().out
 
 
+@pytest.mark.process
 def test_benchmarks_run_and_say_every_share_of_a_tick(tmp_path: Path) -> None:
     file = tmp_path / "rows.csv"
     done = subprocess.run(

@@ -6,6 +6,7 @@ Everything here is real processes on loopback; each test says what goes on and w
 from __future__ import annotations
 
 import json
+import os
 import signal
 import subprocess
 import sys
@@ -33,10 +34,9 @@ def stands(peer: Peer, name: str = "chair1") -> None:
     peer.entity(name, lambda entity: abs(entity.get("Speed", 0.0)) < 1e-3)
 
 
-def last_event(peer: Peer) -> int:
-    """Return the number that the next event will have."""
-    (events,) = peer.ask("event")
-    return int(events["Next"])
+def wake(pipe: Path) -> None:
+    """Let a mind go on that waits for this pipe; an error if none does."""
+    os.close(os.open(pipe, os.O_WRONLY | os.O_NONBLOCK))
 
 
 # ---------------------------------------------------------------- kill
@@ -137,6 +137,7 @@ def test_late_agent_is_reported_and_answers_again(stage: Stage) -> None:
         stage.agent("chair1", write(stage.folder, "slow", SLOW_ONCE), joined=False)
         peer.event("late", "chair1")
         rested = peer.event("rested", "chair1")
+        wake(stage.folder / "slow.pipe")
         back = peer.event("back", "chair1", since=rested["Number"])
         assert peer.error(errors, "late")["Code"] == "late"
         peer.tick(back["Tick"] + 50)

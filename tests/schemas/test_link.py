@@ -118,6 +118,7 @@ def test_configuration_file_is_kept_but_for_what_must_hold(tmp_path: Path) -> No
 # ---------------------------------------------------------------- opening
 
 
+@pytest.mark.process
 def test_taken_port_is_told_in_words() -> None:
     with socket.socket() as other:
         other.bind(("127.0.0.1", 0))
@@ -127,6 +128,7 @@ def test_taken_port_is_told_in_words() -> None:
             open_session(Link(listen=(endpoint,)), threading.Event())
 
 
+@pytest.mark.process
 def test_waiting_for_a_router_ends_with_stop_and_with_its_time() -> None:
     link = Link(connect=(free_endpoint(),))
     stop = threading.Event()
@@ -142,6 +144,7 @@ def test_waiting_for_a_router_ends_with_stop_and_with_its_time() -> None:
         open_session(link, threading.Event(), timeout=0.0)
 
 
+@pytest.mark.process
 def test_client_waits_for_who_listens_later() -> None:
     endpoint = free_endpoint()
     server: list[zenoh.Session] = []
@@ -166,6 +169,7 @@ def joined(server: zenoh.Session, client: zenoh.Session, inbox: Inbox) -> zenoh.
     return token
 
 
+@pytest.mark.process
 def test_samples_arrive_with_key_bytes_and_encoding_and_deletes_do_not(
     pair: tuple[zenoh.Session, zenoh.Session],
 ) -> None:
@@ -187,6 +191,7 @@ def test_samples_arrive_with_key_bytes_and_encoding_and_deletes_do_not(
     assert inbox.deleted == 1
 
 
+@pytest.mark.process
 def test_message_over_the_links_bound_does_not_arrive_and_the_link_lives(
     pair: tuple[zenoh.Session, zenoh.Session],
 ) -> None:
@@ -211,6 +216,7 @@ def serve(inbox: Inbox, answer: Callable[[Ask], None]) -> threading.Thread:
     return thread
 
 
+@pytest.mark.process
 def test_query_brings_the_reply_or_the_error_reply(pair: tuple[zenoh.Session, zenoh.Session]) -> None:
     server, client = pair
     inbox = Inbox()
@@ -227,6 +233,7 @@ def test_query_brings_the_reply_or_the_error_reply(pair: tuple[zenoh.Session, ze
     assert answer == ("", b"{}", "application/json;iw.v1", False)
 
 
+@pytest.mark.process
 def test_one_query_brings_every_part_with_its_parameters(pair: tuple[zenoh.Session, zenoh.Session]) -> None:
     server, client = pair
     inbox = Inbox()
@@ -244,11 +251,13 @@ def test_one_query_brings_every_part_with_its_parameters(pair: tuple[zenoh.Sessi
     assert sorted(one.key for one in answers) == [KEYS.state(part) for part in range(3)]
 
 
+@pytest.mark.process
 def test_query_that_nobody_answers_says_so(pair: tuple[zenoh.Session, zenoh.Session]) -> None:
     with pytest.raises(ConnectionError, match="no simulator at iw/v1/main/ctl/pause, or not allowed"):
         query(pair[1], KEYS.ctl("pause"), b"{}")
 
 
+@pytest.mark.process
 def test_query_that_is_never_finished_ends_with_its_time(pair: tuple[zenoh.Session, zenoh.Session]) -> None:
     server, client = pair
     inbox = Inbox()
@@ -259,6 +268,7 @@ def test_query_that_is_never_finished_ends_with_its_time(pair: tuple[zenoh.Sessi
     assert len(inbox.take()) == 1
 
 
+@pytest.mark.process
 def test_tokens_come_are_found_and_go(pair: tuple[zenoh.Session, zenoh.Session]) -> None:
     server, client = pair
     inbox = Inbox()
@@ -277,6 +287,7 @@ def test_tokens_come_are_found_and_go(pair: tuple[zenoh.Session, zenoh.Session])
 # ---------------------------------------------------------------- the inbox alone
 
 
+@pytest.mark.process
 def test_full_inbox_counts_what_it_does_not_keep(pair: tuple[zenoh.Session, zenoh.Session]) -> None:
     server, client = pair
     inbox, tokens_only = Inbox(room=3), Inbox()

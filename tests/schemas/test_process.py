@@ -7,6 +7,8 @@ import sys
 
 import pytest
 
+pytestmark = pytest.mark.process
+
 CHILD = """
 import sys
 from intellwheels_schemas.process import stop_on_signals

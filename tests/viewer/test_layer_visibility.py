@@ -17,6 +17,7 @@ from tests.viewer.wire import until
 pytestmark = pytest.mark.filterwarnings("ignore::DeprecationWarning")
 
 
+@pytest.mark.process
 def test_a_layer_that_was_hidden_is_hidden_the_next_time(pages: viser.ViserServer) -> None:
     stored = replace(Layers(), wedges=False).to_json()
     with opened(pages.get_port(), storage=stored) as browser:
@@ -27,6 +28,7 @@ def test_a_layer_that_was_hidden_is_hidden_the_next_time(pages: viser.ViserServe
     until(lambda: not pages.get_clients())
 
 
+@pytest.mark.process
 @pytest.mark.parametrize("stored", ["", "{", "[]", '{"wedges": 7}', "null", "x" * 100_000])
 def test_nonsense_that_a_browser_kept_is_as_nothing(pages: viser.ViserServer, stored: str) -> None:
     with opened(pages.get_port(), storage=stored) as browser:

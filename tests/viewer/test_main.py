@@ -13,6 +13,8 @@ from intellwheels_experiments.run.endpoints import free_port
 from intellwheels_viewer.__main__ import main, parser
 from tests.e2e.stage import Stage, run
 
+pytestmark = pytest.mark.process
+
 
 def test_the_defaults_are_this_machine_only() -> None:
     given = parser().parse_args([])

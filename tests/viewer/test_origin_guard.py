@@ -93,12 +93,14 @@ def test_our_page_and_programs_are_welcome(origin: str | None) -> None:
 # ---------------------------------------------------------------- attacks
 
 
+@pytest.mark.process
 def test_a_foreign_page_is_refused_before_a_word(server: viser.ViserServer) -> None:
     with pytest.raises(InvalidStatus) as refused:
         dial(server.get_port(), origin="https://evil.example")
     assert refused.value.response.status_code == 403
 
 
+@pytest.mark.process
 @pytest.mark.parametrize("host", ["evil.example", "rebound.evil.example:8080", "", "localhost.evil.example"])
 def test_a_name_that_was_bent_to_us_is_refused(server: viser.ViserServer, host: str) -> None:
     said = answer(server.get_port(), shake(host))
@@ -106,6 +108,7 @@ def test_a_name_that_was_bent_to_us_is_refused(server: viser.ViserServer, host: 
     assert "101" not in said.splitlines()[0]
 
 
+@pytest.mark.process
 def test_two_hosts_are_refused(server: viser.ViserServer) -> None:
     port = server.get_port()
     said = answer(port, shake(f"localhost:{port}", "Host: evil.example"))
@@ -114,6 +117,7 @@ def test_two_hosts_are_refused(server: viser.ViserServer) -> None:
     assert said.startswith("HTTP/1.1 403")
 
 
+@pytest.mark.process
 def test_two_origins_are_refused(server: viser.ViserServer) -> None:
     port = server.get_port()
     ours = f"localhost:{port}"
@@ -121,6 +125,7 @@ def test_two_origins_are_refused(server: viser.ViserServer) -> None:
     assert said.startswith("HTTP/1.1 403")
 
 
+@pytest.mark.process
 def test_an_origin_that_is_no_address_is_refused_in_words(server: viser.ViserServer) -> None:
     port = server.get_port()
     said = answer(port, shake(f"localhost:{port}", "Origin: http://["))
@@ -128,6 +133,7 @@ def test_an_origin_that_is_no_address_is_refused_in_words(server: viser.ViserSer
     assert "Origin: expected" in said
 
 
+@pytest.mark.process
 def test_files_of_the_page_are_guarded_too(server: viser.ViserServer) -> None:
     port = server.get_port()
     said = answer(port, "GET / HTTP/1.1\r\nHost: evil.example\r\nConnection: close\r\n\r\n")
@@ -136,6 +142,7 @@ def test_files_of_the_page_are_guarded_too(server: viser.ViserServer) -> None:
     assert "<html" not in said
 
 
+@pytest.mark.process
 def test_no_message_publishes_the_viewer(server: viser.ViserServer, monkeypatch: pytest.MonkeyPatch) -> None:
     called = threading.Event()
     monkeypatch.setattr(server, "request_share_url", lambda *_, **__: called.set())
@@ -154,6 +161,7 @@ def test_no_message_publishes_the_viewer(server: viser.ViserServer, monkeypatch:
 # ---------------------------------------------------------------- the welcome
 
 
+@pytest.mark.process
 @pytest.mark.parametrize("host", ["localhost", "127.0.0.1", "[::1]", "lab-pc"])
 def test_our_page_is_served_under_all_our_names(server: viser.ViserServer, host: str) -> None:
     client = http.client.HTTPConnection("127.0.0.1", server.get_port(), timeout=10.0)
@@ -164,6 +172,7 @@ def test_our_page_is_served_under_all_our_names(server: viser.ViserServer, host:
     client.close()
 
 
+@pytest.mark.process
 def test_our_page_and_a_plain_client_connect(server: viser.ViserServer) -> None:
     port = server.get_port()
     for origin in (None, f"http://127.0.0.1:{port}"):

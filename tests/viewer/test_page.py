@@ -247,6 +247,7 @@ def test_the_stick_drives_who_is_selected_and_a_closed_page_stops(here: Opened) 
 # ---------------------------------------------------------------- the end
 
 
+@pytest.mark.process
 def test_a_page_that_has_left_can_still_be_drawn_to(pages: viser.ViserServer) -> None:
     with opened(pages.get_port()) as browser:
         made = Opened(pages, browser)

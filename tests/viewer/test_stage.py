@@ -115,6 +115,7 @@ def test_a_floor_is_drawn_once_and_another_one_anew(server: viser.ViserServer, s
     assert [floor.name for floor in drawn] == [room.floor.name if room.floor else "", "empty"]
 
 
+@pytest.mark.process
 def test_every_layer_has_a_node_that_a_browser_can_hide(server: viser.ViserServer, stage: Stage) -> None:
     with opened(server.get_port()) as browser:
         browser.wait(lambda: browser.scene >= set(LAYERS.values()))
@@ -137,6 +138,7 @@ def test_the_background_is_plain() -> None:
     assert (background((1, 2, 3)) == (1, 2, 3)).all()
 
 
+@pytest.mark.process
 def test_a_click_names_the_browser_and_the_body(server: viser.ViserServer, stage: Stage) -> None:
     picked: list[tuple[int, str]] = []
     stage.on_pick(lambda number, name: picked.append((number, name)))

@@ -35,6 +35,8 @@ from tests.viewer.wire import (
     until,
 )
 
+pytestmark = pytest.mark.process
+
 
 @contextmanager
 def watching(endpoint: str, world: str = "main", *, chosen: bool = False) -> Iterator[Network]:

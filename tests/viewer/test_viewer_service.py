@@ -18,7 +18,7 @@ from intellwheels_viewer.viewer_service import Options, Viewer, serve
 from tests.viewer.browser import Browser, opened
 from tests.viewer.wire import OTHER, Simulator, body, clock, entity, simulator, until
 
-pytestmark = pytest.mark.filterwarnings("ignore::DeprecationWarning")
+pytestmark = [pytest.mark.process, pytest.mark.filterwarnings("ignore::DeprecationWarning")]
 HERE = Options(port=0)
 
 

@@ -63,9 +63,9 @@ def paths(floor: Map, runs: Sequence[PlottedRun], goal: tuple[float, float, floa
     """Return the paths of runs on the floor.
 
     Args:
-        floor: The floor.
+        floor: The map.
         runs: The runs.
-        goal: x, y and the radius of the place to reach, in m; None for no place.
+        goal: x, y and the radius of the place to reach, m; None for no goal.
         colour: The colour of the body, see `agent_colours`.
     """
     corners = np.array([(c.x, c.y) for wall in floor.wall for c in wall.corner])

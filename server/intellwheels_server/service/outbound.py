@@ -116,7 +116,7 @@ def body_of(service: ServiceState, agent: str) -> Body:
     owner = roster.body(agent)
     roles: tuple[Role, ...] = tuple(member.role for member in roster.members(agent))
     model = state.body_set.models[agent]
-    # Sensors mounted on `start` stay there: a viewer must know the pose, also of a body that joined at a Place.
+    # Sensors mounted on `start` stay there, so whoever draws them must know it, also of a body that joined at a Place.
     robot = msgspec.structs.replace(model.robot, position=model.start)
     if model.mind_input:  # a mind in a process of its own takes this input too
         inputs = dict.fromkeys((*robot.user_input, *model.mind_input))

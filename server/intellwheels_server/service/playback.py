@@ -50,7 +50,7 @@ class Playback:
         """
         self._service = ServiceState(options, outlet, _no_floor, unix_time, run=log.header.run)
         self._service.pacing.waiting_to_start = False
-        # It waits for an audience: the first page that opens resumes it. With `quit_at_end` nobody may be looking.
+        # It waits for somebody to look: the first page that opens resumes it. Without an audience it plays at once.
         self._service.pacing.paused = not options.quit_at_end
         self._log, self._reported = log, reported
         first = log.header.run

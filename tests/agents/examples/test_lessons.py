@@ -12,6 +12,8 @@ import pytest
 
 from tests.e2e.stage import Stage
 
+pytestmark = pytest.mark.process
+
 EXAMPLES = Path(__file__).parents[3] / "agents" / "examples"
 LESSONS = sorted(path for path in EXAMPLES.iterdir() if path.name[0].isdigit() and path.is_file())
 RUN = 300.0

@@ -11,6 +11,8 @@ import pytest
 
 from tests.e2e.stage import DEADLINE, Stage
 
+pytestmark = pytest.mark.process
+
 EXAMPLE = Path(__file__).parents[3] / "agents" / "examples" / "08_another_language" / "python" / "avoid.py"
 
 

@@ -105,6 +105,7 @@ def test_missing_run_is_reported_and_counts_nowhere(tmp_path: Path) -> None:
     assert "equal, seed 2: it was not run" in (wanted.out / "report.html").read_text()
 
 
+@pytest.mark.process
 def test_umbmark_finds_the_wheels_that_the_chair_has(tmp_path: Path) -> None:
     document = scene("umbmark")
     wanted = Batch(

@@ -7,11 +7,15 @@ import sys
 import threading
 from pathlib import Path
 
+import pytest
+
 from intellwheels_experiments.batch.experiment_rows import rows_of
 from intellwheels_experiments.batch.run_batch import Batch, pending_runs, read_batch, run_batch
 from intellwheels_experiments.batch.run_store import StoredRun, run_folder, runs_csv
 from intellwheels_maps import floor, scene
 from tests.experiments.scenes import write_scene
+
+pytestmark = pytest.mark.process
 
 
 def batch(folder: Path, seeds: int, *, jobs: int = 1, dies: bool = False, laboratory: bool = False) -> Batch:

@@ -13,6 +13,8 @@ from intellwheels_experiments.batch.run_worker import Branch, RunWorker, RunWork
 from intellwheels_maps import scene
 from tests.experiments.scenes import write_scene
 
+pytestmark = pytest.mark.process
+
 
 def prepare(folder: Path, *, dies: bool = False, laboratory: bool = False) -> tuple[WorkerSettings, tuple[Row, ...]]:
     path = write_scene(folder, dies=dies, laboratory=laboratory)

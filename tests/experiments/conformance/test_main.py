@@ -9,6 +9,8 @@ from pathlib import Path
 
 import pytest
 
+pytestmark = pytest.mark.process
+
 FAULTY = str(Path(__file__).parent / "faulty.py")
 
 

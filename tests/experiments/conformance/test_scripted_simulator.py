@@ -24,6 +24,8 @@ from intellwheels_schemas.link import Link, declare_token, open_session, query, 
 from intellwheels_schemas.messages import Map, Result
 from tests.e2e.stage import free_port
 
+pytestmark = pytest.mark.process
+
 KEYS = Keys("main")
 INSTANCE = "5f0c2a9be1d84377"
 

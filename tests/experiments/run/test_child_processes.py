@@ -14,12 +14,14 @@ import pytest
 from intellwheels_experiments.run.child_processes import UNREAD_LIMIT, ChildProcesses, Exited, WaitError, parse
 from tests.e2e.stage import is_gone
 
+pytestmark = pytest.mark.process
+
 DEADLINE = 20.0
-WAITS = "print('ready port=7 name=a', flush=True); import time; time.sleep(60)"
+UNTIL_KILLED = "import signal; signal.alarm(60); signal.pause()"
+"""Waits for a signal; the alarm ends it when none comes."""
+WAITS = f"print('ready port=7 name=a', flush=True); {UNTIL_KILLED}"
 PRINTS_AND_FAILS = "print('ready name=b'); print('no such wheel'); raise SystemExit(3)"
-STUBBORN = (
-    "import signal,time; signal.signal(signal.SIGTERM, signal.SIG_IGN); print('here', flush=True); time.sleep(60)"
-)
+STUBBORN = f"import signal; signal.signal(signal.SIGTERM, signal.SIG_IGN); print('here', flush=True); {UNTIL_KILLED}"
 PATIENT = """
 import sys
 from intellwheels_schemas.process import SLICE, stop_on_signals
@@ -168,7 +170,7 @@ def test_stopped_child_still_ends_by_itself(children: ChildProcesses) -> None:
 
 def test_what_a_child_started_ends_with_it(children: ChildProcesses) -> None:
     program = (
-        "import subprocess,sys; p = subprocess.Popen([sys.executable, '-c', 'import time; time.sleep(60)']); "
+        f"import subprocess,sys; p = subprocess.Popen([sys.executable, '-c', {UNTIL_KILLED!r}]); "
         "print('started', f'pid={p.pid}', flush=True)"
     )
     child = launch(children, "a", program)
@@ -194,11 +196,12 @@ def test_leaving_ends_children_also_after_an_error(tmp_path: Path) -> None:
 def test_kill_of_the_parent_ends_the_children(tmp_path: Path, stuck: bool) -> None:
     child = PATIENT.replace("while not stop.wait(SLICE):", "while True:") if stuck else PATIENT
     parent = (
-        "import sys, time\nfrom pathlib import Path\n"
+        "import sys\nfrom pathlib import Path\n"
         "from intellwheels_experiments.run.child_processes import ChildProcesses\n"
         f"children = ChildProcesses(Path({str(tmp_path)!r}))\n"
         f"children.launch('a', lambda lifeline: [sys.executable, '-c', {child!r}, str(lifeline)])\n"
-        "children.line('a', 'here')\nprint(children.pid('a'), flush=True)\ntime.sleep(60)\n"
+        "children.line('a', 'here')\nprint(children.pid('a'), flush=True)\n"
+        f"{UNTIL_KILLED}\n"
     )
     with subprocess.Popen([sys.executable, "-c", parent], stdout=subprocess.PIPE, text=True) as process:
         assert process.stdout is not None

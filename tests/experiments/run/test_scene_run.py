@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import os
 import sys
 import threading
 from collections.abc import Iterator
@@ -13,12 +14,15 @@ from pathlib import Path
 import pytest
 from rich.console import Console
 
+from intellwheels_experiments.run.child_processes import ChildProcesses
 from intellwheels_experiments.run.launch_spec import LaunchSpec
 from intellwheels_experiments.run.progress import Progress
 from intellwheels_experiments.run.run_record import RunRecord
 from intellwheels_experiments.run.run_report import Result
 from intellwheels_experiments.run.scene_run import perform
 from intellwheels_schemas.messages import Cast, End, Entity, Grid, Hold, Map, Place, Reach, Scene, WorldState
+
+pytestmark = pytest.mark.process
 
 RUN = "0" * 16
 HASH = "00000000000000ff"
@@ -34,7 +38,7 @@ SCENE = Scene(
 
 READY = "print('ready world=main', flush=True); "
 RUNNING = READY + "print('running tick=0', flush=True); "
-WAIT = "import time; time.sleep(60)"
+WAIT = "import signal; signal.alarm(60); signal.pause()"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -63,6 +67,13 @@ def watching(stop: threading.Event) -> Iterator[FakeWatch]:
     yield FakeWatch()
 
 
+@contextmanager
+def interrupting(stop: threading.Event) -> Iterator[FakeWatch]:
+    """Break the run off as soon as it is watched."""
+    stop.set()
+    yield FakeWatch()
+
+
 def play(tmp_path: Path, server: str, agent: str = WAIT, *, timeout: float = 60.0, stop: bool = False) -> Result:
     spec = FakeSpec(
         scene=SCENE,
@@ -75,11 +86,8 @@ def play(tmp_path: Path, server: str, agent: str = WAIT, *, timeout: float = 60.
         agent=agent,
         timeout=timeout,
     )
-    event = threading.Event()
-    if stop:
-        threading.Timer(1.0, event.set).start()
     with Progress(Console(file=io.StringIO()), SCENE, FLOOR) as progress:
-        return perform(spec, watching, progress, event)
+        return perform(spec, interrupting if stop else watching, progress, threading.Event())
 
 
 def test_run_that_ends_is_judged_by_the_last_state(tmp_path: Path) -> None:
@@ -97,9 +105,24 @@ def test_agent_that_dies_is_named_with_its_last_lines(tmp_path: Path) -> None:
     assert not result.held
 
 
-def test_agent_that_leaves_is_no_death(tmp_path: Path) -> None:
-    server = RUNNING + f"import time; time.sleep(1.5); print('ended tick=1 hash={HASH}', flush=True); {WAIT}"
-    assert play(tmp_path, server, "pass").finish == "ended"
+def test_agent_that_leaves_is_no_death(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    # The simulator goes on to its end only after the run was told that the agent has left.
+    os.mkfifo(tmp_path / "left")
+    left = os.open(tmp_path / "left", os.O_RDWR)
+    receive = ChildProcesses.receive
+
+    def received(children: ChildProcesses, timeout: float = 0.0) -> None:
+        receive(children, timeout)
+        if "agent-chair1" in children.exits:
+            os.write(left, b"\n")
+
+    monkeypatch.setattr(ChildProcesses, "receive", received)
+    after = f"open({str(tmp_path / 'left')!r}).readline(); "
+    server = RUNNING + after + f"print('ended tick=1 hash={HASH}', flush=True); {WAIT}"
+    try:
+        assert play(tmp_path, server, "pass").finish == "ended"
+    finally:
+        os.close(left)
 
 
 def test_simulator_that_dies_before_it_is_ready_is_named(tmp_path: Path) -> None:

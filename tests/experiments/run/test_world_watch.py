@@ -18,6 +18,8 @@ from intellwheels_schemas.keys import Keys
 from intellwheels_schemas.link import Link, open_session
 from intellwheels_schemas.messages import Clock, Entity, Event, Events, Pause, Record, Result, WorldState
 
+pytestmark = pytest.mark.process
+
 RUN = "0" * 16
 KEYS = Keys("main")
 CLOCK = Clock(run=RUN, tick=9, time=0.45, state="running", pace="lockstep", hash=RUN, stamp=1.0)

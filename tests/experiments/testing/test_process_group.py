@@ -12,6 +12,8 @@ import pytest
 from intellwheels_experiments.run.child_processes import WaitError
 from intellwheels_experiments.testing.process_group import ProcessGroup
 
+pytestmark = pytest.mark.process
+
 ENDS_ON_TERM = "print('here', flush=True); import signal; signal.pause()"
 
 

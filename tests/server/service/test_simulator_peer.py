@@ -39,6 +39,8 @@ from intellwheels_schemas.messages import (
 from intellwheels_server.service.arrival import Put
 from intellwheels_server.service.simulator_peer import ArrivalReader
 
+pytestmark = pytest.mark.process
+
 DEADLINE = 20.0
 KEYS = Keys("main")
 

@@ -62,5 +62,3 @@ def test_whole_walls_take_the_place_of_cut_ones_under_the_same_name(scene: viser
     assert float(node(scene, "/walls/caps").vertices[:, 2].max()) == pytest.approx(HALF_HEIGHT)
     walls.show(ROOM, None)
     assert float(node(scene, "/walls/caps").vertices[:, 2].max()) == pytest.approx(2.5)
-    walls.hide()
-    assert node(scene, "/walls/caps") is None

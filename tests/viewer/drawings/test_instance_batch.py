@@ -50,10 +50,10 @@ def test_colours_are_given_as_light(scene: viser.SceneApi) -> None:
     assert handle.batched_colors.tolist() == [[0, 128, 255]]
 
 
-def test_what_is_hidden_names_nobody(scene: viser.SceneApi) -> None:
+def test_a_batch_of_none_names_nobody_and_is_hidden(scene: viser.SceneApi) -> None:
     batch = InstanceBatch(scene, "/b", CUBE)
     show(batch, 1)
-    batch.hide()
+    show(batch, 0)
     assert batch.names == ()
     assert batch.handle is not None
     assert not batch.handle.visible

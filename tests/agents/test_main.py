@@ -31,6 +31,7 @@ def test_help_shows_examples_and_minds() -> None:
     )
 
 
+@pytest.mark.process
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [

@@ -1,0 +1,32 @@
+"""Every driver has what a bridge asks of one, and a reading says no more than was measured."""
+
+from __future__ import annotations
+
+import inspect
+
+import pytest
+
+from intellwheels_agents.bridge.hardware_driver import Driver, Fix, Reading
+from intellwheels_agents.bridge.serial_driver import SerialDriver
+from intellwheels_agents.bridge.world_driver import WorldDriver
+
+ASKED = [name for name, _ in inspect.getmembers(Driver, inspect.isfunction) if not name.startswith("_")]
+
+
+@pytest.mark.parametrize("driver", [WorldDriver, SerialDriver])
+@pytest.mark.parametrize("method", ASKED)
+def test_a_driver_takes_what_the_bridge_gives_it(driver: type, method: str) -> None:
+    wanted = inspect.signature(getattr(Driver, method)).parameters.values()
+    offered = inspect.signature(getattr(driver, method)).parameters.values()
+    assert [(one.name, one.kind) for one in offered] == [(one.name, one.kind) for one in wanted]
+
+
+def test_what_was_not_measured_is_none() -> None:
+    reading = Reading(epoch="1", seq=0, stamp=0.0, received=0.0, left=0, right=0)
+    assert (reading.tick, reading.proximity, reading.fix) == (None, (), None)
+    assert (reading.battery, reading.forward, reading.turn) == (None, None, None)
+
+
+def test_a_position_without_an_offset_is_that_of_the_centre_of_movement() -> None:
+    fix = Fix(1.0, 2.0, 0.1)
+    assert (fix.offset_x, fix.offset_y) == (0.0, 0.0)

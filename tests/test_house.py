@@ -1,0 +1,145 @@
+"""How the house is kept: a test file for each source file, short files, nothing left at an old place."""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parent.parent
+TESTS = ROOT / "tests"
+ROOMS = {
+    "intellwheels_schemas": "schemas",
+    "intellwheels_maps": "maps",
+    "intellwheels_server": "server",
+    "intellwheels_agents": "agents",
+    "intellwheels_experiments": "experiments",
+    "intellwheels_viewer": "viewer",
+}
+"""The folder of tests of each package."""
+
+TABLES = {"intellwheels_server/world/kernels/rows.py", "intellwheels_schemas/defaults.py"}
+"""Files that only give names to numbers: what they say is tested where it is used."""
+
+LONGEST = 400
+"""Lines of a source file."""
+
+LONG_TABLES = {"intellwheels_schemas/messages.py", "intellwheels_schemas/vectors.py"}
+"""Tables that may be longer: every message with its fields, and every golden vector."""
+
+REPLACED = """
+    server: admission anew cadence changes complaint conductor desk fleet floor hiding intake log membership
+        parts placing player publication reception recording reported reports ring service slots state step trace tray verbs walls
+        warming kernels sensors world.py
+    agents/experiments: batch.py children check ensemble film keep page plan plugin processes record
+        report rig rows run.py stand trace trial watch what_if
+    agents: chair equipment network path pilot projection ring seen surroundings user
+    agents/bridge: chair driver estimate faults laboratory motors offset outfit pairing port protocol pump source stick
+    agents/joystick: grip hand keys network script window wish words
+    viewer: aiming fold guard hand hover layering moving network placing recording seen service
+    viewer/drawings: batch car chair contacts door floor footprints forms layers lidar model models person
+        plain table walls
+    viewer/panels: footprints layers plan sheet figures
+"""
+"""Names of files and packages that a renaming replaced, by folder."""
+
+FOLDERS = {
+    "server": "server/intellwheels_server",
+    "agents/experiments": "agents/intellwheels_experiments",
+    "agents": "agents/intellwheels_agents",
+    "agents/bridge": "agents/intellwheels_agents/bridge",
+    "agents/joystick": "agents/intellwheels_agents/joystick",
+    "viewer": "viewer/intellwheels_viewer",
+    "viewer/drawings": "viewer/intellwheels_viewer/drawings",
+    "viewer/panels": "viewer/intellwheels_viewer/panels",
+}
+
+FOR_USERS = "intellwheels_agents/starter/template"
+"""What `iw-agent new` copies: `tests/agents/test_starter.py` runs the copy as a whole."""
+
+
+def packages() -> Iterator[tuple[str, Path]]:
+    for package, room in ROOMS.items():
+        (folder,) = ROOT.glob(f"*/{package}")
+        yield room, folder
+
+
+def has_code(path: Path) -> bool:
+    """Return whether a file defines or does anything: beside its docstring, imports and plain names."""
+    plain = (ast.Import, ast.ImportFrom, ast.Expr, ast.Assign, ast.AnnAssign)
+    return not all(isinstance(node, plain) for node in ast.parse(path.read_text()).body)
+
+
+def expected_tests(room: str, inside: Path) -> list[Path]:
+    """Return where the tests of a source file may be, the path inside its package given."""
+    folder, name = TESTS / room / inside.parent, inside.stem
+    if name == "__main__":
+        return [folder / "test_main.py"]
+    if name == "__init__":
+        # What a package itself does is tested beside its files or above them; the entry of a command, with the command.
+        package = inside.parent.name
+        return [folder / f"test_{package}.py", folder.parent / f"test_{package}.py", folder / "test_main.py"]
+    return [folder / f"test_{name}.py"]
+
+
+SOURCES = [
+    (room, package, path.relative_to(package))
+    for room, package in packages()
+    for path in sorted(package.rglob("*.py"))
+    if not path.is_relative_to(package.parent / FOR_USERS)
+]
+
+
+@pytest.mark.parametrize(
+    ("room", "package", "inside"), SOURCES, ids=[f"{package.name}/{inside}" for _, package, inside in SOURCES]
+)
+def test_every_source_file_has_the_test_file_of_its_path(room: str, package: Path, inside: Path) -> None:
+    if f"{package.name}/{inside}" in TABLES or (inside.name == "__init__.py" and not has_code(package / inside)):
+        return
+    expected = expected_tests(room, inside)
+    assert any(path.exists() for path in expected), f"expected {expected[0].relative_to(ROOT)}"
+
+
+def test_a_table_has_no_code() -> None:
+    found = [
+        package.parent / table for _, package in packages() for table in TABLES if (package.parent / table).exists()
+    ]
+    assert found
+    assert [path for path in found if has_code(path)] == []
+
+
+@pytest.mark.parametrize(
+    ("package", "inside"), [(package, inside) for _, package, inside in SOURCES],
+    ids=[f"{package.name}/{inside}" for _, package, inside in SOURCES],
+)  # fmt: skip
+def test_source_files_are_short(package: Path, inside: Path) -> None:
+    if f"{package.name}/{inside}" in LONG_TABLES:
+        return
+    lines = len((package / inside).read_text().splitlines())
+    assert lines <= LONGEST, f"{package.name}/{inside}: expected at most {LONGEST} lines, got {lines}"
+
+
+def test_nothing_is_left_at_an_old_place() -> None:
+    left, folder = [], ""
+    for word in REPLACED.split():
+        if word.endswith(":"):
+            folder = FOLDERS[word[:-1]]
+            continue
+        # A name with its ending was a file only: the package of that name is new.
+        names = [word] if word.endswith(".py") else [f"{word}.py", word]
+        for name in names:
+            path = ROOT / folder / name
+            if path.is_file() or (path.is_dir() and any(path.rglob("*.py")) and name not in {"log", "service"}):
+                left.append(str(path.relative_to(ROOT)))
+    assert left == []
+
+
+def test_no_two_source_files_have_one_name() -> None:
+    """A name tells which file is meant, wherever it is read."""
+    places: dict[str, list[str]] = {}
+    for _, package, inside in SOURCES:
+        if inside.name not in {"__init__.py", "__main__.py"}:
+            places.setdefault(inside.name, []).append(f"{package.name}/{inside}")
+    assert {name: files for name, files in places.items() if len(files) > 1} == {}
