@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import math
 import shutil
 import sys
 import tempfile
@@ -151,7 +152,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         speed=options.speed,
         encoding=options.encoding,
         log=options.log,
-        timeout=options.timeout or wall_limit(chosen, options.speed),
+        timeout=options.timeout or (math.inf if options.view else wall_limit(chosen, options.speed)),
         view=options.view_port if options.view else None,
         laboratory=free_endpoint() if chosen.bridge else "",
     )

@@ -18,8 +18,8 @@ from intellwheels_server.server_options import PLAY_SUFFIX, options_of, parser
 from intellwheels_server.service.service_state import Options
 
 LIVE_OPTIONS = (
-    "scene", "map", "seed", "period", "truth", "hide_truth", "pace", "miss", "expect", "open_loop", "deadline", "log",
-    "runs", "branch",
+    "scene", "map", "seed", "period", "truth", "hide_truth", "pace", "miss", "expect", "await_page", "open_loop",
+    "deadline", "log", "runs", "branch",
 )  # fmt: skip
 """Options of a live run, which a playback refuses."""
 PLAY_NAME_LENGTH = 32 - len(PLAY_SUFFIX)

@@ -115,6 +115,11 @@ def _add_time_options(group: argparse._ArgumentGroup) -> None:
     )  # fmt: skip
     group.add_argument("--expect", metavar="A,B,C", help="stay at tick 0 until these agents have joined")
     group.add_argument(
+        "--await-page",
+        action="store_true",
+        help="start paused, until a viewer's page opens or somebody resumes the run",
+    )
+    group.add_argument(
         "--open-loop", action="store_true",
         help="at pace free, admit agents that want the simulator to wait for their answers",
     )  # fmt: skip
@@ -219,6 +224,7 @@ def options_of(given: argparse.Namespace) -> tuple[Options, Link]:
         grace=given.grace,
         deadline=given.deadline or (defaults.STRICT_DEADLINE if strict else defaults.ELASTIC_DEADLINE),
         quit_at_end=given.quit_at_end,
+        await_page=given.await_page,
         branch=branch,
         hide_truth=bool(given.hide_truth),
     )

@@ -16,6 +16,7 @@ import yaml
 
 from intellwheels_maps import scene
 from tests.e2e.stage import Peer, Stage, free_port
+from tests.viewer.browser import opened
 
 ROOT = Path(__file__).parents[2]
 WORLD = "composed"
@@ -161,7 +162,7 @@ def test_figure_6_in_containers_from_building_to_down(composed: Composed) -> Non
     assert "compiling kernels" not in composed("logs", "simulator")  # the image brings them
     with urllib.request.urlopen(composed.page, timeout=10.0) as answer:
         assert b"<html" in answer.read()
-    with composed.stage.peer() as peer:
+    with opened(int(composed.page.rpartition(":")[2])), composed.stage.peer() as peer:
         ended = peer.event("ended", timeout=120.0)
         assert str(ended["Text"]).startswith("reached")
         composed(*five, timeout=180.0)

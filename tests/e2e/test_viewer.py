@@ -392,7 +392,7 @@ def test_an_open_page_outlives_simulator_and_router(tmp_path: Path, chromium: An
             screen.phase("live", CONNECTED)
             theatre.signal(first, signal.SIGKILL)
             screen.phase("no-router")
-            screen.says(f"No router at {meeting}")
+            screen.says(f"Nothing at {meeting}")
             router()
             screen.phase("live", CONNECTED)
             with theatre.peer() as peer:

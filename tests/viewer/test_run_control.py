@@ -12,7 +12,7 @@ from intellwheels_viewer.snapshot import Snapshot
 from tests.viewer.opened import SEEN, Network
 from tests.viewer.panels.made_up import clock
 from tests.viewer.steering_queue import requests_of
-from tests.viewer.wire import until
+from tests.viewer.wire import RUN, event, until
 
 LOG = replace(SEEN, last_tick=3400, tick=100)
 
@@ -43,20 +43,36 @@ def test_play_at_the_end_of_a_log_starts_again() -> None:
         assert sent(call, at_end, 2) == [Seek(tick=0), Resume()]
 
 
-def test_a_playback_that_waits_at_its_beginning_is_started_once_for_a_page() -> None:
+WAITING = replace(SEEN, tick=0, clock=clock("paused", tick=0, time=0.0), events=(event(0),), run=RUN)
+
+
+def started(*snapshots: Snapshot) -> list[Record]:
     network = Network()
-    waiting = replace(LOG, tick=0, clock=clock("paused"))
     with requests_of(network) as requests:
         control = RunControl(requests)
-        control.start_playback(replace(waiting, last_tick=None))  # a live run that somebody paused
-        control.start_playback(waiting)
-        control.start_playback(waiting)
-        control.start_playback(replace(waiting, tick=5))
-    assert network.asked == [("resume", Resume())]
+        for snapshot in snapshots:
+            control.start_waiting(snapshot)
+    return [message for _, message in network.asked]
 
 
-def test_a_playback_that_somebody_paused_later_stays_paused() -> None:
-    network = Network()
-    with requests_of(network) as requests:
-        RunControl(requests).start_playback(replace(LOG, clock=clock("paused")))
-    assert network.asked == []
+def test_a_run_that_waits_for_a_page_is_started_once() -> None:
+    assert started(WAITING, WAITING) == [Resume()]
+    assert started(replace(WAITING, last_tick=3400, events=())) == [Resume()]
+
+
+@pytest.mark.parametrize(
+    "snapshot",
+    [
+        replace(WAITING, clock=clock("waiting", tick=0)),
+        replace(WAITING, clock=clock("running", tick=0)),
+        replace(WAITING, tick=5),
+        replace(WAITING, clock=clock("paused", tick=7)),
+        replace(WAITING, phase="silent"),
+        replace(WAITING, events=()),
+        replace(WAITING, events=(event(0), event(1, "paused"))),
+        replace(WAITING, events=(event(0), event(1, "reset"))),
+        replace(LOG, clock=clock("paused")),
+    ],
+)
+def test_a_run_that_somebody_paused_or_that_runs_is_left_alone(snapshot: Snapshot) -> None:
+    assert started(snapshot) == []

@@ -248,7 +248,7 @@ def test_a_page_that_never_reads_holds_no_viewer_that_was_told_to_stop(world: tu
 def test_a_viewer_without_a_link_ends_at_once() -> None:
     viewer = Running("tcp/127.0.0.1:1")
     with opened(viewer.port) as browser:
-        browser.wait(lambda: "No router at" in browser.text())
+        browser.wait(lambda: "Nothing at" in browser.text())
         assert viewer.end() < 8.0
 
 

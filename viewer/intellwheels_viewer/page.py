@@ -131,7 +131,7 @@ class Page:
         self._snapshot = snapshot
         self._driving.tick()
         self._undo.enter(snapshot.run)
-        self._run_control.start_playback(snapshot)
+        self._run_control.start_waiting(snapshot)
         choices = self._choices()
         with self._client.atomic():
             self._connection.show(snapshot, choices)

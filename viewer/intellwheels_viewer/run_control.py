@@ -73,13 +73,25 @@ class RunControl:
         else:
             self.pause()
 
-    def start_playback(self, snapshot: Snapshot) -> None:
-        """Start a playback that waits at its beginning for a page; once for each run."""
-        waits = snapshot.clock is not None and snapshot.clock.state == "paused" and snapshot.tick == 0
-        if snapshot.phase == "live" and snapshot.last_tick is not None and self._started != snapshot.run:
+    def start_waiting(self, snapshot: Snapshot) -> None:
+        """Start a run or a playback that waits at its beginning for a page to open; once for each run."""
+        if self._started != snapshot.run and waits_for_page(snapshot):
             self._started = snapshot.run
-            if waits:
-                self._requests.ask(None, "resume", Resume())
+            self._requests.ask(None, "resume", Resume())
+
+
+def waits_for_page(snapshot: Snapshot) -> bool:
+    """Return whether a run or a playback waits at its beginning for a page to open.
+
+    A run that somebody paused or reset has an event of that, and stays as it is.
+    """
+    clock = snapshot.clock
+    if snapshot.phase != "live" or clock is None or clock.state != "paused" or clock.tick != 0 or snapshot.tick != 0:
+        return False
+    if snapshot.last_tick is not None:
+        return True
+    codes = {event.code for event in snapshot.events if event.run == snapshot.run}
+    return codes == {"joined"}
 
 
 def is_at_end(snapshot: Snapshot) -> bool:

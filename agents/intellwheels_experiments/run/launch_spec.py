@@ -92,6 +92,8 @@ class LaunchSpec:
     def server_command(self, lifeline: int) -> list[str]:
         """Return the simulator's command. It keeps running after the end of the run, so that it can be queried."""
         arguments = ["--scene", self.source, *self._link_arguments(self.listen, self.connect)]
+        if self.view is not None:
+            arguments += ["--await-page"]
         return self._simulator_command(arguments, self.log, lifeline)
 
     def laboratory_command(self, lifeline: int) -> list[str]:

@@ -95,7 +95,7 @@ def perform(
                 if SERVER in children.running:
                     watch.query_all(record)
                 if finish.how == "ended" and VIEWER in children.running:
-                    _keep_page(children, progress, stop)
+                    _keep_page(spec, children, watch, progress, stop)
         except _StartError as error:
             finish = error.finish
         except ConnectionError as error:
@@ -147,7 +147,7 @@ def _start(spec: LaunchSpec, children: ChildProcesses, progress: Progress, stop:
         children.launch(VIEWER, spec.viewer_command)
         ready = _await_ready(VIEWER, VIEW_LIMIT, children, stop)
         # Before anything moves.
-        progress.say(f"view it at {ready.get('url', '?')}")
+        progress.say(f"view it at {ready.get('url', '?')}; the scene starts when the page is open")
     for cast in spec.scene.cast:
         if cast.name in spec.bridges:
             children.launch(bridge_child(cast.name), partial(spec.bridge_command, cast))
@@ -197,12 +197,25 @@ def _await_ready(
         raise _StartError(finish) from None
 
 
-def _keep_page(children: ChildProcesses, progress: Progress, stop: threading.Event) -> None:
-    """Keep the last picture on the page until told to stop, or until the simulator or the viewer ends."""
-    progress.say("the run is over; the page stays until Ctrl-C")
-    progress.doing("over; the page stays until Ctrl-C")
+def _keep_page(
+    spec: LaunchSpec, children: ChildProcesses, watch: Watch, progress: Progress, stop: threading.Event
+) -> None:
+    """Keep the scene and its page until told to stop, or until the simulator or the viewer ends.
+
+    The page can run the scene again. Each of these runs is judged, but the result of the command is that of the first.
+    """
+    progress.say("the run is over; run it again in the page, or end it with Ctrl-C")
+    progress.doing("over; run it again in the page, or end it with Ctrl-C")
+    record = RunRecord()
 
     def over() -> bool | None:
+        nonlocal record
+        watch.drain(record)
+        if children.find_line(SERVER, "ended") is not None:
+            watch.query_all(record)
+            verdict = judge(spec.scene, spec.floor, record)
+            progress.say(f"run again: {'all conditions hold' if verdict.held else '; '.join(verdict.failed)}")
+            record = RunRecord()
         return True if stop.is_set() or not {SERVER, VIEWER} <= set(children.running) else None
 
     children.wait(over, "Ctrl-C", math.inf, interval=INTERVAL)
@@ -238,7 +251,8 @@ def _follow(
         progress.follow(record)
         if stop.is_set():
             return _Finished("interrupted")
-        if not stopwatch.begun and time.monotonic() - begun > START_LIMIT:
+        # Somebody who looks at the page may have paused the run before it began.
+        if spec.view is None and not stopwatch.begun and time.monotonic() - begun > START_LIMIT:
             awaited = ", ".join(record.clock.waiting) if record.clock else ""
             return _Finished("overtime", f"not running after {START_LIMIT:.0f} s; waiting for {awaited or 'nobody'}")
         return None

@@ -39,6 +39,7 @@ class LiveRun:
     ) -> None:
         """Begin a run; the arguments are those of `ServiceState`."""
         self._service = ServiceState(options, outlet, load_floor, unix_time, record, run)
+        self._service.pacing.paused = options.await_page
 
     @property
     def exit(self) -> int | None:

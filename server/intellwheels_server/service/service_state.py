@@ -38,6 +38,7 @@ class Options:
         grace: Seconds until an agent whose token is gone is removed.
         deadline: Seconds lockstep waits for an answer.
         quit_at_end: Whether the service ends when the run ends.
+        await_page: Whether the run starts paused, until a page opens or somebody resumes it.
         branch: The run that this one repeats at first, if any.
         hide_truth: Whether true poses stay off the network: the world is a laboratory (`truth_filter`).
     """
@@ -51,6 +52,7 @@ class Options:
     grace: float = defaults.GRACE
     deadline: float = defaults.ELASTIC_DEADLINE
     quit_at_end: bool = False
+    await_page: bool = False
     branch: Branch | None = None
     hide_truth: bool = False
 

@@ -266,3 +266,14 @@ def test_two_strict_runs_with_one_seed_give_one_hash_whatever_the_timing() -> No
                 stage.work(delay)
         hashes.append(stage.live_run.digest())
     assert hashes[0] == hashes[1]
+
+
+def test_a_run_that_awaits_a_page_stays_at_tick_0_until_it_is_resumed() -> None:
+    stage = Stage(pace="realtime", strict=False, await_page=True)
+    stage.join("chair1")
+    stage.work(2.0)
+    assert (stage.tick, stage.of("clock")[-1].state) == (0, "paused")
+    assert [event.code for event in stage.of("event")] == ["joined"]
+    assert stage.result("resume").code == "ok"
+    stage.work(2.0)
+    assert stage.tick > 0

@@ -33,8 +33,17 @@ def test_every_phase_has_words(phase: str) -> None:
 @pytest.mark.parametrize(
     ("phase", "words"),
     [
-        ("no-router", ["No router at tcp/127.0.0.1:7447", "<code>iw-router</code>"]),
-        ("no-world", ["No world is running", "<code>iw-run figure6</code>"]),
+        (
+            "no-router",
+            [
+                "Nothing at tcp/127.0.0.1:7447",
+                "<code>iw-run figure6 --pace realtime --listen tcp/127.0.0.1:7447</code>",
+            ],
+        ),
+        (
+            "no-world",
+            ["No world is running", "<code>iw-run figure6 --pace realtime --connect tcp/127.0.0.1:7447</code>"],
+        ),
         ("silent", ["Simulator silent for 7 s", "This is the last picture"]),
         ("gone", ["World main has gone"]),
     ],
@@ -106,5 +115,8 @@ def test_an_old_picture_is_greyed_and_the_text_says_so(phase: str) -> None:
 
 def test_an_empty_scene_says_why_and_one_with_a_floor_says_nothing() -> None:
     words = empty_scene_text(made_up.nothing("no-router"), Choices())
-    assert words == "No router at tcp/127.0.0.1:7447\nStart iw-router.\nThis page connects as soon as it is there."
+    assert words == (
+        "Nothing at tcp/127.0.0.1:7447\nStart a scene:\niw-run figure6 --pace realtime --listen tcp/127.0.0.1:7447\n"
+        "This page shows it as soon as it runs."
+    )
     assert empty_scene_text(made_up.seen(), Choices()) == ""

@@ -13,6 +13,7 @@ from intellwheels_schemas.messages import Body, Entity
 from intellwheels_viewer.panels import number_format
 from intellwheels_viewer.panels.callbacks import Pick, assign, updated
 from intellwheels_viewer.panels.choices import Choices
+from intellwheels_viewer.panels.commands import agent_command
 from intellwheels_viewer.panels.marks import Mark, swatch
 from intellwheels_viewer.panels.ranges import nearest, tone
 from intellwheels_viewer.panels.style_sheet import STYLE_SHEET, block, note
@@ -54,7 +55,7 @@ def agents_html(snapshot: Snapshot, choices: Choices, handler: str = "") -> str:
     """
     if not snapshot.entities:
         return block(
-            "agents", note("No agents yet: `iw-agent waypoints --name chair1`") if snapshot.phase == "live" else ""
+            "agents", note(f"No agents yet. Add one: `{agent_command(snapshot)}`") if snapshot.phase == "live" else ""
         )
     known = {name: Mark(*look) for name, look in choices.looks.items()}
     bodies = agents_first(snapshot)

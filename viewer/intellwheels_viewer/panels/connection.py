@@ -10,6 +10,7 @@ import viser
 
 from intellwheels_viewer.panels.callbacks import assign, updated
 from intellwheels_viewer.panels.choices import Choices
+from intellwheels_viewer.panels.commands import is_local, run_command
 from intellwheels_viewer.panels.style_sheet import STYLE_SHEET, block, note, prose
 from intellwheels_viewer.snapshot import Snapshot
 from intellwheels_viewer.steering import VIEW_ONLY
@@ -35,12 +36,8 @@ def state(snapshot: Snapshot, choices: Choices) -> State:
     silence = f"Simulator silent for {choices.quiet:.0f} s"
     world = snapshot.world or "the world"
     return {
-        "no-router": State(
-            "bad", f"No router at {snapshot.endpoint}", "Start `iw-router`. This page connects as soon as it is there."
-        ),
-        "no-world": State(
-            "wait", "No world is running", "Start `iw-run figure6`. This page shows it as soon as it is there."
-        ),
+        "no-router": State("bad", f"Nothing at {snapshot.endpoint}", _start(snapshot)),
+        "no-world": State("wait", "No world is running", _start(snapshot)),
         "choose": _choice(snapshot),
         "silent": State("bad", silence, f"{_LAST} when the simulator answers."),
         "gone": _gone(snapshot, world),
@@ -53,7 +50,7 @@ def empty_scene_text(snapshot: Snapshot, choices: Choices) -> str:
     if snapshot.floor is not None:
         return ""
     now = state(snapshot, choices)
-    return f"{now.title}\n" + now.text.replace("`", "").replace(". ", ".\n")
+    return f"{now.title}\n" + now.text.replace(": `", ":\n").replace("`. ", "\n").replace("`", "").replace(". ", ".\n")
 
 
 def connection_html(snapshot: Snapshot, choices: Choices) -> str:
@@ -69,6 +66,11 @@ def connection_html(snapshot: Snapshot, choices: Choices) -> str:
     if snapshot.phase in ("silent", "gone"):
         content += GREYED
     return block("connection", f'<div data-phase="{snapshot.phase}">{content}</div>')
+
+
+def _start(snapshot: Snapshot) -> str:
+    where = "" if snapshot.phase != "no-router" or is_local(snapshot) else " on that machine"
+    return f"Start a scene{where}: `{run_command(snapshot)}`. This page shows it as soon as it runs."
 
 
 def _gone(snapshot: Snapshot, world: str) -> State:

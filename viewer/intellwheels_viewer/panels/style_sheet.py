@@ -25,7 +25,7 @@ _RULES: Final = """
 .iw{box-sizing:border-box;padding:2px 10px 8px;font-size:13px;line-height:18px;color:var(--iw-ink);
 font-variant-numeric:tabular-nums;overflow-wrap:anywhere}
 .iw *{box-sizing:border-box}.iw b{font-weight:600}
-.iw code{font-size:12px;padding:1px 4px;border-radius:3px;background:var(--iw-tint);white-space:nowrap}
+.iw code{font-size:12px;padding:1px 4px;border-radius:3px;background:var(--iw-tint)}
 .iw-soft{color:var(--iw-soft)}.iw-small,.iw-caption{font-size:11px;line-height:15px;color:var(--iw-soft)}
 .iw-red{color:var(--iw-red)}.iw-amber{color:var(--iw-amber)}.iw-near{color:var(--iw-near)}
 .iw-middle{color:var(--iw-middle)}.iw-far{color:var(--iw-far)}

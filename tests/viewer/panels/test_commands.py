@@ -1,0 +1,39 @@
+"""The commands that the page prints; `tests/e2e/test_printed_commands.py` runs them."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+
+from intellwheels_schemas.link import DEFAULT_ENDPOINT, DEFAULT_WORLD
+from intellwheels_viewer.panels.commands import ENDPOINT, WORLD, agent_command, is_local, run_command
+from tests.viewer.panels import made_up
+
+
+def test_the_defaults_are_those_of_the_commands() -> None:
+    assert (ENDPOINT, WORLD) == (DEFAULT_ENDPOINT, DEFAULT_WORLD)
+
+
+def test_an_agent_is_told_only_what_is_not_the_default() -> None:
+    assert agent_command(made_up.seen()) == "iw-agent avoid --name chair1"
+    elsewhere = replace(made_up.seen(), endpoint="tcp/10.0.0.5:7448", world="ward")
+    assert agent_command(elsewhere) == "iw-agent avoid --name chair1 --connect tcp/10.0.0.5:7448 --world ward"
+    assert agent_command(replace(elsewhere, endpoint="/my files/z.json5", world="main")) == (
+        "iw-agent avoid --name chair1 --config '/my files/z.json5'"
+    )
+
+
+def test_a_run_listens_where_nobody_is_and_connects_to_a_router() -> None:
+    assert run_command(made_up.nothing("no-router")) == f"iw-run figure6 --pace realtime --listen {ENDPOINT}"
+    assert run_command(made_up.nothing("no-world")) == f"iw-run figure6 --pace realtime --connect {ENDPOINT}"
+    away = made_up.nothing("no-router", endpoint="tcp/lab-pc:7000", world="ward")
+    assert run_command(away) == "iw-run figure6 --pace realtime --listen tcp/0.0.0.0:7000 --world ward"
+
+
+@pytest.mark.parametrize(
+    ("endpoint", "local"),
+    [("tcp/localhost:1", True), ("tcp/127.0.0.1:1, tcp/[::1]:2", True), ("tcp/10.0.0.1:1", False)],
+)
+def test_an_address_of_this_machine_is_local(endpoint: str, local: bool) -> None:
+    assert is_local(made_up.nothing("no-router", endpoint=endpoint)) is local
