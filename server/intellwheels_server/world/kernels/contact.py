@@ -89,7 +89,7 @@ def _grant_all(pose: Floats, twist: Floats, motion: Floats, parent: Ints, island
             outcome[FORWARD, i], outcome[TURNED, i] = d, a
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", inline="always")
 def _settle_all(
     bodies: Bodies, walls: Walls, neighbours: Neighbours, motions: Motions, reach: Floats, allowed: Floats,
     parent: Ints, island: Floats, tick: int, outcomes: Outcomes, used: int,

@@ -399,7 +399,7 @@ def _conclude(
             flags[STALLED, i] = 1
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", inline="always")
 def settle(
     bodies: Bodies, walls: Walls, partners: Partners, motions: Motions, spots: Spots, work: Work, outcomes: Outcomes,
     island: Floats, listed: Ints, tick: int, used: int,

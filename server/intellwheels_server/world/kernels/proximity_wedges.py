@@ -154,7 +154,7 @@ def mount_pose(mounts: Floats, groups: Ints, pose: Floats, mount: int) -> tuple[
     return x, y, c, s
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", inline="always")
 def beam_at(beams: Floats, sensor: int, x: float, y: float, c: float, s: float) -> Beam:
     """Return a sensor's wedge in the world, given where its mount is."""
     return Beam(
