@@ -7,6 +7,7 @@ point comes nearer than its own limit.
 
 from __future__ import annotations
 
+import heapq
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
@@ -99,9 +100,9 @@ class MotionProjection:
         """
         found = []
         for x, y in points:
-            clearance = self.clearance(x, y, 0.0)
             lengthened = self.clearance(x, y, swing)
             if lengthened - margin <= longest:
+                clearance = self.clearance(x, y, 0.0)
                 spent = CLEARANCE_SHARE * max(0.0, clearance)
                 found.append((x, y, min(margin, clearance - spent), min(margin, lengthened - spent)))
         return found
@@ -116,16 +117,17 @@ class MotionProjection:
             watched: The points, from `watched` with a `longest` no shorter than this motion.
             swing: The same as there.
         """
-        checked = slack = 0.0
         body = self.outline
         middle, half, side = (body.front - body.back) / 2.0, (body.front + body.back) / 2.0, body.side
+        # A point with some clearance to spare is next checked when the body has moved that far: until then it cannot
+        # have come too near. The heap has the point first that is due first.
+        due = [(0.0, *point) for point in watched]
         for px, py, heading, moved in poses:
-            # No point can have come nearer than the body has moved since the last check.
-            if moved - checked < slack:
+            if not due or due[0][0] > moved:
                 continue
-            checked, slack = moved, math.inf
             c, s = math.cos(heading), math.sin(heading)
-            for x, y, least, least_long in watched:
+            while due[0][0] <= moved:
+                _, x, y, least, least_long = due[0]
                 # `clearance` twice, inlined: most of a tick's time is spent here.
                 dx, dy = x - px, y - py
                 along = abs(c * dx + s * dy - middle) - half
@@ -135,7 +137,9 @@ class MotionProjection:
                 spare_long = (
                     max(along, across) if along <= 0.0 or across <= 0.0 else math.hypot(along, across)
                 ) - least_long
-                if spare < 0.0 or spare_long < 0.0:
+                spare = min(spare, spare_long)
+                if spare < 0.0:
                     return False
-                slack = min(slack, spare, spare_long)
+                later = max(moved + spare, math.nextafter(moved, math.inf))
+                heapq.heapreplace(due, (later, x, y, least, least_long))
         return True

@@ -22,6 +22,7 @@ def iw_agent(*arguments: str) -> subprocess.CompletedProcess[str]:
     )
 
 
+@pytest.mark.process
 def test_help_shows_examples_and_minds() -> None:
     shown = iw_agent("--help")
     assert shown.returncode == 0
@@ -60,6 +61,7 @@ def test_wrong_usage_is_explained_and_exits_with_2(arguments: list[str], words: 
     assert ended.stdout == ""
 
 
+@pytest.mark.process
 def test_missing_simulator_is_reported_and_exits_with_1() -> None:
     ended = iw_agent("drive", "--connect", "tcp/127.0.0.1:1", "--retry-for", "0.5")
     assert ended.returncode == 1

@@ -55,6 +55,7 @@ def test_cold_folder_becomes_warm(tmp_path: Path) -> None:
     assert not kernel_cache.is_cold(tmp_path)
 
 
+@pytest.mark.process
 def test_package_can_be_imported_if_only_the_temporary_folder_is_writable(tmp_path: Path) -> None:
     environment = {name: value for name, value in os.environ.items() if name not in {"HOME", "XDG_CACHE_HOME"}}
     environment.update(HOME="/proc", TMPDIR=str(tmp_path))

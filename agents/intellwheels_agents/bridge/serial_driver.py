@@ -150,7 +150,8 @@ class SerialDriver:
                     self._port, self._baud, timeout=_READ_TIMEOUT, write_timeout=_WRITE_TIMEOUT, exclusive=True
                 )
             except OSError as error:  # pyserial's own errors are OSErrors
-                if error.errno in _LOCKED:
+                # A line that was lost may be taken for a while when it is back: ModemManager probes new devices.
+                if error.errno in _LOCKED and not self._opened:
                     self.failure = f"{self._port} is in use by another program, perhaps by another iw-bridge"
                     self._stop.set()
                     return

@@ -28,6 +28,7 @@ def test_wrong_usage_is_refused_with_exit_code_2(
     assert expected in capsys.readouterr().err
 
 
+@pytest.mark.process
 @pytest.mark.parametrize(
     "driver", [["world", "--lab-connect", "tcp/127.0.0.1:1"], ["serial", "--port", "/nowhere/tty"]]
 )

@@ -1,5 +1,8 @@
 from __future__ import annotations
 
+import errno
+import fcntl
+import os
 import threading
 import time
 from collections.abc import Callable, Iterator
@@ -35,10 +38,17 @@ class Line:
         self.waits: list[str] = []
         self.driver = SerialDriver(str(folder / "tty"), 115_200, SONARS, self.stop, self.waits.append)
         self.readings: list[Reading] = []
+        self._link = folder / "tty"
         self._seq = 0
         if accepted:
             self.driver.begin_run("a" * 16)
         self.driver.start()
+
+    def link_to(self, name: str) -> None:
+        """Make the driver's device that terminal."""
+        new = self._link.with_name("new")
+        new.symlink_to(name)
+        new.replace(self._link)
 
     def until(self, found: Callable[[], object], what: str) -> None:
         deadline = time.monotonic() + DEADLINE
@@ -222,6 +232,23 @@ def test_a_device_in_use_is_refused_and_its_user_is_not_disturbed(line: Line, tm
     line.told(2, "readings after the refusal")
     line.driver.write(0.5, -1.0)
     line.until(lambda: line.terminal.read() == encode_line(PowerLine(500, -1000)), "the first driver's power")
+
+
+def test_a_line_that_another_program_takes_when_it_is_back_is_waited_for(line: Line) -> None:
+    """As ModemManager does, which probes each new device for some seconds."""
+    line.told(1)
+    line.terminal.unplug()
+    taken = Terminal(None)
+    with Path(taken.name).open("rb+", buffering=0) as other:
+        fcntl.flock(other, fcntl.LOCK_EX)
+        # The new line is taken before the driver's link points at it.
+        line.link_to(taken.name)
+        line.until(lambda: line.waits and os.strerror(errno.EAGAIN) in line.waits[-1], "the wait for the line")
+    line.terminal, unplugged = taken, line.terminal
+    line.told(1, "a reading on the released line")
+    unplugged.unplug()
+    assert line.driver.failure is None
+    assert line.driver.failure is None
 
 
 def test_a_missing_device_is_reported_once_and_at_once(tmp_path: Path) -> None:

@@ -47,6 +47,7 @@ def parent(tmp_path: Path) -> tuple[Batch, Path]:
     return batch, run_folder(out, "equal", "2") / "input.jsonl"
 
 
+@pytest.mark.process
 def test_branch_equals_its_parent_up_to_the_tick_and_differs_after_it(parent: tuple[Batch, Path]) -> None:
     batch, log = parent
     changed = with_changes(batch.rows[0], [], ["chair.left=0.1"])
@@ -59,6 +60,7 @@ def test_branch_equals_its_parent_up_to_the_tick_and_differs_after_it(parent: tu
     assert abs(branch[-1, 3] - was[-1, 3]) > 0.1
 
 
+@pytest.mark.process
 def test_branch_with_the_same_mind_has_the_same_hash(parent: tuple[Batch, Path]) -> None:
     batch, log = parent
     perform_branch(batch, scene(batch.source), batch.rows[0], log, 20, threading.Event())
@@ -70,6 +72,7 @@ def test_branch_with_the_same_mind_has_the_same_hash(parent: tuple[Batch, Path])
     )
 
 
+@pytest.mark.process
 def test_branch_of_a_chair_in_a_laboratory_equals_its_parent_in_both_worlds_up_to_the_tick(tmp_path: Path) -> None:
     path = write_scene(tmp_path, laboratory=True)
     row = rows_of(scene(str(path)))[2]
@@ -96,6 +99,7 @@ def test_branch_of_a_chair_in_a_laboratory_equals_its_parent_in_both_worlds_up_t
         perform_branch(batch, scene(batch.source), row, log, 20, threading.Event())
 
 
+@pytest.mark.process
 def test_tick_beyond_the_log_is_refused(parent: tuple[Batch, Path]) -> None:
     batch, log = parent
     with pytest.raises(BranchError, match="expected a tick in"):

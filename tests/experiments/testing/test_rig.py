@@ -16,6 +16,8 @@ from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.keys import Verb
 from intellwheels_schemas.messages import Result
 
+pytestmark = pytest.mark.process
+
 AVOID = Path(__file__).parents[3] / "agents" / "examples" / "08_another_language" / "python" / "avoid.py"
 AHEAD: dict[str, Any] = {"left": 0.3, "right": 0.3}
 
