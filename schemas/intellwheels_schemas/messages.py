@@ -1140,7 +1140,7 @@ class End(Record, frozen=True, kw_only=True):
 
 
 class Pause(Record, frozen=True, kw_only=True):
-    """Stop time."""
+    """Stop time. Steps that are being made end: their request is answered with `incorrect-state`."""
 
 
 class Resume(Record, frozen=True, kw_only=True):

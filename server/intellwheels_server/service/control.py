@@ -100,7 +100,13 @@ def _quit(_message: Quit, service: ServiceState, query: Query, _now: float) -> N
 
 @handle.register
 def _pause(_message: Pause, service: ServiceState, query: Query, now: float) -> None:
-    if not service.pacing.paused:
+    stepping = service.pacing.steps is not None
+    service.answer_steps("incorrect-state", "paused before all steps were made")
+    if stepping:
+        service.pacing.real_time_factor.reset()
+        outbound.publish(service, now)
+        service.publisher.idle_power_at = now
+    elif not service.pacing.paused:
         service.pacing.paused = True
         service.pacing.real_time_factor.reset()
         service.make_queued_changes(now)

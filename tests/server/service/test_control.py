@@ -9,6 +9,8 @@ from intellwheels_schemas.messages import (
     Delete,
     Load,
     Map,
+    Pace,
+    Pose,
     Position,
     Record,
     Reset,
@@ -22,7 +24,7 @@ from intellwheels_schemas.messages import (
     UserInput,
 )
 from intellwheels_server.service.control import change, handle
-from tests.server.stage import RUN, Stage
+from tests.server.stage import RUN, Stage, real
 
 
 def test_pause_stops_and_resume_continues_and_both_replies_have_tick_and_hash() -> None:
@@ -50,6 +52,47 @@ def test_steps_are_made_while_paused_and_answered_when_made() -> None:
     assert isinstance(result, Result)
     assert (result.code, result.tick) == ("ok", stage.tick)
     assert stage.tick == 3
+
+
+def test_pause_ends_running_steps_and_the_motors_of_a_real_chair_stand_at_once() -> None:
+    stage = Stage(pace="realtime")
+    session = stage.join("chair1", real()).session
+    stage.result("pause")
+    replies = stage.ask("ctl", "step", Step(count=1_000_000))
+    for _ in range(10):
+        stage.put("chair1", Pose(session=session, x=2.0, y=2.0, heading=0.0), "pose")
+        stage.act("chair1", 0.5, 0.5)
+        stage.work(0.05)
+    assert stage.tick > 5
+    assert stage.of("power", "chair1")[-1].left_motor == 0.5
+    assert replies == []
+    assert stage.result("pause").code == "ok"
+    tick = stage.tick
+    stage.work(0.0)
+    assert (stage.of("power", "chair1")[-1].left_motor, stage.of("power", "chair1")[-1].state) == (0.0, "paused")
+    ended = replies[0][0]
+    assert isinstance(ended, Result)
+    assert (ended.code, ended.text) == ("incorrect-state", "paused before all steps were made")
+    stage.work(5.0)
+    assert stage.tick == tick
+    assert stage.of("clock")[-1].state == "paused"
+    assert stage.ask("ctl", "step", Step(count=1)) == []
+
+
+@pytest.mark.parametrize("pace", ["lockstep", "free"])
+def test_pause_ends_running_steps_at_every_pace(pace: Pace) -> None:
+    stage = Stage(pace=pace)
+    stage.join("chair1", barrier=pace == "lockstep")
+    stage.result("pause")
+    replies = stage.ask("ctl", "step", Step(count=1_000_000))
+    stage.act("chair1", 0.5, 0.5)
+    stage.act("chair1", 0.5, 0.5)
+    assert stage.result("pause").code == "ok"
+    tick = stage.tick
+    assert len(replies) == 1
+    stage.act("chair1", 0.5, 0.5)
+    stage.work(2.0)
+    assert stage.tick == tick > 0
 
 
 def test_steps_in_lockstep_wait_for_answers() -> None:
