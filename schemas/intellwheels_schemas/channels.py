@@ -126,6 +126,7 @@ CHANNELS: Final[dict[str, Channel]] = {
         (Result,), (Result,),
     ),
     "alive": Channel("alive", "simulator", "token", "while the process runs"),
+    "claim": Channel("alive/<since>/<instance>", "simulator", "token", "while the process runs"),
 }  # fmt: skip
 """Every key of a world by a short name."""
 

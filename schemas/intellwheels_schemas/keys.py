@@ -51,6 +51,18 @@ class Token(NamedTuple):
     instance: str
 
 
+class Claim(NamedTuple):
+    """Holder of the liveliness token `alive/<since>/<instance>`: a simulator that claims a world.
+
+    Attributes:
+        since: When the claim began, in nanoseconds of Unix time; 16 hex digits in the key. The smaller of two wins.
+        instance: 16 hex digits, new in each process.
+    """
+
+    since: int
+    instance: str
+
+
 class Keys:
     """The keys of one world.
 
@@ -58,6 +70,7 @@ class Keys:
         world: Its name.
         prefix: Start of all its keys, with the last slash.
         map, event, clock, alive: The keys without a further part.
+        every_claim: Liveliness tokens of the simulators that claim the world.
         every_join, every_leave, every_in, every_user, every_ctl, every_crew_actions: What the simulator listens to.
         every_token: Liveliness tokens of all agents.
         every_out, every_body, every_state: What recorders and viewers listen to.
@@ -73,6 +86,7 @@ class Keys:
         self.event = f"{p}event"
         self.clock = f"{p}clock"
         self.alive = f"{p}alive"
+        self.every_claim = f"{p}alive/*/*"
         self.every_join = f"{p}join/*"
         self.every_leave = f"{p}leave/*"
         self.every_in = f"{p}in/*/*"
@@ -113,6 +127,12 @@ class Keys:
         if not is_hex(instance) or role not in ROLES:
             raise ValueError(f"expected a role and 16 hex digits, got {role!r}, {instance!r}")
         return f"{self.prefix}in/{check_name(agent, 'agent')}/alive/{role}/{instance}"
+
+    def claim(self, claim: Claim) -> str:
+        """Return the key of a simulator's claim on the world."""
+        if not is_hex(claim.instance) or not 0 <= claim.since < 1 << 64:
+            raise ValueError(f"expected nanoseconds and 16 hex digits, got {claim}")
+        return f"{self.prefix}alive/{claim.since:016x}/{claim.instance}"
 
     def tokens(self, agent: str) -> str:
         """Return the key expression that matches all liveliness tokens of one agent."""
@@ -196,6 +216,13 @@ class Keys:
         match self._chunks(key, 5):
             case ["in", agent, "alive", role, instance] if role in ROLES and is_name(agent) and is_hex(instance):
                 return Token(agent, ROLES[role], instance)
+        return None
+
+    def parse_claim(self, key: str) -> Claim | None:
+        """Return the claim of a simulator on the world, or None."""
+        match self._chunks(key, 3):
+            case ["alive", since, instance] if is_hex(since) and is_hex(instance):
+                return Claim(int(since, 16), instance)
         return None
 
     def parse_join(self, key: str) -> str | None:

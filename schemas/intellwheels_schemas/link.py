@@ -336,6 +336,14 @@ def watch_tokens(session: zenoh.Session, key: str, inbox: Inbox) -> zenoh.Subscr
     return session.liveliness().declare_subscriber(key, inbox.on_token, history=True)
 
 
+def look_for_tokens(session: zenoh.Session, key: str, inbox: Inbox, *, timeout: float = 1.0) -> None:
+    """Put every token that answers in time into the inbox, without waiting.
+
+    A watch does not report what appeared while its session was cut off from the network; this does.
+    """
+    session.liveliness().get(key, inbox.on_token_reply, timeout=timeout)
+
+
 def tokens(session: zenoh.Session, key: str, *, timeout: float = 1.0) -> list[str]:
     """Return the keys of all matching tokens that answer in time, sorted.
 

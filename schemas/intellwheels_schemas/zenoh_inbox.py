@@ -6,6 +6,7 @@ takes it out.
 
 from __future__ import annotations
 
+import contextlib
 import threading
 from collections import deque
 from typing import NamedTuple
@@ -40,12 +41,18 @@ class Ask(NamedTuple):
     query: zenoh.Query
 
     def reply(self, data: bytes, encoding: Encoding, key: str | None = None) -> None:
-        """Answer with a payload, on the key of the query or on one that it matches."""
-        self.query.reply(key or self.key, data, encoding=zenoh.Encoding(encoding.value))
+        """Answer with a payload, on the key of the query or on one that it matches. Whoever asked may be gone."""
+        with contextlib.suppress(zenoh.ZError):
+            self.query.reply(key or self.key, data, encoding=zenoh.Encoding(encoding.value))
 
     def refuse(self, data: bytes, encoding: Encoding) -> None:
-        """Answer with an error reply."""
-        self.query.reply_err(data, encoding=zenoh.Encoding(encoding.value))
+        """Answer with an error reply. Whoever asked may be gone."""
+        with contextlib.suppress(zenoh.ZError):
+            self.query.reply_err(data, encoding=zenoh.Encoding(encoding.value))
+
+    def matches(self, key: str) -> bool:
+        """Return whether the key of the query, which may have wildcards, matches a key."""
+        return zenoh.KeyExpr(self.key).intersects(zenoh.KeyExpr(key))
 
     def close(self) -> None:
         """End the query after the last reply."""
@@ -123,6 +130,11 @@ class Inbox:
     def on_token(self, sample: zenoh.Sample) -> None:
         """Keep the appearance or disappearance of a token. For a liveliness subscriber."""
         self._keep(Presence(str(sample.key_expr), sample.kind == zenoh.SampleKind.PUT), 0)
+
+    def on_token_reply(self, reply: zenoh.Reply) -> None:
+        """Keep a token that was found. For a query of liveliness."""
+        if reply.ok is not None:
+            self._keep(Presence(str(reply.ok.key_expr), alive=True), 0)
 
     def take(self) -> list[Arrival]:
         """Remove and return everything that arrived, in order of arrival."""

@@ -9,16 +9,16 @@ from __future__ import annotations
 import contextlib
 import threading
 import time
-from functools import partial
+from collections.abc import Callable
 from pathlib import Path
-from typing import Any, Final, Protocol, get_args
+from typing import Any, Final, Protocol
 
 import zenoh
 
 from intellwheels_schemas import link, zenoh_inbox
 from intellwheels_schemas.channels import CHANNELS
 from intellwheels_schemas.codec import Encoding, encode
-from intellwheels_schemas.keys import Keys, OutKind
+from intellwheels_schemas.keys import Claim, Keys, OutKind
 from intellwheels_schemas.messages import Body, Clock, Event, MapInfo, Pose, Record, WorldState
 from intellwheels_schemas.process import SLICE
 from intellwheels_server.log.input_log import Line, Log
@@ -26,19 +26,18 @@ from intellwheels_server.log.reported_poses import ReportedPoses
 from intellwheels_server.log.run_files import RunFiles
 from intellwheels_server.log.seekable_log import SeekableLog
 from intellwheels_server.service import console
-from intellwheels_server.service.arrival import Arrival, Put, PutKind, Query, Token, Topic
+from intellwheels_server.service.arrival import Arrival
+from intellwheels_server.service.arrival_reader import ArrivalReader
 from intellwheels_server.service.live_run import LiveRun
 from intellwheels_server.service.load_floor import load_floor
 from intellwheels_server.service.log_playback import Playback
 from intellwheels_server.service.roster import new_hex
 from intellwheels_server.service.run_state import Recorder
 from intellwheels_server.service.service_state import Options
+from intellwheels_server.service.world_claim import WorldClaim
 from intellwheels_server.world import State
 from intellwheels_server.world.inputs import Inputs
 
-MAX_KEYS: Final = 4_096
-"""Keys whose parts are remembered."""
-TOPICS: Final[dict[str, Topic]] = {topic: topic for topic in get_args(Topic)}
 SHUTDOWN_TIME: Final = 0.1
 """Seconds that the last messages get to leave before the session closes."""
 PRESENCE_TIMEOUT: Final = 1.0
@@ -139,94 +138,6 @@ class ZenohOutlet:
         console.log_line(line)
 
 
-class ArrivalReader:
-    """Turns what Zenoh delivers into arrivals. What arrives on an unknown key is ignored.
-
-    Args:
-        keys: The keys of this world.
-    """
-
-    def __init__(self, keys: Keys) -> None:
-        self._keys = keys
-        # The same keys come again and again, so their parts are remembered, up to a limit, as strangers choose keys.
-        self._known: dict[str, tuple[str, PutKind]] = {}
-
-    def read(self, arrival: zenoh_inbox.Arrival) -> Arrival | None:
-        """Return what an arrival is, or None if it is to be ignored."""
-        if isinstance(arrival, zenoh_inbox.Put):
-            target = self._put_target(arrival.key)
-            return Put(target[0], target[1], arrival.data, arrival.encoding) if target else None
-        if isinstance(arrival, zenoh_inbox.Ask):
-            return self._query(arrival)
-        if isinstance(arrival, zenoh_inbox.Presence):
-            token = self._keys.parse_token(arrival.key)
-            return Token(token.agent, token.role, token.instance, arrival.alive) if token else None
-        target = self._put_target(arrival.key)
-        return Put(target[0], target[1], b"", "", arrival.length) if target else None
-
-    def _put_target(self, key: str) -> tuple[str, PutKind] | None:
-        """Return the agent and the kind of message that a key stands for."""
-        try:
-            return self._known[key]
-        except KeyError:
-            pass
-        found: tuple[str, PutKind] | None = None
-        if (put := self._keys.parse_in(key)) is not None:
-            found = (put.agent, put.kind)
-        elif (user := self._keys.parse_user(key)) is not None:
-            found = (user, "user")
-        if found is None:
-            return None  # not remembered: keys of strangers may be 64 kB long
-        if len(self._known) >= MAX_KEYS:
-            self._known.clear()
-        self._known[key] = found
-        return found
-
-    def _query(self, arrival: zenoh_inbox.Ask) -> Query | None:
-        keys = self._keys
-        chunk = arrival.key.removeprefix(keys.prefix).partition("/")[0]
-        topic = TOPICS.get(chunk) if arrival.key.startswith(keys.prefix) else None
-        if topic is None:
-            arrival.close()
-            return None
-        name = ""
-        if topic == "join":
-            name = keys.parse_join(arrival.key) or ""
-        elif topic == "leave":
-            name = keys.parse_leave(arrival.key) or ""
-        elif topic == "ctl":
-            name = keys.parse_ctl(arrival.key) or ""
-        return Query(
-            topic=topic,
-            name=name,
-            data=arrival.data,
-            encoding=arrival.encoding,
-            send=partial(self._send, arrival, topic),
-            close=arrival.close,
-            parameters=_parameters(arrival.parameters),
-            matches=partial(self._matches, zenoh.KeyExpr(arrival.key), topic),
-            has_wildcards="*" in arrival.key,
-        )
-
-    def _matches(self, expression: zenoh.KeyExpr, topic: Topic, name: str) -> bool:
-        return expression.intersects(zenoh.KeyExpr(f"{self._keys.prefix}{topic}/{name}"))
-
-    def _send(
-        self, arrival: zenoh_inbox.Ask, topic: Topic, message: Record, encoding: Encoding, ok: bool, name: str | None
-    ) -> None:
-        data = encode(message, encoding)
-        with contextlib.suppress(zenoh.ZError):  # the asker may be gone
-            if ok:
-                arrival.reply(data, encoding, None if name is None else f"{self._keys.prefix}{topic}/{name}")
-            else:
-                arrival.refuse(data, encoding)
-
-
-def _parameters(text: str) -> dict[str, str]:
-    pairs = (pair.partition("=") for pair in text.split(";") if pair)
-    return {name: value for name, _, value in pairs}
-
-
 class Service(Protocol):
     """What the loop drives: a live run, or the playback of a log."""
 
@@ -287,11 +198,7 @@ def serve(
     if session is None:
         return 0
     with session:
-        if keys.alive in link.tokens(session, keys.alive, timeout=PRESENCE_TIMEOUT):
-            raise WorldTakenError(
-                f"world '{options.world}' has a simulator already, at {route.where()}; "
-                "give this one another name with --world, or stop the other one"
-            )
+        _check_free(session, keys, route)
         outlet = ZenohOutlet(session, keys)
         if recording is not None:
             poses = None if reported is None else ReportedPoses(recording.runs, reported)
@@ -311,6 +218,81 @@ def serve(
                     each.close()
 
 
+def _check_free(session: zenoh.Session, keys: Keys, route: link.Link) -> None:
+    if keys.alive in link.tokens(session, keys.alive, timeout=PRESENCE_TIMEOUT):
+        raise WorldTakenError(
+            f"world '{keys.world}' has a simulator already, at {route.where()}; "
+            "give this one another name with --world, or stop the other one"
+        )
+
+
+class ClaimWatch:
+    """Claims the world for this process, and watches the claims of others.
+
+    Args:
+        session: The Zenoh session.
+        keys: The keys of this world.
+
+    Raises:
+        WorldTakenError: Another simulator claimed it earlier.
+    """
+
+    def __init__(self, session: zenoh.Session, keys: Keys) -> None:
+        self._session, self._keys = session, keys
+        self._inbox = zenoh_inbox.Inbox()
+        own = Claim(time.time_ns(), new_hex())
+        self._token: Any = link.declare_token(session, keys.claim(own))
+        self._watch = link.watch_tokens(session, keys.every_claim, self._inbox)
+        self._claim = WorldClaim(own, _boot_time())
+        self._asked = 0.0
+        for key in link.tokens(session, keys.every_claim, timeout=PRESENCE_TIMEOUT):
+            self._take(key, alive=True)
+        try:
+            self.check()
+            while self._claim.is_contested:
+                self._inbox.wait(SLICE)
+                self.check()
+        except WorldTakenError:
+            self.close()
+            raise
+
+    def check(self) -> None:
+        """Take what is known of other claims.
+
+        Raises:
+            WorldTakenError: This simulator must end.
+        """
+        now = _boot_time()
+        for arrival in self._inbox.take():
+            if isinstance(arrival, zenoh_inbox.Presence):
+                self._take(arrival.key, alive=arrival.alive)
+        why = self._claim.yields(now)
+        if why is not None:
+            raise WorldTakenError(f"world '{self._keys.world}': {why}, so this one ends")
+        if self._claim.is_in_doubt(now) and now - self._asked >= SLICE:
+            self._asked = now
+            link.look_for_tokens(self._session, self._keys.every_claim, self._inbox)
+
+    def close(self) -> None:
+        """Give up the claim."""
+        _undeclare(self._watch)
+        _undeclare(self._token)
+
+    def _take(self, key: str, *, alive: bool) -> None:
+        claim = self._keys.parse_claim(key)
+        if claim is None:
+            return
+        if alive:
+            self._claim.add(claim, _boot_time())
+        else:
+            self._claim.remove(claim)
+
+
+def _boot_time() -> float:
+    """Return seconds of a clock that goes on while the machine sleeps."""
+    return time.clock_gettime(time.CLOCK_BOOTTIME)
+
+
 def _serve(
     options: Options,
     route: link.Link,
@@ -319,9 +301,10 @@ def _serve(
     stop: threading.Event,
     service: Service,
 ) -> int:
-    service.begin()
     inbox = zenoh_inbox.Inbox()
     with contextlib.ExitStack() as stack:
+        claim = stack.enter_context(contextlib.closing(ClaimWatch(session, keys)))
+        service.begin()
         for key in (keys.every_in, keys.every_user):
             stack.enter_context(session.declare_subscriber(key, inbox.on_sample))
         stack.enter_context(link.watch_tokens(session, keys.every_token, inbox))
@@ -333,7 +316,7 @@ def _serve(
         console.log_line(f"serving world={options.world} pace={options.pace} map={floor_name} at={route.where()}")
         console.print_line(f"ready world={options.world} run={service.state.run} listen={route.where()}")
         try:
-            _loop(service, ArrivalReader(keys), inbox, stop)
+            _loop(service, ArrivalReader(keys), inbox, stop, claim.check)
             service.finish(time.monotonic())
             console.log_line(f"ended run={service.state.run} tick={service.state.tick} hash={service.digest()}")
         finally:
@@ -355,7 +338,13 @@ def _recorder(log: Log | None, files: RunFiles | None) -> Recorder | None:
     return record
 
 
-def _loop(service: Service, reader: ArrivalReader, inbox: zenoh_inbox.Inbox, stop: threading.Event) -> None:
+def _loop(
+    service: Service,
+    reader: ArrivalReader,
+    inbox: zenoh_inbox.Inbox,
+    stop: threading.Event,
+    check_claim: Callable[[], None],
+) -> None:
     """Wait until something arrives or is due, take what arrived, and do what is due, until the service is over."""
     dropped = 0
     while service.exit is None and not stop.is_set():
@@ -365,6 +354,7 @@ def _loop(service: Service, reader: ArrivalReader, inbox: zenoh_inbox.Inbox, sto
         if left > 0.0:
             inbox.wait(left)
             now = time.monotonic()
+        check_claim()
         for delivered in inbox.take():
             arrival = reader.read(delivered)
             if arrival is not None:

@@ -36,8 +36,6 @@ from intellwheels_schemas.messages import (
     Take,
     WorldState,
 )
-from intellwheels_server.service.arrival import Put
-from intellwheels_server.service.simulator_peer import ArrivalReader
 
 pytestmark = pytest.mark.process
 
@@ -329,13 +327,3 @@ def test_help_has_examples(capsys: pytest.CaptureFixture[str]) -> None:
     shown = capsys.readouterr().out
     assert "iw-server --scene figure6 --log run.jsonl" in shown
     assert "--resimulate" in shown
-
-
-def test_unknown_keys_are_not_remembered() -> None:
-    reader = ArrivalReader(Keys("main"))
-    for number in range(10):
-        assert reader.read(zenoh_inbox.Put(f"iw/v1/main/in/{'x' * 60_000}{number}/actions", b"{}", "")) is None
-    assert reader.read(zenoh_inbox.Put("iw/v1/main/in/chair1/actions", b"{}", "")) == Put(
-        "chair1", "actions", b"{}", ""
-    )
-    assert list(reader._known) == ["iw/v1/main/in/chair1/actions"]

@@ -1,0 +1,103 @@
+"""Turns what Zenoh delivered into the arrivals that the service takes."""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import Final, get_args
+
+from intellwheels_schemas import zenoh_inbox
+from intellwheels_schemas.codec import Encoding, encode
+from intellwheels_schemas.keys import Keys
+from intellwheels_schemas.messages import Record
+from intellwheels_server.service.arrival import Arrival, Put, PutKind, Query, Token, Topic
+
+MAX_KEYS: Final = 4_096
+"""Keys whose parts are remembered."""
+TOPICS: Final[dict[str, Topic]] = {topic: topic for topic in get_args(Topic)}
+
+
+class ArrivalReader:
+    """Turns what Zenoh delivers into arrivals. What arrives on an unknown key is ignored.
+
+    Args:
+        keys: The keys of this world.
+    """
+
+    def __init__(self, keys: Keys) -> None:
+        self._keys = keys
+        # The same keys come again and again, so their parts are remembered, up to a limit, as strangers choose keys.
+        self._known: dict[str, tuple[str, PutKind]] = {}
+
+    def read(self, arrival: zenoh_inbox.Arrival) -> Arrival | None:
+        """Return what an arrival is, or None if it is to be ignored."""
+        if isinstance(arrival, zenoh_inbox.Put):
+            target = self._put_target(arrival.key)
+            return Put(target[0], target[1], arrival.data, arrival.encoding) if target else None
+        if isinstance(arrival, zenoh_inbox.Ask):
+            return self._query(arrival)
+        if isinstance(arrival, zenoh_inbox.Presence):
+            token = self._keys.parse_token(arrival.key)
+            return Token(token.agent, token.role, token.instance, arrival.alive) if token else None
+        target = self._put_target(arrival.key)
+        return Put(target[0], target[1], b"", "", arrival.length) if target else None
+
+    def _put_target(self, key: str) -> tuple[str, PutKind] | None:
+        """Return the agent and the kind of message that a key stands for."""
+        try:
+            return self._known[key]
+        except KeyError:
+            pass
+        found: tuple[str, PutKind] | None = None
+        if (put := self._keys.parse_in(key)) is not None:
+            found = (put.agent, put.kind)
+        elif (user := self._keys.parse_user(key)) is not None:
+            found = (user, "user")
+        if found is None:
+            return None  # not remembered: keys of strangers may be 64 kB long
+        if len(self._known) >= MAX_KEYS:
+            self._known.clear()
+        self._known[key] = found
+        return found
+
+    def _query(self, arrival: zenoh_inbox.Ask) -> Query | None:
+        keys = self._keys
+        chunk = arrival.key.removeprefix(keys.prefix).partition("/")[0]
+        topic = TOPICS.get(chunk) if arrival.key.startswith(keys.prefix) else None
+        if topic is None:
+            arrival.close()
+            return None
+        name = ""
+        if topic == "join":
+            name = keys.parse_join(arrival.key) or ""
+        elif topic == "leave":
+            name = keys.parse_leave(arrival.key) or ""
+        elif topic == "ctl":
+            name = keys.parse_ctl(arrival.key) or ""
+        return Query(
+            topic=topic,
+            name=name,
+            data=arrival.data,
+            encoding=arrival.encoding,
+            send=partial(self._send, arrival, topic),
+            close=arrival.close,
+            parameters=_parameters(arrival.parameters),
+            matches=partial(self._matches, arrival, topic),
+            has_wildcards="*" in arrival.key,
+        )
+
+    def _matches(self, arrival: zenoh_inbox.Ask, topic: Topic, name: str) -> bool:
+        return arrival.matches(f"{self._keys.prefix}{topic}/{name}")
+
+    def _send(
+        self, arrival: zenoh_inbox.Ask, topic: Topic, message: Record, encoding: Encoding, ok: bool, name: str | None
+    ) -> None:
+        data = encode(message, encoding)
+        if ok:
+            arrival.reply(data, encoding, None if name is None else f"{self._keys.prefix}{topic}/{name}")
+        else:
+            arrival.refuse(data, encoding)
+
+
+def _parameters(text: str) -> dict[str, str]:
+    pairs = (pair.partition("=") for pair in text.split(";") if pair)
+    return {name: value for name, _, value in pairs}
