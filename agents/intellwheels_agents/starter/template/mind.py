@@ -1,6 +1,6 @@
 """A chair that drives where there is room. Change it as you like.
 
-The harness calls `decide` once per tick, 20 times per simulated second, with the readings of the sensors in `robot.xml`.
+The harness calls `decide` once per tick, 20 times per simulated second, with the readings of the sensors.
 """
 
 from intellwheels_agents import Actions, Context, Measures
