@@ -68,7 +68,7 @@ class Depart(FileRecord, frozen=True, kw_only=True, tag="Depart", tag_field="Do"
     role: Literal["both", "body", "mind"] = "both"
     """Role that ends."""
     lost: bool = False
-    """Whether the token was lost; false means that it left."""
+    """Whether the token was lost; false means that the agent left."""
 
 
 class SpawnBody(FileRecord, frozen=True, kw_only=True, tag="Spawn", tag_field="Do"):
@@ -121,7 +121,7 @@ class Note(FileRecord, frozen=True, kw_only=True, tag="Note", tag_field="Do"):
     agent: str | None = None
     """Agent that the event is about, if any."""
     speed: float | None = None
-    """Of speed: the new ratio of simulated time to wall time."""
+    """In an event speed, the new ratio of simulated time to wall time."""
     text: str | None = None
     """Details for people, if there are any."""
 
@@ -224,9 +224,9 @@ class WorldRules(FileRecord, frozen=True, kw_only=True, omit_defaults=False):
     """Settings of the world other than map, seed and period. Their bounds are those of the options of `iw-server`."""
 
     say_limit: Annotated[int, Meta(ge=1, le=1000)]
-    """Longest message that an agent may say, in Unicode code points."""
+    """Longest message that an agent may send to others, in Unicode code points."""
     say_range: Annotated[float, Meta(gt=0.0)]
-    """Distance from the speaker up to which a message is heard, in metres."""
+    """Largest distance between the sender and a receiver of a message, in metres."""
     command_timeout: Annotated[float, Meta(gt=0.0)]
     """Simulated seconds without a motor command after which both powers become 0."""
     truth: bool
@@ -238,7 +238,7 @@ class WorldRules(FileRecord, frozen=True, kw_only=True, omit_defaults=False):
     say_walls: bool = defaults.SAY_WALLS
     """Whether walls and closed doors block messages."""
     say_loss: Annotated[float, Meta(ge=0.0, le=1.0)] = defaults.SAY_LOSS
-    """Share of messages between agents that a listener misses."""
+    """Share of messages between agents that a receiver misses."""
     say_delay: Annotated[float, Meta(ge=0.0, le=3600.0)] = defaults.SAY_DELAY
     """Simulated seconds by which a message is delayed, in addition to one tick."""
 

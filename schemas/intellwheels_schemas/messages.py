@@ -562,11 +562,11 @@ class Robot(Record, frozen=True, kw_only=True):
     acceleration_limit: Annotated[Limit, Meta(extra=_unit("m/s2"))] | None = None
     """Largest change of a wheel's speed per second; absent means no limit."""
     turn_limit: Annotated[Limit, Meta(extra=_unit("rad/s"))] | None = None
-    """Largest turn rate, either way; above it the wheel speeds are brought closer together. Absent means no limit."""
+    """Largest turn rate in either direction; a larger one is reduced to it. Absent means no limit."""
     motor_noise: Share = 0.0
     """Standard deviation of a motor's output, as a share of that output."""
     slip: Share = 0.0
-    """Share of the missing motion that the wheels of a blocked body roll nevertheless, and that encoders count."""
+    """How far the wheels of a blocked body spin: 0 not at all, 1 as if the body were free."""
     length: Size | None = None
     """Length of a one-box body along its x axis; only without Part."""
     width: Size | None = None
@@ -576,7 +576,7 @@ class Robot(Record, frozen=True, kw_only=True):
     top: Size | None = None
     """Height of the upper face of a one-box body above the floor; absent means 1.3."""
     part: Annotated[tuple[Part, ...], Meta(max_length=32)] = ()
-    """Boxes that make up the body, for contact and for the sensors of others."""
+    """Boxes that make up the body, for contact and for the sensors of other bodies."""
     position: Position | None = None
     """Pose to start at, if no Place is given."""
     proximity: tuple[Proximity, ...] = ()
@@ -594,13 +594,13 @@ class Robot(Record, frozen=True, kw_only=True):
     imu: tuple[IMU, ...] = field(default=(), name="IMU")
     """Inertial units, which measure acceleration and turn rate."""
     beacon: tuple[Beacon, ...] = ()
-    """Sensors for the bearing of a place."""
+    """Sensors that measure the bearing of a place."""
     ground: tuple[Ground, ...] = ()
-    """Sensors for the zone under the body."""
+    """Sensors that report the zone under the body."""
     bumper: tuple[Bumper, ...] = ()
     """Contact sensors all around the body."""
     truth: tuple[Truth, ...] = ()
-    """Sensors for the true pose; refused where the simulation does not allow them."""
+    """Sensors that report the true pose; refused unless the simulation allows them."""
 
 
 class Parameters(Record, frozen=True, kw_only=True):
@@ -612,9 +612,9 @@ class Parameters(Record, frozen=True, kw_only=True):
     pace: Pace
     """How time passes: realtime, free (as fast as possible) or lockstep (waits for every member of the barrier)."""
     say_limit: Count
-    """Longest message that an agent may say, in Unicode code points."""
+    """Longest message that an agent may send to others, in Unicode code points."""
     say_range: Range
-    """Distance from the speaker up to which its message is heard."""
+    """Largest distance between the sender and a receiver of a message."""
     command_timeout: TimeoutSetting
     grace: Seconds
     """Wall time from the loss of a liveliness token to the removal of its agent."""
@@ -721,7 +721,7 @@ class LidarReading(Record, frozen=True, kw_only=True):
     id: ReadingId
     tick: SampleTick | None = None
     stamp: Seconds | None = None
-    """Simulated time of the scan since the run began."""
+    """Simulated time of the scan since the start of the run."""
     start_deg: Degrees
     """Angle of the first ray in the body frame: 0 is forward, positive to the left."""
     step_deg: Degrees
@@ -915,7 +915,7 @@ class AgentMeasures(Measures, frozen=True, kw_only=True):
     """The `Measures` of one agent of a crew."""
 
     agent: Name
-    """Name of the agent that these are for."""
+    """Name of the agent that the measures are for."""
 
 
 class CrewMeasures(Record, frozen=True, kw_only=True):
@@ -972,7 +972,7 @@ class Error(Record, frozen=True, kw_only=True):
     seq: Count | None = None
     """Seq of the wrong message, if it could be read."""
     suppressed: Count = 0
-    """Number of errors since the last Error message that the rate limit suppressed."""
+    """Number of errors that the rate limit suppressed since the last Error message."""
     text: ContentText
     """Reason, for people: the place, what was expected and what was received."""
 
@@ -1058,7 +1058,7 @@ class Event(Record, frozen=True, kw_only=True):
     normal_y: Normal | None = None
     """Of a contact: y of the unit normal in the map frame, from the other body towards the agent."""
     speed: Velocity | None = None
-    """Of a contact: closing speed along the normal, positive when approaching. Of speed: the new speed factor."""
+    """Closing speed along the normal at a contact, positive when approaching. In an event speed, the new factor."""
     text: OptionalText | None = None
     """Details for people, if there are any."""
 
@@ -1070,7 +1070,7 @@ class Events(Record, frozen=True, kw_only=True):
     oldest: Count
     """Number of the oldest event that is kept; earlier ones are lost."""
     next: Count
-    """Number to ask for next time: one more than the last event here."""
+    """Number for the next request: one more than that of the last event in this reply."""
     event: tuple[Event, ...] = ()
     """Events in the order of their numbers."""
 
@@ -1120,7 +1120,7 @@ class Reach(Record, frozen=True, kw_only=True):
     """A condition: the agent's centre of movement is near a place."""
 
     agent: Name
-    """Agent that has to get there."""
+    """Agent that must reach the place."""
     place: Word
     """Name of a Position in the map's Grid."""
     within: Size
@@ -1384,7 +1384,7 @@ class Cast(Record, frozen=True, kw_only=True):
     place: Word | None = None
     """Place on the map to start at; absent means the first free place for its Kind."""
     option: tuple[Option, ...] = ()
-    """Options of the mind, and with a capital first letter fields of the robot."""
+    """Options of the mind; an option with a capital first letter sets a field of the robot."""
 
 
 class Hold(Record, frozen=True, kw_only=True):
@@ -1419,7 +1419,7 @@ class Bridge(Record, frozen=True, kw_only=True):
     chair: Title | None = None
     """Robot file of the real chair; absent means the robot of the cast."""
     option: tuple[Option, ...] = ()
-    """Options of the bridge, and with a capital first letter fields of the chair."""
+    """Options of the bridge; an option with a capital first letter sets a field of the chair."""
 
 
 class Level(Record, frozen=True, kw_only=True):
@@ -1454,11 +1454,11 @@ class Compare(Record, frozen=True, kw_only=True):
     """A comparison of two rows, seed by seed, or a claim about one row."""
 
     first: Title
-    """Row that the expectation is about."""
+    """First row, which the expectation is about."""
     second: Title | None = None
-    """Row that it is compared with; absent only for collision-free."""
+    """Row that the first is compared with; absent only for collision-free."""
     expect: Literal["better", "worse", "equivalent", "collision-free"] | None = None
-    """What is expected of the first row; absent reports the difference only."""
+    """Expected result of the first row; absent means that the report shows only the difference."""
 
 
 class Umbmark(Record, frozen=True, kw_only=True):
@@ -1507,11 +1507,11 @@ class Scene(Record, frozen=True, kw_only=True):
     truth: bool = False
     """Whether agents may have truth sensors."""
     say_range: SayRange = defaults.SAY_RANGE
-    """Distance from the speaker up to which a message is heard."""
+    """Largest distance between the sender and a receiver of a message."""
     say_walls: bool = defaults.SAY_WALLS
     """Whether walls and closed doors block messages."""
     say_loss: Share = defaults.SAY_LOSS
-    """Share of messages between agents that a listener misses."""
+    """Share of messages between agents that a receiver misses."""
     say_delay: SayDelay = defaults.SAY_DELAY
     """Simulated time by which a message is delayed, in addition to one tick."""
     cast: tuple[Cast, ...] = ()
