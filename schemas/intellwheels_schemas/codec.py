@@ -79,7 +79,7 @@ _write = msgspec.json.Encoder().encode
 
 
 def encoding_of(encoding: str, data: bytes = b"") -> Encoding:
-    """Return how a payload is to be read.
+    """Return the encoding of a payload.
 
     Args:
         encoding: Zenoh's encoding as text. Empty text, `zenoh/bytes` and `zenoh/string` do not determine it.
@@ -159,7 +159,7 @@ def encode(message: Record, encoding: Encoding = Encoding.JSON) -> bytes:
     """
     if encoding is Encoding.JSON:
         data = _write(_canonical(message))
-        # msgspec writes NaN as null. Only a lidar's arrays hold nulls; text may hold the word.
+        # msgspec writes NaN as null. Only the arrays of a lidar contain nulls. Text may contain the word null.
         if b"null" in data and not _nulls_belong(msgspec.json.decode(data), type(message)):
             raise ValueError(f"{root_of(type(message))}: expected finite numbers, got {message}")
         return data

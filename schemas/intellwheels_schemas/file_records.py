@@ -97,7 +97,7 @@ class TeleportBody(FileRecord, frozen=True, kw_only=True, tag="Teleport", tag_fi
 
 
 class TakeBody(FileRecord, frozen=True, kw_only=True, tag="Take", tag_field="Do"):
-    """An operator takes control of a body or gives it back."""
+    """An operator takes control of a body or returns it."""
 
     agent: AgentName
     on: bool = True

@@ -35,8 +35,8 @@ This page is the reference of the contract, the protocol between the simulator a
 [FIRST-AGENT.md](FIRST-AGENT.md) is the introduction. Examples with their exact bytes are in [vectors](vectors), and
 schemas are in [xsd](xsd) and [json](json).
 
-Every key starts with `iw/v1/<world>/`. Each of `<world>`, `<agent>` and `<crew>` is {name}. The name {reserved} is
-reserved.
+Every key starts with `iw/v1/<world>/`. Each of `<world>`, `<agent>` and `<crew>` is
+{name}. The name {reserved} is reserved.
 
 Units are SI. Angles are in radians, and in degrees where a name ends in `Deg`. Two frames are used:
 
@@ -87,8 +87,8 @@ encoding of the `join`: measures in that of the mind, and power in that of the b
 `clock`, `event`, `map`, `body`) are in JSON. The reply to a `get` on these keys has the encoding of the query.
 
 - In XML, scalars are attributes and records are child elements. A list of records is a repeated child element, and a
-  list of scalars is one attribute with spaces between the items. `Text` is the text of the element. In JSON, lists have
-  the same names, in the singular.
+  list of scalars is one attribute with spaces between the items. `Text` is the text of the element. In JSON, a list has
+  the same name, in the singular.
 - Fields with their default value and empty lists are left out. `null` is refused, except in a lidar's `Ranges` (`-` in
   XML). A field may occur only once in a record.
 - Numbers follow the JSON grammar in both encodings: no `+5`, `.5`, `007`, `NaN` or `INF`, and no fraction or exponent
@@ -211,7 +211,7 @@ def _field(member: Member, text: str) -> tuple[str, str, str, str]:
 def _message(cls: type[Record], title: str) -> str:
     shape = shape_of(cls)
     doc = " ".join((cls.__doc__ or "").split())
-    root = f" XML root `<{shape.root}>`." if cls is OperatorSay else ""
+    root = f" Its XML root is `<{shape.root}>`." if cls is OperatorSay else ""
     docs = field_docs(cls)
     rows = [_field(member, docs[member.name]) for member in shape.members]
     fields = _table(("Field", "Type", "Default", "Meaning"), rows) if rows else "No fields.\n"

@@ -298,7 +298,7 @@ class Position(Record, frozen=True, kw_only=True):
 
 
 class Goal(Record, frozen=True, kw_only=True):
-    """A target pose. Without a heading, any heading will do."""
+    """A target pose. Without `Heading`, any heading is accepted."""
 
     x: MapX
     y: MapY
@@ -420,7 +420,7 @@ class Compass(Record, frozen=True, kw_only=True):
 
 
 class GPS(Record, frozen=True, kw_only=True):
-    """A positioning sensor: where a point of the body is."""
+    """A positioning sensor: the position of a point of the body."""
 
     id: SensorId
     x: SensorX = 0.0
@@ -646,7 +646,7 @@ class Refused(Record, frozen=True, kw_only=True):
 
 
 class Leave(Record, frozen=True, kw_only=True):
-    """A request to leave. Without a Session it applies to every process of the agent in the key."""
+    """A request to leave. Without a Session it applies to all processes of the agent in the key."""
 
     run: SentRun | None = None
     session: Session | None = None
@@ -716,7 +716,7 @@ class ProximityReading(Record, frozen=True, kw_only=True):
 
 
 class LidarReading(Record, frozen=True, kw_only=True):
-    """A scan. A range is `null` (`-` in XML) where its status is not ok."""
+    """A scan of a lidar. A range is `null` (`-` in XML) where its status is not ok."""
 
     id: ReadingId
     tick: SampleTick | None = None
@@ -831,7 +831,7 @@ class TruthReading(Record, frozen=True, kw_only=True):
 
 
 class Sensors(Record, frozen=True, kw_only=True):
-    """Readings, grouped by the kind of their sensor."""
+    """Readings, grouped by the kind of sensor."""
 
     proximity: tuple[ProximityReading, ...] = ()
     """Distances from proximity sensors."""
@@ -1033,7 +1033,7 @@ class Body(Record, frozen=True, kw_only=True):
 
 
 class Event(Record, frozen=True, kw_only=True):
-    """Something that happened. Events are numbered, so that a gap is noticed."""
+    """An event in a run. Events are numbered, so that a reader can detect gaps."""
 
     run: Run
     tick: StateTick
@@ -1101,7 +1101,7 @@ class Clock(Record, frozen=True, kw_only=True):
 
 
 class MapInfo(Record, frozen=True, kw_only=True):
-    """Which map is loaded. The map itself is the reply to a `get`."""
+    """The name of the loaded map. The reply to a `get` is the map itself."""
 
     run: Run
     tick: StateTick
