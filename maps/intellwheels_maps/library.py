@@ -1,7 +1,7 @@
 """Reads maps, robots and scenes by name or by path. Only this file of the package reads files.
 
-A plain word is the name of a shipped file. Text that contains `/` or ends in `.xml` is a path. A returned document has
-passed its schema and its checks; otherwise a `WireError` names the file, the line and what was expected.
+A plain word is the name of an included file. Text that contains `/` or ends in `.xml` is a path. A returned document
+has passed its schema and its checks. Otherwise a `WireError` gives the file, the line and what was expected.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ _Document = TypeVar("_Document", bound=Record)
 
 
 def names(shelf: Shelf) -> list[str]:
-    """Return the sorted names of the shipped maps (`floors`), robots or scenes.
+    """Return the sorted names of the included maps (`floors`), robots or scenes.
 
     Raises:
         ValueError: `shelf` is not `floors`, `robots` or `scenes`.
@@ -37,7 +37,7 @@ def floor(name_or_path: str | Path, *, beside: Path | None = None) -> Map:
     """Return a map.
 
     Args:
-        name_or_path: The name of a shipped map, or a path.
+        name_or_path: The name of an included map, or a path.
         beside: The folder from which relative paths start; default: the working directory.
 
     Raises:
@@ -50,7 +50,7 @@ def robot(name_or_path: str | Path, *, beside: Path | None = None) -> Robot:
     """Return a robot document, without the name, role, instance and place that are set when an agent joins.
 
     Args:
-        name_or_path: The name of a shipped robot, or a path.
+        name_or_path: The name of an included robot, or a path.
         beside: The folder from which relative paths start; default: the working directory.
 
     Raises:
@@ -63,7 +63,7 @@ def scene(name_or_path: str | Path, *, beside: Path | None = None) -> Scene:
     """Return a scene whose map, robots and places all exist. The minds are not checked.
 
     Args:
-        name_or_path: The name of a shipped scene, or a path. Paths in a scene start from the folder of the scene.
+        name_or_path: The name of an included scene, or a path. Paths in a scene start from the folder of the scene.
         beside: The folder from which relative paths start; default: the working directory.
 
     Raises:

@@ -1144,7 +1144,7 @@ class End(Record, frozen=True, kw_only=True):
 
 
 class Pause(Record, frozen=True, kw_only=True):
-    """Stop simulated time."""
+    """Stop simulated time. Steps that are being made end, and their request gets `incorrect-state`."""
 
 
 class Resume(Record, frozen=True, kw_only=True):
@@ -1354,10 +1354,10 @@ class Map(Record, frozen=True, kw_only=True):
 
 
 class Load(Record, frozen=True, kw_only=True):
-    """Start a new run on another map: a shipped one with `Name`, or the document in `Map`."""
+    """Start a new run on another map: an included one with `Name`, or the document in `Map`."""
 
     name: Word | None = None
-    """Name of a shipped map; either this or Map."""
+    """Name of an included map; either this or Map."""
     seed: NewSeed | None = None
     map: Map | None = None
     """Map to load; either this or Name."""
@@ -1378,9 +1378,9 @@ class Cast(Record, frozen=True, kw_only=True):
 
     name: AgentName
     robot: Title
-    """Body of the agent: the name of a shipped robot, or the path of a robot file."""
+    """Body of the agent: the name of an included robot, or the path of a robot file."""
     mind: Title
-    """Mind of the agent: the name of a shipped mind, or the path of a Python file."""
+    """Mind of the agent: the name of an included mind, or the path of a Python file."""
     place: Word | None = None
     """Place on the map to start at; absent means the first free place for its Kind."""
     option: tuple[Option, ...] = ()
@@ -1496,7 +1496,7 @@ class Scene(Record, frozen=True, kw_only=True):
     title: Title | None = None
     """Name of the scene for people."""
     map: Title
-    """Map: the name of a shipped map, or the path of a map file."""
+    """Map: the name of an included map, or the path of a map file."""
     seed: Seed = defaults.SEED
     """Seed of all noise in the run."""
     period: Period = defaults.PERIOD

@@ -66,7 +66,7 @@ with (
         congestion_control=zenoh.CongestionControl.DROP,
         priority=zenoh.Priority.INTERACTIVE_HIGH,
     ) as actions,
-    # The simulator's token: it is reported if it exists, and each time it appears again. We join each time.
+    # The simulator's token appears when it starts, and again after a restart. We join each time.
     session.liveliness().declare_subscriber(f"{KEY}/alive", arrived.put, history=True),
 ):
     ours, run, tick = "", "", 0

@@ -72,7 +72,7 @@ await session.liveliness().declareToken(`${KEY}/in/${name}/alive/both/${instance
 const actions = await session.declarePublisher(`${KEY}/in/${name}/actions`, {
   encoding: JSON_V1, congestionControl: CongestionControl.DROP, priority: Priority.INTERACTIVE_HIGH,
 });
-// The simulator's token: it is reported if it exists, and each time it appears again. We join each time.
+// The simulator's token appears when it starts, and again after a restart. We join each time.
 await session.liveliness().declareSubscriber(`${KEY}/alive`, { handler: keep, history: true });
 
 let [ours, run, tick] = ["", "", 0];

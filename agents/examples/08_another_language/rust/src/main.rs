@@ -106,7 +106,7 @@ fn main() {
         .priority(Priority::InteractiveHigh)
         .wait()
         .unwrap();
-    // The simulator's token: it is reported if it exists, and each time it appears again. We join each time.
+    // The simulator's token appears when it starts, and again after a restart. We join each time.
     let _alive = session
         .liveliness()
         .declare_subscriber(format!("{KEY}/alive"))
