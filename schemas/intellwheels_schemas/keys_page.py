@@ -143,14 +143,14 @@ def _limits() -> str:
     rows[2] = (f"bytes of Actions, {_name(UserInput)}, Say, Leave and the other verbs", f"{LIMITS[UserInput]:,}")
     rows += [
         ("bytes of anything else", f"{MAX_BYTES:,}"),
-        ("characters of a name, an id", "32"),
-        ("characters of a word, a seed", "64"),
+        ("characters of a name or an id", "32"),
+        ("characters of a word or a seed", "64"),
         ("characters of text", "1,000; the `SayLimit` of a simulation is lower"),
         ("parts of a robot", str(rules.MAX_PARTS)),
         ("sensors of a robot", str(rules.MAX_SENSORS)),
         ("rays of a lidar", f"{rules.MAX_RAYS:,}"),
         ("bodies of a crew", str(rules.MAX_CREW)),
-        ("distance of X and Y from 0", "10,000 m"),
+        ("absolute value of X and Y", "10,000 m"),
         ("whole numbers", "2^53 - 1"),
     ]
     return _table(("What", "Maximum"), rows)
