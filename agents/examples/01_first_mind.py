@@ -5,8 +5,8 @@ Run each command in a terminal of its own:
     iw-server --map room
     iw-agent 01_first_mind.py --name chair1 --place start1
 
-A mind is a class with the method `decide`. The harness calls it once a tick, 20 times a simulated second, with what
-the chair measures, and sends the actions that it returns. Motor powers are in [-1, 1].
+A mind is a class with the method `decide`. The harness calls it once per tick, 20 times per simulated second, with the
+measures of the chair, and sends the actions that it returns. Motor powers are in [-1, 1].
 """
 
 from intellwheels_agents import Actions, Context, Measures

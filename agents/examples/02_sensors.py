@@ -5,7 +5,8 @@ Run each command in a terminal of its own:
     iw-server --map square
     iw-agent 02_sensors.py --name chair1 --robot mid-wheel
 
-The robot has eight proximity sensors, encoders, a compass and a bumper: see robots/mid-wheel.xml in maps.
+The robot has eight proximity sensors, encoders, a compass and a bumper. Its file is
+maps/intellwheels_maps/robots/mid-wheel.xml.
 """
 
 import math
@@ -14,7 +15,7 @@ from intellwheels_agents import Actions, Context, Measures
 from intellwheels_schemas.messages import ProximityReading
 
 FAR = 4.0  # m: the range of the proximity sensors
-TURN_AT = 0.9  # m: the clearance ahead at which it turns
+TURN_AT = 0.9  # m: the chair turns when the clearance ahead is smaller
 
 
 class Mind:
@@ -41,7 +42,7 @@ class Mind:
 
 
 def clearance(reading: ProximityReading) -> float:
-    """Return the measured range, m; a reading without a value has a status instead."""
+    """Return the measured range in m; without a value, the status gives the reason."""
     if reading.value is not None:
         return reading.value
     return 0.0 if reading.status == "near" else FAR

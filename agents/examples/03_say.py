@@ -6,8 +6,8 @@ Run each command in a terminal of its own:
     iw-agent door --name door --place hinge --option swing=right --option Proximity.MaxRange=1
     iw-agent 03_say.py --name chair1 --robot rear-wheel --place start
 
-The sensors of this door see only 1 m, so it opens in time only because the chair asks. Everybody within 8 m hears a
-message, one tick later.
+The sensors of this door have a range of only 1 m. Without the message it would open too late. All agents within 8 m
+receive a message, one tick later.
 """
 
 from intellwheels_agents import Actions, Context, Measures

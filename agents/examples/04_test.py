@@ -2,8 +2,8 @@
 
     pytest 04_test.py
 
-In lockstep, the default, the world stands still between the calls, and a seed gives the same run on any machine.
-`python -m pydoc intellwheels_experiments.testing.rig` shows everything that `sim` can do.
+In lockstep, the default, simulated time stops between the calls, and the same seed gives the same run on any machine.
+`python -m pydoc intellwheels_experiments.testing.rig` shows all methods of `sim`.
 """
 
 

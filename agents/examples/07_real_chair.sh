@@ -1,12 +1,13 @@
 #!/bin/sh
-# Lesson 7: a real chair. `iw-bridge` puts it into the simulation: it reports where the chair is, and passes motor powers
-# down the serial line. Any mind can drive it; here it is the mind of lesson 1.
+# Lesson 7: a real chair. `iw-bridge` connects it to the simulation. It reports the pose of the chair, and sends motor
+# powers over the serial line. Any mind can drive the chair; here it is the mind of lesson 1.
 #
 #     sh 07_real_chair.sh
 #
-# No hardware is needed: `firmware_stand_in` plays the chair's controller on a pseudo-terminal. With a real chair, leave it
-# out and write --port /dev/ttyUSB0; agents/intellwheels_agents/bridge/PROTOCOL.md says what its controller must do.
-# The controller prints `moving` and `stopped`. Ctrl-C ends all. Another endpoint: sh 07_real_chair.sh tcp/127.0.0.1:7448
+# No hardware is needed: `firmware_stand_in` plays the chair's controller on a pseudo-terminal, and prints `moving` and
+# `stopped`. With a real chair, omit it and use --port /dev/ttyUSB0. What a controller must do is described in
+# agents/intellwheels_agents/bridge/PROTOCOL.md. Ctrl-C ends all processes. To use another endpoint, run
+# `sh 07_real_chair.sh tcp/127.0.0.1:7448`.
 set -eu
 cd "$(dirname "$0")"
 endpoint=${1:-tcp/127.0.0.1:7447}

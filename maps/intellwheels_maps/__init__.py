@@ -1,7 +1,7 @@
-"""Floors (maps), robots and scenes as XML files, and the code that reads, checks and draws them.
+"""Maps, robots and scenes as XML files, and the code that reads, checks and draws them.
 
-Shipped files are found by name, your own by path. Documents that `floor`, `robot` and `scene` return have passed their
-schema and the checks of `check`.
+Included files are found by name, and other files by path. The documents that `floor`, `robot` and `scene` return have
+passed their schema and the checks of `check`. The included maps are in the folder `floors`.
 
     >>> from intellwheels_maps import floor, names
     >>> names("floors")

@@ -1,4 +1,4 @@
-"""List the shipped floors, robots and scenes, check files, and draw floors."""
+"""List the included maps, robots and scenes, check files, and draw maps."""
 
 from __future__ import annotations
 
@@ -29,21 +29,19 @@ def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(prog="python -m intellwheels_maps", description=__doc__)
     commands = parser.add_subparsers(required=True, metavar="COMMAND")
 
-    listing = commands.add_parser("list", help="print the shipped floors, robots and scenes")
+    listing = commands.add_parser("list", help="print the included floors (the maps), robots and scenes")
     listing.set_defaults(run=_list)
 
-    checking = commands.add_parser(
-        "check", help="check a floor, robot or scene file, and print what is wrong in which line"
-    )
+    checking = commands.add_parser("check", help="check a map, robot or scene file, and print each fault with its line")
     checking.add_argument("file", metavar="FILE", type=Path)
     checking.set_defaults(run=_check)
 
-    drawing = commands.add_parser("draw", help="draw the plan of a floor as SVG")
-    drawing.add_argument("floor", metavar="FLOOR", help="the name of a shipped floor, a path, or `hospital`")
+    drawing = commands.add_parser("draw", help="draw the plan of a map as SVG")
+    drawing.add_argument("floor", metavar="FLOOR", help="the name of an included map, a path, or `hospital`")
     drawing.add_argument("file", metavar="FILE.svg", type=Path, help="where to write the plan")
     drawing.set_defaults(run=_draw)
 
-    making = commands.add_parser("hospital", help="print a generated hospital floor with 120 rooms as XML")
+    making = commands.add_parser("hospital", help="print a generated hospital map with 120 rooms as XML")
     making.add_argument("--seed", metavar="N", type=int, default=1, help="seed of the generator (default: %(default)s)")
     making.set_defaults(run=_hospital)
     return parser

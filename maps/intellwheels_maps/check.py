@@ -1,9 +1,9 @@
-"""Checks of floors, robots and scenes that need geometry or another file. Pure: messages in, findings out.
+"""Checks of maps, robots and scenes that need geometry or another file. Pure: documents in, findings out.
 
-The rules for fields, alone and together, belong to the contract (`intellwheels_schemas.rules`) and come first.
+The rules for one or several fields belong to the contract (`intellwheels_schemas.rules`) and are checked first.
 
-A finding names its element by the path of the contract's names (`Map.Wall[3]`); `library` adds the file and the line.
-A check reports only what makes a document unusable or is certainly a mistake.
+A finding gives the path of its element (`Map.Wall[3]`); `library` adds the file and the line.
+A check reports only errors that make a document unusable, and certain mistakes.
 """
 
 from __future__ import annotations
@@ -18,18 +18,18 @@ from intellwheels_schemas.messages import Corner, Doorway, Map, Robot, Scene, Wa
 
 Point: TypeAlias = tuple[float, float]
 
-# m: doorways and walls are drawn by hand, and a plan is accurate to a centimetre.
+# m: doorways and walls are drawn by hand, and drawings are accurate to a centimetre.
 _WIDTH_TOLERANCE = 0.01
-# m: a jamb farther away than this belongs to another opening.
+# m: a wall farther away than this belongs to another opening.
 _JAMB_REACH = 5.0
 
 
 class Finding(NamedTuple):
-    """Something wrong in a document.
+    """An error in a document.
 
     Attributes:
         element: The path from the root, with list indices from 0: `Map.Wall[3]`.
-        text: What is wrong, what was expected and what came.
+        text: What is wrong, what was expected and what was found.
     """
 
     element: str
@@ -37,7 +37,7 @@ class Finding(NamedTuple):
 
 
 def check_map(document: Map) -> list[Finding]:
-    """Return what is wrong with a floor; empty if it is valid."""
+    """Return the errors in a map; empty if it is valid."""
     findings = list(_check_shapes(document))
     findings += _duplicates("Map.Doorway", "doorway", [doorway.name for doorway in document.doorway])
     findings += _duplicates("Map.Obstacle", "obstacle", [obstacle.name for obstacle in document.obstacle])
@@ -52,7 +52,7 @@ def check_map(document: Map) -> list[Finding]:
 
 
 def check_robot(document: Robot) -> list[Finding]:
-    """Return what is wrong with a robot file; empty if it is valid."""
+    """Return the errors in a robot file; empty if it is valid."""
     findings = []
     if document.format is None:
         findings.append(Finding("Robot", f"expected Format {VERSION!r} in a robot file, got none"))
@@ -64,11 +64,11 @@ def check_robot(document: Robot) -> list[Finding]:
 
 
 def check_scene(document: Scene, floor: Map) -> list[Finding]:
-    """Return what is wrong with a scene on its floor; empty if it is valid.
+    """Return the errors in a scene; empty if it is valid.
 
     Args:
         document: The scene.
-        floor: The floor that the scene's `Map` names.
+        floor: The map that the scene's `Map` gives.
     """
     findings = []
     known = sorted(place.name for place in floor.grid.position) if floor.grid else []
@@ -122,7 +122,7 @@ def wall_pieces(wall: Wall) -> list[list[Point]]:
 
 
 def points_of(corners: Iterable[Corner]) -> list[Point]:
-    """Return corners as points, m."""
+    """Return corners as points, in metres."""
     return [(corner.x, corner.y) for corner in corners]
 
 
@@ -204,7 +204,7 @@ def _twice_area(points: Sequence[Point]) -> float:
 
 
 def _side(a: Point, b: Point, c: Point) -> float:
-    """Return a value > 0 where c is left of the line from a to b, 0 on it."""
+    """Return a positive value if c is left of the line from a to b, and 0 if c is on the line."""
     return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
 
 
@@ -230,7 +230,7 @@ def _crossing(points: Sequence[Point]) -> tuple[int, int] | None:
         for other in range(one + 1, count):
             c, d = edges[other]
             if other == one + 1 or (one == 0 and other == count - 1):
-                # Neighbours share a corner; they cross only if one runs back over the other.
+                # Neighbours share a corner. They cross only if one runs back over the other.
                 shared, before, after = (b, a, d) if other == one + 1 else (a, b, c)
                 back = (before[0] - shared[0]) * (after[0] - shared[0]) + (before[1] - shared[1]) * (
                     after[1] - shared[1]

@@ -1,7 +1,7 @@
-"""Draws the plan of a floor as SVG. Pure: a `Map` in, text out.
+"""Draws a map as SVG. Pure: a `Map` in, text out.
 
 The unit of the drawing is 1 cm, because renderers draw letters smaller than one unit badly. The y axis of SVG points
-down and that of a floor points up: only `_x`, `_y` and `_cm` convert metres to units of the drawing.
+down and that of a map points up: only `_x`, `_y` and `_cm` convert metres to units of the drawing.
 """
 
 from __future__ import annotations
@@ -13,9 +13,9 @@ from xml.sax.saxutils import escape
 from intellwheels_maps.check import Point, points_of, wall_pieces
 from intellwheels_schemas.messages import Doorway, Map, Place, Wall, Zone
 
-_MARGIN = 0.6  # m around the walls
+_MARGIN = 0.6  # m: margin around the walls
 _PIXELS_A_METRE = 40
-# Largest width and height of a drawing, in pixels: a whole hospital is scaled down to it.
+# Largest width and height of a drawing, in pixels. A whole hospital is scaled down to it.
 _MAX_PIXELS = 4000
 _STYLE = """
 .zone{fill:#eef3f8;stroke:none}
@@ -33,11 +33,11 @@ _STYLE = """
 
 
 def draw(document: Map) -> str:
-    """Return the plan of a floor as an SVG document.
+    """Return the drawing of a map as an SVG document.
 
-    Zones and their titles are drawn below obstacles, walls and doorways. A doorway is a line across the opening, with a
-    stroke in its heading. A place is a ring with a stroke in its heading, red if a wheelchair may start there and blue
-    otherwise. Obstacles that do not reach down to the floor are dashed.
+    Zones and titles are drawn below obstacles, walls and doorways. A doorway is a line across the opening, with a short
+    line in its heading. A place is a ring with a short line in its heading. It is red if a wheelchair may start there,
+    and blue otherwise. Obstacles that do not reach down to the floor are dashed.
     """
     obstacles = [(obstacle, points_of(obstacle.corner)) for obstacle in document.obstacle]
     zones = [(zone, points_of(zone.corner)) for zone in document.zone]
@@ -45,7 +45,7 @@ def draw(document: Map) -> str:
     pieces = [piece for wall in document.wall for piece in wall_pieces(wall)]
     shapes = [*pieces, *(ring for _, ring in obstacles), *(ring for _, ring in zones)]
     west, south, east, north = _bounds([*shapes, [(place.x, place.y) for place in places]])
-    south -= 0.5  # m: a line below the plan for the scale
+    south -= 0.5  # m: a line below the map for the scale
     across, up = east - west, north - south
     pixels = min(_PIXELS_A_METRE, _MAX_PIXELS / max(across, up))
     lines = [
@@ -100,7 +100,7 @@ def _wall(wall: Wall) -> str:
     points = points_of(wall.corner)
     if wall.thickness is None:
         return _polygon("wall", points)
-    # A line that returns to its first corner is drawn as a polygon, so that this corner is mitred too.
+    # A line that returns to its first corner is drawn as a polygon, so that this corner is also mitred.
     shape, points = ("polygon", points[:-1]) if points[0] == points[-1] else ("polyline", points)
     return f'<{shape} class="line" stroke-width="{_cm(wall.thickness)}" points="{_list(points)}"/>'
 
@@ -114,7 +114,7 @@ def _line(kind: str, x0: float, y0: float, x1: float, y1: float) -> str:
 
 
 def _zone_title(zone: Zone, ring: Sequence[Point]) -> str:
-    # Near the top edge, where there are rarely beds or places.
+    # Near the top edge, where beds and places are rare.
     middle = (min(x for x, _ in ring) + max(x for x, _ in ring)) / 2
     return _text("zone-title", middle, max(y for _, y in ring) - 0.4, zone.title or zone.name)
 

@@ -1,7 +1,7 @@
-"""Generates a hospital floor that is large enough to benchmark the simulator.
+"""Generates a map of a hospital that is large enough to benchmark the simulator.
 
-140 x 60 m, three corridors along x and two across, 120 rooms with doors 1.4 m wide, about 500 walls, nine places in
-each room. Equal seeds give equal floors. Rooms differ in the position of the door, and some have a screen inside.
+It has 140 x 60 m, three corridors along x and two across, 120 rooms with doors 1.4 m wide, about 500 walls, and nine
+places in each room. Equal seeds give equal maps. Rooms differ in the position of the door, and some have a screen.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ CORRIDOR: Final = 3.0
 _THICKNESS = 0.1
 # Rooms of a row, divided by the two cross corridors: 7 + 6 + 7 rooms and twice 3 m make 140 m.
 _GROUPS = (7, 6, 7)
-# Two of three rooms have a screen, which makes about 500 walls in total.
+# Two of three rooms have a screen, so there are about 500 walls in total.
 _SCREEN_SHARE = 2 / 3
 # Three by three places in a room, 1 m from the walls and 2.2 m apart: a chair of 1.2 x 0.7 m can turn at each.
 _PLACE_X = (1.15, 3.35, 5.55)
@@ -36,10 +36,10 @@ _PLACE_Y = (1.5, 4.2, 6.9)
 
 
 def hospital(seed: int = 1) -> Map:
-    """Return the hospital floor of a seed.
+    """Return the map of a hospital for a seed.
 
     Args:
-        seed: Any integer; equal seeds give equal floors.
+        seed: Any integer; equal seeds give equal maps.
     """
     generator = random.Random(seed)  # noqa: S311 - not used for secrets
     walls = [_wall((0.0, 0.0), (LENGTH, 0.0), (LENGTH, WIDTH), (0.0, WIDTH), (0.0, 0.0))]
@@ -48,7 +48,7 @@ def hospital(seed: int = 1) -> Map:
     places: list[Place] = []
     number = 0
     for row in range(6):
-        # Each pair of rows shares a corridor: it is north of the even row and south of the odd row.
+        # Each pair of rows shares a corridor. It is north of the even row and south of the odd row.
         south = (row // 2) * (2 * ROOM_DEPTH + CORRIDOR) + (row % 2) * (ROOM_DEPTH + CORRIDOR)
         north = south + ROOM_DEPTH
         door_side, back_side = (north, south) if row % 2 == 0 else (south, north)

@@ -1,7 +1,7 @@
-"""Reads floors, robots and scenes by name or by path. Only this file of the package reads files.
+"""Reads maps, robots and scenes by name or by path. Only this file of the package reads files.
 
-A plain word is the name of a shipped file. Text with a `/`, or that ends in `.xml`, is a path. A returned document has
-passed its schema and its checks; otherwise a `WireError` names the file, the line and what was expected.
+A plain word is the name of an included file. Text that contains `/` or ends in `.xml` is a path. A returned document
+has passed its schema and its checks. Otherwise a `WireError` gives the file, the line and what was expected.
 """
 
 from __future__ import annotations
@@ -23,10 +23,10 @@ _Document = TypeVar("_Document", bound=Record)
 
 
 def names(shelf: Shelf) -> list[str]:
-    """Return the sorted names of the shipped floors, robots or scenes.
+    """Return the sorted names of the included maps (`floors`), robots or scenes.
 
     Raises:
-        ValueError: `shelf` is none of these three.
+        ValueError: `shelf` is not `floors`, `robots` or `scenes`.
     """
     if shelf not in get_args(Shelf):
         raise ValueError(f"shelf: expected one of {', '.join(get_args(Shelf))}, got {shelf!r}")
@@ -34,23 +34,23 @@ def names(shelf: Shelf) -> list[str]:
 
 
 def floor(name_or_path: str | Path, *, beside: Path | None = None) -> Map:
-    """Return the map of a floor.
+    """Return a map.
 
     Args:
-        name_or_path: The name of a shipped floor, or a path.
+        name_or_path: The name of an included map, or a path.
         beside: The folder from which relative paths start; default: the working directory.
 
     Raises:
-        WireError: There is no such floor, or its file is invalid.
+        WireError: There is no such map, or its file is invalid.
     """
     return _load(Map, _find("floors", name_or_path, beside), check_map)
 
 
 def robot(name_or_path: str | Path, *, beside: Path | None = None) -> Robot:
-    """Return a robot document, without the name, role, instance and place that are added at joining.
+    """Return a robot document, without the name, role, instance and place that are set when an agent joins.
 
     Args:
-        name_or_path: The name of a shipped robot, or a path.
+        name_or_path: The name of an included robot, or a path.
         beside: The folder from which relative paths start; default: the working directory.
 
     Raises:
@@ -60,14 +60,14 @@ def robot(name_or_path: str | Path, *, beside: Path | None = None) -> Robot:
 
 
 def scene(name_or_path: str | Path, *, beside: Path | None = None) -> Scene:
-    """Return a scene whose floor, robots and places all exist. Its minds are not checked.
+    """Return a scene whose map, robots and places all exist. The minds are not checked.
 
     Args:
-        name_or_path: The name of a shipped scene, or a path. Paths in a scene start from its own folder.
+        name_or_path: The name of an included scene, or a path. Paths in a scene start from the folder of the scene.
         beside: The folder from which relative paths start; default: the working directory.
 
     Raises:
-        WireError: There is no such scene, or its file, or a file that it names, is invalid.
+        WireError: There is no such scene, or its file or a file that it uses is invalid.
     """
     file = _find("scenes", name_or_path, beside)
     folder = file.parent if isinstance(file, Path) else None

@@ -1,1 +1,1 @@
-"""The contract: messages, names, keys, codecs and the link. Any room may import it; it imports none."""
+"""The contract: messages, names, keys, codecs and the link. All rooms may import it. It imports no other room."""

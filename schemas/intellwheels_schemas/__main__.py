@@ -1,4 +1,4 @@
-"""`python -m intellwheels_schemas`: generates the files beside the package, or checks a document."""
+"""`python -m intellwheels_schemas`: generates the files next to the package, or checks a document."""
 
 from __future__ import annotations
 
@@ -55,11 +55,11 @@ def _generate(release: bool) -> int:
 
 
 def _class(data: bytes, encoding: Encoding, name: str, said: str | None) -> type[Record]:
-    """Return the class that a document should be.
+    """Return the class of a document.
 
     Raises:
-        ValueError: Neither option nor file name says which.
-        WireError: It is not XML, or has an unknown root.
+        ValueError: Neither the option nor the file name gives the class.
+        WireError: The document is not XML, or has an unknown root.
     """
     if said is not None:
         return NAMES[said]

@@ -1,7 +1,7 @@
 """The colour of a body: a fixed function of its name, the same in every viewer, playback and report. Pure.
 
-Agents have six colours of Okabe and Ito ("Color Universal Design", 2008), which people with any colour vision can tell
-apart. Agents of one colour are told apart by stripes. Colours are three bytes of sRGB.
+Agents have six colours of Okabe and Ito ("Color Universal Design", 2008), which people with any colour vision can
+distinguish. Stripes distinguish agents of the same colour. Colours are three bytes of sRGB.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ COLOURS: Final[tuple[RGB, ...]] = (
 """Blue, orange, bluish green, reddish purple, sky blue, black."""
 
 STRIPES: Final = 3
-"""The largest number of stripes that can be told apart at a glance."""
+"""The largest number of stripes that people can distinguish at a glance."""
 
 FIXTURES: Final[Mapping[str, RGB]] = {"door": (92, 176, 166), "table": (205, 172, 128)}
 """Colours of bodies that do not drive by themselves, by kind."""
@@ -37,7 +37,7 @@ _LAST_NUMBER: Final = re.compile(r"(.*?)(\d*)")
 
 
 class Look(NamedTuple):
-    """How an agent is told apart: its colour, and its number of stripes from 0 to `STRIPES`."""
+    """The look of an agent: its colour, and its number of stripes from 0 to `STRIPES`."""
 
     colour: RGB
     stripes: int
@@ -57,26 +57,26 @@ def _part_key(part: str) -> tuple[int, int, str, str]:
 
 
 def look_of(name: str) -> Look:
-    """Return the look that a name has by itself.
+    """Return the look of a name, without regard to other names.
 
-    Names that differ only in their last number get consecutive colours, and one more stripe for every six. The first
+    Names that differ only in their last number get consecutive colours, and one more stripe after every six. The first
     colour follows from the rest of the name by its CRC-32.
     """
     match = _LAST_NUMBER.fullmatch(name)
     stem, digits = match.groups() if match else (name, "")
-    # A name is a peer's text: the length of a number is bounded, so its conversion is cheap.
+    # A name comes from a peer, but its length is bounded, so the conversion of a number is cheap.
     number = max(int(digits[-9:] or 1) - 1, 0)
     colour = (zlib.crc32(stem.encode()) + number) % len(COLOURS)
     return Look(COLOURS[colour], number // len(COLOURS) % (STRIPES + 1))
 
 
 def colour_of(name: str) -> RGB:
-    """Return the colour of an agent. It depends on nothing but its name."""
+    """Return the colour of an agent. It depends only on the name."""
     return look_of(name).colour
 
 
 def looks(names: Iterable[str]) -> dict[str, Look]:
-    """Return the looks of agents that are in one run, in natural order of their names.
+    """Return the looks of the agents of one run, in natural order of their names.
 
     Each has the colour of its name. If two would look the same, the later one in natural order gets the next free
     number of stripes; with more than four agents of one colour looks repeat. The result does not depend on the order of

@@ -1,7 +1,7 @@
-"""The table of keys: who writes what, how often and with which priority.
+"""The table of keys: the writer, the messages, the rate and the priority of each key.
 
-Puts never block, since one stuck reader would stop everybody else. What must not be lost is a query; what is periodic
-is a put.
+Puts never block, since one stuck reader would stop all others. Requests that must not be lost are queries. Periodic
+messages are puts.
 """
 
 from __future__ import annotations
@@ -58,14 +58,14 @@ class Channel:
 
     Attributes:
         key: The key after `iw/v1/<world>/`.
-        writer: Who puts, queries or holds the token.
+        writer: The process that puts, queries or declares the token.
         kind: A put, a query or a liveliness token.
         often: How often it is written.
         carries: Messages that are put, or sent with the query.
-        replies: Messages that a query, or a `get`, is answered with.
-        errors: Messages that a query is refused with.
-        get: Whether the latest put can also be queried.
-        priority, express: How a put is sent. Every put is dropped where it would have to wait.
+        replies: Messages in the reply to a query or a `get`.
+        errors: Messages in the error reply to a query.
+        get: Whether a `get` returns the latest put.
+        priority, express: How a put is sent. A put that would have to wait is dropped.
     """
 
     key: str
@@ -90,9 +90,9 @@ CHANNELS: Final[dict[str, Channel]] = {
     "actions": Channel(
         "in/<agent>/actions", "mind of the agent", "put", "every tick", (Actions,), priority="interactive-high"
     ),
-    "say": Channel("in/<agent>/say", "agent", "put", "when it speaks", (Say,), priority="data-high"),
+    "say": Channel("in/<agent>/say", "agent", "put", "when the agent sends a message", (Say,), priority="data-high"),
     "pose": Channel(
-        "in/<agent>/pose", "bridge of a real robot, or the player of its log", "put", "every tick", (Pose,),
+        "in/<agent>/pose", "bridge of a real robot, or the playback of its log", "put", "every tick", (Pose,),
         priority="interactive-high",
     ),
     "token": Channel("in/<agent>/alive/<role>/<instance>", "agent", "token", "while the process runs"),
@@ -109,7 +109,7 @@ CHANNELS: Final[dict[str, Channel]] = {
     "body": Channel("body/<agent>", "simulator", "put", "on change", (Body,), (Body,), get=True),
     "state": Channel("state/<part>", "simulator", "put", _STATE, (WorldState,), (WorldState,), get=True),
     "map": Channel("map", "simulator", "put", "on change", (MapInfo,), (Map,), get=True),
-    "event": Channel("event", "simulator", "put", "as it happens", (Event,), (Events,), get=True),
+    "event": Channel("event", "simulator", "put", "at each event", (Event,), (Events,), get=True),
     "clock": Channel("clock", "simulator", "put", _STATE, (Clock,), (Clock,), get=True, priority="real-time",
                      express=True),
     "crew_actions": Channel(
@@ -128,11 +128,11 @@ CHANNELS: Final[dict[str, Channel]] = {
     "alive": Channel("alive", "simulator", "token", "while the process runs"),
     "claim": Channel("alive/<since>/<instance>", "simulator", "token", "while the process runs"),
 }  # fmt: skip
-"""Every key of a world by a short name."""
+"""All keys of a world, by a short name."""
 
 VERB_CLASSES: Final[dict[str, type[Record]]] = {
     "pause": Pause, "resume": Resume, "step": Step, "reset": Reset, "load": Load, "speed": Speed, "spawn": Spawn,
     "delete": Delete, "teleport": Teleport, "take": Take, "say": OperatorSay, "save": Save, "restore": Restore,
     "seek": Seek, "quit": Quit,
 }  # fmt: skip
-"""What each control verb carries."""
+"""The message of each control verb."""

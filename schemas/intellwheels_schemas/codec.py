@@ -1,7 +1,7 @@
-"""Messages to bytes and back, in both encodings. `decode` raises only `WireError`.
+"""Converts messages to bytes and back, in both encodings. `decode` raises only `WireError`.
 
-An ordinary JSON document costs one typed decode and three searches in its bytes. Anything unusual takes the slow path,
-which finds out exactly what is wrong and where.
+An ordinary JSON document needs one typed decode and three searches in its bytes. Any other document takes a slow path,
+which finds the exact error and its place.
 """
 
 from __future__ import annotations
@@ -79,11 +79,11 @@ _write = msgspec.json.Encoder().encode
 
 
 def encoding_of(encoding: str, data: bytes = b"") -> Encoding:
-    """Return how a payload is to be read.
+    """Return the encoding of a payload.
 
     Args:
-        encoding: Zenoh's encoding as text. Empty, `zenoh/bytes` and `zenoh/string` leave it open.
-        data: The payload; its first byte decides where the encoding leaves it open.
+        encoding: Zenoh's encoding as text. Empty text, `zenoh/bytes` and `zenoh/string` do not determine it.
+        data: The payload. Its first byte decides if `encoding` does not.
 
     Raises:
         WireError: `encoding`, or `version` for another version of the contract.
@@ -112,7 +112,7 @@ def encoding_of(encoding: str, data: bytes = b"") -> Encoding:
 def _canonical(message: _M) -> _M:
     """Return the message with every value that equals its default replaced by the default itself.
 
-    msgspec leaves out a field only if its value is the same object as the default; a computed 0.0 is merely equal.
+    msgspec leaves out a field only if its value is the same object as the default. A computed 0.0 is another object.
     """
     shape = shape_of(type(message))
     if not shape.ragged:
@@ -155,11 +155,11 @@ def encode(message: Record, encoding: Encoding = Encoding.JSON) -> bytes:
     """Return the bytes of a message.
 
     Raises:
-        ValueError: A number in it is not finite, or it is to be plain text and is not a `Say`: a bug of ours.
+        ValueError: A number is not finite, or the encoding is plain text and the message is no `Say`. This is a bug.
     """
     if encoding is Encoding.JSON:
         data = _write(_canonical(message))
-        # msgspec writes NaN as null. Only a lidar's arrays hold nulls; text may hold the word.
+        # msgspec writes NaN as null. Only the arrays of a lidar contain nulls. Text may contain the word null.
         if b"null" in data and not _nulls_belong(msgspec.json.decode(data), type(message)):
             raise ValueError(f"{root_of(type(message))}: expected finite numbers, got {message}")
         return data
@@ -175,7 +175,7 @@ def encode(message: Record, encoding: Encoding = Encoding.JSON) -> bytes:
 
 @cache
 def decoder_for(cls: type[_M]) -> Callable[[bytes], _M]:
-    """Return the fast typed JSON reader of a class, which does not notice repeated names and nulls."""
+    """Return the fast typed JSON reader of a class. It does not detect repeated names and nulls."""
     return cast("Callable[[bytes], _M]", msgspec.json.Decoder(cls).decode)
 
 
@@ -196,10 +196,10 @@ def _parse_json(data: bytes, where: str) -> Any:
 
 
 def from_plain(cls: type[_M], plain: Any, *, strict: bool = True) -> _M:
-    """Return a message made of plain data (parsed JSON), checked except for the rules that span fields.
+    """Return a message from plain data (parsed JSON). The rules that span several fields are not checked.
 
     Raises:
-        WireError: The first place that is wrong.
+        WireError: The first error in the data.
     """
     root = root_of(cls)
     check_plain(shape_of(cls), plain, root, strict=strict)
@@ -215,7 +215,7 @@ def _from_json(cls: type[_M], data: bytes, strict: bool) -> _M:
     except (msgspec.MsgspecError, ValueError, RecursionError):
         pass
     else:
-        # Written again, the message has no name twice, so equal numbers of colons mean that no name was repeated.
+        # The encoded message repeats no name, so equal numbers of colons mean that the data repeats none either.
         # A colon within text counts on both sides, unless it is escaped.
         if b"null" not in data and b"\\u" not in data and data.count(b":") == _write(message).count(b":"):
             return message
@@ -251,11 +251,11 @@ def decode(cls: type[_M], data: bytes, encoding: Encoding = Encoding.JSON, *, st
     Args:
         cls: The class that belongs to the key.
         data: The payload.
-        encoding: Its encoding, from `encoding_of`.
-        strict: Whether unknown fields are refused (the simulator) or ignored (everybody else).
+        encoding: The encoding of the payload, from `encoding_of`.
+        strict: Whether unknown fields are refused (in the simulator) or ignored (in all other programs).
 
     Raises:
-        WireError: The bytes are wrong; it has code, place and text. Nothing else is raised.
+        WireError: The bytes are wrong. The error has code, place and text. Nothing else is raised.
     """
     limit = LIMITS.get(cls, MAX_BYTES)
     if len(data) > limit:

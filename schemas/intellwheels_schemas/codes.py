@@ -1,4 +1,4 @@
-"""The meaning of each code, and the ROS services and codes that correspond. Data for KEYS.md and for people."""
+"""The meaning of each code, and the corresponding ROS services and codes. Data for KEYS.md."""
 
 from __future__ import annotations
 
@@ -7,17 +7,17 @@ from typing import Final, NamedTuple
 from intellwheels_schemas.messages import ErrorCode, EventCode, MotorState, RefusedCode, ResultCode
 
 REFUSED: Final[dict[RefusedCode, str]] = {
-    "already-here": "another instance holds this role (its token is present), and its Session was not shown",
-    "no-token": "the liveliness token of this instance was not found: declare it first, or try again in a moment",
+    "already-here": "another process has this role (its token exists), and the query did not give its Session",
+    "no-token": "the liveliness token of this instance was not found: declare it first, or try again after a moment",
     "no-body": "a mind joined before its body did: try again every second",
-    "no-place": "there is no such place, or no free one for this Kind",
+    "no-place": "the map has no such place, or no free place for this Kind",
     "overlaps": "the body would overlap something at that place",
     "name": "the name is invalid, reserved, or not the one in the key",
     "field": "an unknown, missing or misplaced field",
     "value": "a value outside its type or range, or bytes that cannot be read",
     "limit": "too many or too long",
     "version": "a version or an encoding that this simulator does not know",
-    "truth": "a truth sensor where the simulation does not allow it",
+    "truth": "a truth sensor in a simulation that does not allow it",
     "mount": "a sensor with Mount start on a real robot",
     "real-in-lockstep": "real hardware in lockstep or at a speed other than 1",
     "full": "there is no room for another body",
@@ -31,11 +31,11 @@ ERROR: Final[dict[ErrorCode, str]] = {
     "value": "a value outside its type or range",
     "too-long": "more bytes or characters than the limit",
     "too-many": "more items than the limit, or more messages than the simulator accepts",
-    "late": "the tick is over; the message was dropped",
-    "early": "the tick has not begun; the message was dropped",
-    "answered": "a member of the barrier sent a second, different answer to one tick; the second was dropped",
+    "late": "the tick is already over; the message was dropped",
+    "early": "the tick has not started yet; the message was dropped",
+    "answered": "a member of the barrier sent two different answers to one tick; the second one was dropped",
     "session": "the Session is old or belongs to another process; the message was dropped",
-    "lease": "user input without the current lease; it was dropped",
+    "lease": "user input without the current lease; the message was dropped",
     "not-joined": "the sender has not joined; the message was dropped",
     "role": "this role may not send that; the message was dropped",
 }
@@ -45,24 +45,24 @@ EVENT: Final[dict[EventCode, str]] = {
     "left": "an agent left",
     "lost": "the token of an agent disappeared and did not return within the grace time",
     "returned": "the token of an agent came back within the grace time",
-    "contact": "a contact began",
+    "contact": "a contact started",
     "parted": "a contact ended: no touch for 0.25 s of simulated time",
     "stale": "the pose of a real robot is too old, so its power is 0",
     "fresh": "a real robot reports its pose again",
     "late": "a member of the barrier missed a deadline",
-    "rested": "a member of the barrier missed three deadlines in a row: its body rests",
+    "rested": "a member of the barrier missed three deadlines in a row: power 0 until it answers again",
     "back": "a rested member of the barrier answers again",
     "timeout": "no motor command for longer than the command time-out: power 0",
     "taken": "an operator took control of a body",
-    "released": "an operator gave a body back, or the lease expired",
+    "released": "an operator returned control of a body, or the lease expired",
     "spawned": "an operator added a body",
     "deleted": "an operator removed a body",
     "teleported": "an operator moved a body",
-    "paused": "time was stopped",
-    "resumed": "time continues",
+    "paused": "simulated time was stopped",
+    "resumed": "simulated time continues",
     "speed": "the speed was changed",
-    "reset": "a new run began on the same map",
-    "loaded": "a new run began on another map",
+    "reset": "a new run started on the same map",
+    "loaded": "a new run started on another map",
     "ended": "the end condition was met",
 }
 
@@ -77,10 +77,10 @@ MOTOR_STATE: Final[dict[MotorState, str]] = {
 
 RESULT: Final[dict[ResultCode, str]] = {
     "ok": "done",
-    "unsupported": "this simulator cannot do that",
-    "not-found": "there is no such agent, map, slot or tick",
-    "incorrect-state": "not possible in the current state",
-    "failed": "it was tried and did not work; Text says why",
+    "unsupported": "this simulator does not support the request",
+    "not-found": "the requested agent, map, slot or tick does not exist",
+    "incorrect-state": "the request is not possible in the current state",
+    "failed": "the request was tried and failed; Text gives the reason",
 }
 
 ROS_RESULT: Final[dict[ResultCode, str]] = {
@@ -103,8 +103,8 @@ class Ros(NamedTuple):
 ROS_VERB: Final[dict[str, Ros]] = {
     "pause": Ros("SetSimulationState", "state PAUSED (2)"),
     "resume": Ros("SetSimulationState", "state PLAYING (1)"),
-    "step": Ros("StepSimulation, SimulateSteps", "steps = Count; needs a paused simulation"),
-    "reset": Ros("ResetSimulation", "scope is everything, simulated time included; agents stay joined"),
+    "step": Ros("StepSimulation, SimulateSteps", "steps = Count; the simulation must be paused"),
+    "reset": Ros("ResetSimulation", "scope is everything, including simulated time; agents stay joined"),
     "load": Ros("LoadWorld", "uri = Name, or resource_string = the Map as XML"),
     "speed": Ros("", "none"),
     "spawn": Ros("SpawnEntity", "name = Robot.Name, the Robot as its resource, initial_pose = Position"),

@@ -1,4 +1,4 @@
-"""The defaults that several parts of the project share: each number stands here once.
+"""The defaults that several parts of the project share, each declared once.
 
 A scene, the world, the command line of the simulator and the tools that start it all take them from here.
 """
@@ -12,22 +12,22 @@ WORLD: Final = "main"
 SEED: Final = "1"
 """Seed of all noise."""
 PERIOD: Final = 0.05
-"""Simulated time of a tick, s."""
+"""Simulated time of one tick, s."""
 SAY_LIMIT: Final = 100
-"""Characters of one message that an agent says."""
+"""Largest number of characters in a message between agents."""
 SAY_RANGE: Final = 8.0
-"""Distance up to which it is heard, m."""
+"""Largest distance between the sender and a receiver of a message, m."""
 SAY_WALLS: Final = False
-"""Whether walls and closed doors keep it from being heard."""
+"""Whether walls and closed doors block messages."""
 SAY_LOSS: Final = 0.0
-"""Share of messages that a listener misses, in [0, 1]."""
+"""Share of messages that a receiver misses, in [0, 1]."""
 SAY_DELAY: Final = 0.0
-"""Time a message takes beyond the next tick, s."""
+"""Delay of a message in addition to one tick, s."""
 COMMAND_TIMEOUT: Final = 0.5
-"""Simulated time after which a command no longer counts, s."""
+"""Simulated time after which a motor command is no longer valid, s."""
 GRACE: Final = 3.0
-"""Wall time until an agent whose token is gone is removed, s."""
+"""Wall time from the loss of an agent's token to its removal, s."""
 STRICT_DEADLINE: Final = 10.0
-"""Wall time that strict lockstep waits for an answer, s."""
+"""Wall time for which strict lockstep waits for an answer, s."""
 ELASTIC_DEADLINE: Final = 1.0
-"""Wall time that elastic lockstep waits for an answer, s."""
+"""Wall time for which elastic lockstep waits for an answer, s."""

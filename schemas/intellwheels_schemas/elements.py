@@ -1,6 +1,6 @@
-"""Converts between XML and the plain data of JSON, by the shape of the class.
+"""Converts between XML and the plain data of JSON, using the shape of the class.
 
-XML is written as one line without declaration or indentation. XML that is read may come from anybody: no DTD, no
+XML is written as one line without declaration or indentation. XML that is read may come from any program: no DTD, no
 entities, no network, bounded depth. Numbers follow the grammar of JSON, so that both encodings accept the same.
 """
 
@@ -21,10 +21,10 @@ from intellwheels_schemas.shapes import Form, Member, Scalar, Shape, number_text
 Plain = dict[str, Any]
 _Write = Callable[[Any, list[str], str], None]
 
-# Longer integers are out of every range, and Python refuses to convert those over 4,300 digits.
+# Longer integers are outside every range, and Python refuses to convert integers of more than 4,300 digits.
 _INTEGER: Final = re.compile(r"-?(?:0|[1-9][0-9]{0,18})\Z")
 _NUMBER: Final = re.compile(r"-?(?:0|[1-9][0-9]*)(?:\.[0-9]+)?(?:[eE][+-]?[0-9]+)?\Z")
-# A document type can only come before the root, so it is enough to look at the start. The match is possessive: with
+# A document type can only be before the root, so only the start is searched. The match is possessive: with
 # backtracking, a megabyte of comment openings would take minutes.
 _DOCTYPE: Final = re.compile(rb"(?:\xef\xbb\xbf)?(?>\s+|<\?.*?\?>|<!--.*?-->)*+<!DOCTYPE", re.DOTALL)
 _SPACE: Final = " \t\r\n"
@@ -67,7 +67,7 @@ def _text_of(scalar: Scalar) -> Callable[[Any], str]:
 
 @cache
 def _writer(cls: type[Record]) -> _Write:
-    """Return what appends the XML of one class to a list of strings."""
+    """Return a function that appends the XML of one class to a list of strings."""
     shape = shape_of(cls)
     # Chosen once per class: the writer runs for every body in every tick.
     attributes = [
@@ -119,7 +119,7 @@ def to_xml(message: Record) -> str:
     """Return a message as one line of XML.
 
     Raises:
-        ValueError: A number in it is not finite: a bug of ours.
+        ValueError: A number in the message is not finite, which is a bug.
     """
     out: list[str] = []
     cls = type(message)
@@ -142,7 +142,7 @@ def parse(data: bytes, where: str) -> etree._Element:
     """
     if b"<!DOCTYPE" in data and _DOCTYPE.match(data):
         raise WireError("malformed", f"{where}: expected XML without a document type, got one", where)
-    # A new parser each time: parsers must not be shared between threads, and keep their last error.
+    # Each call makes a new parser: parsers must not be shared between threads, and they keep their last error.
     parser = etree.XMLParser(
         encoding="utf-8", resolve_entities=False, no_network=True, load_dtd=False, huge_tree=False,
         remove_comments=True, remove_pis=True,
@@ -204,7 +204,7 @@ _Reader = Callable[[str], object]
 
 @cache
 def _readers(cls: type[Record]) -> tuple[Shape, dict[str, tuple[_Reader, bool]], dict[str, Member]]:
-    """Return the shape of a class, its attributes (what reads each, and whether it is a list), and its children."""
+    """Return the shape of a class, its attributes (a reader each, and whether it is a list), and its children."""
     shape = shape_of(cls)
     attributes: dict[str, tuple[_Reader, bool]] = {}
     children: dict[str, Member] = {}
@@ -221,9 +221,9 @@ def to_plain(element: etree._Element, cls: type[Record], where: str, *, strict: 
 
     Args:
         element: The element.
-        cls: The class whose fields it has.
-        where: Its place, for errors.
-        strict: Whether unknown attributes and elements are refused; else they are left out.
+        cls: The class of the element.
+        where: The place of the element, for errors.
+        strict: Whether unknown attributes and elements are refused; otherwise they are ignored.
 
     Raises:
         WireError: `field`, for an attribute, element or text that does not belong there. Values are checked later.
@@ -242,7 +242,7 @@ def to_plain(element: etree._Element, cls: type[Record], where: str, *, strict: 
             raise unknown_field(shape, name, where)
     if shape.content is not None:
         text = element.text or ""
-        # An element cannot tell empty text from none: where text is required it is empty, elsewhere it is absent.
+        # In XML, empty text and absent text look the same: required text is then empty, optional text absent.
         if text or shape.content.required:
             plain[shape.content.wire] = text
     elif not _blank(element.text):
@@ -272,7 +272,7 @@ def _line(element: etree._Element) -> int:
 
 
 def places(element: etree._Element, cls: type[Record], where: str) -> Iterator[tuple[str, int]]:
-    """Yield the place and line of an element and of everything in it that has a place."""
+    """Yield the place and line of an element and of all its children that are fields."""
     yield where, _line(element)
     counts: dict[str, int] = {}
     children = _readers(cls)[2]

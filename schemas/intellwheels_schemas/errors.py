@@ -1,6 +1,6 @@
-"""The two kinds of error that others cause: wrong bytes, and a request that is refused.
+"""The two kinds of error that other programs cause: wrong bytes, and a request that is refused.
 
-Bugs of our own are no error of these kinds: they crash with their traceback.
+Bugs in this project are not errors of these kinds. They crash with a traceback.
 """
 
 from __future__ import annotations
@@ -15,8 +15,8 @@ class WireError(ValueError):
 
     Attributes:
         code: Code of the `Error` message about it.
-        where: Place, in the names of the wire or as file and line (`Actions.LeftMotor`, `maps/ward.xml:14`), or empty.
-        text: The whole sentence, with the place.
+        where: Place, as a field or as file and line (`Actions.LeftMotor`, `maps/ward.xml:14`), or empty.
+        text: The complete text, with the place.
     """
 
     def __init__(self, code: ErrorCode, text: str, where: str = "") -> None:
@@ -27,11 +27,11 @@ class WireError(ValueError):
 
 
 class RequestRefusedError(ValueError):
-    """A request that was understood but is refused; the text is sent back to whoever made it.
+    """A request that is valid but refused; the text is sent to the process that made it.
 
     Attributes:
         code: Code of the `Refused` message about it.
-        text: What is wrong, what was expected and what came.
+        text: What is wrong, what was expected and what was received.
     """
 
     def __init__(self, code: RefusedCode, text: str) -> None:
@@ -49,9 +49,9 @@ REFUSED_FOR: Final[dict[ErrorCode, RefusedCode]] = {
     "too-long": "limit",
     "too-many": "limit",
 }
-"""Code of the refusal, for each error in the bytes of a join."""
+"""Code of the refusal for each code of an error in the bytes of a join."""
 
 
 def wrong_value(where: str, expected: str, got: object, code: ErrorCode = "value") -> WireError:
-    """Return the error of a field: where it is in the wire's names, what was expected and what came."""
+    """Return the error for a wrong value of a field: its place, what was expected and what was received."""
     return WireError(code, f"{where}: expected {expected}, got {got}", where)

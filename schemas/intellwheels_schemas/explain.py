@@ -1,7 +1,7 @@
-"""Explains what is wrong with a document: the slow, exact check of plain data.
+"""Explains the error in a document: the slow, exact check of plain data.
 
-The fast readers only notice that something is wrong. This check walks the plain data (parsed JSON) along the shape of
-the class. Its error names the first wrong place as the wire does, what was expected there and what came.
+The fast readers only detect that there is an error. This check compares the plain data (parsed JSON) with the shape of
+the class. Its error gives the first wrong place, what was expected there and what was received.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ _NOUNS: Final = {
     "rad/s": "radians a second",
 }
 
-# What to do instead of Height, which a reader here would take for z.
+# The text for Height, which could be understood as z.
 _HEIGHT_HINTS: Final = {
     "Robot": "in the paper Height is a size on the plan: write Length and Width, and Top for the upper face",
     "Part": "write Bottom and Top",
@@ -32,13 +32,13 @@ _HEIGHT_HINTS: Final = {
 
 
 class Repeated(dict[str, Any]):
-    """An object in which a name occurred twice; `name` is the first of them."""
+    """An object in which a name occurs twice; `name` is the first such name."""
 
     name: str = ""
 
 
 def object_of_pairs(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
-    """Return the object with these pairs, marked if a name occurs twice. For `json.loads`."""
+    """Return the object with these pairs, or a `Repeated` if a name occurs twice. For `json.loads`."""
     found = dict(pairs)
     if len(found) == len(pairs):
         return found
@@ -53,7 +53,7 @@ def object_of_pairs(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
 
 
 def shown(value: object) -> str:
-    """Return a value that came from outside, short and printable."""
+    """Return a short, printable text for a value that came from outside."""
     if value is None:
         return "null"
     if isinstance(value, bool):
@@ -72,7 +72,7 @@ def _bound(value: float | None, none: str) -> str:
 
 
 def expected(scalar: Scalar) -> str:
-    """Return in words what a scalar must be, such as `degrees in (0, 360]`."""
+    """Return the valid values of a scalar in words, such as `degrees in (0, 360]`."""
     if scalar.kind == "truth":
         return "true or false"
     if scalar.kind == "word":
@@ -125,7 +125,7 @@ def _wrong_scalar(scalar: Scalar, value: object, where: str) -> WireError:
 
 
 def too_long(where: str, most: int, things: str, got: int) -> WireError:
-    """Return the error for more than a limit allows."""
+    """Return the error for an exceeded limit."""
     code: Any = "too-long" if things in {"characters", "bytes"} else "too-many"
     return WireError(code, f"{where}: expected at most {most} {things}, got {got}", where)
 
@@ -144,12 +144,12 @@ def check_scalar(scalar: Scalar, value: object, where: str) -> None:
 
 
 def unknown_field(shape: Shape, name: str, where: str) -> WireError:
-    """Return the error for a field that the class does not have, with the most similar one that it has."""
+    """Return the error for a field that the class does not have, with the name of its most similar field."""
     hint = _HEIGHT_HINTS.get(shape.cls.__name__, "") if name == "Height" else ""
     if not hint:
         near = difflib.get_close_matches(name, list(shape.by_wire), n=1)
         hint = f"did you mean {near[0]}?" if near else ""
-    # A name that came from outside is repeated as a place only if it looks like one of ours.
+    # A name from outside becomes part of the place only if it has the form of a field name.
     place = f"{where}.{name}" if name.isidentifier() and name.isascii() and len(name) <= 40 else where
     text = f"{place}: expected a field of {shape.root}, got {shown(name)}"
     return WireError("field", f"{text}; {hint}" if hint else text, place)
@@ -182,13 +182,13 @@ def check_plain(shape: Shape, plain: Any, where: str, *, strict: bool) -> None:
     """Check plain data against a shape; without `strict`, unknown fields are removed from it.
 
     Args:
-        shape: What it must be.
+        shape: The shape that the data must have.
         plain: Parsed JSON: dicts, lists, text, numbers. Changed in place unless strict.
-        where: Place of `plain`, in the names of the wire; list items count from 0.
+        where: Place of `plain`, with list items counted from 0.
         strict: Whether unknown fields are refused.
 
     Raises:
-        WireError: The first wrong place, in the order in which fields are declared.
+        WireError: The first error, in the order in which fields are declared.
     """
     if not isinstance(plain, dict):
         raise WireError("value", f"{where}: expected an object, got {shown(plain)}", where)
@@ -209,5 +209,5 @@ def check_plain(shape: Shape, plain: Any, where: str, *, strict: bool) -> None:
 
 
 def root_of(cls: type[Record]) -> str:
-    """Return the name that the places of a document begin with."""
+    """Return the first name in the places of a document."""
     return shape_of(cls).root

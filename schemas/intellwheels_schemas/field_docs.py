@@ -1,6 +1,6 @@
-"""What a field is for: the string below it in its class, else the sentence of its type.
+"""The description of a field: the string below it in its class, or else the sentence of its type.
 
-Read from the source of the class, and only by what writes pages and schemas: no process that runs an agent or a
+It is read from the source of the class, and only when pages and schemas are generated. No process of an agent or a
 simulator needs it.
 """
 
@@ -39,12 +39,12 @@ def _strings(module: ModuleType) -> dict[str, dict[str, str]]:
 
 
 def is_sentence(text: str) -> bool:
-    """Return whether a text is a sentence, and not the label of a type."""
+    """Return whether a text is a sentence and not the label of a type."""
     return text[:1].isupper() and text.endswith(".")
 
 
 def _of_type(kind: Any) -> str:
-    """Return the outermost sentence that a type has, or an empty string."""
+    """Return the outermost sentence of a type, or an empty string."""
     while True:
         if isinstance(kind, msgspec.inspect.Metadata):
             text = str((kind.extra_json_schema or {}).get("description", ""))
@@ -62,7 +62,7 @@ def _of_type(kind: Any) -> str:
 
 @cache
 def field_docs(cls: Struct) -> dict[str, str]:
-    """Return what each field of a class is for, by its Python name; empty where nothing says so."""
+    """Return the description of each field of a class by its Python name; empty if there is none."""
     info = msgspec.inspect.type_info(cls)
     if not isinstance(info, msgspec.inspect.StructType):
         raise TypeError(f"expected a struct, got {cls}")

@@ -1,10 +1,10 @@
 """The lines of `input.jsonl` and `trace.jsonl`, which the simulator writes and experiments read.
 
 Both files are JSON Lines: a header, then one line per tick. `input.jsonl` is the input log: a run is a function of its
-header and its ticks, so running it again gives the same hashes. `trace.jsonl` holds what was true at each tick of such
-a run. Numbers are written in full. The headers carry a version; a file of another version is refused.
+header and its ticks, so a second run from the log gives the same hashes. `trace.jsonl` has the true state at each tick
+of such a run. Numbers have full precision. The headers have a version; a file of another version is refused.
 
-Units and frames are those of `messages`. The string below a field says what the field is for.
+Units and frames are those of `messages`. The string below a field describes the field.
 """
 
 from __future__ import annotations
@@ -32,10 +32,10 @@ from intellwheels_schemas.messages import (
 FORMAT: Final = "iw.v1"
 """Version of the contract that the messages within a file follow."""
 VERSION: Final = 1
-"""Version of the lines themselves; to be raised when a reader of this one could no longer understand them."""
+"""Version of the lines themselves. Raise it when a reader of this version could not understand the new lines."""
 
 DEFAULT_WORLD: Final = defaults.WORLD
-"""World of an input log that names none."""
+"""Name of the world if an input log has none."""
 
 RunId = Annotated[str, Meta(description="Id of the run.")]
 AgentName = Annotated[str, Meta(description="Name of the agent that this concerns.")]
@@ -44,21 +44,21 @@ Version = Annotated[int, Meta(description="Version of the lines of this file; a 
 
 
 class FileRecord(msgspec.Struct, rename="pascal", frozen=True, omit_defaults=True):
-    """Base of every line and every part of one. Readers ignore fields that they do not know."""
+    """Base of every line and every part of a line. Readers ignore fields that they do not know."""
 
 
-# ---------------------------------------------------------------- what acts on a tick
+# ---------------------------------------------------------------- inputs of a tick
 
 
 class Join(FileRecord, frozen=True, kw_only=True, tag="Join", tag_field="Do"):
-    """An agent joins with a body, or with role `mind` as the mind of a body that is there.
+    """An agent joins with a body, or with role `mind` as the mind of an existing body.
 
-    The service has checked name, token and session; the world checks the robot and finds the place.
+    The service has checked name, token and session. The world checks the robot and finds the place.
     """
 
     agent: AgentName
     robot: Robot
-    """Robot that the agent asked for."""
+    """Robot that the agent requested."""
 
 
 class Depart(FileRecord, frozen=True, kw_only=True, tag="Depart", tag_field="Do"):
@@ -68,16 +68,16 @@ class Depart(FileRecord, frozen=True, kw_only=True, tag="Depart", tag_field="Do"
     role: Literal["both", "body", "mind"] = "both"
     """Role that ends."""
     lost: bool = False
-    """Whether the token was lost; false means that it left."""
+    """Whether the token was lost; false means that the agent left."""
 
 
 class SpawnBody(FileRecord, frozen=True, kw_only=True, tag="Spawn", tag_field="Do"):
     """An operator adds a body without a mind."""
 
     robot: Robot
-    """Body to add; its Name is the new agent's."""
+    """Body to add; its Name is the name of the new agent."""
     position: Position | None = None
-    """Pose to put it at; absent means the robot's Place or Position, or the first free place of its Kind."""
+    """Start pose; absent means the robot's Place or Position, or the first free place for its Kind."""
 
 
 class DeleteBody(FileRecord, frozen=True, kw_only=True, tag="Delete", tag_field="Do"):
@@ -91,26 +91,26 @@ class TeleportBody(FileRecord, frozen=True, kw_only=True, tag="Teleport", tag_fi
 
     agent: AgentName
     position: Position
-    """Pose to move it to."""
+    """New pose of the body."""
     force: bool = False
-    """Whether it is put there even where it overlaps something."""
+    """Whether the body is moved even if it then overlaps something."""
 
 
 class TakeBody(FileRecord, frozen=True, kw_only=True, tag="Take", tag_field="Do"):
-    """An operator takes control of a body or gives it back."""
+    """An operator takes control of a body or returns it."""
 
     agent: AgentName
     on: bool = True
-    """Whether the user's input moves the body from now on; false means its mind does."""
+    """Whether the user's input controls the body from now on; false means that the mind does."""
 
 
 class Speech(FileRecord, frozen=True, kw_only=True, tag="Speech", tag_field="Do"):
-    """A message from an operator, heard at the next tick."""
+    """A message from an operator, received at the next tick."""
 
     text: str
-    """What is said."""
+    """Text of the message."""
     to: str | None = None
-    """Agent that hears it; absent means all agents."""
+    """Agent that receives the message; absent means all agents."""
 
 
 class Note(FileRecord, frozen=True, kw_only=True, tag="Note", tag_field="Do"):
@@ -119,15 +119,15 @@ class Note(FileRecord, frozen=True, kw_only=True, tag="Note", tag_field="Do"):
     code: EventCode
     """What happened."""
     agent: str | None = None
-    """Agent that it happened to, if any."""
+    """Agent that the event is about, if any."""
     speed: float | None = None
-    """Of speed: the new ratio of simulated time to wall time."""
+    """In an event speed, the new ratio of simulated time to wall time."""
     text: str | None = None
     """Details for people, if there are any."""
 
 
 class Restart(FileRecord, frozen=True, kw_only=True, tag="Restart", tag_field="Do"):
-    """A reset, or with a map a load: a new run from tick 0 with the same bodies at their starts."""
+    """A reset, or with a map a load: a new run from tick 0 with the same bodies at their start poses."""
 
     run: Annotated[str, Meta(description="Id of the new run.")]
     seed: str
@@ -139,7 +139,7 @@ class Restart(FileRecord, frozen=True, kw_only=True, tag="Restart", tag_field="D
 
 
 class SaveState(FileRecord, frozen=True, kw_only=True, tag="Save", tag_field="Do"):
-    """Save the state as the changes before this one left it."""
+    """Save the state after the changes before this one."""
 
     slot: SlotName
 
@@ -152,7 +152,7 @@ class RestoreState(FileRecord, frozen=True, kw_only=True, tag="Restore", tag_fie
 
 
 class GoOn(FileRecord, frozen=True, kw_only=True, tag="GoOn", tag_field="Do"):
-    """Continue after the end: the end condition no longer counts."""
+    """Continue after the end of the run: the end condition no longer applies."""
 
 
 Change = (
@@ -174,45 +174,45 @@ VerdictCode = Literal["late", "rested", "back", "silent", "stale", "fresh", "hal
 
 
 class Said(FileRecord, frozen=True, kw_only=True):
-    """A message that an agent sent as a `Say`, apart from its `Actions`."""
+    """A message that an agent sent as a `Say`, separately from its `Actions`."""
 
     agent: AgentName
     text: str
-    """What was said."""
+    """Text of the message."""
     seq: int | None = None
-    """Seq that the sender gave it, if any."""
+    """Seq of the sender's message, if it had one."""
 
 
 class Verdict(FileRecord, frozen=True, kw_only=True):
-    """What the service, which has a clock, found out about an agent.
+    """A finding of the service about an agent. It depends on wall time, which the world does not know.
 
-    `late`: no answer by the deadline. `rested`: its body rests until `back`. `silent`: no user input for 0.3 s.
-    `stale`: no pose of a real body for too long, until `fresh`. `halt`: the motors of a real body get power 0, because
-    of a pause or a speed other than 1, until `unhalt`.
+    `late`: no answer before the deadline. `rested`: the motors get power 0 after three missed deadlines, until `back`.
+    `silent`: no user input for 0.3 s. `stale`: no new pose of a real body, until `fresh`. `halt`: the motors of a real
+    body get power 0 because of a pause or a speed other than 1, until `unhalt`.
     """
 
     agent: AgentName
     code: VerdictCode
-    """What was found."""
+    """The finding."""
 
 
 class Inputs(FileRecord, frozen=True, kw_only=True):
-    """Everything that acts on one step.
+    """All inputs of one step.
 
-    Changes act at a tick before its measures are taken, in the order given; actions, poses, user input and verdicts act
-    on the step from that tick to the next.
+    Changes apply at a tick, in the given order, before its measures are taken. Actions, poses, user input and verdicts
+    apply to the step from that tick to the next.
     """
 
     changes: tuple[Change, ...] = ()
-    """Joins, leaves and what operators did, in order."""
+    """Joins, leaves and the changes by operators, in order."""
     actions: dict[str, Actions] = {}
-    """Commands of the minds, by the name of their agent."""
+    """Commands of the minds, by the name of the agent."""
     says: tuple[Said, ...] = ()
-    """Messages sent apart from commands, in order."""
+    """Messages that were sent separately from commands, in order."""
     poses: dict[str, Pose] = {}
-    """Poses of real bodies from their bridges, by agent."""
+    """Poses of real bodies from their bridges, by the name of the agent."""
     user_input: dict[str, UserInput] = {}
-    """Inputs of people, by the agent that they steer."""
+    """Inputs of people, by the name of the agent that they steer."""
     verdicts: tuple[Verdict, ...] = ()
     """Findings of the service about deadlines, in order."""
 
@@ -221,12 +221,12 @@ class Inputs(FileRecord, frozen=True, kw_only=True):
 
 
 class WorldRules(FileRecord, frozen=True, kw_only=True, omit_defaults=False):
-    """Settings of the world besides map, seed and period. The bounds are those of the options of `iw-server`."""
+    """Settings of the world other than map, seed and period. Their bounds are those of the options of `iw-server`."""
 
     say_limit: Annotated[int, Meta(ge=1, le=1000)]
-    """Longest message that an agent may say, in Unicode code points."""
+    """Longest message that an agent may send to others, in Unicode code points."""
     say_range: Annotated[float, Meta(gt=0.0)]
-    """Distance from the speaker up to which a message is heard, in metres."""
+    """Largest distance between the sender and a receiver of a message, in metres."""
     command_timeout: Annotated[float, Meta(gt=0.0)]
     """Simulated seconds without a motor command after which both powers become 0."""
     truth: bool
@@ -238,13 +238,13 @@ class WorldRules(FileRecord, frozen=True, kw_only=True, omit_defaults=False):
     say_walls: bool = defaults.SAY_WALLS
     """Whether walls and closed doors block messages."""
     say_loss: Annotated[float, Meta(ge=0.0, le=1.0)] = defaults.SAY_LOSS
-    """Share of messages between agents that a listener misses."""
+    """Share of messages between agents that a receiver misses."""
     say_delay: Annotated[float, Meta(ge=0.0, le=3600.0)] = defaults.SAY_DELAY
-    """Simulated seconds by which a message arrives after the next tick."""
+    """Simulated seconds by which a message is delayed, in addition to one tick."""
 
 
 class InputHeader(FileRecord, frozen=True, kw_only=True, omit_defaults=False):
-    """The first line of an input log: what the world was made of."""
+    """The first line of an input log: the setup of the world."""
 
     log: str
     """Version of the contract that the messages in the file follow."""
@@ -267,23 +267,23 @@ class InputHeader(FileRecord, frozen=True, kw_only=True, omit_defaults=False):
 
 
 class InputTick(FileRecord, frozen=True, kw_only=True):
-    """A line of an input log after the header: what acted on a step, or what changed the world without one."""
+    """A line of an input log after the header: the inputs of a step, or changes without a step."""
 
     tick: int
-    """Tick at which the inputs acted; the step leads to the next one."""
+    """Tick at which the inputs apply; the step leads to the next tick."""
     inputs: Inputs
-    """What acted."""
+    """Inputs at this tick."""
     hash: str
-    """Hash of the state after the step, or without a step of the state at the tick: 16 hex digits."""
+    """Hash of the state after the step, 16 hex digits; without a step, the hash of the state at the tick."""
     stepped: bool = True
-    """Whether a step was made; false for a reset, and for what changed after the last step."""
+    """Whether a step was made; false for a reset, and for changes after the last step."""
 
 
 # ---------------------------------------------------------------- trace.jsonl
 
 
 class TraceHeader(FileRecord, frozen=True, kw_only=True, omit_defaults=False):
-    """The first line of a run's trace: which run it is."""
+    """The first line of a trace: the run that it belongs to."""
 
     trace: str = FORMAT
     """Version of the contract that the events in the file follow."""
@@ -309,36 +309,36 @@ class TraceBody(FileRecord, frozen=True, kw_only=True):
     power: tuple[float, float] = (0.0, 0.0)
     """Power of the left and the right motor in the step to this tick, in [-1, 1], positive forward."""
     collision: bool = False
-    """Whether the body could not move as commanded in the step to this tick because something was in the way."""
+    """Whether an obstacle prevented the commanded motion in the step to this tick."""
     touching: bool = False
     """Whether the body touches a wall or another body."""
     contacts: int = 0
-    """Number of contact episodes since the run began."""
+    """Number of contact episodes since the start of the run."""
     mode: str | None = None
     """What the mind says it is doing, from its Actions."""
     wheels: tuple[int, int] | None = None
-    """Counts of the left and the right wheel since joining, by the first encoders, forward positive."""
+    """Counts of the left and the right wheel since joining, from the first encoders, forward positive."""
     odometry: tuple[float, float, float] | None = None
-    """X, Y and heading by the first odometry sensor, in metres and radians, in the body frame at joining."""
+    """X, Y and heading from the first odometry sensor, in metres and radians, in the body frame at joining."""
     user: tuple[float, float] | None = None
     """Forward and Turn of the user's latest input, in [-1, 1]; Turn is positive to the left."""
 
 
 class TraceTick(FileRecord, frozen=True, kw_only=True):
-    """A line of a trace after the header: the world at a tick."""
+    """A line of a trace after the header: the true state of the world at a tick."""
 
     tick: int
-    """Number of steps made since the run began."""
+    """Number of steps since the start of the run."""
     body: dict[str, TraceBody]
-    """Every body that was there, by the name of its agent."""
+    """All bodies, by the names of their agents."""
     event: tuple[Event, ...] = ()
-    """What happened in the step to this tick."""
+    """Events in the step to this tick."""
     hash: str
     """Hash of the state at this tick: 16 hex digits."""
 
 
 LINES: Final[tuple[type[FileRecord], ...]] = (InputHeader, InputTick, TraceHeader, TraceTick)
-"""The records that are a line of a file."""
+"""The records that are a complete line of a file."""
 
 _H = TypeVar("_H", bound=InputHeader | TraceHeader)
 _FILES: Final[dict[type[FileRecord], str]] = {InputHeader: "an input log", TraceHeader: "a trace"}
@@ -354,7 +354,7 @@ def read_header(cls: type[_H], line: bytes, where: str) -> _H:
     """Return the header of a file.
 
     Args:
-        cls: Which header it should be.
+        cls: Class of the header.
         line: The first line of the file.
         where: File and line, for errors.
 

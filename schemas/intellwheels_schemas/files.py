@@ -1,6 +1,6 @@
-"""Reads and writes files for people: maps, robots and scenes. XML, where comments and indentation are welcome.
+"""Reads and writes files for people: maps, robots and scenes. They are XML, with comments and indentation.
 
-No other module of the contract reads files. Errors name file and line.
+No other module of the contract reads files. Errors give the file and the line.
 """
 
 from __future__ import annotations
@@ -21,13 +21,13 @@ from intellwheels_schemas.messages import Record
 _M = TypeVar("_M", bound=Record)
 
 MAX_FILE_BYTES: Final = 16 << 20
-"""Longest file, 16 MiB. A map that is sent with `load` is limited as a message."""
+"""Longest file, 16 MiB. For a map that is sent with `load`, the limit of the message applies."""
 
 
 class Lines:
-    """The line of each element of a file.
+    """The line number of each element of a file.
 
-    Elements are named by place, as in errors: `Map.Wall[3].Corner[0]`, list items counted from 0.
+    The place of an element is written as in errors: `Map.Wall[3].Corner[0]`, with list items counted from 0.
     """
 
     def __init__(self, file: str, lines: dict[str, int]) -> None:
@@ -47,7 +47,7 @@ class Lines:
         return self.at(f"{root}{place}")
 
     def error(self, wrong: WireError) -> WireError:
-        """Return the same error with file and line in front of its text."""
+        """Return the same error with file and line before its text."""
         place = f"{self.file}:{self.at(wrong.where)}"
         return WireError(wrong.code, f"{place}: {wrong.text}", place)
 
@@ -58,11 +58,11 @@ def read_with_lines(cls: type[_M], file: str | Path | Traversable, *, with_rules
     Args:
         cls: The class of the document.
         file: Path, or a resource of a package.
-        with_rules: Whether the rules that span fields are checked too. A caller with checks of its own that find more
-            than the first fault leaves them out.
+        with_rules: Whether the rules that span several fields are checked. They stop at the first error, so a caller
+            whose own checks find all errors passes False.
 
     Raises:
-        WireError: The file is missing, too long or wrong; place and text begin with file and line.
+        WireError: The file is missing, too long or invalid; place and text start with file and line.
     """
     path = Path(file) if isinstance(file, str) else file
     try:
@@ -75,10 +75,10 @@ def read_with_lines(cls: type[_M], file: str | Path | Traversable, *, with_rules
 
 
 def read_bytes(cls: type[_M], data: bytes, name: str, *, with_rules: bool = True) -> tuple[_M, Lines]:
-    """Return a document from the bytes of an XML file and the lines of its elements; errors call the file `name`.
+    """Return a document from the bytes of an XML file, and the lines of its elements. Errors give the file as `name`.
 
     Raises:
-        WireError: As `read_with_lines`.
+        WireError: As for `read_with_lines`.
     """
     root = root_of(cls)
     try:
@@ -104,16 +104,16 @@ def read_bytes(cls: type[_M], data: bytes, name: str, *, with_rules: bool = True
 
 
 def read_file(cls: type[_M], file: str | Path | Traversable, *, with_rules: bool = True) -> _M:
-    """Return a document; see `read_with_lines`.
+    """Return a document, as `read_with_lines` does.
 
     Raises:
-        WireError: As there.
+        WireError: As for `read_with_lines`.
     """
     return read_with_lines(cls, file, with_rules=with_rules)[0]
 
 
 def write_file(message: Record) -> str:
-    """Return a document as XML for people: one element per line, indented by two, a line feed at the end."""
+    """Return a document as XML for people: one element per line, indented by two, with a line feed at the end."""
     root = etree.fromstring(elements.to_xml(message).encode(), etree.XMLParser(strip_cdata=False))
     etree.indent(root)
     return etree.tostring(root, encoding="unicode") + "\n"

@@ -1,4 +1,4 @@
-"""Makes the generated files from the message classes, and checks that no released field changes."""
+"""Generates files from the message classes, and checks that no released field changes."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from intellwheels_schemas.vectors import GROWN, NAMES, REFUSED, VALID, class_of,
 from intellwheels_schemas.xsd import xsd_files
 
 FOLDERS: Final = ("xsd", "json", "vectors")
-"""Folders with generated files only: anything else in them is stale."""
+"""Folders that contain only generated files. Any other file in them is stale."""
 
 RELEASED: Final = "released.json"
 
@@ -37,7 +37,7 @@ def _refusal(name: str, data: bytes) -> str:
 
 
 def generated() -> dict[str, bytes]:
-    """Return every generated file by its path under `schemas/`."""
+    """Return all generated files by their paths in `schemas/`."""
     files = {f"xsd/{name}": text.encode() for name, text in xsd_files().items()}
     files |= {f"json/{name}.json": _pretty(schema) for name, schema in json_schemas().items()}
     files["KEYS.md"] = keys_page().encode()
@@ -68,7 +68,7 @@ def write(folder: Path) -> list[str]:
 
 
 def stale(folder: Path) -> list[str]:
-    """Return the paths under `schemas/` that differ from what would be generated, sorted."""
+    """Return the sorted paths in `schemas/` that differ from the generated files."""
     files = generated()
     there = {
         path.relative_to(folder).as_posix() for name in FOLDERS for path in (folder / name).rglob("*") if path.is_file()
@@ -100,7 +100,7 @@ def _signature(member: Member) -> dict[str, Any]:
 
 
 def fields() -> dict[str, dict[str, dict[str, Any]]]:
-    """Return the type, bounds, unit and default of every field of every class, to compare with what was released."""
+    """Return the type, bounds, unit and default of all fields of all classes, to compare with the released ones."""
     found: dict[str, dict[str, dict[str, Any]]] = {}
 
     def add(cls: type[Record]) -> None:
@@ -122,9 +122,9 @@ def released_text() -> bytes:
 
 
 def broken_promises(released: dict[str, dict[str, dict[str, Any]]]) -> list[str]:
-    """Return in words what a peer of the released version could no longer rely on.
+    """Return, in words, all changes that break programs of the released version.
 
-    Classes and optional fields may be added; nothing that was released may be removed or changed.
+    New classes and new optional fields are allowed. Released ones must not be removed or changed.
     """
     now = fields()
     broken = []

@@ -1,4 +1,4 @@
-"""JSON Schema (2020-12) of every document, from the shapes, and of the lines of the simulator's files."""
+"""JSON Schema (2020-12) of every document, made from the shapes, and of the lines of the simulator's files."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from intellwheels_schemas.vectors import NAMES
 Schema = dict[str, Any]
 
 _DIALECT: Final = "https://json-schema.org/draft/2020-12/schema"
-# ECMAScript has no \Z, and its $ is the end.
+# ECMAScript has no \Z. Its $ matches only the end.
 _END: Final = r"\Z"
 
 
@@ -80,7 +80,7 @@ def _add(cls: type[Record], definitions: dict[str, Schema]) -> None:
 
 
 def _portable(schema: Any) -> Any:
-    """Return a schema with patterns that ECMAScript knows, as those of documents have."""
+    """Return a schema with the patterns rewritten for ECMAScript."""
     if isinstance(schema, dict):
         return {
             key: f"{value.removesuffix(_END)}$" if key == "pattern" else _portable(value)
@@ -90,7 +90,7 @@ def _portable(schema: Any) -> Any:
 
 
 def _line(cls: type[FileRecord]) -> Schema:
-    """Return the schema of a kind of line. Fields that a later version adds are allowed."""
+    """Return the schema of a kind of line. Unknown fields are allowed, since a later version may add some."""
     _, components = msgspec.json.schema_components([cls], ref_template="#/$defs/{name}")
     definitions: dict[str, Schema] = {}
     for name, found in components.items():
@@ -100,7 +100,7 @@ def _line(cls: type[FileRecord]) -> Schema:
 
 
 def _described(name: str, found: Schema) -> Schema:
-    """Return what msgspec says of a record of a file, with what its fields are for."""
+    """Return msgspec's schema of a file record, with the descriptions of its fields."""
     cls = getattr(file_records, name)
     schema: Schema = _portable(found)
     schema["description"] = (cls.__doc__ or "").partition("\n")[0]
@@ -112,10 +112,10 @@ def _described(name: str, found: Schema) -> Schema:
 
 
 def json_schemas() -> dict[str, Schema]:
-    """Return the schema of each document, and of each kind of line in a file, by its name.
+    """Return the schemas of all documents, and of all kinds of lines in files, by name.
 
-    Documents are as strict as the simulator: unknown fields are refused. A peer that reads what a later version writes
-    ignores them.
+    The schemas of documents refuse unknown fields, as the simulator does. Other programs must ignore them, because a
+    later version may add some.
     """
     schemas: dict[str, Schema] = {}
     for name, cls in NAMES.items():

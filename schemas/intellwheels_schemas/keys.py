@@ -1,7 +1,7 @@
 """Makes and parses every key. No other module does.
 
-A key names its writer, so parsing a key tells who sent the sample. Parsers are strict: for a key with a wildcard, an
-invalid name or a chunk too many they return None.
+A key contains the name of its writer, so the key of a sample gives the sender. Parsers are strict: for a key with a
+wildcard, an invalid name or too many chunks they return None.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from intellwheels_schemas.names import check_name, is_hex, is_name
 
 ROOT: Final = "iw/v1"
 EVERY_ALIVE: Final = f"{ROOT}/*/alive"
-"""Matches the liveliness token of every simulator; used to find worlds."""
+"""Key expression for the liveliness tokens of all simulators, used to find worlds."""
 
 InKind = Literal["actions", "say", "pose"]
 OutKind = Literal["measures", "power", "error"]
@@ -44,7 +44,7 @@ class Out(NamedTuple):
 
 
 class Token(NamedTuple):
-    """Holder of the liveliness token `in/<agent>/alive/<role>/<instance>`."""
+    """Owner of the liveliness token `in/<agent>/alive/<role>/<instance>`."""
 
     agent: str
     role: Role
@@ -67,13 +67,13 @@ class Keys:
     """The keys of one world.
 
     Attributes:
-        world: Its name.
-        prefix: Start of all its keys, with the last slash.
-        map, event, clock, alive: The keys without a further part.
-        every_claim: Liveliness tokens of the simulators that claim the world.
-        every_join, every_leave, every_in, every_user, every_ctl, every_crew_actions: What the simulator listens to.
-        every_token: Liveliness tokens of all agents.
-        every_out, every_body, every_state: What recorders and viewers listen to.
+        world: Name of the world.
+        prefix: Start of all keys of the world, with the last slash.
+        map, event, clock, alive: The keys without a name in them.
+        every_join, every_leave, every_in, every_user, every_ctl, every_crew_actions: Key expressions for the simulator.
+        every_claim: Key expression for the liveliness tokens of the simulators that claim the world.
+        every_token: Key expression for the liveliness tokens of all agents.
+        every_out, every_body, every_state: Key expressions for recorders and viewers.
 
     Raises:
         WireError: `value`, if the name of the world is invalid.
@@ -198,21 +198,21 @@ class Keys:
         return None
 
     def parse_in(self, key: str) -> In | None:
-        """Return the writer and the kind of message, or None if no agent may write the key."""
+        """Return the writer and the kind of message, or None if it is not a key that agents write."""
         match self._chunks(key, 3):
             case ["in", agent, kind] if kind in IN_KINDS and is_name(agent):
                 return In(agent, IN_KINDS[kind])
         return None
 
     def parse_out(self, key: str) -> Out | None:
-        """Return the addressee and the kind of message, or None."""
+        """Return the addressee and the kind of message, or None if it is another key."""
         match self._chunks(key, 3):
             case ["out", agent, kind] if kind in OUT_KINDS and is_name(agent):
                 return Out(agent, OUT_KINDS[kind])
         return None
 
     def parse_token(self, key: str) -> Token | None:
-        """Return the holder of the token, or None."""
+        """Return the owner of the token, or None if it is another key."""
         match self._chunks(key, 5):
             case ["in", agent, "alive", role, instance] if role in ROLES and is_name(agent) and is_hex(instance):
                 return Token(agent, ROLES[role], instance)
@@ -226,19 +226,19 @@ class Keys:
         return None
 
     def parse_join(self, key: str) -> str | None:
-        """Return the agent that joins, or None."""
+        """Return the agent that joins, or None if it is another key."""
         return self._named(key, "join")
 
     def parse_leave(self, key: str) -> str | None:
-        """Return the agent that leaves, or None."""
+        """Return the agent that leaves, or None if it is another key."""
         return self._named(key, "leave")
 
     def parse_user(self, key: str) -> str | None:
-        """Return the agent that a `UserInput` is for, or None."""
+        """Return the agent that a `UserInput` is for, or None if it is another key."""
         return self._named(key, "user")
 
     def parse_body(self, key: str) -> str | None:
-        """Return the agent that a `Body` is of, or None."""
+        """Return the agent of a `Body`, or None if it is another key."""
         return self._named(key, "body")
 
     def parse_ctl(self, key: str) -> Verb | None:
@@ -249,14 +249,14 @@ class Keys:
         return None
 
     def parse_state(self, key: str) -> int | None:
-        """Return the number of the part of the `WorldState`, or None."""
+        """Return the number of the part of the `WorldState`, or None if it is another key."""
         match self._chunks(key, 2):
             case ["state", part] if part.isascii() and part.isdigit() and len(part) <= 6:
                 return int(part)
         return None
 
     def parse_crew(self, key: str) -> str | None:
-        """Return the crew whose actions the key carries, or None."""
+        """Return the crew whose actions the key carries, or None if it is another key."""
         match self._chunks(key, 3):
             case ["crew", crew, "actions"] if is_name(crew):
                 return crew
@@ -264,7 +264,7 @@ class Keys:
 
 
 def parse_alive(key: str) -> str | None:
-    """Return the world whose simulator is alive, or None if the key is another one."""
+    """Return the world whose simulator is alive, or None if it is another key."""
     match key.split("/"):
         case ["iw", "v1", world, "alive"] if is_name(world):
             return world

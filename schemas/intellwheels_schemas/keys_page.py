@@ -1,4 +1,4 @@
-"""KEYS.md, the reference for people: what travels on which key, who writes it, every field, limit and code."""
+"""KEYS.md, the reference for people: all keys with their writers and messages, all fields, limits and codes."""
 
 from __future__ import annotations
 
@@ -31,60 +31,75 @@ _HEAD = """<!-- Made by python -m intellwheels_schemas from the message classes;
 
 # Keys, messages, limits and codes
 
-This page is the reference of the protocol; [FIRST-AGENT.md](FIRST-AGENT.md) is the introduction. Exact bytes are in
-[vectors](vectors), schemas in [xsd](xsd) and [json](json).
+This page is the reference of the contract, the protocol between the simulator and other programs.
+[FIRST-AGENT.md](FIRST-AGENT.md) is the introduction. Examples with their exact bytes are in [vectors](vectors), and
+schemas are in [xsd](xsd) and [json](json).
 
-Every key begins with `iw/v1/<world>/`. `<world>`, `<agent>` and `<crew>` are {name}; the name {reserved} is reserved.
+Every key starts with `iw/v1/<world>/`. Each of `<world>`, `<agent>` and `<crew>` is
+{name}. The name {reserved} is reserved.
 
-Units are SI, except where a name ends in `Deg`. Two frames are used:
+Units are SI. Angles are in radians, and in degrees where a name ends in `Deg`. Two frames are used:
 
 - The *map frame* has the origin and axes of the loaded map; headings count anticlockwise from its x axis.
-- The *body frame* has its origin at the centre of movement, x forward, y to the left.
+- The *body frame* has its origin at the centre of movement, with x forward and y to the left.
+
+Terms:
+
+- A *tick* is one step of the simulation. A *run* is a sequence of ticks. A *session* is one join of an agent.
+- A process joins as the *body* of an agent, as its *mind*, which controls the body, or as *both*.
+- In *lockstep*, a step waits for the answers of all members of the *barrier*. `Barrier` in `Robot` makes an agent a
+  member.
+- A *crew* is a group of agents in one process. They share one key for actions and one for measures.
+- A *lease* allows an operator to steer a body instead of its mind, for a limited time.
 
 ## Keys
 """
 
 _NOTES = """
-- Every put is sent with congestion control *drop*, so a slow reader delays nobody and loses messages instead: receivers
-  notice gaps in `Tick` and `Seq`.
-- A refused query gets an error reply with the message in the last column. A query without any reply means that there is
-  no simulator, or that access is not allowed.
-- Messages are ordered by (`Run`, `Tick`). A new `Run` (after a start, reset, load or restore) voids everything received
-  before.
-- `join` takes `?session=S`, the `Session` of the last join. A process that shows it gets its place and body back even
-  while the token of the old process is still there; without it, the reply is `already-here` until that token is gone.
-- An agent can say one message per tick. If its `Actions` and a `Say` both carry one for the same tick, the one in the
-  `Say` is dropped and the sender gets an Error `too-many`.
-- `event` takes `?since=N` for the events from number N on; the reply tells the oldest one that is still kept.
-- To follow `state/*`, subscribe first, then `get` the same keys, and drop whatever is older than what you have.
-- To find worlds, query the liveliness of `iw/v1/*/alive`.
+- Every put is sent with congestion control *drop*. A slow reader delays no other process, and loses messages instead.
+  Gaps in `Tick` and `Seq` show the loss.
+- A refused query gets an error reply with the message in the last column. If a query gets no reply at all, no simulator
+  is running or access is not allowed.
+- Messages are ordered by (`Run`, `Tick`). A start, reset, load or restore gives a new `Run`. All messages of an earlier
+  `Run` are then invalid.
+- `join` takes `?session=S`, the `Session` of the last join. With it, a process gets its body back even while the token
+  of its old instance exists. Without it, the reply is `already-here` until that token has disappeared.
+- An agent can send one message to other agents per tick. If `Actions` and a `Say` both have one for the same tick, the
+  simulator drops the `Say` and the sender gets an Error `too-many`.
+- `event` takes `?since=N`, and replies with the events from number N on. `Oldest` in the reply is the number of the
+  oldest event that is kept.
+- To follow `state/*`, subscribe first and then `get` the same keys. Drop each message that is older than the newest one
+  you have.
+- To find worlds, query the liveliness tokens `iw/v1/*/alive`.
+- A simulator also claims its world with the token `alive/<since>/<instance>`. `since` is its start in nanoseconds of Unix
+  time, as 16 hex digits. If two simulators start at the same time, the earlier claim wins and the other simulator ends.
 - A `Say` may also be put as `text/plain`.
 
 ## Encodings
 
 | Encoding | Payload |
 |---|---|
-| `application/json;iw.v1` | the bare object |
+| `application/json;iw.v1` | a JSON object with the fields of the message |
 | `application/xml;iw.v1` | an element with the name of the message |
 | `text/plain` | the text, on `in/<agent>/say` only |
-| none, `zenoh/bytes`, `zenoh/string` | decided by the first byte: `{` or `<` |
+| none, `zenoh/bytes`, `zenoh/string` | JSON if the first byte is `{`, XML if it is `<` |
 
-The suffix `;iw.v1` may be left out. The simulator accepts either encoding everywhere. It writes `out/<agent>/...`
-in the encoding of the `join`: measures in that of the mind, power in that of the body. Shared puts (`state`, `clock`,
-`event`, `map`, `body`) are JSON; a `get` on the same keys is answered in the encoding of the query.
+The suffix `;iw.v1` may be left out. The simulator accepts JSON and XML on all keys. It writes `out/<agent>/...` in the
+encoding of the `join`: measures in that of the mind, and power in that of the body. Puts for all processes (`state`,
+`clock`, `event`, `map`, `body`) are in JSON. The reply to a `get` on these keys has the encoding of the query.
 
-- In XML, scalars are attributes, records are child elements, a list of records is a repeated child element, and a list
-  of scalars is one attribute separated by spaces. JSON arrays have the same singular name. `Text` is the text of the
-  element.
-- Fields with their default and empty lists are left out. `null` is refused, except in a lidar's `Ranges` (`-` in XML).
-  A name may occur only once.
+- In XML, scalars are attributes and records are child elements. A list of records is a repeated child element, and a
+  list of scalars is one attribute with spaces between the items. `Text` is the text of the element. In JSON, a list has
+  the same name, in the singular.
+- Fields with their default value and empty lists are left out. `null` is refused, except in a lidar's `Ranges` (`-` in
+  XML). A field may occur only once in a record.
 - Numbers follow the JSON grammar in both encodings: no `+5`, `.5`, `007`, `NaN` or `INF`, and no fraction or exponent
   in a whole number.
-- Text consists of XML 1.0 characters without carriage return; its length is counted in code points. XML documents have
+- Text consists of XML 1.0 characters without carriage return. Its length is counted in code points. XML documents have
   no document type and define no entities.
-- The simulator refuses unknown fields; all others ignore them.
-- Errors name the place like this, with list items counted from 0: `Robot.Proximity[2].ConeDeg: expected degrees in
-  (0, 360], got 0`.
+- The simulator refuses unknown fields. All other programs must ignore them.
+- Errors name the place of the wrong value, with list items counted from 0, as in `Robot.Proximity[2].ConeDeg: expected
+  degrees in (0, 360], got 0`.
 
 ## Limits
 """
@@ -92,11 +107,11 @@ in the encoding of the `join`: measures in that of the mind, power in that of th
 
 _LOGS = """## Files for programs
 
-`iw-server` writes two kinds of JSON Lines files. An input log (`input.jsonl`) begins with an
-[InputHeader](#inputheader), and every further line is an [InputTick](#inputtick): running it again
-gives the same hashes. A trace (`trace.jsonl`) begins with a [TraceHeader](#traceheader), and every further line is a
-[TraceTick](#tracetick): what was true at that tick. A reader refuses a header of another `Version`, and
-ignores fields that it does not know.
+`iw-server` writes two kinds of JSON Lines files. The first line of an input log (`input.jsonl`) is an
+[InputHeader](#inputheader), and every further line is an [InputTick](#inputtick). A second run from the log gives the
+same hashes. The first line of a trace (`trace.jsonl`) is a [TraceHeader](#traceheader), and every further line is a
+[TraceTick](#tracetick) with the true state at that tick. A reader refuses a header of another `Version`, and ignores
+fields that it does not know.
 
 """
 
@@ -130,14 +145,14 @@ def _limits() -> str:
     rows[2] = (f"bytes of Actions, {_name(UserInput)}, Say, Leave and the other verbs", f"{LIMITS[UserInput]:,}")
     rows += [
         ("bytes of anything else", f"{MAX_BYTES:,}"),
-        ("characters of a name, an id", "32"),
-        ("characters of a word, a seed", "64"),
+        ("characters of a name or an id", "32"),
+        ("characters of a word or a seed", "64"),
         ("characters of text", "1,000; the `SayLimit` of a simulation is lower"),
         ("parts of a robot", str(rules.MAX_PARTS)),
         ("sensors of a robot", str(rules.MAX_SENSORS)),
         ("rays of a lidar", f"{rules.MAX_RAYS:,}"),
         ("bodies of a crew", str(rules.MAX_CREW)),
-        ("distance of X and Y from 0", "10,000 m"),
+        ("absolute value of X and Y", "10,000 m"),
         ("whole numbers", "2^53 - 1"),
     ]
     return _table(("What", "Maximum"), rows)
@@ -198,7 +213,7 @@ def _field(member: Member, text: str) -> tuple[str, str, str, str]:
 def _message(cls: type[Record], title: str) -> str:
     shape = shape_of(cls)
     doc = " ".join((cls.__doc__ or "").split())
-    root = f" XML root `<{shape.root}>`." if cls is OperatorSay else ""
+    root = f" Its XML root is `<{shape.root}>`." if cls is OperatorSay else ""
     docs = field_docs(cls)
     rows = [_field(member, docs[member.name]) for member in shape.members]
     fields = _table(("Field", "Type", "Default", "Meaning"), rows) if rows else "No fields.\n"
@@ -206,7 +221,7 @@ def _message(cls: type[Record], title: str) -> str:
 
 
 def _file_records() -> list[type[FileRecord]]:
-    """Return the records of files, the kinds of line first."""
+    """Return the records of files, with complete lines first."""
     declared = [
         cls
         for cls in vars(file_records).values()
@@ -216,7 +231,7 @@ def _file_records() -> list[type[FileRecord]]:
 
 
 def _kind(kind: inspect.Type) -> str:
-    """Return what a field of a file's record is, in words, with links."""
+    """Return the type of a field of a file's record, in words, with links."""
     scalar = scalar_of(kind)
     if scalar is not None:
         return expected(scalar)
@@ -250,7 +265,7 @@ def _message_of_a_file(cls: type[FileRecord]) -> str:
         for field in info.fields
     ]  # fmt: skip
     if info.tag_field is not None:
-        rows.insert(0, (f"`{info.tag_field}`", str(info.tag), "**required**", "Which change this is."))
+        rows.insert(0, (f"`{info.tag_field}`", str(info.tag), "**required**", "Kind of the change."))
     fields = _table(("Field", "Type", "Default", "Meaning"), rows) if rows else "No fields.\n"
     return f"### {cls.__name__}\n\n{' '.join((cls.__doc__ or '').split())}\n\n{fields}\n"
 
@@ -291,8 +306,8 @@ def keys_page() -> str:
         "\n## Control verbs and their ROS `simulation_interfaces` counterparts\n\n", _verbs(),
         "\n## Messages\n\n",
         *(_message(cls, name) for name, cls in NAMES.items() if cls not in {Map, Scene}),
-        "## Files for people\n\nMaps, robots and scenes are XML files; comments and indentation are welcome. ",
-        "A robot file is a [Robot](#robot) with `Format`.\n\n",
+        "## Files for people\n\nMaps, robots and scenes are XML files, in which comments and indentation ",
+        "are allowed. A robot file is a [Robot](#robot) with `Format`.\n\n",
         *(_message(cls, _name(cls)) for cls in (Map, Scene)),
         _LOGS, *(_message_of_a_file(cls) for cls in _file_records()),
         "## Records used in messages and files\n\n", *(_message(cls, cls.__name__) for cls in _records()),

@@ -1,7 +1,7 @@
 """The connection to other processes: sessions, publishers, queries and tokens.
 
-Only this module and `zenoh_inbox` know Zenoh here. Every wait has a deadline and watches the stop event. A put never
-fails and never waits.
+In this package only this module and `zenoh_inbox` use Zenoh. Every wait has a deadline and checks the stop event. A put
+never fails and never waits.
 """
 
 from __future__ import annotations
@@ -27,12 +27,12 @@ from intellwheels_schemas.zenoh_inbox import Inbox
 DEFAULT_WORLD: Final = defaults.WORLD
 DEFAULT_ENDPOINT: Final = "tcp/127.0.0.1:7447"
 QUEUE_ROOM: Final = 16
-"""Batches that a transport queues per priority. With Zenoh's default of 2, lockstep of 20 agents loses measures."""
+"""Batches in a transport's queue, per priority. With Zenoh's default of 2, lockstep of 20 agents loses measures."""
 
 TRY_EVERY: Final = 1.0
 """Seconds between two attempts to open a session."""
 
-_SLICE: Final = 0.2  # seconds of a wait, so that signals are seen
+_SLICE: Final = 0.2  # s: longest single wait, so that signals are handled
 _ASKINGS: Final = 3
 _PAUSE: Final = 0.02
 
@@ -44,10 +44,10 @@ _PRIORITIES: Final[dict[str, zenoh.Priority]] = {
     "data-low": zenoh.Priority.DATA_LOW,
 }
 
-# Settings of every session, whatever else is configured.
+# Settings of every session. They override the configuration file.
 _SETTINGS: Final[dict[str, Any]] = {
     "scouting/multicast/enabled": False,
-    # Peers that gossip walk around a router's access control.
+    # Gossip lets peers connect directly and so avoid a router's access control.
     "scouting/gossip/enabled": False,
     "transport/shared_memory/enabled": False,
     "transport/link/rx/max_message_size": MAX_BYTES,
@@ -56,20 +56,20 @@ _SETTINGS: Final[dict[str, Any]] = {
         "interactive_low": QUEUE_ROOM, "data_high": QUEUE_ROOM, "data": QUEUE_ROOM, "data_low": QUEUE_ROOM,
         "background": QUEUE_ROOM,
     },
-    # An address that swallows packets must not delay a process that was told to stop.
+    # An address that drops packets must not delay the end of a process.
     "transport/unicast/open_timeout": 3000,
 }  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True)
 class Link:
-    """How a process connects to others.
+    """The connection of a process to others.
 
     Attributes:
-        world: Name of the world that it takes part in.
-        listen: Endpoints to listen at; if there are any, the process is a Zenoh peer, else a client.
+        world: Name of the world that it joins.
+        listen: Endpoints to listen at. With any, the process is a Zenoh peer; without, a client.
         connect: Endpoints of a router, or of a simulator that listens.
-        config: Zenoh configuration file for everything else, or None.
+        config: Zenoh configuration file for all other settings, or None.
     """
 
     world: str = DEFAULT_WORLD
@@ -78,7 +78,7 @@ class Link:
     config: Path | None = None
 
     def where(self) -> str:
-        """Return the endpoints of this link, for people."""
+        """Return the endpoints of this link as text for people."""
         return ", ".join(self.listen + self.connect) or str(self.config or DEFAULT_ENDPOINT)
 
 
@@ -87,7 +87,7 @@ def add_link_options(parser: argparse.ArgumentParser, *, listens: bool = False) 
 
     Args:
         parser: Parser of a command.
-        listens: Whether the command listens by default, as the simulator does; else it connects.
+        listens: Whether the command listens by default, as the simulator does; otherwise it connects.
     """
     group = parser.add_argument_group("connection")
     if listens:
@@ -133,7 +133,7 @@ def config_of(link: Link) -> zenoh.Config:
     """Return the Zenoh configuration of a link.
 
     Raises:
-        ConnectionError: The file is missing or is no configuration, or an endpoint is invalid.
+        ConnectionError: The file is missing or is not a configuration, or an endpoint is invalid.
     """
     try:
         config = zenoh.Config() if link.config is None else zenoh.Config.from_file(link.config)
@@ -143,7 +143,7 @@ def config_of(link: Link) -> zenoh.Config:
             settings["listen/endpoints"] = list(link.listen)
             settings["connect/endpoints"] = list(link.connect or (() if link.listen else (DEFAULT_ENDPOINT,)))
         if link.listen:
-            # Without these a port in use is only logged.
+            # Without these settings, Zenoh only logs that a port is in use.
             settings["listen/exit_on_failure"] = True
             settings["listen/timeout_ms"] = 0
         for key, value in settings.items():
@@ -162,16 +162,16 @@ def open_session(
 ) -> zenoh.Session | None:
     """Return a session, or None if `stop` was set before one could be opened. Use it in a `with` statement.
 
-    While there is no answer it tries again every second; a port in use fails at once.
+    Without an answer it tries again every second. If a port is in use, it fails at once.
 
     Args:
         link: How to connect.
         stop: Ends the attempts.
-        timeout: Seconds after which to give up; None for never.
+        timeout: Seconds after which it gives up; None for never.
         waiting: Called once, with the reason, when the first attempt fails.
 
     Raises:
-        ConnectionError: The port is in use, nobody answered in time, or the options are invalid; the text says which.
+        ConnectionError: The port is in use, there was no answer in time, or the options are invalid, as the text says.
     """
     deadline = None if timeout is None else time.monotonic() + timeout
     zenoh.init_log_from_env_or("off")
@@ -218,10 +218,10 @@ def router_settings(listen: Sequence[str]) -> str:
 
 
 def open_router(listen: Sequence[str]) -> zenoh.Session:
-    """Return a session that is a router: it connects all its clients with each other. Use it in a `with` statement.
+    """Return a session that is a router, which connects its clients with each other. Use it in a `with` statement.
 
     Raises:
-        ConnectionError: An endpoint is invalid, or its port is in use; the text says which.
+        ConnectionError: An endpoint is invalid, or its port is in use, as the text says.
     """
     zenoh.init_log_from_env_or("off")
     try:
@@ -239,7 +239,7 @@ def _until(moment: float, deadline: float | None) -> float:
 
 
 def _reason(error: Exception) -> str:
-    # Zenoh's texts end with the position in its own source.
+    # Zenoh's error texts end with a position in Zenoh's source.
     return str(error).partition(" at ")[0][:200]
 
 
@@ -247,7 +247,10 @@ def _reason(error: Exception) -> str:
 
 
 def declare(session: zenoh.Session, key: str, channel: Channel, encoding: Encoding = Encoding.JSON) -> zenoh.Publisher:
-    """Return a publisher for a key, with the priority of its channel. A put without one costs 65 µs by a router."""
+    """Return a publisher for a key, with the priority of its channel.
+
+    Through a router, a put without a publisher takes 65 µs.
+    """
     return session.declare_publisher(
         key,
         encoding=zenoh.Encoding(encoding.value),
@@ -288,12 +291,12 @@ def query(
         session: Session to use.
         selector: Key, possibly with wildcards and parameters (`event?since=7`).
         data: Payload of the query, or None.
-        encoding: Encoding of `data`, and the one wanted for the replies.
+        encoding: Encoding of `data` and of the replies.
         timeout: Seconds to wait.
         stop: Ends the wait.
 
     Raises:
-        ConnectionError: There was no reply: there is no simulator, or access is not allowed; Zenoh does not say which.
+        ConnectionError: There was no reply. There is no simulator, or access is not allowed; Zenoh does not say which.
     """
     answers: deque[Answer] = deque()
     done = threading.Event()
@@ -307,14 +310,14 @@ def query(
     session.get(
         selector,
         zenoh.handlers.Callback(on_reply, done.set),
-        # The parts of a state are several replies from one writer, and none of them replaces another.
+        # The parts of a state are several replies from one writer, and no part replaces another.
         consolidation=zenoh.ConsolidationMode.NONE,
         target=zenoh.QueryTarget.ALL,
         timeout=timeout,
         payload=data if data is not None else b"",
         encoding=zenoh.Encoding(encoding.value),
     )
-    # Zenoh ends the query at its own time-out; it gets half a second more to do so.
+    # Zenoh ends the query at its own time-out, so this wait is half a second longer.
     deadline = time.monotonic() + timeout + 0.5
     while not done.wait(_SLICE) and time.monotonic() < deadline and (stop is None or not stop.is_set()):
         pass
@@ -327,12 +330,12 @@ def query(
 
 
 def declare_token(session: zenoh.Session, key: str) -> zenoh.LivelinessToken:
-    """Return a new liveliness token. Watchers of the key see it disappear with the session or with `undeclare`."""
+    """Return a new liveliness token. It disappears when the session closes or with `undeclare`."""
     return session.liveliness().declare_token(key)
 
 
 def watch_tokens(session: zenoh.Session, key: str, inbox: Inbox) -> zenoh.Subscriber[None]:
-    """Put every token that appears or disappears into the inbox, beginning with those that exist already."""
+    """Put every token that appears or disappears into the inbox, and first all tokens that exist already."""
     return session.liveliness().declare_subscriber(key, inbox.on_token, history=True)
 
 
@@ -345,9 +348,9 @@ def look_for_tokens(session: zenoh.Session, key: str, inbox: Inbox, *, timeout: 
 
 
 def tokens(session: zenoh.Session, key: str, *, timeout: float = 1.0) -> list[str]:
-    """Return the keys of all matching tokens that answer in time, sorted.
+    """Return the sorted keys of all matching tokens that are reported in time.
 
-    For a single look. To follow tokens use `watch_tokens`, which misses none.
+    Use it for a single check. To follow tokens, use `watch_tokens`, which misses none.
 
     Args:
         session: Session to use.
@@ -361,8 +364,8 @@ def tokens(session: zenoh.Session, key: str, *, timeout: float = 1.0) -> list[st
             found.add(str(sample.key_expr))
 
     deadline = time.monotonic() + timeout
-    # In a session that has just begun to watch the key, 3 of 100 queries missed an existing token (Zenoh 1.10.2), and 1
-    # of 450 triples of queries did; in sessions that watch nothing, none of 300.
+    # In a session that has just started to watch the key, 3 of 100 queries missed an existing token (Zenoh 1.10.2), as
+    # did 1 of 450 triples of queries. In sessions that watch nothing, none of 300 queries did.
     for _ in range(_ASKINGS):
         done = threading.Event()
         left = max(deadline - time.monotonic(), 0.05)

@@ -9,8 +9,8 @@ Units are SI, except where a name ends in Deg. Two frames are used:
 - map frame: the origin and axes of the loaded map, in metres; headings count anticlockwise from its x axis.
 - body frame: the origin is the centre of movement, x points forward, y to the left.
 
-The string below a field says what the field is for; KEYS.md and the schemas repeat it. A type that means the same
-wherever it is used, such as `Run`, says it once for all its fields. A test refuses a field that has neither.
+The string below a field describes the field; KEYS.md and the schemas repeat it. A type that means the same in every
+message, such as `Run`, has one description for all its fields. A test refuses a field without a description.
 """
 
 from __future__ import annotations
@@ -89,7 +89,7 @@ Seed = Annotated[str, Meta(pattern=TEXT_PATTERN, description="a seed, any text",
 Title = Annotated[str, Meta(pattern=TEXT_PATTERN, description="text for people", max_length=200)]
 # 1,000 is the bound of the wire; the limit of a simulation (SayLimit) is lower.
 ElementText = Annotated[str, Meta(pattern=TEXT_PATTERN, description="text", max_length=1000, extra=_ELEMENT)]
-# An element cannot tell empty text from none, so text that may be absent is not empty.
+# In XML, empty text and absent text look the same, so optional text is never empty.
 OptionalText = Annotated[
     str, Meta(pattern=TEXT_PATTERN, description="text", min_length=1, max_length=1000, extra=_CONTENT)
 ]
@@ -105,7 +105,7 @@ Every = Annotated[
     Meta(
         ge=1,
         le=1000,
-        description="Sampling interval in ticks: 1 samples at every tick, 2 at every other one.",
+        description="Sampling interval in ticks: 1 samples at every tick, 2 at every second tick.",
         extra=_unit("ticks"),
     ),
 ]
@@ -126,7 +126,7 @@ StepDegrees = Annotated[
     Meta(
         ge=0.0,
         le=90.0,
-        description="Quantisation step: the angle is rounded to multiples of it; 0 does not round.",
+        description="Quantisation step: the angle is rounded to multiples of it; 0 means no rounding.",
         extra=_unit("deg"),
     ),
 ]
@@ -144,7 +144,7 @@ WalkDegrees = Annotated[
     Meta(
         ge=0.0,
         le=1000.0,
-        description="Random walk of the bias: the standard deviation of the angle that it gains in one second.",
+        description="Random walk of the bias: standard deviation of its change in one second.",
         extra=_unit("deg"),
     ),
 ]
@@ -206,20 +206,21 @@ ResultCode = Literal["ok", "unsupported", "not-found", "incorrect-state", "faile
 
 # Types that mean the same in every message, so their fields need no sentence of their own.
 Run = Annotated[
-    Hex, Meta(description="Id of the run: new at start, reset, load and restore. A new one voids all earlier state.")
+    Hex,
+    Meta(description="Id of the run. A start, reset, load or restore gives a new id; older state is then invalid."),
 ]
-SentRun = Annotated[Hex, Meta(description="Run that the sender believes it is in; absent means the current one.")]
+SentRun = Annotated[Hex, Meta(description="Run that the message is for; absent means the current run.")]
 Session = Annotated[
-    Hex, Meta(description="Session from Joined; a message with another one is dropped. Required of real robots.")
+    Hex, Meta(description="Session from Joined; a message with another session is dropped. Real robots must send it.")
 ]
-SentTick = Annotated[Tick, Meta(description="Tick of the Measures that this answers; absent means the current one.")]
+SentTick = Annotated[Tick, Meta(description="Tick of the Measures that this answers; absent means the current tick.")]
 SentSeq = Annotated[
-    Count, Meta(description="Sender's message counter: of several messages for one tick the highest counts.")
+    Count, Meta(description="Sender's message counter. Of several messages for one tick, the highest Seq counts.")
 ]
-StateTick = Annotated[Tick, Meta(description="Number of steps made since the run began, when this was written.")]
-Time = Annotated[Seconds, Meta(description="Simulated time since the run began: Tick times Period.")]
-PartNumber = Annotated[Count, Meta(description="Number of this part of a message that was split, from 0.")]
-PartCount = Annotated[Count, Meta(description="Number of parts that the message was split into.")]
+StateTick = Annotated[Tick, Meta(description="Number of steps since the start of the run.")]
+Time = Annotated[Seconds, Meta(description="Simulated time since the start of the run: Tick times Period.")]
+PartNumber = Annotated[Count, Meta(description="Index of this part of a split message, counted from 0.")]
+PartCount = Annotated[Count, Meta(description="Number of parts of the split message.")]
 MapX = Annotated[Coordinate, Meta(description="X coordinate in the map frame.")]
 MapY = Annotated[Coordinate, Meta(description="Y coordinate in the map frame.")]
 MapHeading = Annotated[
@@ -228,10 +229,10 @@ MapHeading = Annotated[
 ]
 SensorId = Annotated[Id, Meta(description="Id of the sensor, unique among all sensors of the robot.")]
 SensorX = Annotated[
-    Coordinate, Meta(description="Position of the sensor ahead of the centre of movement (body frame).")
+    Coordinate, Meta(description="Distance of the sensor ahead of the centre of movement (x in the body frame).")
 ]
 SensorY = Annotated[
-    Coordinate, Meta(description="Position of the sensor to the left of the centre of movement (body frame).")
+    Coordinate, Meta(description="Distance of the sensor to the left of the centre of movement (y in the body frame).")
 ]
 SensorZ = Annotated[Length, Meta(description="Height of the sensor above the floor.")]
 SensorDirection = Annotated[
@@ -240,14 +241,14 @@ SensorDirection = Annotated[
 SensorMount = Annotated[
     Mount,
     Meta(
-        description="What the sensor is fixed to: body moves with the robot; start stays where the robot joined, "
+        description="What the sensor is fixed to: body moves with the robot; start stays at the robot's start pose, "
         "as on a door frame."
     ),
 ]
 Latency = Annotated[Cycles, Meta(description="Delay in ticks from taking a sample to reporting it.")]
 SensorSource = Annotated[
     Source,
-    Meta(description="Who takes the samples: the simulator, or the hardware of a real robot, sent in its Pose."),
+    Meta(description="Source of the samples: the simulator, or a real robot, which sends them in its Pose."),
 ]
 Dropout = Annotated[Share, Meta(description="Share of samples that fail and are reported with Status fault.")]
 RangeNoise = Annotated[Length, Meta(description="Standard deviation of the Gaussian noise on each axis.")]
@@ -258,8 +259,8 @@ SampleTick = Annotated[
 ReadingStatus = Annotated[
     Status,
     Meta(
-        description="Whether there is a value: ok; none, nothing found; near, closer than MinRange; fault, "
-        "the sample failed. Only ok comes with a value."
+        description="Status of the reading: ok (has a value), none (nothing found), near (closer than MinRange) or "
+        "fault (the sample failed)."
     ),
 ]
 TimeoutSetting = Annotated[
@@ -274,7 +275,7 @@ NewSeed = Annotated[Seed, Meta(description="Seed of the new run's noise; absent 
 class Record(msgspec.Struct, rename="pascal", frozen=True, omit_defaults=True, forbid_unknown_fields=True):
     """Base of every document and every part of one.
 
-    `kw_only` is not inherited, and type checkers want `frozen` repeated: each class states both.
+    `kw_only` is not inherited, and type checkers require `frozen` again, so each class states both.
     """
 
 
@@ -282,14 +283,14 @@ class Record(msgspec.Struct, rename="pascal", frozen=True, omit_defaults=True, f
 
 
 class Corner(Record, frozen=True, kw_only=True):
-    """A corner of a polygon or polyline on the floor."""
+    """A corner of a polygon or polyline on the map."""
 
     x: MapX
     y: MapY
 
 
 class Position(Record, frozen=True, kw_only=True):
-    """A pose on the floor: where the centre of movement is and where the body points."""
+    """A pose on the map: the position of the centre of movement, and the heading."""
 
     x: MapX
     y: MapY
@@ -297,7 +298,7 @@ class Position(Record, frozen=True, kw_only=True):
 
 
 class Goal(Record, frozen=True, kw_only=True):
-    """A target pose. Without a heading, any heading will do."""
+    """A target pose. Without `Heading`, any heading is accepted."""
 
     x: MapX
     y: MapY
@@ -308,9 +309,9 @@ class Part(Record, frozen=True, kw_only=True):
     """An upright box that is part of a body."""
 
     x: Coordinate
-    """Centre of the box ahead of the centre of movement (body frame)."""
+    """Distance of the box's centre ahead of the centre of movement (x in the body frame)."""
     y: Coordinate
-    """Centre of the box to the left of the centre of movement (body frame)."""
+    """Distance of the box's centre to the left of the centre of movement (y in the body frame)."""
     length: Size
     """Size of the box along the body's x axis."""
     width: Size
@@ -339,15 +340,15 @@ class Proximity(Record, frozen=True, kw_only=True):
     max_range: Size
     """Longest distance that can be measured; if nothing is nearer, the status is none."""
     model: Model = "ideal"
-    """Error model: ideal has none, infrared is noisy with distance, sonar hears only what echoes."""
+    """Error model: ideal (no errors), infrared (noise grows with distance) or sonar (detects only echoes)."""
     noise_volts: Volts = 0.01
-    """Infrared only: standard deviation of the sensor's voltage, which is 0.47 V m over the distance."""
+    """Infrared only: standard deviation of the sensor's voltage. The voltage is 0.47 V m divided by the distance."""
     dropout: Dropout = 0.0
     """Share of samples that fail and are reported as fault; must be 0 for the ideal model."""
     crosstalk: Share = 0.0
-    """Sonar only: share of the pulses of other sonars in sight that are taken for an echo."""
+    """Sonar only: share of the pulses of other sonars in sight that the sensor takes for its own echo."""
     group: Cycles = 0
-    """Firing group: ticks by which it samples after group 0; must be less than Every."""
+    """Firing group: number of ticks by which the sensor samples later than group 0; must be less than Every."""
     mount: SensorMount = "body"
     every: Every = 1
     latency: Latency = 0
@@ -355,7 +356,7 @@ class Proximity(Record, frozen=True, kw_only=True):
 
 
 class Lidar(Record, frozen=True, kw_only=True):
-    """A scanning range finder: distances by angle, from the first ray anticlockwise."""
+    """A scanning range finder: distances along rays, anticlockwise from the first ray."""
 
     id: SensorId
     x: SensorX
@@ -363,7 +364,7 @@ class Lidar(Record, frozen=True, kw_only=True):
     z: SensorZ
     direction_deg: SensorDirection
     fov_deg: Cone
-    """Field of view: the first ray is half of it to the right of DirectionDeg."""
+    """Field of view; the first ray points half of it to the right of DirectionDeg."""
     rays: Annotated[int, Meta(ge=1, le=1440)]
     """Number of rays in a scan, evenly spaced over the field of view."""
     min_range: Length = 0.0
@@ -371,7 +372,7 @@ class Lidar(Record, frozen=True, kw_only=True):
     max_range: Size
     """Longest distance that can be measured; if nothing is nearer, the status is none."""
     noise: Length = 0.0
-    """Standard deviation of a range; where NoiseShare gives more, that applies."""
+    """Standard deviation of a range; if NoiseShare gives a larger one, that one applies."""
     noise_share: Share = 0.0
     """Standard deviation of a range as a share of that range."""
     incidence_deg: Incidence = 90.0
@@ -388,14 +389,17 @@ class Encoders(Record, frozen=True, kw_only=True):
 
     id: SensorId
     drift: WayVariance = 0.0
-    """Variance of the error in a wheel's distance, in m2 per metre rolled; stands for slip and uneven ground."""
+    """Variance of the error in a wheel's distance, in m2 per metre rolled; models slip and uneven ground."""
     every: Every = 1
     latency: Latency = 0
     source: SensorSource = "simulated"
 
 
 class Odometry(Record, frozen=True, kw_only=True):
-    """The pose since joining, by dead reckoning from the robot's first encoders, or without any from exact counts."""
+    """An odometry sensor: the pose since joining, by dead reckoning.
+
+    It uses the counts of the robot's first encoders, or exact counts if the robot has no encoders.
+    """
 
     id: SensorId
     every: Every = 1
@@ -416,16 +420,16 @@ class Compass(Record, frozen=True, kw_only=True):
 
 
 class GPS(Record, frozen=True, kw_only=True):
-    """A positioning sensor: where a point of the body is."""
+    """A positioning sensor: the position of a point of the body."""
 
     id: SensorId
     x: SensorX = 0.0
     y: SensorY = 0.0
     noise: RangeNoise = 0.0
     walk: Annotated[Walk, Meta(extra=_unit("m"))] = 0.0
-    """Random walk of the bias: the standard deviation that it gains on each axis in one second."""
+    """Random walk of the bias: standard deviation of its change on each axis in one second."""
     step: Annotated[StepSize, Meta(extra=_unit("m"))] = 0.0
-    """Quantisation step of each coordinate; 0 does not round."""
+    """Quantisation step of each coordinate; 0 means no rounding."""
     every: Every = 1
     latency: Latency = 0
     source: SensorSource = "simulated"
@@ -440,13 +444,13 @@ class IMU(Record, frozen=True, kw_only=True):
     turn_noise: TurnRateNoise = 0.0
     """Standard deviation of the Gaussian noise on the turn rate."""
     walk: Annotated[Walk, Meta(extra=_unit("m/s2"))] = 0.0
-    """Random walk of each acceleration's bias: the standard deviation that it gains in one second."""
+    """Random walk of the bias of each acceleration: standard deviation of its change in one second."""
     turn_walk: Annotated[Walk, Meta(extra=_unit("rad/s"))] = 0.0
-    """Random walk of the turn rate's bias: the standard deviation that it gains in one second."""
+    """Random walk of the bias of the turn rate: standard deviation of its change in one second."""
     step: Annotated[StepSize, Meta(extra=_unit("m/s2"))] = 0.0
-    """Quantisation step of each acceleration; 0 does not round."""
+    """Quantisation step of each acceleration; 0 means no rounding."""
     turn_step: Annotated[StepSize, Meta(extra=_unit("rad/s"))] = 0.0
-    """Quantisation step of the turn rate; 0 does not round."""
+    """Quantisation step of the turn rate; 0 means no rounding."""
     every: Every = 1
     latency: Latency = 0
     source: SensorSource = "simulated"
@@ -463,9 +467,9 @@ class Beacon(Record, frozen=True, kw_only=True):
     z: SensorZ = 0.0
     direction_deg: SensorDirection = 0.0
     cone_deg: Cone = 360.0
-    """Full opening angle within which the beacon is seen, half of it to each side of DirectionDeg."""
+    """Full opening angle in which the sensor sees the beacon, half of it to each side of DirectionDeg."""
     max_range: Size = 20.0
-    """Longest distance at which the beacon is seen."""
+    """Longest distance at which the sensor sees the beacon."""
     noise_deg: NoiseDegrees = 0.0
     walk_deg: WalkDegrees = 0.0
     step_deg: StepDegrees = 0.0
@@ -495,7 +499,7 @@ class Bumper(Record, frozen=True, kw_only=True):
 
 
 class Truth(Record, frozen=True, kw_only=True):
-    """The true pose and speed, for agents that may know them; only where the simulation allows it."""
+    """A sensor for the true pose and twist. It is refused unless the simulation allows it."""
 
     id: SensorId
     every: Every = 1
@@ -507,18 +511,18 @@ class Truth(Record, frozen=True, kw_only=True):
 
 
 class Robot(Record, frozen=True, kw_only=True):
-    """A body with its motors and sensors: how an agent joins, and the form of robot files.
+    """A body with its motors and sensors: the request to join, and the content of a robot file.
 
-    A file has `Format`, and no `Name`, `Role`, `Instance` or `Place`. A body of one box may give `Length`, `Width`,
-    `Center` and `Top` in place of a `Part`. A mind that joins a body owned by another process gives only Role,
-    Instance, Barrier, Crew and UserInput.
+    A file has `Format`, and no `Name`, `Role`, `Instance` or `Place`. A body of one box may have `Length`, `Width`,
+    `Center` and `Top` instead of a `Part`. A mind that joins a body of another process may have only `Role`,
+    `Instance`, `Barrier`, `Crew` and `UserInput`.
     """
 
     format: Annotated[FormatTag, Meta(description="Version of the file format; only in robot files.")] | None = None
     name: Name | None = None
-    """Name of the agent; if given it must be the one in the key."""
+    """Name of the agent; if present, it must equal the name in the key."""
     type: RobotType = "simulated"
-    """Who moves the body: the simulator, or a real robot whose bridge sends its Pose."""
+    """What moves the body: the simulator, or a real robot whose bridge sends its Pose."""
     kind: Word = "robot"
     """What the body is, for viewers and for choosing a start place: wheelchair, door, table, person or any word."""
     role: Role = "both"
@@ -526,19 +530,19 @@ class Robot(Record, frozen=True, kw_only=True):
     instance: Hex | None = None
     """Id of the joining process, random at each start; the same as in its liveliness token."""
     barrier: bool | None = None
-    """Whether a lockstep run waits for its answer to each tick; absent means yes for a mind or a body with motors."""
+    """Whether a lockstep run waits for the agent's answer; absent means yes for a mind or a body with motors."""
     crew: Name | None = None
-    """Name of the crew whose shared keys carry its Actions and Measures; absent means keys of its own."""
+    """Name of the crew whose keys carry the agent's Actions and Measures; absent means that it has its own keys."""
     user_input: Annotated[tuple[InputWord, ...], Meta(max_length=3)] = ()
-    """Kinds of UserInput that the mind wants in its Measures: driving, words, goals."""
+    """Kinds of UserInput that the mind accepts in its Measures: drive (the stick), words or goal."""
     place: Word | None = None
-    """Name of the map's Position to start at; absent means Position, or the first free place of its Kind."""
+    """Name of the place to start at; absent means the pose in Position, or the first free place for this Kind."""
     hardware: Literal["real", "simulated"] = "real"
-    """Of a real robot: simulated hardware may also run in lockstep and at speeds other than 1."""
+    """Hardware of a real robot; simulated hardware may also run in lockstep and at speeds other than 1."""
     top_speed: TopSpeed = 0.0
     """Speed of a wheel's rim at power 1; 0 means that the body has no motors."""
     acceleration_curve: Inertia = 0.0
-    """Inertia of the motors: the share of the last power that is kept in each 50 ms; 0 obeys at once."""
+    """Inertia of the motors: share of the last power that is kept after 50 ms; 0 means no inertia."""
     track: Size = 0.6
     """Nominal distance between the left and the right wheel."""
     wheel_diameter: Size = 0.35
@@ -546,33 +550,33 @@ class Robot(Record, frozen=True, kw_only=True):
     encoder_ticks: Annotated[int, Meta(ge=1, le=1_000_000)] = 2000
     """Encoder counts in one full turn of a wheel."""
     wheel_ratio: FigureRatio = 1.0
-    """True diameter of the right wheel over that of the left one (E_d of the UMBmark test)."""
+    """True diameter of the right wheel divided by that of the left wheel (E_d of the UMBmark test)."""
     wheel_scale: FigureRatio = 1.0
-    """True mean diameter of the wheels over WheelDiameter."""
+    """True mean diameter of the wheels divided by WheelDiameter."""
     track_ratio: FigureRatio = 1.0
-    """True track over Track (E_b of the UMBmark test)."""
+    """True track divided by Track (E_b of the UMBmark test)."""
     command_timeout: Seconds | None = None
-    """Simulated time without a motor command after which both powers become 0; absent means the simulation's."""
+    """Simulated time without a motor command after which both powers become 0; absent means that of the simulation."""
     anchored: bool = False
-    """Whether a hinge holds the body, as it does a door, so that it never slides."""
+    """Whether the body turns about a fixed hinge, like a door, and never slides."""
     acceleration_limit: Annotated[Limit, Meta(extra=_unit("m/s2"))] | None = None
     """Largest change of a wheel's speed per second; absent means no limit."""
     turn_limit: Annotated[Limit, Meta(extra=_unit("rad/s"))] | None = None
-    """Largest turn rate, either way; above it the difference of the wheels is scaled down. Absent means no limit."""
+    """Largest turn rate in either direction; a larger one is reduced to it. Absent means no limit."""
     motor_noise: Share = 0.0
     """Standard deviation of a motor's output, as a share of that output."""
     slip: Share = 0.0
-    """Share of the wanted motion by which the wheels of a blocked body turn on, and count."""
+    """How far the wheels of a blocked body spin: 0 not at all, 1 as if the body were free."""
     length: Size | None = None
     """Length of a one-box body along its x axis; only without Part."""
     width: Size | None = None
     """Width of a one-box body along its y axis; only without Part."""
     center: Share | None = None
-    """Of a one-box body: distance of the centre of movement from the rear edge, in lengths; absent means 0.5."""
+    """Distance of a one-box body's centre of movement from the rear edge, as a share of Length; absent means 0.5."""
     top: Size | None = None
     """Height of the upper face of a one-box body above the floor; absent means 1.3."""
     part: Annotated[tuple[Part, ...], Meta(max_length=32)] = ()
-    """Boxes that make up the body, for contact and for the sensors of others."""
+    """Boxes that make up the body, for contact and for the sensors of other bodies."""
     position: Position | None = None
     """Pose to start at, if no Place is given."""
     proximity: tuple[Proximity, ...] = ()
@@ -590,13 +594,13 @@ class Robot(Record, frozen=True, kw_only=True):
     imu: tuple[IMU, ...] = field(default=(), name="IMU")
     """Inertial units, which measure acceleration and turn rate."""
     beacon: tuple[Beacon, ...] = ()
-    """Sensors for the bearing of a place."""
+    """Sensors that measure the bearing of a place."""
     ground: tuple[Ground, ...] = ()
-    """Sensors for the zone under the body."""
+    """Sensors that report the zone under the body."""
     bumper: tuple[Bumper, ...] = ()
     """Contact sensors all around the body."""
     truth: tuple[Truth, ...] = ()
-    """Sensors for the true pose; refused where the simulation does not allow them."""
+    """Sensors that report the true pose; refused unless the simulation allows them."""
 
 
 class Parameters(Record, frozen=True, kw_only=True):
@@ -608,12 +612,12 @@ class Parameters(Record, frozen=True, kw_only=True):
     pace: Pace
     """How time passes: realtime, free (as fast as possible) or lockstep (waits for every member of the barrier)."""
     say_limit: Count
-    """Longest message that an agent may say, in Unicode code points."""
+    """Longest message that an agent may send to others, in Unicode code points."""
     say_range: Range
-    """Distance from the speaker up to which its message is heard."""
+    """Largest distance between the sender and a receiver of a message."""
     command_timeout: TimeoutSetting
     grace: Seconds
-    """Wall time for which a lost liveliness token is waited for before its agent is removed."""
+    """Wall time from the loss of a liveliness token to the removal of its agent."""
 
 
 class Joined(Record, frozen=True, kw_only=True):
@@ -623,11 +627,11 @@ class Joined(Record, frozen=True, kw_only=True):
     tick: Tick
     """First tick at which the agent takes part."""
     session: Hex
-    """Id of this join, to be sent with Actions, Say and Pose, and as ?session= when joining again."""
+    """Id of this join. Send it with Actions, Say and Pose, and as ?session= when joining again."""
     parameters: Parameters
-    """Settings of the simulation that was joined."""
+    """Settings of the simulation."""
     position: Position
-    """Pose at which the body starts."""
+    """Start pose of the body."""
     robot: Robot
     """Robot as the simulator accepted it."""
 
@@ -638,11 +642,11 @@ class Refused(Record, frozen=True, kw_only=True):
     code: RefusedCode
     """Reason, for programs."""
     text: ContentText
-    """Reason, for people: where, what was expected, what came."""
+    """Reason, for people: the place, what was expected and what was received."""
 
 
 class Leave(Record, frozen=True, kw_only=True):
-    """A request to leave. Without a Session it counts for whoever writes the key."""
+    """A request to leave. Without a Session it applies to all processes of the agent in the key."""
 
     run: SentRun | None = None
     session: Session | None = None
@@ -652,7 +656,7 @@ class Leave(Record, frozen=True, kw_only=True):
 
 
 class Actions(Record, frozen=True, kw_only=True):
-    """What an agent does in one tick. An absent motor keeps its last command."""
+    """The commands of an agent for one tick. An absent motor keeps its last command."""
 
     run: SentRun | None = None
     session: Session | None = None
@@ -663,13 +667,13 @@ class Actions(Record, frozen=True, kw_only=True):
     right_motor: Power | None = None
     """Power of the right motor, positive forward; absent keeps the last command and does not renew its time-out."""
     mode: Word | None = None
-    """What the mind is doing, in one word, for viewers and records."""
+    """What the mind is doing, in one word, for viewers and logs."""
     leave: bool = False
     """Whether the agent leaves the simulation after this tick."""
     goal: Goal | None = None
     """Where the mind is going, for viewers."""
     say: ElementText | None = None
-    """Message to the agents in range, who hear it in their next Measures."""
+    """Message to the agents in range, which receive it in their next Measures."""
 
 
 class AgentActions(Actions, frozen=True, kw_only=True):
@@ -691,14 +695,14 @@ class CrewActions(Record, frozen=True, kw_only=True):
 
 
 class Say(Record, frozen=True, kw_only=True):
-    """A message to other agents, from an agent that sends it apart from its `Actions`."""
+    """A message to other agents, sent separately from `Actions`."""
 
     run: SentRun | None = None
     session: Session | None = None
     tick: SentTick | None = None
     seq: SentSeq | None = None
     text: ContentText
-    """What is said to the agents in range."""
+    """Text of the message to the agents in range."""
 
 
 class ProximityReading(Record, frozen=True, kw_only=True):
@@ -712,12 +716,12 @@ class ProximityReading(Record, frozen=True, kw_only=True):
 
 
 class LidarReading(Record, frozen=True, kw_only=True):
-    """A scan. A range is `null` (`-` in XML) where its status is not ok."""
+    """A scan of a lidar. A range is `null` (`-` in XML) where its status is not ok."""
 
     id: ReadingId
     tick: SampleTick | None = None
     stamp: Seconds | None = None
-    """Simulated time of the scan since the run began."""
+    """Simulated time of the scan since the start of the run."""
     start_deg: Degrees
     """Angle of the first ray in the body frame: 0 is forward, positive to the left."""
     step_deg: Degrees
@@ -749,7 +753,7 @@ class OdometryReading(Record, frozen=True, kw_only=True):
     y: Coordinate
     """Distance to the left of the start, along the body frame's y axis at joining."""
     heading: Heading
-    """Angle turned since joining, positive anticlockwise; 0 points as the body frame at joining; in (-pi, pi]."""
+    """Heading relative to the body frame at joining, positive anticlockwise; in (-pi, pi]."""
 
 
 class CompassReading(Record, frozen=True, kw_only=True):
@@ -800,7 +804,7 @@ class GroundReading(Record, frozen=True, kw_only=True):
     id: ReadingId
     tick: SampleTick | None = None
     zone: Word | None = None
-    """Name of the first zone of the map that contains the point; absent means outside all of them."""
+    """Name of the first zone of the map that contains the point; absent means that the point is outside all zones."""
 
 
 class BumperReading(Record, frozen=True, kw_only=True):
@@ -827,7 +831,7 @@ class TruthReading(Record, frozen=True, kw_only=True):
 
 
 class Sensors(Record, frozen=True, kw_only=True):
-    """Readings, grouped by the kind of their sensor."""
+    """Readings, grouped by the kind of sensor."""
 
     proximity: tuple[ProximityReading, ...] = ()
     """Distances from proximity sensors."""
@@ -850,68 +854,68 @@ class Sensors(Record, frozen=True, kw_only=True):
     bumper: tuple[BumperReading, ...] = ()
     """States of bumpers."""
     truth: tuple[TruthReading, ...] = ()
-    """True poses and speeds, where the robot may know them."""
+    """True poses and twists, if the simulation allows them."""
 
 
 class Heard(Record, frozen=True, kw_only=True):
-    """A message from another agent or an operator, as it was heard."""
+    """A message that an agent received from another agent or an operator."""
 
     sender: Name = field(name="From")
-    """Name of the agent that said it; operator for an operator."""
+    """Name of the agent that sent the message, or operator."""
     tick: Tick
-    """Tick at which it was said."""
+    """Tick at which the message was sent."""
     seq: Count | None = None
-    """Seq that the sender gave it, if any."""
+    """Seq of the sender's message, if it had one."""
     distance: Range
-    """Distance from the speaker, when it spoke, to the listener's centre of movement; 0 for an operator."""
+    """Distance from the sender's position at sending to the receiver's centre of movement; 0 for an operator."""
     text: ContentText
-    """What was said."""
+    """Text of the message."""
 
 
 class UserInput(Record, frozen=True, kw_only=True):
-    """What a person wants of a robot, by joystick, word or goal. 0.3 s of wall time without any means stop."""
+    """The input of a person who steers a robot. The robot stops if no input arrives for 0.3 s of wall time."""
 
     lease: Hex | None = None
-    """Lease from the Result of take; required while one is running, absent otherwise."""
+    """Lease from the Result of take; required while the robot is taken, absent otherwise."""
     seq: Count | None = None
-    """Sender's message counter; an input that is not newer than the last is dropped."""
+    """Sender's message counter; an input with a Seq that is not higher than the last one is dropped."""
     forward: Power = 0.0
-    """Stick forward and back: 1 is full speed forward, -1 full speed back."""
+    """Stick forward and backward: 1 is full speed forward, -1 full speed backward."""
     turn: Power = 0.0
-    """Stick sideways: 1 is a full turn to the left (anticlockwise), -1 to the right."""
+    """Stick sideways: 1 is full left (anticlockwise), -1 full right."""
     buttons: Annotated[tuple[Button, ...], Meta(max_length=64)] = ()
-    """Numbers of the buttons that are held down."""
+    """Numbers of the buttons that are pressed."""
     word: Word | None = None
     """A single command word, such as forward, left or stop."""
     goal: Goal | None = None
-    """Where the person wants to go."""
+    """Pose that the person wants to reach."""
 
 
 class Measures(Record, frozen=True, kw_only=True):
-    """What an agent perceives after `Tick` steps."""
+    """The sensor readings and messages of an agent after `Tick` steps."""
 
     run: Run
     tick: StateTick
     time: Time
     collision: bool = False
-    """Whether the body could not move as commanded in the last step because something was in the way."""
+    """Whether an obstacle prevented the commanded motion in the last step."""
     contact: bool = False
     """Whether the body touches a wall or another body."""
     state: MotorState = "drive"
-    """Whether the motors obey the agent's commands; anything but drive says why they do not."""
+    """Whether the motors obey the agent's commands: drive means yes, any other state gives the reason why not."""
     sensors: Sensors | None = None
-    """Readings of the body's sensors that have one at this tick."""
+    """Readings of all sensors that report at this tick."""
     message: tuple[Heard, ...] = ()
-    """Messages heard at this tick, in the order they were said."""
+    """Messages received at this tick, in the order in which they were sent."""
     user_input: UserInput | None = None
-    """Latest input of the person, if the robot declared UserInput and there is any."""
+    """Latest input of the user, if the robot declares UserInput and an input has arrived."""
 
 
 class AgentMeasures(Measures, frozen=True, kw_only=True):
     """The `Measures` of one agent of a crew."""
 
     agent: Name
-    """Name of the agent that perceives this."""
+    """Name of the agent that the measures are for."""
 
 
 class CrewMeasures(Record, frozen=True, kw_only=True):
@@ -926,7 +930,7 @@ class CrewMeasures(Record, frozen=True, kw_only=True):
 
 
 class Pose(Record, frozen=True, kw_only=True):
-    """Where a real robot is, reported by its bridge."""
+    """The pose of a real robot, reported by its bridge."""
 
     run: SentRun | None = None
     session: Session | None = None
@@ -940,11 +944,11 @@ class Pose(Record, frozen=True, kw_only=True):
     covariance: tuple[Variance, ...] = ()
     """Covariance of X, Y and Heading (h): xx xy xh yy yh hh, in m2, m rad and rad2; 6 numbers or none."""
     sensors: Sensors | None = None
-    """Readings of the robot's own sensors, those declared with Source real."""
+    """Readings of the robot's sensors that are declared with Source real."""
 
 
 class PowerInForce(Record, frozen=True, kw_only=True):
-    """The power that a real robot must apply now, and why."""
+    """The power that a real robot must apply now, and the reason."""
 
     run: Run
     tick: StateTick
@@ -953,24 +957,24 @@ class PowerInForce(Record, frozen=True, kw_only=True):
     right_motor: Power
     """Power of the right motor to apply, positive forward."""
     state: MotorState = "drive"
-    """Why the power is what it is: drive obeys the mind, taken an operator; with any other the power is 0."""
+    """Source of the power: drive (the mind) or taken (an operator). In any other state the power is 0."""
 
 
 class Error(Record, frozen=True, kw_only=True):
-    """What was wrong with something that an agent sent."""
+    """An error in a message that an agent sent."""
 
     run: Run
     tick: StateTick
     code: ErrorCode
     """Reason, for programs."""
     where: Title | None = None
-    """Place in the document that was wrong, such as Actions.LeftMotor."""
+    """Place of the error in the document, such as Actions.LeftMotor."""
     seq: Count | None = None
-    """Seq of the message that was wrong, if it could be read."""
+    """Seq of the wrong message, if it could be read."""
     suppressed: Count = 0
-    """Number of errors that were not sent since the last one, to limit the rate."""
+    """Number of errors that the rate limit suppressed since the last Error message."""
     text: ContentText
-    """Reason, for people: where, what was expected, what came."""
+    """Reason, for people: the place, what was expected and what was received."""
 
 
 # ---------------------------------------------------------------- the world, for viewers
@@ -988,19 +992,19 @@ class Entity(Record, frozen=True, kw_only=True):
     turn_rate: TurnRate = 0.0
     """Rate of turn, positive anticlockwise."""
     collision: bool = False
-    """Whether the body could not move as commanded in the last step because something was in the way."""
+    """Whether an obstacle prevented the commanded motion in the last step."""
     contact: bool = False
     """Whether the body touches a wall or another body."""
     contacts: Count = 0
-    """Number of contact episodes since the run began; touching again within 0.25 s counts as the same one."""
+    """Number of contact episodes since the start of the run; touching again within 0.25 s counts as the same one."""
     state: MotorState = "drive"
-    """Whether the motors obey the mind's commands; anything but drive says why they do not."""
+    """Whether the motors obey the mind's commands: drive means yes, any other state gives the reason why not."""
     mode: Word | None = None
     """What the mind says it is doing, from its Actions."""
     goal: Goal | None = None
     """Where the mind says it is going, from its Actions."""
     say: ElementText | None = None
-    """Last message that the agent said, shown for 3 s of simulated time."""
+    """Last message that the agent sent, shown for 3 s of simulated time."""
 
 
 class WorldState(Record, frozen=True, kw_only=True):
@@ -1012,7 +1016,7 @@ class WorldState(Record, frozen=True, kw_only=True):
     part: PartNumber = 0
     parts: PartCount = 1
     entity: tuple[Entity, ...] = ()
-    """Bodies, in the order of their names; a body that is in no part is gone."""
+    """Bodies in the order of their names; a body that is in none of the parts does not exist any more."""
 
 
 class Body(Record, frozen=True, kw_only=True):
@@ -1021,15 +1025,15 @@ class Body(Record, frozen=True, kw_only=True):
     run: Run
     tick: StateTick
     owner: Hex | None = None
-    """Instance of the process that joined as this body; absent if the simulator owns it."""
+    """Instance of the process that joined with this body; absent if the simulator owns it."""
     roles: tuple[Role, ...] = ()
-    """Roles that processes have joined this body in."""
+    """Roles in which processes have joined this body."""
     robot: Robot
-    """Shape, motors and sensors, as accepted."""
+    """Shape, motors and sensors, as the simulator accepted them."""
 
 
 class Event(Record, frozen=True, kw_only=True):
-    """Something that happened. Events are numbered, so that a gap is noticed."""
+    """An event in a run. Events are numbered, so that a reader can detect gaps."""
 
     run: Run
     tick: StateTick
@@ -1038,23 +1042,23 @@ class Event(Record, frozen=True, kw_only=True):
     code: EventCode
     """What happened, for programs."""
     agent: Name | None = None
-    """Agent it happened to; in a contact the one that ran into the other."""
+    """Agent that the event is about; in a contact, the agent that ran into the other body."""
     other: Word | None = None
-    """Of a contact: the other body, or wall."""
+    """Of a contact: name of the other body, or the word wall."""
     part: Count | None = None
     """Of a contact: index of the agent's Part that touched, from 0."""
     other_part: Count | None = None
     """Of a contact: index of the other body's Part, or of the Wall in the map, from 0."""
     x: Coordinate | None = None
-    """Of a contact: x of the point of contact in the map frame."""
+    """Of a contact: x coordinate of the contact point in the map frame."""
     y: Coordinate | None = None
-    """Of a contact: y of the point of contact in the map frame."""
+    """Of a contact: y coordinate of the contact point in the map frame."""
     normal_x: Normal | None = None
-    """Of a contact: x of the unit normal in the map frame, from the other towards the agent."""
+    """Of a contact: x of the unit normal in the map frame, from the other body towards the agent."""
     normal_y: Normal | None = None
-    """Of a contact: y of the unit normal in the map frame, from the other towards the agent."""
+    """Of a contact: y of the unit normal in the map frame, from the other body towards the agent."""
     speed: Velocity | None = None
-    """Of a contact: closing speed along the normal, positive while approaching. Of speed: the new speed factor."""
+    """Closing speed along the normal at a contact, positive when approaching. In an event speed, the new factor."""
     text: OptionalText | None = None
     """Details for people, if there are any."""
 
@@ -1066,38 +1070,38 @@ class Events(Record, frozen=True, kw_only=True):
     oldest: Count
     """Number of the oldest event that is kept; earlier ones are lost."""
     next: Count
-    """Number to ask for next time: one more than the last event here."""
+    """Number for the next request: one more than that of the last event in this reply."""
     event: tuple[Event, ...] = ()
     """Events in the order of their numbers."""
 
 
 class Clock(Record, frozen=True, kw_only=True):
-    """How far the run is, and how fast it goes."""
+    """The simulated time of a run, and its speed."""
 
     run: Run
     tick: StateTick
     time: Time
     state: ClockState
-    """Whether time passes: running, paused, waiting for agents, or ended by its end condition."""
+    """State of the run: waiting (for agents), running, paused or ended (by its end condition)."""
     pace: Pace
     """How time passes: realtime, free (as fast as possible) or lockstep (waits for every member of the barrier)."""
     speed: Factor = 1.0
-    """Speed that was asked for: simulated time over wall time."""
+    """Requested speed: simulated time divided by wall time."""
     factor: Ratio = 0.0
-    """Speed reached recently: simulated time over wall time; 0 if unknown."""
+    """Measured speed: simulated time divided by wall time; 0 if unknown."""
     late: Count = 0
-    """Number of ticks since the run began that started after their deadline."""
+    """Number of ticks of this run that started after their deadline."""
     hash: Kept
     stamp: Stamp
-    """Unix time at which this was written."""
+    """Unix time at which the message was written."""
     waiting: tuple[Name, ...] = ()
-    """Agents whose answer the barrier is waiting for."""
+    """Agents whose answers the run is waiting for."""
     last: Tick | None = None
-    """Last tick of this run in the log that is being played; absent in a live run."""
+    """Last tick of this run in a log that is played; absent in a live run."""
 
 
 class MapInfo(Record, frozen=True, kw_only=True):
-    """Which map is loaded. The map itself is the reply to a `get`."""
+    """The name of the loaded map. The reply to a `get` is the map itself."""
 
     run: Run
     tick: StateTick
@@ -1116,7 +1120,7 @@ class Reach(Record, frozen=True, kw_only=True):
     """A condition: the agent's centre of movement is near a place."""
 
     agent: Name
-    """Agent that has to get there."""
+    """Agent that must reach the place."""
     place: Word
     """Name of a Position in the map's Grid."""
     within: Size
@@ -1124,27 +1128,27 @@ class Reach(Record, frozen=True, kw_only=True):
 
 
 class Timeout(Record, frozen=True, kw_only=True):
-    """A condition: so much simulated time has passed."""
+    """A condition: a simulated time has passed."""
 
     seconds: Annotated[float, Meta(gt=0.0, le=1e9, extra=_unit("s"))]
-    """Simulated time since the run began."""
+    """Simulated time since the start of the run."""
 
 
 class End(Record, frozen=True, kw_only=True):
-    """When a run ends: every `Reach` is met, or the time is up."""
+    """The end condition of a run: every `Reach` is met, or the `Timeout` has passed."""
 
     reach: tuple[Reach, ...] = ()
-    """Places to be reached, all of them at the same tick."""
+    """Places that must be reached, all at the same tick."""
     timeout: Timeout | None = None
     """Longest duration of the run; absent means no limit."""
 
 
 class Pause(Record, frozen=True, kw_only=True):
-    """Stop time. Steps that are being made end: their request is answered with `incorrect-state`."""
+    """Stop simulated time. Steps that are being made end, and their request gets `incorrect-state`."""
 
 
 class Resume(Record, frozen=True, kw_only=True):
-    """Let time continue."""
+    """Let simulated time continue."""
 
 
 class Step(Record, frozen=True, kw_only=True):
@@ -1155,7 +1159,7 @@ class Step(Record, frozen=True, kw_only=True):
 
 
 class Reset(Record, frozen=True, kw_only=True):
-    """Start a new run on the same map, with the same agents at their starts."""
+    """Start a new run on the same map, with the same agents at their start poses."""
 
     seed: NewSeed | None = None
     end: End | None = None
@@ -1166,7 +1170,7 @@ class Speed(Record, frozen=True, kw_only=True):
     """Set the speed of a real-time run."""
 
     factor: Factor
-    """Simulated time over wall time; 1 is real time."""
+    """Requested speed: simulated time divided by wall time; 1 is real time."""
 
 
 class Delete(Record, frozen=True, kw_only=True):
@@ -1177,23 +1181,23 @@ class Delete(Record, frozen=True, kw_only=True):
 
 
 class Take(Record, frozen=True, kw_only=True):
-    """Take control of a body: the simulator obeys `user/<agent>` instead of its mind until the lease ends."""
+    """Take control of a body: the simulator obeys `user/<agent>` instead of the mind until the lease ends."""
 
     agent: Name
     """Agent whose body is taken."""
     lease: Hex | None = None
-    """Lease to renew or to give back, from the Result of the first take; absent asks for a new one."""
+    """Lease to renew or to end, from the Result of the first take; absent requests a new lease."""
     seconds: Annotated[float, Meta(ge=0.0, le=60.0, extra=_unit("s"))] = 2.0
-    """Wall time until the lease ends unless it is renewed; 0 gives the body back at once."""
+    """Wall time after which the lease ends if it is not renewed; 0 ends it at once."""
 
 
 class OperatorSay(Record, frozen=True, kw_only=True):
-    """A message from an operator to one agent or to all. `<Say>` on the wire."""
+    """A message from an operator to one agent or to all."""
 
     to: Name | None = None
-    """Agent that hears it, at any distance; absent means all agents."""
+    """Agent that receives the message, at any distance; absent means all agents."""
     text: ContentText
-    """What is said."""
+    """Text of the message."""
 
 
 class Save(Record, frozen=True, kw_only=True):
@@ -1208,12 +1212,12 @@ class Restore(Record, frozen=True, kw_only=True):
 
 
 class Seek(Record, frozen=True, kw_only=True):
-    """Jump to a tick of a log that is being played."""
+    """Jump to a tick of a log that is played."""
 
     tick: Tick
     """Tick to show."""
     run: Hex | None = None
-    """Which run of the log; absent means the one that is shown."""
+    """Run of the log; absent means the current run."""
 
 
 class Quit(Record, frozen=True, kw_only=True):
@@ -1224,9 +1228,9 @@ class Spawn(Record, frozen=True, kw_only=True):
     """Add a body without a mind, owned by the simulator."""
 
     robot: Robot
-    """Body to add; its Name is the new agent's."""
+    """Body to add; its Name is the name of the new agent."""
     position: Position | None = None
-    """Pose to put it at; absent means the robot's Place or Position, or the first free place of its Kind."""
+    """Start pose; absent means the robot's Place or Position, or the first free place for its Kind."""
 
 
 class Teleport(Record, frozen=True, kw_only=True):
@@ -1235,7 +1239,7 @@ class Teleport(Record, frozen=True, kw_only=True):
     agent: Name
     """Agent whose body is moved."""
     position: Position
-    """Pose to move it to."""
+    """New pose of the body."""
 
 
 class Result(Record, frozen=True, kw_only=True):
@@ -1247,40 +1251,40 @@ class Result(Record, frozen=True, kw_only=True):
     tick: StateTick | None = None
     hash: Kept | None = None
     lease: Hex | None = None
-    """Lease that take granted, to be sent with UserInput."""
+    """Lease that take granted. Send it with UserInput."""
     slot: Word | None = None
-    """Slot that save filled, for restore."""
+    """Slot in which save stored the state, for restore."""
     text: OptionalText | None = None
-    """Reason for people, if it was not done."""
+    """Reason, for people, if the request failed."""
 
 
 # ---------------------------------------------------------------- files
 
 
 class Wall(Record, frozen=True, kw_only=True):
-    """A solid polygon, or with `Thickness` a line of at least 2 corners."""
+    """A wall: a solid polygon, or with `Thickness` a line of at least 2 corners."""
 
     height: Size = 2.5
-    """Height of the upper edge above the floor, whatever Bottom is."""
+    """Height of the upper edge above the floor (not above Bottom)."""
     bottom: Length = 0.0
     """Height of the lower edge above the floor; more than 0 leaves a gap below."""
     thickness: Size | None = None
     """Thickness of a wall that is drawn as a line, half to each side; absent means a solid polygon."""
     corner: tuple[Corner, ...] = ()
-    """Corners in order: at least 3 of a polygon, which closes itself, or 2 of a line."""
+    """Corners in order: at least 3 for a polygon, whose last corner is connected to the first, or 2 for a line."""
 
 
 class Doorway(Record, frozen=True, kw_only=True):
-    """An opening that can be passed."""
+    """An opening between walls that bodies can pass."""
 
     name: Word
     """Name of the doorway, unique in the map."""
     x: MapX
     y: MapY
     heading_deg: Degrees
-    """Direction of the way through, in the map frame: 0 along x, positive anticlockwise."""
+    """Direction of passage in the map frame: 0 along x, positive anticlockwise."""
     width: Size
-    """Clear width, across the way through."""
+    """Clear width of the opening."""
 
 
 class Obstacle(Record, frozen=True, kw_only=True):
@@ -1297,7 +1301,7 @@ class Obstacle(Record, frozen=True, kw_only=True):
 
 
 class Zone(Record, frozen=True, kw_only=True):
-    """A named area of the floor."""
+    """A named area of the map."""
 
     name: Word
     """Name of the zone, as ground sensors report it."""
@@ -1308,7 +1312,7 @@ class Zone(Record, frozen=True, kw_only=True):
 
 
 class Place(Record, frozen=True, kw_only=True):
-    """A named pose. `<Position>` on the wire."""
+    """A named pose on the map. Its element is `<Position>`."""
 
     name: Word
     """Name of the place, for Robot.Place, Reach and Beacon."""
@@ -1317,18 +1321,18 @@ class Place(Record, frozen=True, kw_only=True):
     heading_deg: Degrees = 0.0
     """Heading of a body that starts here, in the map frame: 0 along x, positive anticlockwise."""
     kinds: tuple[Word, ...] = ()
-    """Kinds of robot that may be put here without asking for it; none means any kind."""
+    """Kinds of robot that may start here without naming this place; none means any kind."""
 
 
 class Grid(Record, frozen=True, kw_only=True):
     """The named places of a map."""
 
     position: tuple[Place, ...] = ()
-    """Places, in the order in which free ones are given out."""
+    """Places, in the order in which they are assigned to robots that name no place."""
 
 
 class Map(Record, frozen=True, kw_only=True):
-    """The map of a floor."""
+    """A map: walls, doorways, obstacles, zones and named places."""
 
     format: Format
     name: Word
@@ -1336,11 +1340,11 @@ class Map(Record, frozen=True, kw_only=True):
     title: Title | None = None
     """Name of the map for people."""
     source: Title | None = None
-    """Where its measures come from."""
+    """Source of the dimensions."""
     wall: tuple[Wall, ...] = ()
     """Walls, which stop bodies and block sensors."""
     doorway: tuple[Doorway, ...] = ()
-    """Openings, for minds that plan a way."""
+    """Openings, for minds that plan a path."""
     obstacle: tuple[Obstacle, ...] = ()
     """Solids other than walls, which stop bodies and block sensors."""
     zone: tuple[Zone, ...] = ()
@@ -1350,10 +1354,10 @@ class Map(Record, frozen=True, kw_only=True):
 
 
 class Load(Record, frozen=True, kw_only=True):
-    """Start a new run on another map: one that the simulator knows by `Name`, or the `Map` itself."""
+    """Start a new run on another map: an included one with `Name`, or the document in `Map`."""
 
     name: Word | None = None
-    """Name of a map that the simulator has; either this or Map."""
+    """Name of an included map; either this or Map."""
     seed: NewSeed | None = None
     map: Map | None = None
     """Map to load; either this or Name."""
@@ -1374,17 +1378,17 @@ class Cast(Record, frozen=True, kw_only=True):
 
     name: AgentName
     robot: Title
-    """Its body: the name of a shipped robot, or the path of a robot file."""
+    """Body of the agent: the name of an included robot, or the path of a robot file."""
     mind: Title
-    """Its mind: the name of a shipped mind, or the path of a Python file."""
+    """Mind of the agent: the name of an included mind, or the path of a Python file."""
     place: Word | None = None
-    """Place on the map to start at; absent means the first free place of its Kind."""
+    """Place on the map to start at; absent means the first free place for its Kind."""
     option: tuple[Option, ...] = ()
-    """Options of the mind, and with a capital first letter fields of the robot."""
+    """Options of the mind; an option with a capital first letter sets a field of the robot."""
 
 
 class Hold(Record, frozen=True, kw_only=True):
-    """What must be true at the end of a run for it to succeed."""
+    """The conditions for success, checked at the end of a run."""
 
     contacts: Count | None = None
     """Largest number of contacts allowed; absent means any."""
@@ -1403,32 +1407,32 @@ class Setting(Record, frozen=True, kw_only=True):
 
 
 class Bridge(Record, frozen=True, kw_only=True):
-    """A real chair for one agent of the cast: a second simulation of the same map plays the building it drives in.
+    """A real chair for one agent of the cast. A second simulation of the same map, the laboratory, simulates it.
 
-    In a scene it applies to every run; in a level only where that level is chosen, and there it replaces the scene's
-    bridge for the same agent. An option with a capital first letter is a field of the chair as built, any other an
-    option of `iw-bridge`.
+    A Bridge in a scene applies to every run. A Bridge in a level applies only to rows with that level, and replaces the
+    scene's Bridge for the same agent. An option with a capital first letter sets a field of the real chair. Any other
+    is an option of `iw-bridge`.
     """
 
     agent: Name
     """Agent of the cast whose chair is real."""
     chair: Title | None = None
-    """Robot file of the chair as built; absent means the robot of the cast."""
+    """Robot file of the real chair; absent means the robot of the cast."""
     option: tuple[Option, ...] = ()
-    """Options of the bridge, and with a capital first letter fields of the chair."""
+    """Options of the bridge; an option with a capital first letter sets a field of the chair."""
 
 
 class Level(Record, frozen=True, kw_only=True):
     """One value of a factor: agents that are replaced or added, and options that are set."""
 
     name: Word
-    """Name of the level, a part of the names of its rows."""
+    """Name of the level, used in the names of rows."""
     title: Title | None = None
     """Name of the level in reports."""
     real: bool = False
-    """Whether the chair stands for a real one, so that its contacts count as physical."""
+    """Whether the chair represents a real one, so that its contacts count as physical."""
     cast: tuple[Cast, ...] = ()
-    """Agents of this level; one with the name of an agent of the scene replaces it."""
+    """Agents of this level; an agent with the same name as one of the scene replaces it."""
     bridge: tuple[Bridge, ...] = ()
     """Real chairs of this level."""
     setting: tuple[Setting, ...] = ()
@@ -1436,7 +1440,7 @@ class Level(Record, frozen=True, kw_only=True):
 
 
 class Varied(Record, frozen=True, kw_only=True):
-    """A factor of an experiment. `<Factor>` on the wire."""
+    """A factor of an experiment. Its element is `<Factor>`."""
 
     name: Word
     """Name of the factor."""
@@ -1450,15 +1454,15 @@ class Compare(Record, frozen=True, kw_only=True):
     """A comparison of two rows, seed by seed, or a claim about one row."""
 
     first: Title
-    """Row that the expectation is about."""
+    """First row, which the expectation is about."""
     second: Title | None = None
-    """Row that it is compared with; absent only for collision-free."""
+    """Row that the first is compared with; absent only for collision-free."""
     expect: Literal["better", "worse", "equivalent", "collision-free"] | None = None
-    """What is expected of the first row; absent reports the difference only."""
+    """Expected result of the first row; absent means that the report shows only the difference."""
 
 
 class Umbmark(Record, frozen=True, kw_only=True):
-    """Two rows whose chairs drive a square by odometry: where they end gives the true figures of their wheels."""
+    """A UMBmark test: two rows whose chairs drive a square by odometry. Their end positions give the wheel figures."""
 
     left: Title
     """Row with the squares driven to the left (anticlockwise)."""
@@ -1469,14 +1473,14 @@ class Umbmark(Record, frozen=True, kw_only=True):
 
 
 class Experiment(Record, frozen=True, kw_only=True):
-    """Runs of a scene to be compared. Every combination of levels is a row, named by them with `+` between."""
+    """Variations of a scene to run and compare. Every combination of levels is a row, named `first+second`."""
 
     subject: Name
     """Agent whose runs are measured."""
     margin: Share = 0.15
     """Largest difference of success rates at which two rows are equivalent."""
     factor: tuple[Varied, ...] = ()
-    """What is varied."""
+    """Factors that are varied."""
     compare: tuple[Compare, ...] = ()
     """Comparisons that the report makes."""
     umbmark: Umbmark | None = None
@@ -1484,7 +1488,7 @@ class Experiment(Record, frozen=True, kw_only=True):
 
 
 class Scene(Record, frozen=True, kw_only=True):
-    """A run to start: map, cast, pace, when it ends and what must be true then."""
+    """A run to start: map, agents, pace, end condition and conditions for success."""
 
     format: Format
     name: Word
@@ -1492,7 +1496,7 @@ class Scene(Record, frozen=True, kw_only=True):
     title: Title | None = None
     """Name of the scene for people."""
     map: Title
-    """Map: the name of a shipped map, or the path of a map file."""
+    """Map: the name of an included map, or the path of a map file."""
     seed: Seed = defaults.SEED
     """Seed of all noise in the run."""
     period: Period = defaults.PERIOD
@@ -1503,21 +1507,21 @@ class Scene(Record, frozen=True, kw_only=True):
     truth: bool = False
     """Whether agents may have truth sensors."""
     say_range: SayRange = defaults.SAY_RANGE
-    """Distance from the speaker up to which a message is heard."""
+    """Largest distance between the sender and a receiver of a message."""
     say_walls: bool = defaults.SAY_WALLS
     """Whether walls and closed doors block messages."""
     say_loss: Share = defaults.SAY_LOSS
-    """Share of messages between agents that a listener misses."""
+    """Share of messages between agents that a receiver misses."""
     say_delay: SayDelay = defaults.SAY_DELAY
-    """Simulated time by which a message arrives after the next tick."""
+    """Simulated time by which a message is delayed, in addition to one tick."""
     cast: tuple[Cast, ...] = ()
     """Agents to start."""
     bridge: tuple[Bridge, ...] = ()
     """Real chairs among the cast."""
     end: End | None = None
-    """When the run ends; absent means never by itself."""
+    """End condition; absent means that the run does not end by itself."""
     hold: Hold | None = None
-    """What must be true at the end; absent means nothing."""
+    """Conditions for success; absent means none."""
     experiment: Experiment | None = None
     """Variations of the scene to run and compare, if any."""
 

@@ -1,7 +1,7 @@
-"""Names that are part of keys. A name is checked before a key is made from it, and when it comes from a key.
+"""Names that are part of keys. A name is checked before it becomes part of a key, and when it is read from a key.
 
-Zenoh itself accepts spaces, '*', newlines and a leading '@' in a chunk. An agent called '*' would speak for all
-others, and '@x' would be hidden from every wildcard.
+Zenoh itself accepts spaces, '*', newlines and a leading '@' in a chunk. The keys of an agent called '*' would match
+those of all agents, and no wildcard would match those of '@x'.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from intellwheels_schemas.messages import HEX_PATTERN, NAME_PATTERN
 
 EXPECTED: Final = "a name of a-z, 0-9, _ and -, a letter first, at most 32 characters"
 RESERVED: Final = frozenset({"operator"})
-"""Names that no agent may have; `operator` is the sender of what people say."""
+"""Names that no agent may have; `operator` is the sender of messages from operators."""
 
 _NAME = re.compile(NAME_PATTERN)
 _HEX = re.compile(HEX_PATTERN)
@@ -26,7 +26,7 @@ def check_name(text: str, where: str = "") -> str:
 
     Args:
         text: Name of a world, an agent or a crew.
-        where: What the name is for, as the error says it.
+        where: What the name is for, as a text for the error.
 
     Raises:
         WireError: `value`, if it is invalid.
@@ -37,10 +37,10 @@ def check_name(text: str, where: str = "") -> str:
 
 
 def check_agent(text: str, where: str = "") -> str:
-    """Return `text` if an agent may have that name: it is valid and not reserved.
+    """Return `text` if it is a valid name for an agent and not reserved.
 
     Raises:
-        WireError: `value`, if not.
+        WireError: `value`, if it is not.
     """
     if check_name(text, where) in RESERVED:
         raise WireError(

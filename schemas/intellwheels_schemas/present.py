@@ -1,6 +1,6 @@
-"""Checks whether a simulator or an agent is running, for health checks and scripts.
+"""Checks whether a router, a simulator or an agent is running, for health checks and scripts.
 
-Exit code 0: its liveliness token exists; 1: it does not, or the endpoint does not answer; 2: wrong usage.
+Exit code 0: it is running; 1: it is not running, or the endpoint does not answer; 2: wrong usage.
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
-"""When a process stops. Every command uses this module, and nothing else handles signals.
+"""Stops a process on signals. All commands use this module, and no other module handles signals.
 
-A process stops on SIGTERM, on SIGINT, and when the other end of an inherited pipe, the lifeline, closes. That pipe
-tells a child that its parent is gone, whatever killed the parent. Nobody is left then to kill a child that is stuck in
-its own code, so it kills itself after a grace time.
+A process stops on SIGTERM, on SIGINT, and when the other end of an inherited pipe, the lifeline, closes. The lifeline
+tells a child that its parent has ended, for whatever reason. No parent can then kill a child that does not stop, so the
+child kills itself after a grace time.
 """
 
 from __future__ import annotations
@@ -15,10 +15,10 @@ import time
 from types import FrameType
 
 SLICE = 0.2
-"""Seconds of a wait: an untimed wait in the main thread can miss a signal, so long waits are cut into slices."""
+"""Longest single wait in the main thread, s. An untimed wait can miss a signal, so long waits are cut into slices."""
 
 GRACE = 3.0
-"""Seconds in which a process must end after its lifeline did."""
+"""Time in which a process must end after its lifeline has closed, s."""
 
 
 def add_process_options(parser: argparse.ArgumentParser) -> None:

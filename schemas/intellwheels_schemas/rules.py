@@ -1,4 +1,4 @@
-"""Rules that span several fields, one function per class. Pure; `decode` and `read_file` apply them.
+"""Rules that span several fields, one function per class. Pure. `decode` and `read_file` apply them.
 
 `messages` declares the bounds of each field; this module checks fields against each other.
 """
@@ -38,15 +38,15 @@ MAX_SENSORS: Final = 64
 MAX_RAYS: Final = 1440
 MAX_CREW: Final = 250
 DEFAULT_TOP: Final = 1.3
-"""Top of a one-box body that gives none, in metres: the height of a seated person."""
+"""Default Top of a one-box body, in metres: the height of a seated person."""
 
 
 class SensorDeclaration(Protocol):
-    """What the declarations of all kinds of sensors have in common."""
+    """The fields that the declarations of all kinds of sensors have."""
 
     @property
     def id(self) -> str:
-        """Its id, unique in its robot."""
+        """Id of the sensor, unique in the robot."""
 
     @property
     def every(self) -> int:
@@ -58,7 +58,7 @@ class SensorDeclaration(Protocol):
 
     @property
     def source(self) -> Source:
-        """Whether the simulator or the real body's bridge reads it."""
+        """Source of the samples: the simulator, or the bridge of a real robot."""
 
 
 class SensorRecords(NamedTuple):
@@ -83,7 +83,7 @@ SENSOR_RECORDS: Final = _sensor_records()
 SENSOR_KINDS: Final = tuple(SENSOR_RECORDS)
 """The names of those fields."""
 
-# The only fields of a mind whose body belongs to another process.
+# The only fields that a mind may send if its body belongs to another process.
 _MIND_FIELDS: Final = frozenset({"role", "instance", "barrier", "crew", "user_input", "name"})
 _FILE_LACKS: Final = ("name", "role", "instance", "place")
 
@@ -96,7 +96,7 @@ def _wire(cls: type[Record], name: str) -> str:
 
 
 def sensors_of(robot: Robot) -> Iterator[tuple[str, int, SensorDeclaration]]:
-    """Yield every declared sensor, in declaration order: wire name of its kind, index within the kind, declaration."""
+    """Yield every declared sensor in declaration order: field name of its kind, index within the kind, declaration."""
     for kind in SENSOR_KINDS:
         wire = _wire(Robot, kind)
         for index, sensor in enumerate(getattr(robot, kind)):
@@ -104,10 +104,10 @@ def sensors_of(robot: Robot) -> Iterator[tuple[str, int, SensorDeclaration]]:
 
 
 def parts_of(robot: Robot) -> tuple[Part, ...]:
-    """Return the boxes of a body in its own frame; none for a mind.
+    """Return the boxes of a body in the body frame; none for a mind.
 
     The one-box form becomes a box whose centre is (0.5 - Center) lengths ahead of the centre of movement, since Center
-    counts from the rear edge. Without Center the two coincide.
+    counts from the rear edge. Without Center both points coincide.
     """
     if robot.part or robot.length is None or robot.width is None:
         return robot.part
@@ -122,12 +122,12 @@ def has_motors(robot: Robot) -> bool:
 
 
 def is_mobile(robot: Robot) -> bool:
-    """Return whether the body can drive about: it has motors and is not anchored."""
+    """Return whether the body can drive: it has motors and is not anchored."""
     return has_motors(robot) and not robot.anchored
 
 
 def joins_barrier(robot: Robot) -> bool:
-    """Return whether a lockstep run waits for it: as Barrier says, else if it is a mind or has motors."""
+    """Return whether a lockstep run waits for the agent. Without Barrier it waits for minds and bodies with motors."""
     if robot.barrier is not None:
         return robot.barrier
     return robot.role == "mind" or has_motors(robot)
@@ -206,7 +206,7 @@ def _check_lidar(reading: LidarReading, place: str) -> None:
 
 
 def _values_of(reading: type[Record]) -> tuple[tuple[str, str], ...]:
-    """Return the fields, by their names here and on the wire, that a reading has with `Status` ok only."""
+    """Return the fields that a reading has only with `Status` ok, as names in Python and on the wire."""
     members = shape_of(reading).members
     if all(member.name != "status" for member in members):
         return ()
@@ -225,7 +225,7 @@ _VALUES: Final = {
 
 
 def check_sensors(sensors: Sensors, where: str) -> None:
-    """Check readings: there must be a value exactly where the status is ok.
+    """Check readings: a reading must have a value if its status is ok, and only then.
 
     Raises:
         WireError: `field` or `value`.

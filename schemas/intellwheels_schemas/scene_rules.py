@@ -1,6 +1,6 @@
-"""Rules of maps, scenes and experiments that span several fields. Pure; `rules` applies them.
+"""Rules of maps, scenes and experiments that span several fields. Pure. `rules` applies them.
 
-`intellwheels_maps` checks what needs geometry or other files.
+`intellwheels_maps` makes the checks that need geometry or other files.
 """
 
 from __future__ import annotations

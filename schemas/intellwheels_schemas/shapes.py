@@ -1,6 +1,6 @@
-"""The shape of a message class as plain data, made once from the class for codecs and generators.
+"""The shape of a message class: a description of its fields, made once for the codecs and generators.
 
-Nothing is declared twice: bounds, units, defaults and XML forms come from the annotations in `messages`.
+Bounds, units, defaults and XML forms come from the annotations in `messages`, so nothing is declared twice.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from intellwheels_schemas.messages import ROOTS, Record
 
 
 class Form(enum.Enum):
-    """How a field is written in XML."""
+    """The form of a field in XML."""
 
     ATTRIBUTE = "attribute"
     LIST = "list"  # a space-separated attribute
@@ -33,11 +33,11 @@ class Scalar:
     """A number, text, word or boolean, with its bounds.
 
     Attributes:
-        kind: Its type in JSON; `word` is one of a closed list, `truth` a boolean.
-        low, high: Bounds, or None; with `low_open` and `high_open` the bound itself is excluded.
-        nullable: Whether null may take its place in a list.
-        description: What its type is, for people, or empty.
-        expected: What errors call a text that must match a pattern, or empty.
+        kind: The type in JSON; `word` is one of a closed list, `truth` a boolean.
+        low, high: Bounds, or None. With `low_open` and `high_open` the bound itself is excluded.
+        nullable: Whether a list may contain null instead.
+        description: Description of the type for people, or empty.
+        expected: Name in errors for a text that must match a pattern, or empty.
         unit: SI unit, or `deg`; `1` for a share; empty if there is none.
     """
 
@@ -61,12 +61,12 @@ class Member:
     """A field of a class.
 
     Attributes:
-        wire: Its name in XML and JSON.
-        name: Its name in Python.
-        form: How it is written in XML.
+        wire: The name in XML and JSON.
+        name: The name in Python.
+        form: The form in XML.
         scalar: Type of the field or of its list items; None for records.
         record: Class of the field or of its list items; None for scalars.
-        required: Whether it has no default.
+        required: Whether the field has no default.
         default: The default, or None.
         max_count: Largest number of list items, or None.
     """
@@ -89,8 +89,8 @@ class Shape:
         root: Name of the XML element for a document, else the name of the class.
         members: The fields.
         by_wire: The fields by their name on the wire.
-        content: The field that is the text of the element, or None.
-        ragged: Whether a value in it or below could equal its default without being the same object.
+        content: The field whose value is the text of the element, or None.
+        ragged: Whether a value in it, at any depth, could equal its default without being the same object.
     """
 
     cls: type[Record]
@@ -143,7 +143,7 @@ def _peel(kind: inspect.Type) -> tuple[inspect.Type, dict[str, Any], dict[str, A
     nullable = False
     while True:
         if isinstance(kind, inspect.Metadata):
-            # Outer annotations win: they belong to the field, the inner ones to its type.
+            # Outer annotations take precedence: they belong to the field, and inner ones to its type.
             extra = {**(kind.extra or {}), **extra}
             schema = {**(kind.extra_json_schema or {}), **schema}
             kind = kind.type
@@ -161,7 +161,7 @@ _FORMS: Final = {"element": Form.ELEMENT, "text": Form.CONTENT}
 
 
 def _words(hint: Any) -> tuple[str, ...]:
-    """Return the words of a closed list in the order declared, since msgspec sorts them."""
+    """Return the words of a closed list in declaration order, since msgspec sorts them."""
     if get_origin(hint) is Literal:
         return get_args(hint)
     return next((words for inner in get_args(hint) if (words := _words(inner))), ())
@@ -195,7 +195,7 @@ def _member(field: inspect.Field, hint: Any) -> Member:
 def _may_be_equal_but_another(member: Member) -> bool:
     if member.record is not None:
         return shape_of(member.record).ragged
-    # Python has only one object for each of these, so msgspec's test for identity recognises them.
+    # Python has only one object for each of these values, so msgspec recognises them by identity.
     return not (
         member.required
         or member.default is None
@@ -211,7 +211,7 @@ def shape_of(cls: type[Record]) -> Shape:
     """Return the shape of a message class.
 
     Raises:
-        TypeError: A field has a type without a form on the wire, which is a mistake in `messages`.
+        TypeError: A field has a type that XML and JSON cannot express, which is a mistake in `messages`.
     """
     info = inspect.type_info(cls)
     if not isinstance(info, inspect.StructType):
@@ -233,10 +233,10 @@ _write = msgspec.json.Encoder().encode
 
 
 def number_text(value: float) -> str:
-    """Return a float or an integer as both encodings write it: 5.0, 0.00001, 1e-7, 1e16.
+    """Return the text of a float or an integer in both encodings: 5.0, 0.00001, 1e-7, 1e16.
 
     Raises:
-        ValueError: It is not finite, which no message may contain.
+        ValueError: The number is not finite, which no message may contain.
     """
     text = _write(value).decode()
     if text == "null":

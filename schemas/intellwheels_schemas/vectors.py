@@ -1,6 +1,6 @@
-"""Test vectors for any implementation: messages to the byte, and documents that must be refused.
+"""Test vectors for all implementations: messages with their exact bytes, and documents that must be refused.
 
-`generate` writes `schemas/vectors/` from here, and a test compares the two.
+`generate` writes them to `schemas/vectors/`, and a test compares the two.
 """
 
 from __future__ import annotations
@@ -104,7 +104,7 @@ from intellwheels_schemas.messages import (
 NAMES: Final[dict[str, type[Record]]] = {
     ("OperatorSay" if cls is OperatorSay else root): cls for cls, root in ROOTS.items()
 }
-"""The documents by name: that of the XML root, except `OperatorSay`, which shares its root with `Say`."""
+"""The documents by the name of the XML root; `OperatorSay` has its own name, because its root is also `Say`."""
 
 RUN: Final = "9f3c21d4a0b1c2d3"
 SESSION: Final = "c0ffee0012345678"
@@ -433,11 +433,11 @@ VALID: Final[dict[str, Record]] = {
     "Seek-run": Seek(tick=100, run=RUN),
     "Quit": Quit(),
 }  # fmt: skip
-"""Every message, some in several forms, by file name."""
+"""All messages by file name, some in several forms."""
 
 
 class Grown(NamedTuple):
-    """A document of a later minor version: peers read it as the vector `same`, the simulator refuses it."""
+    """A document with unknown fields: other programs read it as the vector `same`, and the simulator refuses it."""
 
     name: str
     data: str
@@ -468,10 +468,10 @@ class Wrong(NamedTuple):
     """A document that must be refused.
 
     Attributes:
-        name: File name: class, what is wrong, encoding.
+        name: File name: class, error, encoding.
         data: The bytes.
         code: Code of the error.
-        where: Place that the error names.
+        where: Place in the error.
     """
 
     name: str
@@ -668,14 +668,14 @@ REFUSED: Final = (
           b'<Scene Format="iw.v1" Name="s" Map="m"><End><Reach Agent="a" Place="p" Within="1"/></End></Scene>',
           "value", "Scene.End.Reach[0].Agent"),
 )  # fmt: skip
-"""Documents that must be refused, each for a single reason."""
+"""Documents that must be refused, each for one reason."""
 
 
 def class_of(file: str) -> type[Record]:
-    """Return the class that the file name of a vector begins with, up to the first `-` or `.`.
+    """Return the class of a vector from its file name, up to the first `-` or `.`.
 
     Raises:
-        ValueError: There is no such class.
+        ValueError: There is no class of this name.
     """
     name = file.replace(".", "-").partition("-")[0]
     if name not in NAMES:
@@ -684,7 +684,7 @@ def class_of(file: str) -> type[Record]:
 
 
 def encoding_of_file(file: str) -> Encoding:
-    """Return the encoding that the file name of a vector ends with."""
+    """Return the encoding of a vector from the end of its file name."""
     return Encoding.XML if file.endswith(".xml") else Encoding.JSON
 
 

@@ -17,5 +17,5 @@ def installed_version(distribution: str = DISTRIBUTION) -> str:
 
 
 def version_text() -> str:
-    """Return what `--version` prints: the product, its version, and that of the Zenoh library."""
+    """Return the text of `--version`: the product, its version, and the version of the Zenoh library."""
     return f"intellwheels {installed_version()} (eclipse-zenoh {installed_version('eclipse-zenoh')})"

@@ -1,7 +1,7 @@
-"""XML Schema 1.0 of every document, from the shapes.
+"""XML Schema 1.0 of every document, made from the shapes.
 
-If all children of a class are single, the schema allows them in any order. If one is repeated, it allows any number of
-each in any order, since XML Schema 1.0 cannot say more. So every document that the simulator accepts is valid, but a
+If no child of a class is repeated, the schema allows the children in any order. Otherwise it allows any number of each
+child in any order, since XML Schema 1.0 cannot express more. Every document that the simulator accepts is valid, but a
 valid document may still be refused: `python -m intellwheels_schemas check` decides.
 """
 
@@ -31,7 +31,7 @@ def _facets(scalar: Scalar) -> tuple[str, list[str]]:
     if scalar.kind == "word":
         return "xs:string", [f"<xs:enumeration value={quoteattr(word)}/>" for word in scalar.words]
     if scalar.kind == "text":
-        # Text without a pattern of its own is limited by XML itself.
+        # XML itself limits the characters of a text without a pattern.
         if scalar.expected and scalar.pattern is not None:
             pattern = scalar.pattern.pattern.removeprefix("^").removesuffix(r"\Z")
             facets.append(f"<xs:pattern value={quoteattr(pattern)}/>")
@@ -63,7 +63,7 @@ def _simple(scalar: Scalar, name: str = "") -> str:
 
 
 def _key(scalar: Scalar) -> tuple[Any, ...]:
-    """Return what makes two scalars the same type, whatever they are used for."""
+    """Return a key that is equal for two scalars of the same type, regardless of their use."""
     pattern = scalar.pattern.pattern if scalar.pattern is not None else None
     return (
         scalar.kind, scalar.low, scalar.high, scalar.low_open, scalar.high_open, pattern, scalar.min_length,
@@ -89,7 +89,7 @@ class _Writer:
         self.used: dict[str, str] = {}
 
     def type_of(self, scalar: Scalar) -> tuple[str, str]:
-        """Return the name of a scalar's type, or an empty name and the type inline."""
+        """Return the name of a scalar's type, or an empty name and the definition of the type."""
         found = self.named.get(_key(scalar))
         if found is None:
             return ("xs:boolean", "") if scalar.kind == "truth" else ("", _simple(scalar))
@@ -134,7 +134,7 @@ class _Writer:
         note = _note((shape.cls.__doc__ or "").partition("\n")[0])
         opening = f'<xs:complexType name="{shape.cls.__name__}">{note}'
         if shape.content is not None and shape.content.scalar is not None:
-            # Optional text that is absent is an empty element.
+            # An element with optional text is empty if the text is absent.
             name, _ = self.type_of(dataclasses.replace(shape.content.scalar, min_length=0))
             return (
                 f'{opening}<xs:simpleContent><xs:extension base="{name}">{attributes}</xs:extension>'
@@ -176,7 +176,7 @@ def _file(inside: str, about: str) -> str:
 
 
 def xsd_files() -> dict[str, str]:
-    """Return the schema files by name: `iw.xsd`, `operator-say.xsd` for the message of ctl/say, and their types."""
+    """Return the schema files by name: `iw.xsd`, `operator-say.xsd` for the message of ctl/say, and `types.xsd`."""
     writer = _Writer()
     classes = _classes_below(list(ROOTS))
     complexes = "".join(writer.complex(shape_of(cls)) for cls in classes)

@@ -1,7 +1,7 @@
-"""What arrives from Zenoh: samples, queries and tokens, in a bounded inbox.
+"""A bounded inbox for samples, queries and tokens from Zenoh.
 
-Zenoh calls back on threads of its own. Every callback only puts what arrived into an `Inbox`, and one other thread
-takes it out.
+Zenoh calls back on its own threads. Every callback only puts an object into an `Inbox`, and one other thread takes it
+out.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ class TooLong(NamedTuple):
 
 
 class Ask(NamedTuple):
-    """A query that arrived. It ends when this object is deleted, so answer it soon."""
+    """A query that arrived. The query ends when this object is deleted, so answer it soon."""
 
     key: str
     parameters: str
@@ -70,20 +70,20 @@ Arrival = Put | TooLong | Ask | Presence
 
 
 class Inbox:
-    """A bounded queue of what arrived, filled by Zenoh's threads and emptied by one other thread.
+    """A bounded queue of arrivals. Zenoh's threads fill it, and one other thread empties it.
 
     Attributes:
         dropped: Number of samples and queries dropped because the inbox was full; tokens are never dropped.
-        deleted: Number of samples dropped because they were not a put.
+        deleted: Number of samples dropped because they were not puts.
     """
 
     def __init__(self, room: int = 16_384, max_bytes: int = MAX_BYTES, total_bytes: int = 16 * MAX_BYTES) -> None:
         """Make an empty inbox.
 
         Args:
-            room: Largest number of arrivals kept.
-            max_bytes: Longest payload kept.
-            total_bytes: Largest number of bytes kept.
+            room: Largest number of arrivals that it keeps.
+            max_bytes: Longest payload that it keeps.
+            total_bytes: Largest total number of bytes that it keeps.
         """
         self.dropped = 0
         self.deleted = 0
@@ -104,7 +104,7 @@ class Inbox:
             self._some.notify()
 
     def on_sample(self, sample: zenoh.Sample) -> None:
-        """Keep a sample. For `declare_subscriber`."""
+        """Keep a sample. This is the callback for `declare_subscriber`."""
         if sample.kind != zenoh.SampleKind.PUT:
             self.deleted += 1
             return
@@ -116,7 +116,7 @@ class Inbox:
             self._keep(Put(key, sample.payload.to_bytes(), str(sample.encoding)), length + len(key) + 1)
 
     def on_query(self, query: zenoh.Query) -> None:
-        """Keep a query. For `declare_queryable`."""
+        """Keep a query. This is the callback for `declare_queryable`."""
         payload = query.payload
         length = 0 if payload is None else len(payload)
         key = str(query.key_expr)
@@ -128,7 +128,7 @@ class Inbox:
         self._keep(Ask(key, str(query.parameters), data, encoding, query), length + len(key) + 1)
 
     def on_token(self, sample: zenoh.Sample) -> None:
-        """Keep the appearance or disappearance of a token. For a liveliness subscriber."""
+        """Keep the appearance or disappearance of a token. This is the callback for a liveliness subscriber."""
         self._keep(Presence(str(sample.key_expr), sample.kind == zenoh.SampleKind.PUT), 0)
 
     def on_token_reply(self, reply: zenoh.Reply) -> None:
@@ -137,7 +137,7 @@ class Inbox:
             self._keep(Presence(str(reply.ok.key_expr), alive=True), 0)
 
     def take(self) -> list[Arrival]:
-        """Remove and return everything that arrived, in order of arrival."""
+        """Remove and return all arrivals, in order of arrival."""
         with self._some:
             taken = list(self._kept)
             self._kept.clear()
@@ -145,7 +145,7 @@ class Inbox:
         return taken
 
     def wait(self, seconds: float) -> bool:
-        """Wait until something is there or the time is up; return whether something is there."""
+        """Wait for an arrival or the time-out; return whether there is an arrival."""
         with self._some:
             return bool(self._kept) or self._some.wait(max(seconds, 0.0))
 

@@ -19,7 +19,7 @@ class Local(msgspec.Struct):
 
 
 def test_string_below_a_field_is_what_it_is_for() -> None:
-    assert field_docs(Wall)["height"] == "Height of the upper edge above the floor, whatever Bottom is."
+    assert field_docs(Wall)["height"] == "Height of the upper edge above the floor (not above Bottom)."
 
 
 def test_field_without_a_string_has_the_sentence_of_its_type() -> None:

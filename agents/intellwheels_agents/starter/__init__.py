@@ -1,4 +1,4 @@
-"""The starter project of `iw-agent new`: a mind, a robot, a scene and a test, ready to run. It overwrites nothing.
+"""The starter project of `iw-agent new`: a mind, a robot, a scene and tests, ready to run. It overwrites no file.
 
 The test file has another name in the package, so that pytest never collects it from an installed package.
 """

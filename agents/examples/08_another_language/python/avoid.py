@@ -1,4 +1,4 @@
-"""A chair that keeps out of the way; zenoh and JSON are all it needs. Usage: avoid.py [NAME [ENDPOINT]]."""
+"""A chair that avoids obstacles. It needs only zenoh and JSON. Usage: avoid.py [NAME [ENDPOINT]]."""
 
 import json
 import queue
@@ -19,7 +19,7 @@ ROBOT = {"Kind": "wheelchair", "Instance": INSTANCE, **BODY, "Proximity": PROXIM
 
 
 def connect() -> zenoh.Session:
-    """Return a session, once somebody answers."""
+    """Return a Zenoh session; try again until the endpoint answers."""
     endpoints = sys.argv[2:3] or ["tcp/127.0.0.1:7447"]
     settings = {"mode": "client", "connect": {"endpoints": endpoints}, "scouting": {"multicast": {"enabled": False}}}
     config = zenoh.Config.from_json5(json.dumps(settings))
@@ -31,7 +31,7 @@ def connect() -> zenoh.Session:
 
 
 def join(session: zenoh.Session) -> str:
-    """Return our session with the simulator, or nothing when there is none."""
+    """Return the Session from Joined, or an empty string if there is no simulator."""
     for reply in session.get(f"{KEY}/join/{NAME}", payload=json.dumps(ROBOT), encoding=JSON, timeout=12.0):
         if reply.ok is not None:
             return str(json.loads(reply.ok.payload.to_bytes())["Session"])
@@ -39,14 +39,14 @@ def join(session: zenoh.Session) -> str:
             refused = json.loads(reply.err.payload.to_bytes())
             if refused["Code"] != "no-token":
                 sys.exit(refused["Text"])
-            time.sleep(0.2)  # our token is on its way
+            time.sleep(0.2)  # our token has not arrived yet
             return join(session)
     return ""
 
 
 def drive(measures: dict[str, Any]) -> dict[str, float]:
-    """Return the powers for what is seen."""
-    # Without a Value the reading is `none`, nothing within 3 m, or `near`, touching.
+    """Return the motor powers for the sensor readings."""
+    # A reading without a Value has the Status `none` (nothing within 3 m) or `near` (touching).
     readings = {reading["Id"]: reading for reading in measures["Sensors"]["Proximity"]}
     see = {eye: r.get("Value", 0.0 if r.get("Status") == "near" else 3.0) for eye, r in readings.items()}
     free = min(see.values())
@@ -66,7 +66,7 @@ with (
         congestion_control=zenoh.CongestionControl.DROP,
         priority=zenoh.Priority.INTERACTIVE_HIGH,
     ) as actions,
-    # The simulator's own token: it is there now, or comes, and comes back after a restart. Each time we join.
+    # The simulator's token appears when it starts, and again after a restart. We join each time.
     session.liveliness().declare_subscriber(f"{KEY}/alive", arrived.put, history=True),
 ):
     ours, run, tick = "", "", 0

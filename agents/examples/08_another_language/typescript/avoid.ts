@@ -1,4 +1,4 @@
-// A chair that keeps out of the way; zenoh and JSON are all it needs. Usage: node avoid.js [NAME [BRIDGE]].
+// A chair that avoids obstacles. It needs only zenoh and JSON. Usage: node avoid.js [NAME [BRIDGE]].
 
 import { randomBytes } from "node:crypto";
 import {
@@ -22,7 +22,7 @@ const robot = {
 
 const pause = (seconds: number) => new Promise((go) => setTimeout(go, 1000 * seconds));
 
-/** Returns our session with the simulator, or nothing when there is none. */
+/** Returns the Session from Joined, or an empty string if there is no simulator. */
 async function join(): Promise<string> {
   for (;;) {
     const replies = await session.get(`${KEY}/join/${name}`, { payload: JSON.stringify(robot), encoding: JSON_V1 });
@@ -31,14 +31,14 @@ async function join(): Promise<string> {
       const result = reply.result();
       const text = result.payload().toString();
       if (!(result instanceof ReplyError)) return JSON.parse(text).Session;
-      // What is no JSON is zenoh's own word, that nobody answered in time.
+      // An error that is not JSON comes from zenoh itself: no reply in time.
       if (!text.startsWith("{")) continue;
       const refused: Complaint = JSON.parse(text);
       if (refused.Code !== "no-token") {
         console.error(refused.Text);
         process.exit(1);
       }
-      again = true; // our token is on its way
+      again = true; // our token has not arrived yet
     }
     if (!again) return "";
     await pause(0.2);
@@ -48,7 +48,7 @@ async function join(): Promise<string> {
 function drive(measures: Measures): { LeftMotor: number; RightMotor: number } {
   const see = (id: string) => {
     const reading = measures.Sensors.Proximity.find((one) => one.Id === id);
-    // Without a Value the reading is `none`, nothing within 3 m, or `near`, touching.
+    // A reading without a Value has the Status `none` (nothing within 3 m) or `near` (touching).
     return reading?.Value ?? (reading?.Status === "near" ? 0.0 : 3.0);
   };
   const [left, front, right] = [see("left"), see("front"), see("right")];
@@ -58,7 +58,7 @@ function drive(measures: Measures): { LeftMotor: number; RightMotor: number } {
   return { LeftMotor: forward - turn, RightMotor: forward + turn };
 }
 
-// What arrived and was not looked at yet; handlers only store.
+// Samples that arrived and were not processed yet. Handlers only store them.
 const arrived: Sample[] = [];
 let wake = () => {};
 const keep = (sample: Sample) => {
@@ -72,7 +72,7 @@ await session.liveliness().declareToken(`${KEY}/in/${name}/alive/both/${instance
 const actions = await session.declarePublisher(`${KEY}/in/${name}/actions`, {
   encoding: JSON_V1, congestionControl: CongestionControl.DROP, priority: Priority.INTERACTIVE_HIGH,
 });
-// The simulator's own token: it is there now, or comes, and comes back after a restart. Each time we join.
+// The simulator's token appears when it starts, and again after a restart. We join each time.
 await session.liveliness().declareSubscriber(`${KEY}/alive`, { handler: keep, history: true });
 
 let [ours, run, tick] = ["", "", 0];
@@ -94,7 +94,7 @@ for (;;) {
     if (error.Code === "not-joined" || error.Code === "session") ours = await join();
   } else if (kind === "measures" && ours) {
     const measures: Measures = JSON.parse(text);
-    if (measures.Run === run && measures.Tick < tick) continue; // it came behind a newer one
+    if (measures.Run === run && measures.Tick < tick) continue; // it arrived after a newer one
     [run, tick] = [measures.Run, measures.Tick];
     const said = { Run: run, Session: ours, Tick: tick, Seq: tick, ...drive(measures) };
     await actions.put(JSON.stringify(said));

@@ -1,11 +1,11 @@
 """A chair that drives where there is room. Change it as you like.
 
-`decide` is called once a tick, 20 times a simulated second, with the readings of the sensors in `robot.xml`.
+The harness calls `decide` once per tick, 20 times per simulated second, with the readings of the sensors.
 """
 
 from intellwheels_agents import Actions, Context, Measures
 
-FAR = 4.0  # m: the sensors' range, for a sensor that sees nothing
+FAR = 4.0  # m: the range of the sensors, used where a sensor detects nothing
 
 
 class Mind:
@@ -20,7 +20,7 @@ class Mind:
             elif reading.status == "near":
                 ranges[reading.id] = 0.0
         clearance = min(ranges.values())
-        if clearance < 0.8:  # turn slowly in place until the way is free
+        if clearance < 0.8:  # turn slowly on the spot until the way is free
             return Actions(left_motor=-0.15, right_motor=0.15)
         forward = self.power * min(1.0, clearance - 0.5)
         turn = 0.05 * (ranges["left"] - ranges["right"])

@@ -1,4 +1,4 @@
-"""Tests of the mind. Each starts a simulator and the chair as separate processes. Run them with `pytest`."""
+"""Tests of the mind. Each test starts a simulator and the chair as separate processes. Run the tests with `pytest`."""
 
 
 def test_chair_crosses_the_room_without_contact(intellwheels):

@@ -97,7 +97,7 @@ def test_quarter_turn_does_not_depend_on_how_it_is_cut(cuts: int) -> None:
 
 
 def test_ten_metres_of_a_curve_end_where_the_circle_does() -> None:
-    # Euler with the old heading is 3 cm off here (MODEL.md, Motion).
+    # Euler integration with the old heading is 4 cm off here (MODEL.md, Motion).
     x, y, heading = driven(0.0, 0.05, [(0.9, 1.0, 10.0 / 0.95)])
     rate = 0.1 / 0.572
     seconds = round(10.0 / 0.95 / 0.05) * 0.05

@@ -1,4 +1,4 @@
-//! A chair that keeps out of the way; zenoh and JSON are all it needs. Usage: avoid [NAME [ENDPOINT]].
+//! A chair that avoids obstacles. It needs only zenoh and JSON. Usage: avoid [NAME [ENDPOINT]].
 
 use std::hash::{BuildHasher, Hasher, RandomState};
 use std::sync::mpsc::channel;
@@ -26,7 +26,7 @@ fn connect(endpoint: &str) -> Session {
     }
 }
 
-/// Returns our session with the simulator, or nothing when there is none.
+/// Returns the Session from Joined, or None if there is no simulator.
 fn join(session: &Session, name: &str, robot: &Value) -> Option<String> {
     loop {
         let replies = session
@@ -43,13 +43,13 @@ fn join(session: &Session, name: &str, robot: &Value) -> Option<String> {
                 return joined["Session"].as_str().map(String::from);
             }
             Err(error) => {
-                // What is no JSON is zenoh's own word, that nobody answered in time.
+                // An error that is not JSON comes from zenoh itself: no reply in time.
                 let refused: Value = serde_json::from_slice(&error.payload().to_bytes()).ok()?;
                 if refused["Code"] != "no-token" {
                     eprintln!("{}", refused["Text"].as_str().unwrap_or("refused"));
                     process::exit(1);
                 }
-                thread::sleep(Duration::from_millis(200)); // our token is on its way
+                thread::sleep(Duration::from_millis(200)); // our token has not arrived yet
             }
         }
     }
@@ -59,7 +59,7 @@ fn drive(measures: &Value) -> (f64, f64) {
     let see = |eye: &str| {
         let readings = measures["Sensors"]["Proximity"].as_array();
         let reading = readings.and_then(|all| all.iter().find(|one| one["Id"] == eye));
-        // Without a Value the reading is `none`, nothing within 3 m, or `near`, touching.
+        // A reading without a Value has the Status `none` (nothing within 3 m) or `near` (touching).
         match reading {
             Some(one) => one["Value"].as_f64().unwrap_or(if one["Status"] == "near" { 0.0 } else { 3.0 }),
             None => 3.0,
@@ -106,7 +106,7 @@ fn main() {
         .priority(Priority::InteractiveHigh)
         .wait()
         .unwrap();
-    // The simulator's own token: it is there now, or comes, and comes back after a restart. Each time we join.
+    // The simulator's token appears when it starts, and again after a restart. We join each time.
     let _alive = session
         .liveliness()
         .declare_subscriber(format!("{KEY}/alive"))
@@ -135,7 +135,7 @@ fn main() {
             (kind == "measures", &ours, message["Run"].as_str(), message["Tick"].as_u64())
         {
             if now == run && new < tick {
-                continue; // it came behind a newer one
+                continue; // it arrived after a newer one
             }
             (run, tick) = (now.to_string(), new);
             let (left, right) = drive(&message);
