@@ -71,8 +71,8 @@ _NOTES = """
 - To follow `state/*`, subscribe first and then `get` the same keys. Drop each message that is older than the newest one
   you have.
 - To find worlds, query the liveliness tokens `iw/v1/*/alive`.
-- A simulator also claims its world with the token `alive/<since>/<instance>`. `since` is its start in nanoseconds of Unix
-  time, as 16 hex digits. If two simulators start at the same time, the earlier claim wins and the other simulator ends.
+- A simulator also claims its world with the token `alive/<since>/<instance>`. `since` is its start in nanoseconds of
+  Unix time, as 16 hex digits. If two simulators start together, the earlier claim wins and the other simulator ends.
 - A `Say` may also be put as `text/plain`.
 
 ## Encodings

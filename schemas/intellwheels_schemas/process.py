@@ -8,6 +8,7 @@ child kills itself after a grace time.
 from __future__ import annotations
 
 import argparse
+import contextlib
 import os
 import signal
 import threading
@@ -40,10 +41,19 @@ def stop_on_signals(lifeline: int | None = None) -> threading.Event:
         lifeline: Read end of a pipe that the parent holds open, or None.
     """
     stop = threading.Event()
+    reading, writing = os.pipe()
+    os.set_blocking(writing, False)
 
     def on_signal(_number: int, _frame: FrameType | None) -> None:
+        # Setting the event here could wait for a lock of it that the interrupted code holds, and never get it.
+        with contextlib.suppress(BlockingIOError):
+            os.write(writing, b"s")
+
+    def set_on_signal() -> None:
+        os.read(reading, 1)
         stop.set()
 
+    threading.Thread(target=set_on_signal, name="signals", daemon=True).start()
     signal.signal(signal.SIGTERM, on_signal)
     signal.signal(signal.SIGINT, on_signal)
     if lifeline is not None:

@@ -30,6 +30,26 @@ def test_signal_stops_a_process(number: signal.Signals) -> None:
         assert child.returncode == 0
 
 
+BUSY = """
+import os, signal
+from intellwheels_schemas.process import stop_on_signals
+stop = stop_on_signals()
+with stop._cond:
+    # Where the event is held, as in each of its waits.
+    os.kill(os.getpid(), signal.SIGTERM)
+    os.kill(os.getpid(), signal.SIGTERM)
+assert stop.wait(10.0)
+for _ in range(200_000):
+    os.kill(os.getpid(), signal.SIGINT)
+print("stopped", flush=True)
+"""
+
+
+def test_signal_at_any_moment_and_any_number_of_them_stop_a_process() -> None:
+    done = subprocess.run([sys.executable, "-c", BUSY], capture_output=True, text=True, timeout=60.0, check=False)
+    assert (done.returncode, done.stdout) == (0, "stopped\n"), done.stderr
+
+
 def test_end_of_the_parents_pipe_stops_a_process() -> None:
     reading, writing = os.pipe()
     command = [sys.executable, "-c", CHILD, str(reading)]
