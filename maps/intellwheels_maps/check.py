@@ -11,12 +11,11 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Iterator, Sequence
 from itertools import pairwise
-from typing import NamedTuple, TypeAlias
+from typing import NamedTuple
 
+from intellwheels_maps.crossing import Point, find_crossing
 from intellwheels_schemas.codec import VERSION
 from intellwheels_schemas.messages import Corner, Doorway, Map, Robot, Scene, Wall
-
-Point: TypeAlias = tuple[float, float]
 
 # m: doorways and walls are drawn by hand, and drawings are accurate to a centimetre.
 _WIDTH_TOLERANCE = 0.01
@@ -145,7 +144,7 @@ def _check_corners(element: str, what: str, corners: Sequence[Corner], *, closed
             text = f"{what} has the same corner twice in a row, X {_plain(one[0])} Y {_plain(one[1])}"
             yield Finding(f"{element}.Corner[{(index + 1) % len(points)}]", text)
             return
-    if closed and (crossing := _crossing(points)):
+    if closed and (crossing := find_crossing(points)):
         yield Finding(element, f"{what} crosses itself: edges {crossing[0]} and {crossing[1]}, counted from 0")
     elif closed and _twice_area(points) == 0.0:
         yield Finding(element, f"{what} has no area: its corners are on one line")
@@ -206,40 +205,6 @@ def _twice_area(points: Sequence[Point]) -> float:
 def _side(a: Point, b: Point, c: Point) -> float:
     """Return a positive value if c is left of the line from a to b, and 0 if c is on the line."""
     return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
-
-
-def _between(a: Point, b: Point, c: Point) -> bool:
-    return min(a[0], b[0]) <= c[0] <= max(a[0], b[0]) and min(a[1], b[1]) <= c[1] <= max(a[1], b[1])
-
-
-def _meet(a: Point, b: Point, c: Point, d: Point) -> bool:
-    """Return whether the closed segments ab and cd share a point."""
-    c_side, d_side, a_side, b_side = _side(a, b, c), _side(a, b, d), _side(c, d, a), _side(c, d, b)
-    if c_side * d_side < 0 and a_side * b_side < 0:
-        return True
-    ends = ((c_side, a, b, c), (d_side, a, b, d), (a_side, c, d, a), (b_side, c, d, b))
-    return any(side == 0 and _between(one, other, point) for side, one, other, point in ends)
-
-
-def _crossing(points: Sequence[Point]) -> tuple[int, int] | None:
-    """Return the first two edges of a ring that touch without being neighbours, or that fold back on each other."""
-    edges = list(_edges(points))
-    count = len(edges)
-    for one in range(count):
-        a, b = edges[one]
-        for other in range(one + 1, count):
-            c, d = edges[other]
-            if other == one + 1 or (one == 0 and other == count - 1):
-                # Neighbours share a corner. They cross only if one runs back over the other.
-                shared, before, after = (b, a, d) if other == one + 1 else (a, b, c)
-                back = (before[0] - shared[0]) * (after[0] - shared[0]) + (before[1] - shared[1]) * (
-                    after[1] - shared[1]
-                )
-                if count > 3 and _side(before, shared, after) == 0 and back > 0:
-                    return one, other
-            elif _meet(a, b, c, d):
-                return one, other
-    return None
 
 
 def _inside(point: Point, ring: Sequence[Point]) -> bool:

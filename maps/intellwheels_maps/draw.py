@@ -10,7 +10,8 @@ import math
 from collections.abc import Iterable, Sequence
 from xml.sax.saxutils import escape
 
-from intellwheels_maps.check import Point, points_of, wall_pieces
+from intellwheels_maps.check import points_of, wall_pieces
+from intellwheels_maps.crossing import Point
 from intellwheels_schemas.messages import Doorway, Map, Place, Wall, Zone
 
 _MARGIN = 0.6  # m: margin around the walls

@@ -58,7 +58,7 @@ def test_valid_floor_has_no_findings() -> None:
     [
         ([(0, 0), (1, 1), (1, 0), (0, 1)], "zone 'z' crosses itself: edges 0 and 2, counted from 0"),
         ([(0, 0), (2, 0), (1, 0), (1, 1)], "zone 'z' crosses itself: edges 0 and 1, counted from 0"),
-        ([(0, 0), (2, 0), (2, 2), (1, 0), (0, 2)], "zone 'z' crosses itself: edges 0 and 2, counted from 0"),
+        ([(0, 0), (2, 0), (2, 2), (1, 0), (0, 2)], "zone 'z' crosses itself: edges 0 and 3, counted from 0"),
         ([(0, 0), (1, 0), (2, 0)], "zone 'z' has no area: its corners are on one line"),
         ([(0, 0), (1, 0), (1, 0), (0, 1)], "zone 'z' has the same corner twice in a row, X 1.0 Y 0.0"),
         ([(0, 0), (1, 0), (0, 1), (0, 0)], "zone 'z' has the same corner twice in a row, X 0.0 Y 0.0"),

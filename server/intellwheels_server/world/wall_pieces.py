@@ -10,27 +10,21 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from fractions import Fraction
 from itertools import pairwise
-from typing import TypeAlias
 
 import numpy as np
 from shapely.geometry import Polygon
 from shapely.validation import explain_validity
 
+from intellwheels_maps.crossing import Point, orientation
+from intellwheels_server.world.convex_pieces import convex_pieces
 from intellwheels_server.world.kernels.arrays import Floats, Walls
 from intellwheels_server.world.kernels.grid import fill_cells
 
 __all__ = ["Line", "Solid", "Walls", "walls_from"]
 
-Point: TypeAlias = tuple[float, float]
-
 # Shortest edge, m: contact cannot tell corners apart that are closer.
 _SHORTEST = 1e-9
-# (3 + 16 e) e with e = 2^-53; products below the second may have lost digits to underflow.
-_SURE = 3.3306690738754716e-16
-_NO_UNDERFLOW = 1e-290
-
 # Side of a grid cell, m. Cells are about as large as the surroundings of a chair, so a search visits about four.
 _CELL = 1.0
 # Most cells; a floor that would need more gets larger cells.
@@ -175,22 +169,6 @@ def _thickness(piece: _Piece, edges: Sequence[tuple[float, float, float, float, 
     )
 
 
-def _orientation(a: Point, b: Point, c: Point) -> int:
-    """Return 1 if a, b, c turn left, -1 if right, 0 if they are in line. Exact.
-
-    Source:
-        Shewchuk, Adaptive precision floating-point arithmetic, 1997, for the bound above which the sign of the rounded
-        value is certain.
-    """
-    one, other = (b[0] - a[0]) * (c[1] - a[1]), (b[1] - a[1]) * (c[0] - a[0])
-    size = abs(one) + abs(other)
-    if abs(one - other) > _SURE * size and size > _NO_UNDERFLOW:
-        return 1 if one > other else -1
-    ax, ay = Fraction(a[0]), Fraction(a[1])
-    cross = (Fraction(b[0]) - ax) * (Fraction(c[1]) - ay) - (Fraction(b[1]) - ay) * (Fraction(c[0]) - ax)
-    return (cross > 0) - (cross < 0)
-
-
 # ---------------------------------------------------------------- solids
 
 
@@ -200,7 +178,7 @@ def _solid_pieces(where: str, wall: Solid) -> list[_Piece]:
         corners.pop()
     if len(corners) < 3:
         raise ValueError(f"{where}: a solid needs at least 3 corners, got {len(corners)}")
-    if all(_orientation(corners[0], b, c) == 0 for b, c in pairwise(corners)):
+    if all(orientation(corners[0], b, c) == 0 for b, c in pairwise(corners)):
         raise ValueError(f"{where}: expected an area, got corners in one line")
     polygon = Polygon(corners)
     if not polygon.is_valid:
@@ -208,94 +186,23 @@ def _solid_pieces(where: str, wall: Solid) -> list[_Piece]:
     if not polygon.exterior.is_ccw:
         corners.reverse()
     ring = _without_straight(corners)
+    pieces = convex_pieces(ring)
+    if pieces is None:
+        raise ValueError(f"{where}: expected a polygon that does not touch itself")
     size = len(ring)
     return [
         _Piece(
             tuple(ring[i] for i in piece),
             tuple((a + 1) % size == b for a, b in zip(piece, [*piece[1:], piece[0]], strict=True)),
         )
-        for piece in _merged(ring, _triangles(where, ring))
+        for piece in pieces
     ]
 
 
 def _without_straight(corners: list[Point]) -> list[Point]:
     """Return the ring without corners at which it goes straight on."""
     size = len(corners)
-    return [corners[i] for i in range(size) if _orientation(corners[i - 1], corners[i], corners[(i + 1) % size]) != 0]
-
-
-def _triangles(where: str, ring: list[Point]) -> list[list[int]]:
-    """Return an anticlockwise ring as triangles and a last convex polygon, by indices, found by clipping ears."""
-    left = list(range(len(ring)))
-    triangles: list[list[int]] = []
-    while len(left) > 3 and not _is_convex(ring, left):
-        for at in range(len(left)):
-            before, tip, after = left[at - 1], left[at], left[(at + 1) % len(left)]
-            if _is_ear(ring, left, before, tip, after):
-                triangles.append([before, tip, after])
-                del left[at]
-                break
-        else:
-            raise ValueError(f"{where}: expected a polygon that does not touch itself")
-    return [*triangles, left]
-
-
-def _is_convex(ring: list[Point], left: list[int]) -> bool:
-    size = len(left)
-    return all(_orientation(ring[left[i - 1]], ring[left[i]], ring[left[(i + 1) % size]]) > 0 for i in range(size))
-
-
-def _is_ear(ring: list[Point], left: list[int], before: int, tip: int, after: int) -> bool:
-    a, b, c = ring[before], ring[tip], ring[after]
-    if _orientation(a, b, c) <= 0:
-        return False
-    x0, x1 = min(a[0], b[0], c[0]), max(a[0], b[0], c[0])
-    y0, y1 = min(a[1], b[1], c[1]), max(a[1], b[1], c[1])
-    return not any(
-        x0 <= p[0] <= x1
-        and y0 <= p[1] <= y1
-        and _orientation(a, b, p) >= 0
-        and _orientation(b, c, p) >= 0
-        and _orientation(c, a, p) >= 0
-        for p in (ring[i] for i in left if i not in {before, tip, after})
-    )
-
-
-def _merged(ring: list[Point], pieces: list[list[int]]) -> list[list[int]]:
-    """Return the pieces after merging those that are convex together (Hertel and Mehlhorn, 1983)."""
-    found = True
-    while found:
-        found = False
-        owner = {edge: k for k, piece in enumerate(pieces) for edge in _sides(piece)}
-        for k, piece in enumerate(pieces):
-            for a, b in _sides(piece):
-                other = owner.get((b, a))
-                if other is None:
-                    continue
-                joined = _from(piece, b) + _from(pieces[other], a)[1:-1]
-                if _turns_left(ring, joined):
-                    pieces = [p for i, p in enumerate(pieces) if i not in {k, other}]
-                    pieces.insert(min(k, other), joined)
-                    found = True
-                    break
-            if found:
-                break
-    return pieces
-
-
-def _sides(piece: list[int]) -> list[tuple[int, int]]:
-    return list(zip(piece, [*piece[1:], piece[0]], strict=True))
-
-
-def _from(piece: list[int], first: int) -> list[int]:
-    """Return the piece rotated so that it starts with the corner `first`."""
-    at = piece.index(first)
-    return piece[at:] + piece[:at]
-
-
-def _turns_left(ring: list[Point], piece: list[int]) -> bool:
-    size = len(piece)
-    return all(_orientation(ring[piece[i - 1]], ring[piece[i]], ring[piece[(i + 1) % size]]) >= 0 for i in range(size))
+    return [corners[i] for i in range(size) if orientation(corners[i - 1], corners[i], corners[(i + 1) % size]) != 0]
 
 
 # ---------------------------------------------------------------- lines

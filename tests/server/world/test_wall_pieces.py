@@ -8,6 +8,7 @@ import shapely
 from shapely.geometry import LineString, Polygon
 from shapely.ops import unary_union
 
+from intellwheels_maps.crossing import Point
 from intellwheels_server.world.kernels.arrays import (
     CELL,
     EDGE_X,
@@ -25,7 +26,7 @@ from intellwheels_server.world.kernels.arrays import (
     WALL,
     Walls,
 )
-from intellwheels_server.world.wall_pieces import Line, Point, Solid, walls_from
+from intellwheels_server.world.wall_pieces import Line, Solid, walls_from
 
 
 def polygons(walls: Walls) -> list[Polygon]:
