@@ -2,18 +2,27 @@
 
 from __future__ import annotations
 
+import platform
 from importlib.metadata import PackageNotFoundError, version
 from typing import Final
 
 DISTRIBUTION: Final = "intellwheels"
 
+UNKNOWN: Final = "unknown"
+"""The version of what is not installed."""
+
 
 def installed_version(distribution: str = DISTRIBUTION) -> str:
-    """Return the version of an installed distribution, or `unknown` in a checkout that was not installed."""
+    """Return the version of an installed distribution, or `UNKNOWN`, as in a checkout that was not installed."""
     try:
         return version(distribution)
     except PackageNotFoundError:
-        return "unknown"
+        return UNKNOWN
+
+
+def versions_of(*distributions: str) -> dict[str, str]:
+    """Return the version of Python and of each distribution, by name; `UNKNOWN` for those that are not installed."""
+    return {"python": platform.python_version(), **{name: installed_version(name) for name in distributions}}
 
 
 def version_text() -> str:

@@ -18,6 +18,7 @@ import zenoh
 from intellwheels_schemas import link, zenoh_inbox
 from intellwheels_schemas.channels import CHANNELS
 from intellwheels_schemas.codec import Encoding, encode
+from intellwheels_schemas.file_records import Inputs
 from intellwheels_schemas.keys import Keys, OutKind
 from intellwheels_schemas.messages import Body, Clock, Event, MapInfo, Pose, Record, WorldState
 from intellwheels_schemas.process import SLICE
@@ -34,7 +35,6 @@ from intellwheels_server.service.roster import new_hex
 from intellwheels_server.service.run_state import Recorder
 from intellwheels_server.service.service_state import Options
 from intellwheels_server.world import State
-from intellwheels_server.world.inputs import Inputs
 
 MAX_KEYS: Final = 4_096
 """Keys whose parts are remembered."""

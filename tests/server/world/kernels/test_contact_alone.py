@@ -16,7 +16,9 @@ def best(
     """Let body 0 do its best before the wall x = 5 with the other body far away; return where it ends too."""
     old = spots(start, (-50.0, 0.0, 0.0))
     x, y, heading = start
-    proposal = spots((x + travel * math.cos(heading), y + travel * math.sin(heading), heading + turn), (-50.0, 0.0, 0.0))
+    proposal = spots(
+        (x + travel * math.cos(heading), y + travel * math.sin(heading), heading + turn), (-50.0, 0.0, 0.0)
+    )
     index, result = INDEX.copy(), np.zeros((2, 5))
     index[0, OF_ANCHORED] = anchored
     whole, forward, turned = best_alone(
@@ -32,7 +34,8 @@ def test_proposal_that_may_stand_is_granted_to_the_bit() -> None:
 def test_body_that_drives_at_a_wall_stops_flush() -> None:
     whole, forward, turned, (x, y, heading) = best((3.875, 0.0, 0.0), 0.25, 0.0)
     assert not whole
-    assert (forward, x) == (pytest.approx(0.125, abs=1e-8), pytest.approx(4.0, abs=1e-8))
+    assert forward == pytest.approx(0.125, abs=1e-8)
+    assert x == pytest.approx(4.0, abs=1e-8)
     assert (turned, y, heading) == (0.0, 0.0, 0.0)
 
 

@@ -117,7 +117,7 @@ from intellwheels_maps import floor, robot
 from intellwheels_schemas import generate, rules
 from intellwheels_schemas.codec import Encoding, decode, encode
 from intellwheels_schemas.messages import Actions, Measures, Nose, NoseReading, Robot, Sensors
-from intellwheels_server.world.inputs import Inputs, Join
+from intellwheels_schemas.file_records import Inputs, Join
 from intellwheels_server.world.sensors.catalogue import KINDS, example_sensors
 from intellwheels_server.world.warmup import _perceptive
 from intellwheels_server.world import Setup, advance, apply, begin, digest, measures
