@@ -29,6 +29,7 @@ from intellwheels_schemas.link import Link
 from intellwheels_schemas.messages import Map, Pace, Scene
 from intellwheels_schemas.names import check_name
 from intellwheels_schemas.process import stop_on_signals
+from intellwheels_schemas.version import add_version_option
 
 _EPILOG = """\
 examples:
@@ -54,6 +55,7 @@ def parser() -> argparse.ArgumentParser:
         epilog=_EPILOG,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
+    add_version_option(found)
     found.add_argument("scene", metavar="SCENE", help=f"a shipped scene ({', '.join(names('scenes'))}) or an XML file")
     found.add_argument(
         "--view", action="store_true",

@@ -1,4 +1,4 @@
-"""When a process stops. Every command uses this module, and nothing else handles signals.
+"""When a process stops, and what else every command can do. Nothing else handles signals.
 
 A process stops on SIGTERM, on SIGINT, and when the other end of an inherited pipe, the lifeline, closes. That pipe
 tells a child that its parent is gone, whatever killed the parent. Nobody is left then to kill a child that is stuck in
@@ -14,6 +14,8 @@ import threading
 import time
 from types import FrameType
 
+from intellwheels_schemas.version import add_version_option
+
 SLICE = 0.2
 """Seconds of a wait: an untimed wait in the main thread can miss a signal, so long waits are cut into slices."""
 
@@ -22,7 +24,8 @@ GRACE = 3.0
 
 
 def add_process_options(parser: argparse.ArgumentParser) -> None:
-    """Add the options that control when a command stops."""
+    """Add the options that every command has: its version, and when it stops."""
+    add_version_option(parser)
     parser.add_argument(
         "--lifeline",
         type=int,

@@ -1,7 +1,8 @@
-"""The version of this installation, for `--version`, logs and reports."""
+"""The version of this installation, for `--version` of every command, logs and reports."""
 
 from __future__ import annotations
 
+import argparse
 import platform
 from importlib.metadata import PackageNotFoundError, version
 from typing import Final
@@ -28,3 +29,8 @@ def versions_of(*distributions: str) -> dict[str, str]:
 def version_text() -> str:
     """Return what `--version` prints: the product, its version, and that of the Zenoh library."""
     return f"intellwheels {installed_version()} (eclipse-zenoh {installed_version('eclipse-zenoh')})"
+
+
+def add_version_option(parser: argparse.ArgumentParser) -> None:
+    """Add `--version`, which every command has: `process.add_process_options` calls this."""
+    parser.add_argument("--version", action="version", version=version_text(), help="print the version, and exit")
