@@ -3,6 +3,7 @@ import pytest
 from intellwheels_schemas.present import main
 
 
+@pytest.mark.process
 def test_nobody_at_the_endpoint_is_not_present(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["--connect", "tcp/127.0.0.1:1"]) == 1
     assert "nobody answers at tcp/127.0.0.1:1" in capsys.readouterr().err

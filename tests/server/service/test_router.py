@@ -43,6 +43,7 @@ def router(address: str) -> Iterator["subprocess.Popen[str]"]:
         child.stdout.close()
 
 
+@pytest.mark.process
 def test_router_connects_two_clients_and_ends_on_a_signal() -> None:
     address = endpoint()
     heard: list[bytes] = []
@@ -72,6 +73,7 @@ def test_zenoh_accepts_the_printed_configuration(capsys: pytest.CaptureFixture[s
     assert json.loads(zenoh.Config.from_json5(text).get_json("listen/endpoints")) == ["tcp/0.0.0.0:7000"]
 
 
+@pytest.mark.process
 def test_port_in_use_is_reported(capsys: pytest.CaptureFixture[str]) -> None:
     with socket.socket() as taken:
         taken.bind(("127.0.0.1", 0))
@@ -81,6 +83,7 @@ def test_port_in_use_is_reported(capsys: pytest.CaptureFixture[str]) -> None:
     assert f"iw-router: cannot listen at {address}: the port is in use" in capsys.readouterr().err
 
 
+@pytest.mark.process
 def test_world_with_a_router_alone_has_no_simulator_or_agent() -> None:
     address = endpoint()
     with router(address):
