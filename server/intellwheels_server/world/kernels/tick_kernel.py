@@ -76,7 +76,7 @@ def _take_over(
         numbers[rows.SPEED, i] = min(max(forward / period, -rows.MOST_SPEED), rows.MOST_SPEED)
         numbers[rows.TURN_RATE, i] = min(max(turned / period, -rows.MOST_TURN_RATE), rows.MOST_TURN_RATE)
         if outcome_flags[BLOCKED, i] != 0:
-            forward, turned = rolled_while_blocked(flaws, i, twist[TRAVEL, i], twist[TURN, i], forward, turned)
+            forward, turned = rolled_while_blocked(flaws, i, twist[TRAVEL, i], twist[TURN, i], forward, turned, period)
         half = 0.5 * turned * motors[MOTOR_TRACK, i]
         numbers[rows.LEFT_TRAVEL, i] += forward - half
         numbers[rows.RIGHT_TRAVEL, i] += forward + half
