@@ -1,7 +1,7 @@
 """Reads floors, robots and scenes by name or by path. Only this file of the package reads files.
 
-`is_path` says which text is the name of a shipped file and which is a path. A returned document has passed its schema
-and its checks; otherwise a `WireError` names the file, the line and what was expected.
+A plain word is the name of a shipped file. Text with a `/`, or that ends in `.xml`, is a path. A returned document has
+passed its schema and its checks; otherwise a `WireError` names the file, the line and what was expected.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ ENDINGS: Final = (".xml", ".py")
 
 
 def is_path(name_or_path: str | Path) -> bool:
-    """Return whether a text is the path of a file, otherwise it is the name of a shipped one.
+    """Return whether a text is the path of a file, otherwise it is the name of an included one.
 
     A path has a `/`, or ends as the name of a file does. Whatever takes a name or a path asks here.
     """
@@ -34,7 +34,7 @@ def is_path(name_or_path: str | Path) -> bool:
 
 
 def folder_of(name_or_path: str | Path) -> Path | None:
-    """Return the absolute folder of a file, from which the paths in it start; None for a shipped one."""
+    """Return the absolute folder of a file, from which the paths in it start; None for an included one."""
     return Path(name_or_path).absolute().parent if is_path(name_or_path) else None
 
 

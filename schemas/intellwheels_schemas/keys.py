@@ -58,9 +58,9 @@ class Keys:
         world: Its name.
         prefix: Start of all its keys, with the last slash.
         map, event, clock, alive: The keys without a further part.
-        every_join, every_leave, every_in, every_user, every_ctl: What the simulator listens to.
+        every_join, every_leave, every_in, every_user, every_ctl, every_crew_actions: What the simulator listens to.
         every_token: Liveliness tokens of all agents.
-        every_body, every_state: What recorders and viewers listen to.
+        every_out, every_body, every_state: What recorders and viewers listen to.
 
     Raises:
         WireError: `value`, if the name of the world is invalid.

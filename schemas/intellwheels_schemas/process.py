@@ -1,4 +1,4 @@
-"""When a process stops, and what else every command can do. Nothing else handles signals.
+"""When a process stops. Every command uses this module, and nothing else handles signals.
 
 A process stops on SIGTERM, on SIGINT, and when the other end of an inherited pipe, the lifeline, closes. That pipe
 tells a child that its parent is gone, whatever killed the parent. Nobody is left then to kill a child that is stuck in
