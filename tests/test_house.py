@@ -39,6 +39,7 @@ REPLACED = """
         parts placing player publication reception recording reported reports ring service slots
         state step trace tray verbs walls
         warming kernels sensors world.py
+    server/world: inputs
     agents/experiments: batch.py children check ensemble film keep page plan plugin processes record
         report rig rows run.py stand trace trial watch what_if
     agents: chair equipment network path pilot projection ring seen surroundings user
@@ -53,6 +54,7 @@ REPLACED = """
 
 FOLDERS = {
     "server": "server/intellwheels_server",
+    "server/world": "server/intellwheels_server/world",
     "agents/experiments": "agents/intellwheels_experiments",
     "agents": "agents/intellwheels_agents",
     "agents/bridge": "agents/intellwheels_agents/bridge",

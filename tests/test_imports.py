@@ -10,6 +10,8 @@ from pathlib import Path
 
 import pytest
 
+from tests.commands import MODULES, SCRIPTS, file_of
+
 ROOT = Path(__file__).parent.parent
 PACKAGES = {
     "intellwheels_schemas": ROOT / "schemas",
@@ -65,18 +67,14 @@ def imported(path: Path) -> Iterator[str]:
 
 
 FILES = list(sources())
-COMMANDS = {
+OPENERS = {
     "intellwheels_schemas.present",
     "intellwheels_server.server_options",
-    "intellwheels_server.service.router",
-    "intellwheels_experiments.conformance.__main__",
-    "intellwheels_agents.joystick.__main__",
     "intellwheels_experiments.testing.rig",
     "intellwheels_viewer.viewer_service",
-    "intellwheels_agents.bridge.__main__",
     "intellwheels_experiments.batch.run_worker",
 }
-"""Commands that are files of their own; the rig and the viewer's service, which do a command's work."""
+"""Files that do a command's work, beside those of the commands themselves."""
 
 
 @pytest.mark.parametrize(("package", "path"), FILES, ids=[str(path.relative_to(ROOT)) for _, path in FILES])
@@ -120,9 +118,8 @@ def dotted(path: Path) -> str:
 
 def test_pure_files_do_not_import_the_doors() -> None:
     doors = {dotted(ROOT / door) for door in KNOWS_ZENOH}
-    mains = {f"{package}.__main__" for package in PACKAGES} | COMMANDS
     # A command opens its room's door: that is its work.
-    openers = doors | mains
+    openers = doors | OPENERS | {file_of(name) for name in SCRIPTS}
     guilty = {
         dotted(path): found
         for _, path in FILES
@@ -133,12 +130,12 @@ def test_pure_files_do_not_import_the_doors() -> None:
 
 @pytest.mark.process
 def test_harness_needs_neither_numpy_nor_numba_nor_shapely_nor_viser() -> None:
+    agents = ", ".join(file_of(name) for name in SCRIPTS if MODULES[name].startswith("intellwheels_agents"))
     program = (
         "import sys\n"
         "for name in ('numpy', 'numba', 'shapely', 'viser', 'pygame', 'serial'):\n"
         "    sys.modules[name] = None\n"
-        "import intellwheels_agents.__main__, intellwheels_experiments.__main__, intellwheels_schemas.link\n"
-        "import intellwheels_agents.joystick.__main__, intellwheels_agents.bridge.__main__\n"
+        f"import intellwheels_experiments.__main__, intellwheels_schemas.link, {agents}\n"
         "import importlib, pkgutil, intellwheels_agents.minds\n"
         "for mind in pkgutil.iter_modules(intellwheels_agents.minds.__path__):\n"
         "    importlib.import_module(f'intellwheels_agents.minds.{mind.name}')\n"

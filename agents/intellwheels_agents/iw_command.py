@@ -21,7 +21,7 @@ from intellwheels_agents import minds
 from intellwheels_maps import floor, names, robot, scene
 from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.messages import Place
-from intellwheels_schemas.version import version_text
+from intellwheels_schemas.version import add_version_option
 
 COMMANDS = {
     "run": "run a scene, an experiment with many seeds, or a what-if run",
@@ -60,7 +60,7 @@ def parser() -> argparse.ArgumentParser:
             '  eval "$(iw completion bash)"   completion in this shell'
         ),
     )
-    found.add_argument("--version", action="version", version=version_text())
+    add_version_option(found)
     found.add_argument("command", metavar="COMMAND", choices=[*COMMANDS, "list", "completion"])
     return found
 

@@ -16,17 +16,20 @@ from rich.console import Console
 
 from intellwheels_experiments.batch.experiment_rows import Row, rows_of
 from intellwheels_experiments.run.endpoints import free_endpoint
-from intellwheels_experiments.run.launch_spec import WALL_LIMIT, LaunchSpec, wall_limit
+from intellwheels_experiments.run.launch_spec import WALL_LIMIT, LaunchSpec, resolved, wall_limit
 from intellwheels_experiments.run.progress import Progress
 from intellwheels_experiments.run.run_report import show, to_json
 from intellwheels_experiments.run.scene_run import perform
 from intellwheels_experiments.run.world_watch import watching
 from intellwheels_maps import floor, names, scene
+from intellwheels_maps.library import folder_of
+from intellwheels_schemas import defaults
 from intellwheels_schemas.errors import WireError
-from intellwheels_schemas.link import DEFAULT_WORLD, Link
+from intellwheels_schemas.link import Link
 from intellwheels_schemas.messages import Map, Pace, Scene
 from intellwheels_schemas.names import check_name
 from intellwheels_schemas.process import stop_on_signals
+from intellwheels_schemas.version import add_version_option
 
 _EPILOG = """\
 examples:
@@ -52,6 +55,7 @@ def parser() -> argparse.ArgumentParser:
         epilog=_EPILOG,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
+    add_version_option(found)
     found.add_argument("scene", metavar="SCENE", help=f"a shipped scene ({', '.join(names('scenes'))}) or an XML file")
     found.add_argument(
         "--view", action="store_true",
@@ -111,7 +115,7 @@ def parser() -> argparse.ArgumentParser:
     )
     link = found.add_argument_group("link", "by default the simulator listens at a free port of this machine")
     link.add_argument(
-        "--world", type=_world, metavar="NAME", default=DEFAULT_WORLD, help=f"name of the world ({DEFAULT_WORLD})"
+        "--world", type=_world, metavar="NAME", default=defaults.WORLD, help=f"name of the world ({defaults.WORLD})"
     )
     link.add_argument("--listen", action="append", default=[], metavar="ENDPOINT", help="where the simulator listens")
     link.add_argument(
@@ -124,10 +128,9 @@ def parser() -> argparse.ArgumentParser:
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command and return its exit code."""
     options = parser().parse_args(arguments)
-    is_path = "/" in options.scene or options.scene.endswith(".xml")
     try:
         chosen = scene(options.scene)
-        folder = Path(options.scene).absolute().parent if is_path else None
+        folder = folder_of(options.scene)
         chosen_floor = floor(chosen.map, beside=folder)
     except WireError as error:
         print(f"iw-run: {error.text}", file=sys.stderr)
@@ -141,7 +144,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     meets_elsewhere = options.connect or options.config is not None
     spec = LaunchSpec(
         scene=chosen,
-        source=str(Path(options.scene).absolute()) if is_path else options.scene,
+        source=resolved(options.scene, None),
         folder=folder,
         floor=chosen_floor,
         world=options.world,
@@ -189,7 +192,7 @@ def _batch(options: argparse.Namespace, chosen: Scene, chosen_floor: Map, folder
             seeds=tuple(str(seed) for seed in range(1, (options.seeds or 1) + 1)),
             subject=subject,
             floor=chosen_floor,
-            source=options.scene if folder is None else str(Path(options.scene).absolute()),
+            source=resolved(options.scene, None),
             folder=folder,
             out=options.out or Path(f"{chosen.name}-runs"),
             jobs=options.jobs,

@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterator, Sequence
 from importlib.resources import files
 from importlib.resources.abc import Traversable
 from pathlib import Path
-from typing import Literal, TypeAlias, TypeVar, get_args
+from typing import Final, Literal, TypeAlias, TypeVar, get_args
 
 from intellwheels_maps.check import Finding, check_map, check_robot, check_scene
 from intellwheels_schemas.errors import WireError
@@ -20,6 +20,22 @@ from intellwheels_schemas.messages import Bridge, Map, Record, Robot, Scene
 Shelf: TypeAlias = Literal["floors", "robots", "scenes"]
 
 _Document = TypeVar("_Document", bound=Record)
+
+ENDINGS: Final = (".xml", ".py")
+"""What the name of a file ends in: a map, a robot or a scene, and a mind."""
+
+
+def is_path(name_or_path: str | Path) -> bool:
+    """Return whether a text is the path of a file, otherwise it is the name of an included one.
+
+    A path has a `/`, or ends as the name of a file does. Whatever takes a name or a path asks here.
+    """
+    return isinstance(name_or_path, Path) or "/" in name_or_path or name_or_path.endswith(ENDINGS)
+
+
+def folder_of(name_or_path: str | Path) -> Path | None:
+    """Return the absolute folder of a file, from which the paths in it start; None for an included one."""
+    return Path(name_or_path).absolute().parent if is_path(name_or_path) else None
 
 
 def names(shelf: Shelf) -> list[str]:
@@ -105,7 +121,7 @@ def _shelf(shelf: Shelf) -> Traversable:
 
 def _find(shelf: Shelf, name_or_path: str | Path, beside: Path | None) -> Path | Traversable:
     text = str(name_or_path)
-    if isinstance(name_or_path, Path) or "/" in text or text.endswith(".xml"):
+    if is_path(name_or_path):
         return (beside or Path()) / text
     known = names(shelf)
     if text not in known:

@@ -9,6 +9,8 @@ from typing import Final
 
 WORLD: Final = "main"
 """Name of the world."""
+ENDPOINT: Final = "tcp/127.0.0.1:7447"
+"""Where a simulator listens, and everybody else connects to."""
 SEED: Final = "1"
 """Seed of all noise."""
 PERIOD: Final = 0.05

@@ -34,9 +34,6 @@ FORMAT: Final = "iw.v1"
 VERSION: Final = 1
 """Version of the lines themselves. Raise it when a reader of this version could not understand the new lines."""
 
-DEFAULT_WORLD: Final = defaults.WORLD
-"""Name of the world if an input log has none."""
-
 RunId = Annotated[str, Meta(description="Id of the run.")]
 AgentName = Annotated[str, Meta(description="Name of the agent that this concerns.")]
 SlotName = Annotated[str, Meta(description="Name of the saved state.")]
@@ -258,7 +255,7 @@ class InputHeader(FileRecord, frozen=True, kw_only=True, omit_defaults=False):
     """Simulated seconds from one tick to the next."""
     setup: WorldRules
     """Further settings of the world."""
-    world: str = DEFAULT_WORLD
+    world: str = defaults.WORLD
     """Name of the world, as in its keys."""
     versions: dict[str, str] = {}
     """Versions of Python and of the packages that wrote the file."""

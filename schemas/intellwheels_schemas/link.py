@@ -24,8 +24,6 @@ from intellwheels_schemas.codec import MAX_BYTES, Encoding
 from intellwheels_schemas.names import check_name
 from intellwheels_schemas.zenoh_inbox import Inbox
 
-DEFAULT_WORLD: Final = defaults.WORLD
-DEFAULT_ENDPOINT: Final = "tcp/127.0.0.1:7447"
 QUEUE_ROOM: Final = 16
 """Batches in a transport's queue, per priority. With Zenoh's default of 2, lockstep of 20 agents loses measures."""
 
@@ -72,14 +70,14 @@ class Link:
         config: Zenoh configuration file for all other settings, or None.
     """
 
-    world: str = DEFAULT_WORLD
+    world: str = defaults.WORLD
     listen: tuple[str, ...] = ()
     connect: tuple[str, ...] = ()
     config: Path | None = None
 
     def where(self) -> str:
-        """Return the endpoints of this link as text for people."""
-        return ", ".join(self.listen + self.connect) or str(self.config or DEFAULT_ENDPOINT)
+        """Return the endpoints of this link, for people."""
+        return ", ".join(self.listen + self.connect) or str(self.config or defaults.ENDPOINT)
 
 
 def add_link_options(parser: argparse.ArgumentParser, *, listens: bool = False) -> None:
@@ -91,14 +89,14 @@ def add_link_options(parser: argparse.ArgumentParser, *, listens: bool = False) 
     """
     group = parser.add_argument_group("connection")
     if listens:
-        said, unsaid = f" (default: {DEFAULT_ENDPOINT}, unless --connect or --config is given)", ""
+        said, unsaid = f" (default: {defaults.ENDPOINT}, unless --connect or --config is given)", ""
     else:
-        said, unsaid = "", f" (default: {DEFAULT_ENDPOINT}, unless --listen or --config is given)"
+        said, unsaid = "", f" (default: {defaults.ENDPOINT}, unless --listen or --config is given)"
     group.add_argument(
         "--world",
-        default=DEFAULT_WORLD,
+        default=defaults.WORLD,
         metavar="NAME",
-        help="name of the world, of those at this endpoint (default: main)",
+        help=f"name of the world, of those at this endpoint (default: {defaults.WORLD})",
     )
     group.add_argument(
         "--connect", action="append", default=[], metavar="ENDPOINT",
@@ -123,9 +121,9 @@ def link_of(options: argparse.Namespace) -> Link:
     listen, connect = tuple(options.listen), tuple(options.connect)
     if not listen and not connect and options.config is None:
         if options.link_listens:
-            listen = (DEFAULT_ENDPOINT,)
+            listen = (defaults.ENDPOINT,)
         else:
-            connect = (DEFAULT_ENDPOINT,)
+            connect = (defaults.ENDPOINT,)
     return Link(check_name(options.world, "--world"), listen, connect, options.config)
 
 
@@ -141,7 +139,7 @@ def config_of(link: Link) -> zenoh.Config:
         if link.listen or link.connect or link.config is None:
             settings["mode"] = "peer" if link.listen else "client"
             settings["listen/endpoints"] = list(link.listen)
-            settings["connect/endpoints"] = list(link.connect or (() if link.listen else (DEFAULT_ENDPOINT,)))
+            settings["connect/endpoints"] = list(link.connect or (() if link.listen else (defaults.ENDPOINT,)))
         if link.listen:
             # Without these settings, Zenoh only logs that a port is in use.
             settings["listen/exit_on_failure"] = True

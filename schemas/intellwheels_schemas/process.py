@@ -15,6 +15,8 @@ import threading
 import time
 from types import FrameType
 
+from intellwheels_schemas.version import add_version_option
+
 SLICE = 0.2
 """Longest single wait in the main thread, s. An untimed wait can miss a signal, so long waits are cut into slices."""
 
@@ -23,7 +25,8 @@ GRACE = 3.0
 
 
 def add_process_options(parser: argparse.ArgumentParser) -> None:
-    """Add the options that control when a command stops."""
+    """Add the options that every command has: its version, and when it stops."""
+    add_version_option(parser)
     parser.add_argument(
         "--lifeline",
         type=int,

@@ -8,8 +8,9 @@ from pathlib import Path
 import msgspec
 
 from intellwheels_maps import floor, scene
+from intellwheels_maps.library import folder_of
 from intellwheels_schemas import defaults
-from intellwheels_schemas.link import DEFAULT_ENDPOINT, Link, add_link_options, link_of
+from intellwheels_schemas.link import Link, add_link_options, link_of
 from intellwheels_schemas.messages import Map, Scene
 from intellwheels_schemas.names import check_name
 from intellwheels_schemas.process import add_process_options
@@ -22,7 +23,7 @@ DEFAULT_FLOOR = "room"
 
 EXAMPLES = f"""\
 examples:
-  iw-server                                   the floor `{DEFAULT_FLOOR}` in real time, at {DEFAULT_ENDPOINT}
+  iw-server                                   the floor `{DEFAULT_FLOOR}` in real time, at {defaults.ENDPOINT}
   iw-server --map ward --speed 4              a hospital ward, four times as fast as real time
   iw-server --scene figure6 --log run.jsonl   a scene; the run starts when all its agents have joined
   iw-server --resimulate run.jsonl            run that log again and compare the hash of every tick
@@ -242,8 +243,7 @@ def _with_speech_rules(setup: Setup, given: argparse.Namespace, written: Scene |
 def _floor(given: argparse.Namespace, written: Scene | None) -> Map:
     if given.map is not None or written is None:
         return floor(given.map or DEFAULT_FLOOR)
-    folder = Path(given.scene).parent if "/" in given.scene or given.scene.endswith(".xml") else None
-    return floor(written.map, beside=folder)
+    return floor(written.map, beside=folder_of(given.scene))
 
 
 def _tick(text: str) -> int:

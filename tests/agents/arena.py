@@ -13,9 +13,9 @@ from intellwheels_agents.mind import Bridge, Context, Mind
 from intellwheels_agents.options import Options
 from intellwheels_agents.robot_document import equipped, split_options
 from intellwheels_maps import floor, robot
+from intellwheels_schemas.file_records import Inputs, Join
 from intellwheels_schemas.messages import Actions, Event, Map, Parameters, Position, Scene, UserInput
 from intellwheels_server.world import Setup, State, advance, apply, begin, measures
-from intellwheels_server.world.inputs import Inputs, Join
 from intellwheels_server.world.kernels import rows
 
 RUN = "0123456789abcdef"

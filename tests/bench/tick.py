@@ -17,10 +17,10 @@ from intellwheels_maps.hospital import hospital
 from intellwheels_schemas import link, zenoh_inbox
 from intellwheels_schemas.channels import CHANNELS
 from intellwheels_schemas.codec import Encoding, decode, encode
+from intellwheels_schemas.file_records import Inputs, Join
 from intellwheels_schemas.keys import Keys
 from intellwheels_schemas.messages import Actions, Proximity, Robot
 from intellwheels_server.world import Setup, State, advance, apply, begin, measures
-from intellwheels_server.world.inputs import Inputs, Join
 from intellwheels_server.world.sensors import sense
 from intellwheels_server.world.sensors.kind import View
 from tests.bench.rows import Row

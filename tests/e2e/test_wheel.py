@@ -12,6 +12,8 @@ from pathlib import Path
 
 import pytest
 
+from tests.commands import SCRIPTS
+
 ROOT = Path(__file__).parent.parent.parent
 PACKAGES = ("intellwheels_schemas", "intellwheels_server", "intellwheels_agents", "intellwheels_experiments",
             "intellwheels_maps", "intellwheels_viewer")  # fmt: skip
@@ -69,7 +71,7 @@ def clean(wheel: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def test_wheel_installed_in_a_clean_environment_runs_a_scene(clean: Path, tmp_path: Path) -> None:
-    for command in ("iw-server", "iw-agent", "iw-run"):
+    for command in SCRIPTS:
         assert "usage: " + command in finished(str(clean / command), "--help", cwd=tmp_path)
     finished(str(clean / "iw-run"), "figure6", "--json", "result.json", cwd=tmp_path)
     assert json.loads((tmp_path / "result.json").read_text())["held"] is True

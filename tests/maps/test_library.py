@@ -5,6 +5,7 @@ from pathlib import Path
 import pytest
 
 from intellwheels_maps import floor, names, robot, scene
+from intellwheels_maps.library import folder_of, is_path
 from intellwheels_schemas.errors import WireError
 
 MAP = """<Map Format="iw.v1" Name="mine">
@@ -32,6 +33,22 @@ def test_names_are_sorted_and_have_no_ending() -> None:
         assert known
         assert known == sorted(known)
         assert not any("." in name for name in known)
+
+
+@pytest.mark.parametrize("text", ["ward.xml", "./ward", "maps/ward", "/maps/ward", "mind.py", "a/mind"])
+def test_text_with_a_slash_or_an_ending_is_a_path(text: str) -> None:
+    assert is_path(text)
+    assert folder_of(text) == Path(text).absolute().parent
+
+
+def test_path_is_one_whatever_its_name() -> None:
+    assert is_path(Path("ward"))
+
+
+@pytest.mark.parametrize("text", ["ward", "mid-wheel", "avoid", "ward.png"])
+def test_plain_word_is_a_name(text: str) -> None:
+    assert not is_path(text)
+    assert folder_of(text) is None
 
 
 def test_unknown_shelf_is_an_error() -> None:

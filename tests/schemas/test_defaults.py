@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from intellwheels_schemas import defaults
 from intellwheels_schemas.keys import Keys
-from intellwheels_schemas.link import DEFAULT_WORLD
+from intellwheels_schemas.link import Link
 from intellwheels_schemas.messages import Scene
 from intellwheels_server.server_options import options_of, parser
 from intellwheels_server.world import Setup
@@ -33,7 +33,7 @@ def test_scene_world_and_command_line_have_the_same_defaults() -> None:
 
 
 def test_world_has_one_default_name() -> None:
-    assert DEFAULT_WORLD == Keys().world == defaults.WORLD
+    assert Keys().world == Link().world == defaults.WORLD
 
 
 def test_help_shows_the_defaults() -> None:

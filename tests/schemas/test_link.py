@@ -10,12 +10,12 @@ from pathlib import Path
 import pytest
 import zenoh
 
+from intellwheels_schemas import defaults
 from intellwheels_schemas.channels import CHANNELS
 from intellwheels_schemas.codec import Encoding
 from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.keys import EVERY_ALIVE, Keys
 from intellwheels_schemas.link import (
-    DEFAULT_ENDPOINT,
     Link,
     add_link_options,
     config_of,
@@ -72,8 +72,8 @@ def parsed(*arguments: str, listens: bool = False) -> Link:
 
 
 def test_simulator_listens_and_others_connect_where_nothing_is_said() -> None:
-    assert parsed(listens=True) == Link(listen=(DEFAULT_ENDPOINT,))
-    assert parsed() == Link(connect=(DEFAULT_ENDPOINT,))
+    assert parsed(listens=True) == Link(listen=(defaults.ENDPOINT,))
+    assert parsed() == Link(connect=(defaults.ENDPOINT,))
     assert parsed("--connect", "tcp/10.0.0.5:1", listens=True) == Link(connect=("tcp/10.0.0.5:1",))
     assert parsed("--config", "z.json5", "--world", "lab") == Link(world="lab", config=Path("z.json5"))
     assert parsed("--connect", "tcp/a:1", "--connect", "tcp/b:1").connect == ("tcp/a:1", "tcp/b:1")

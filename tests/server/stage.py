@@ -10,6 +10,7 @@ import msgspec
 from intellwheels_maps import floor, robot
 from intellwheels_schemas.codec import Encoding, encode
 from intellwheels_schemas.errors import WireError
+from intellwheels_schemas.file_records import Inputs
 from intellwheels_schemas.messages import (
     Actions,
     Body,
@@ -34,7 +35,6 @@ from intellwheels_server.log.input_log import Line, Log
 from intellwheels_server.service.arrival import Put, PutKind, Query, Token, Topic
 from intellwheels_server.service.live_run import LiveRun
 from intellwheels_server.service.service_state import Options
-from intellwheels_server.world.inputs import Inputs
 
 RUN = "0123456789abcdef"
 JSON = Encoding.JSON

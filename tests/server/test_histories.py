@@ -9,6 +9,7 @@ import msgspec
 import pytest
 
 from intellwheels_maps import floor, names, robot
+from intellwheels_schemas import file_records as do
 from intellwheels_schemas.codec import Encoding, decode, encode
 from intellwheels_schemas.messages import (
     Actions,
@@ -40,7 +41,6 @@ from intellwheels_server.world import (
     measures,
     power_in_force,
 )
-from intellwheels_server.world import inputs as do
 
 AGENTS = [f"a{k}" for k in range(8)]
 VERDICTS: list[Any] = ["late", "rested", "back", "silent", "stale", "fresh", "halt", "unhalt"]

@@ -5,8 +5,6 @@ from pathlib import Path
 import pytest
 
 from intellwheels_maps import floor
-from intellwheels_schemas import file_records
-from intellwheels_schemas.link import DEFAULT_WORLD
 from intellwheels_server.__main__ import PLAY_NAME_LENGTH, main
 from intellwheels_server.log.input_log import Log
 from intellwheels_server.world import Setup
@@ -46,8 +44,7 @@ def test_missing_or_invalid_log_is_reported(tmp_path: Path, capsys: pytest.Captu
     assert "text:1: expected the header of an input log" in capsys.readouterr().err
 
 
-def test_old_log_has_the_default_world() -> None:
-    assert file_records.DEFAULT_WORLD == DEFAULT_WORLD
+def test_name_of_a_playback_fits() -> None:
     assert PLAY_NAME_LENGTH + len("-play") == 32
 
 

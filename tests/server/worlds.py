@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
+from intellwheels_schemas.file_records import Change, Inputs, Join
 from intellwheels_schemas.messages import (
     Actions,
     Corner,
@@ -18,7 +19,6 @@ from intellwheels_schemas.messages import (
     Wall,
 )
 from intellwheels_server.world import Outcome, Setup, State, advance, apply, begin
-from intellwheels_server.world.inputs import Change, Inputs, Join
 
 RUN = "0123456789abcdef"
 

@@ -7,6 +7,7 @@ import sys
 from pathlib import Path
 from typing import Final
 
+from intellwheels_schemas import defaults
 from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.link import add_link_options, link_of
 from intellwheels_schemas.process import add_process_options, stop_on_signals
@@ -67,7 +68,7 @@ def main(arguments: list[str] | None = None) -> int:
     """Run the command and return its exit code."""
     given = parser().parse_args(arguments)
     chosen = given.world is not None
-    given.world = given.world or "main"
+    given.world = given.world or defaults.WORLD
     try:
         link = link_of(given)
     except WireError as error:

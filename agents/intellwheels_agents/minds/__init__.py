@@ -16,6 +16,7 @@ from types import ModuleType
 
 from intellwheels_agents.mind import Equip, Make
 from intellwheels_agents.options import OptionError, Options
+from intellwheels_maps.library import is_path
 from intellwheels_schemas.messages import Robot
 
 
@@ -49,7 +50,7 @@ def find(name_or_path: str) -> Source:
     Raises:
         OptionError: There is no such mind or file, or the file defines no mind. Exceptions of the file itself pass.
     """
-    if name_or_path.endswith(".py") or "/" in name_or_path:
+    if is_path(name_or_path):
         module = _loaded(Path(name_or_path))
     elif name_or_path in names():
         module = import_module(f"{__name__}.{name_or_path}")

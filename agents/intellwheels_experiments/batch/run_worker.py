@@ -38,8 +38,9 @@ from intellwheels_experiments.run.launch_spec import (
     resolved,
 )
 from intellwheels_experiments.run.world_watch import WorldWatch, watching
+from intellwheels_schemas import defaults
 from intellwheels_schemas.keys import Verb
-from intellwheels_schemas.link import DEFAULT_WORLD, Link
+from intellwheels_schemas.link import Link
 from intellwheels_schemas.messages import Cast, End, Pause, Record, Reset, Resume
 
 JOIN_LIMIT: Final = 90.0
@@ -176,7 +177,7 @@ class RunWorker:
         return (SERVER, LABORATORY) if self._row.bridges else (SERVER,)
 
     def _start(self) -> None:
-        for server, world in zip(self._servers, (DEFAULT_WORLD, LAB), strict=False):
+        for server, world in zip(self._servers, (defaults.WORLD, LAB), strict=False):
             self._endpoints[server] = free_endpoint()
             self._children.launch(server, partial(self._server_command, server, world))
             # One after the other: the first start compiles the kernels, and the second finds them compiled.
@@ -226,7 +227,7 @@ class RunWorker:
         return [sys.executable, "-m", "intellwheels_server", *arguments, "--lifeline", str(lifeline)]
 
     def _client_arguments(self, lifeline: int) -> list[str]:
-        arguments = link_arguments(DEFAULT_WORLD, (), [self._endpoints[SERVER]])
+        arguments = link_arguments(defaults.WORLD, (), [self._endpoints[SERVER]])
         return [*arguments, "--retry-for", f"{JOIN_LIMIT:g}", "--lifeline", str(lifeline)]
 
     def _agent_command(self, cast: Cast, lifeline: int) -> list[str]:

@@ -13,8 +13,9 @@ from intellwheels_experiments.conformance.scripted_simulator import NetworkProbe
 from intellwheels_experiments.run.endpoints import free_endpoint
 from intellwheels_experiments.run.launch_spec import filled
 from intellwheels_maps import floor, robot
+from intellwheels_schemas import defaults
 from intellwheels_schemas.errors import WireError
-from intellwheels_schemas.link import DEFAULT_WORLD, Link
+from intellwheels_schemas.link import Link
 from intellwheels_schemas.names import check_agent, check_name
 from intellwheels_schemas.process import add_process_options, stop_on_signals
 
@@ -50,7 +51,9 @@ def parser() -> argparse.ArgumentParser:
     )
     result.add_argument("command", nargs="+", metavar="COMMAND", help="the program and its arguments, after --")
     result.add_argument("--name", default="chair1", metavar="NAME", help="the agent's name (default: chair1)")
-    result.add_argument("--world", default=DEFAULT_WORLD, metavar="NAME", help="the world's name (default: main)")
+    result.add_argument(
+        "--world", default=defaults.WORLD, metavar="NAME", help="the world's name (default: %(default)s)"
+    )
     result.add_argument("--listen", metavar="ENDPOINT", help="where to listen (default: a free port of this machine)")
     result.add_argument("--connect", metavar="ENDPOINT", help="connect to this router instead of listening")
     patience = Patience()

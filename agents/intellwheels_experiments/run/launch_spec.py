@@ -10,6 +10,7 @@ from typing import Final
 
 import msgspec
 
+from intellwheels_maps.library import is_path
 from intellwheels_schemas.messages import Bridge, Cast, Map, Pace, Scene
 
 SERVER: Final = "server"
@@ -223,8 +224,7 @@ def link_arguments(world: str, listen: Sequence[str] = (), connect: Sequence[str
 
 def resolved(name_or_path: str, folder: Path | None) -> str:
     """Return a path as an absolute one that starts at `folder`, and the name of something shipped unchanged."""
-    is_path = "/" in name_or_path or name_or_path.endswith((".xml", ".py"))
-    return str((folder or Path()).absolute() / name_or_path) if is_path else name_or_path
+    return str((folder or Path()).absolute() / name_or_path) if is_path(name_or_path) else name_or_path
 
 
 def filled(argument: str, values: Mapping[str, str]) -> str:

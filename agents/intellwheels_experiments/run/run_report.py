@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import math
-import platform
 from collections.abc import Iterator
-from importlib.metadata import PackageNotFoundError, version
 from typing import Final, Literal, TypeAlias
 
 import msgspec
@@ -15,6 +13,7 @@ from rich.table import Table
 from rich.text import Text
 
 from intellwheels_experiments.run.verdict import AgentResult
+from intellwheels_schemas.version import UNKNOWN, versions_of
 
 Finish: TypeAlias = Literal["ended", "missed", "died", "interrupted", "overtime"]
 
@@ -101,14 +100,8 @@ def lines(result: Result) -> Iterator[str]:
 
 
 def versions() -> dict[str, str]:
-    """Return the versions of Python, of this distribution and of its main dependencies, by name."""
-    found = {"python": platform.python_version()}
-    for distribution in _DISTRIBUTIONS:
-        try:
-            found[distribution] = version(distribution)
-        except PackageNotFoundError:
-            continue
-    return found
+    """Return the versions of Python, of this distribution and of those of its main dependencies that are installed."""
+    return {name: version for name, version in versions_of(*_DISTRIBUTIONS).items() if version != UNKNOWN}
 
 
 _KEYS: Final = ("name", "mind", "robot", "place", "reached", "distance", "contacts", "path", "turned_deg")

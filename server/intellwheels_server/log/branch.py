@@ -14,9 +14,9 @@ from typing import Final
 
 import msgspec
 
+from intellwheels_schemas.file_records import Inputs, Join, Note
 from intellwheels_server.log.input_log import Header, Line, LogError, read_header, read_lines
 from intellwheels_server.world import Setup
-from intellwheels_server.world.inputs import Inputs, Join, Note
 
 _NOTES: Final = ("paused", "resumed", "speed")
 

@@ -5,15 +5,15 @@ from __future__ import annotations
 import os
 import platform
 from collections.abc import Iterator
-from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import IO, Final
 
 import msgspec
 
-from intellwheels_schemas import file_records
+from intellwheels_schemas import defaults, file_records
 from intellwheels_schemas.errors import WireError
-from intellwheels_schemas.file_records import DEFAULT_WORLD, FORMAT, InputHeader, InputTick, WorldRules
+from intellwheels_schemas.file_records import FORMAT, InputHeader, InputTick, WorldRules
+from intellwheels_schemas.version import versions_of
 from intellwheels_server.world import Setup
 
 FLUSH_AFTER: Final = 1.0
@@ -28,20 +28,13 @@ class Header(InputHeader, frozen=True, kw_only=True):
 
     def world_setup(self) -> Setup:
         """Return what the world is made of."""
-        return Setup(
-            floor=self.map,
-            seed=self.seed,
-            period=self.period,
-            say_limit=self.setup.say_limit,
-            say_range=self.setup.say_range,
-            say_walls=self.setup.say_walls,
-            say_loss=self.setup.say_loss,
-            say_delay=self.setup.say_delay,
-            command_timeout=self.setup.command_timeout,
-            truth=self.setup.truth,
-            strict=self.setup.strict,
-            end=self.setup.end,
-        )
+        rules = msgspec.structs.asdict(self.setup)
+        return Setup(floor=self.map, seed=self.seed, period=self.period, **rules)
+
+
+def rules_of(setup: Setup) -> WorldRules:
+    """Return the settings of a world besides map, seed and period, which the header has itself."""
+    return WorldRules(**{name: getattr(setup, name) for name in WorldRules.__struct_fields__})
 
 
 class LogError(ValueError):
@@ -65,7 +58,7 @@ class Log:
         OSError: The file cannot be written.
     """
 
-    def __init__(self, path: Path, setup: Setup, run: str, world: str = DEFAULT_WORLD) -> None:
+    def __init__(self, path: Path, setup: Setup, run: str, world: str = defaults.WORLD) -> None:
         self._file: IO[bytes] = path.open("wb")
         self._lines: list[bytes] = []
         self._flush_at = 0.0
@@ -75,19 +68,9 @@ class Log:
             map=setup.floor,
             seed=setup.seed,
             period=setup.period,
-            setup=WorldRules(
-                say_limit=setup.say_limit,
-                say_range=setup.say_range,
-                say_walls=setup.say_walls,
-                say_loss=setup.say_loss,
-                say_delay=setup.say_delay,
-                command_timeout=setup.command_timeout,
-                truth=setup.truth,
-                strict=setup.strict,
-                end=setup.end,
-            ),
+            setup=rules_of(setup),
             world=world,
-            versions=_versions(),
+            versions=versions_of("intellwheels", "numpy", "numba"),
             cpu=_cpu(),
         )
         self._lines.append(_write(header))
@@ -151,16 +134,6 @@ def parse_line(text: bytes, where: str) -> Line | None:
         if not text.endswith(b"\n"):
             return None
         raise LogError(f"{where}: expected the line of a tick, got {error}") from None
-
-
-def _versions() -> dict[str, str]:
-    found = {"python": platform.python_version()}
-    for package in ("intellwheels", "numpy", "numba"):
-        try:
-            found[package] = version(package)
-        except PackageNotFoundError:
-            found[package] = "unknown"
-    return found
 
 
 def _cpu() -> str:

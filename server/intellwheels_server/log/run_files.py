@@ -13,10 +13,10 @@ from typing import IO, Final
 
 import msgspec
 
+from intellwheels_schemas.file_records import Inputs, Join
 from intellwheels_schemas.messages import Event
 from intellwheels_server.log.input_log import Line, Log
 from intellwheels_server.log.true_trace import heading_of, moment_of
-from intellwheels_server.world.inputs import Inputs, Join
 from intellwheels_server.world.state import State
 
 LOG: Final = "input.jsonl"

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import Final, Literal
 
-from intellwheels_server.world.inputs import Verdict
+from intellwheels_schemas.file_records import Verdict
 
 AnswerKind = Literal["actions", "pose"]
 Answer = tuple[str, AnswerKind]

@@ -13,6 +13,16 @@ import msgspec
 from intellwheels_schemas.channels import VERB_CLASSES
 from intellwheels_schemas.codec import Encoding, decode, encoding_of
 from intellwheels_schemas.errors import WireError
+from intellwheels_schemas.file_records import (
+    DeleteBody,
+    GoOn,
+    Note,
+    Restart,
+    SpawnBody,
+    Speech,
+    TakeBody,
+    TeleportBody,
+)
 from intellwheels_schemas.messages import (
     Delete,
     Load,
@@ -38,16 +48,6 @@ from intellwheels_server.service.pacing import PendingSteps
 from intellwheels_server.service.roster import OPERATOR, new_hex
 from intellwheels_server.service.service_state import ServiceState
 from intellwheels_server.world import Outcome
-from intellwheels_server.world.inputs import (
-    DeleteBody,
-    GoOn,
-    Note,
-    Restart,
-    SpawnBody,
-    Speech,
-    TakeBody,
-    TeleportBody,
-)
 
 MAX_NOTED_SPEED = 100.0
 """Largest speed that an event can carry."""

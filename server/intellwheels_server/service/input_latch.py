@@ -10,9 +10,9 @@ from typing import Final, TypeVar
 
 import msgspec
 
+from intellwheels_schemas.file_records import Change, Inputs, Said, Verdict
 from intellwheels_schemas.messages import Actions, Pose, Say, UserInput
 from intellwheels_server.service.error_replies import Fault
-from intellwheels_server.world.inputs import Change, Inputs, Said, Verdict
 
 
 def check_time(run: str | None, tick: int | None, now_run: str, now_tick: int, where: str) -> Fault | None:

@@ -9,6 +9,7 @@ import msgspec
 
 from intellwheels_schemas.codec import Encoding, decode, encoding_of
 from intellwheels_schemas.errors import RequestRefusedError, WireError
+from intellwheels_schemas.file_records import Depart, Join, Note, TakeBody
 from intellwheels_schemas.messages import (
     ErrorCode,
     Joined,
@@ -27,7 +28,6 @@ from intellwheels_server.service.roster import Member, Roster, new_hex, same_bod
 from intellwheels_server.service.service_state import ServiceState
 from intellwheels_server.service.truth_filter import nominal
 from intellwheels_server.world import State
-from intellwheels_server.world.inputs import Depart, Join, Note, TakeBody
 from intellwheels_server.world.kernels import rows
 
 TOKEN_WAIT: Final = 0.3

@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Final
 
+from intellwheels_schemas.file_records import Verdict
 from intellwheels_schemas.messages import Event, Load, Map
 from intellwheels_server.log.branch import Branch
 from intellwheels_server.service import control, inbound, joining, outbound
@@ -19,7 +20,6 @@ from intellwheels_server.service.publisher import Outlet
 from intellwheels_server.service.run_state import Recorder
 from intellwheels_server.service.service_state import Options, ServiceState
 from intellwheels_server.world import State
-from intellwheels_server.world.inputs import Verdict
 
 STALE_AFTER: Final = 0.3
 """Seconds without a pose after which a real body is stale, or three ticks if they are longer."""

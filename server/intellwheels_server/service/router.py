@@ -9,7 +9,7 @@ import argparse
 import sys
 from collections.abc import Sequence
 
-from intellwheels_schemas import link
+from intellwheels_schemas import defaults, link
 from intellwheels_schemas.process import SLICE, add_process_options, stop_on_signals
 
 
@@ -24,7 +24,7 @@ def parser() -> argparse.ArgumentParser:
         "--listen",
         action="append",
         metavar="ENDPOINT",
-        help=f"endpoint to listen at; may be repeated (default: {link.DEFAULT_ENDPOINT})",
+        help=f"endpoint to listen at; may be repeated (default: {defaults.ENDPOINT})",
     )
     found.add_argument("--print", action="store_true", help="print the configuration for zenohd -c FILE, and exit")
     add_process_options(found)
@@ -34,7 +34,7 @@ def parser() -> argparse.ArgumentParser:
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the router until it is stopped; return the exit code: 0 done, 1 failed, 2 wrong usage."""
     options = parser().parse_args(arguments)
-    listen = options.listen or [link.DEFAULT_ENDPOINT]
+    listen = options.listen or [defaults.ENDPOINT]
     if options.print:
         print(link.router_settings(listen), end="")
         return 0

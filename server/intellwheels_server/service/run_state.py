@@ -6,10 +6,10 @@ from typing import Protocol
 
 import msgspec
 
+from intellwheels_schemas.file_records import Change, Inputs
 from intellwheels_schemas.messages import Event, Result, ResultCode
 from intellwheels_server import world
 from intellwheels_server.world import Outcome, Outputs, State
-from intellwheels_server.world.inputs import Change, Inputs
 
 TEXT_LIMIT = 1000
 """Characters of a text in a reply."""

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import msgspec
 
+from intellwheels_schemas.file_records import RestoreState, SaveState, TakeBody
 from intellwheels_schemas.messages import Error, Restore
 from intellwheels_server.service import joining
 from intellwheels_server.service.arrival import Query
@@ -16,7 +17,6 @@ from intellwheels_server.service.new_run import begin_new_run
 from intellwheels_server.service.roster import Member, new_hex, same_body
 from intellwheels_server.service.service_state import ServiceState
 from intellwheels_server.world.body_set import BodyModel
-from intellwheels_server.world.inputs import RestoreState, SaveState, TakeBody
 from intellwheels_server.world.kernels import rows
 
 

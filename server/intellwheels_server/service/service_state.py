@@ -10,6 +10,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from intellwheels_schemas import defaults
+from intellwheels_schemas.file_records import Change
 from intellwheels_schemas.messages import Load, Map, Pace, Result, ResultCode
 from intellwheels_server import world
 from intellwheels_server.log.branch import Branch
@@ -21,7 +22,6 @@ from intellwheels_server.service.publisher import Outlet, Publisher
 from intellwheels_server.service.roster import new_hex
 from intellwheels_server.service.run_state import Recorder, RunState
 from intellwheels_server.world import Outcome, Setup
-from intellwheels_server.world.inputs import Change
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -18,6 +18,7 @@ import zenoh
 from intellwheels_schemas import link, zenoh_inbox
 from intellwheels_schemas.channels import CHANNELS
 from intellwheels_schemas.codec import Encoding, encode
+from intellwheels_schemas.file_records import Inputs
 from intellwheels_schemas.keys import Claim, Keys, OutKind
 from intellwheels_schemas.messages import Body, Clock, Event, MapInfo, Pose, Record, WorldState
 from intellwheels_schemas.process import SLICE
@@ -36,7 +37,6 @@ from intellwheels_server.service.run_state import Recorder
 from intellwheels_server.service.service_state import Options
 from intellwheels_server.service.world_claim import WorldClaim
 from intellwheels_server.world import State
-from intellwheels_server.world.inputs import Inputs
 
 SHUTDOWN_TIME: Final = 0.1
 """Seconds that the last messages get to leave before the session closes."""

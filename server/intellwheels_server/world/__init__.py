@@ -13,7 +13,7 @@ Example:
 
     >>> from intellwheels_maps import floor, robot
     >>> from intellwheels_schemas.messages import Actions
-    >>> from intellwheels_server.world.inputs import Inputs, Join
+    >>> from intellwheels_schemas.file_records import Inputs, Join
     >>> from intellwheels_server.world import Setup, advance, apply, begin, measures
     >>> state = begin(Setup(floor=floor("room"), seed="1"), run="0123456789abcdef")
     >>> state, outputs = apply(state, [Join(agent="chair1", robot=robot("rear-wheel"))])
@@ -29,11 +29,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from intellwheels_schemas.file_records import Change, Inputs
 from intellwheels_server.world.changes import Outcome, Outputs, change
 from intellwheels_server.world.digest import digest, map_hash
 from intellwheels_server.world.empty_world import empty_world
 from intellwheels_server.world.ending import check_end
-from intellwheels_server.world.inputs import Change, Inputs
 from intellwheels_server.world.map_geometry import walls_of
 from intellwheels_server.world.observations import entities, measures, power_in_force
 from intellwheels_server.world.state import Setup, State

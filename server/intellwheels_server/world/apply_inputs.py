@@ -8,9 +8,9 @@ from typing import Any
 
 import msgspec
 
+from intellwheels_schemas.file_records import Inputs, Verdict
 from intellwheels_schemas.messages import Actions, EventCode, Pose, Sensors, UserInput
 from intellwheels_schemas.rules import SENSOR_KINDS, sensors_of
-from intellwheels_server.world.inputs import Inputs, Verdict
 from intellwheels_server.world.kernels import rows
 from intellwheels_server.world.kernels.arrays import Floats, Ints
 from intellwheels_server.world.kernels.elementary import cos, sin

@@ -150,7 +150,9 @@ def assemble(
         models={name: models[name] for name in names},
         bodies=bodies_from([model.shape for model in ordered]),
         motors=_block([motor_figures(model.robot, setup.period) for model in ordered], MOTOR_ROWS),
-        flaws=_block([(model.robot.motor_noise, *slip_figures(model.robot)) for model in ordered], FLAW_ROWS),
+        flaws=_block(
+            [(model.robot.motor_noise, *slip_figures(model.robot, setup.period)) for model in ordered], FLAW_ROWS
+        ),
         noise=np.array([[int(a) for a, _ in keys], [int(b) for _, b in keys]], dtype=np.uint64)
         .reshape(2, len(names))
         .view(np.int64),

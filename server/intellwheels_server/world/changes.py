@@ -11,9 +11,9 @@ from functools import singledispatch
 
 import msgspec
 
+from intellwheels_schemas import file_records as do
 from intellwheels_schemas.errors import RequestRefusedError
 from intellwheels_schemas.messages import Event, Position, RefusedCode, ResultCode, Robot
-from intellwheels_server.world import inputs as do
 from intellwheels_server.world.body_set import BodyModel, body_model_of
 from intellwheels_server.world.draft import Draft
 from intellwheels_server.world.empty_world import empty_world

@@ -7,6 +7,7 @@ import math
 import msgspec
 import numpy as np
 
+from intellwheels_schemas.file_records import Inputs
 from intellwheels_schemas.messages import Event, EventCode
 from intellwheels_server.world.apply_inputs import (
     Happening,
@@ -21,7 +22,6 @@ from intellwheels_server.world.apply_inputs import (
 from intellwheels_server.world.contacts import update_episodes
 from intellwheels_server.world.digest import digest
 from intellwheels_server.world.ending import end_reason
-from intellwheels_server.world.inputs import Inputs
 from intellwheels_server.world.kernels import rows
 from intellwheels_server.world.kernels.arrays import Ints
 from intellwheels_server.world.kernels.motor_power import NOW_SILENT, NOW_STALE, NOW_TIMED_OUT

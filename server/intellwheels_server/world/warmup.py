@@ -13,10 +13,10 @@ from typing import Any
 from msgspec import structs
 
 from intellwheels_maps import floor, robot
+from intellwheels_schemas.file_records import Inputs, Join, TeleportBody
 from intellwheels_schemas.messages import Actions, Position, Robot
 from intellwheels_server.kernel_cache import is_cold
 from intellwheels_server.world import Setup, State, advance, apply, begin, digest, entities, measures
-from intellwheels_server.world.inputs import Inputs, Join, TeleportBody
 from intellwheels_server.world.sensors.catalogue import example_sensors
 
 HELPER_TIMEOUT = 120.0

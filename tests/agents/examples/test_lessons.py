@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pytest
 
+from tests.commands import MODULES
 from tests.e2e.stage import Stage
 
 pytestmark = pytest.mark.process
@@ -19,10 +20,7 @@ LESSONS = sorted(path for path in EXAMPLES.iterdir() if path.name[0].isdigit() a
 RUN = 300.0
 """Seconds of wall time that a lesson's whole run may take on a loaded machine."""
 PROGRAMS = {
-    "iw-server": "intellwheels_server",
-    "iw-agent": "intellwheels_agents",
-    "iw-bridge": "intellwheels_agents.bridge",
-    "iw-run": "intellwheels_experiments",
+    **MODULES,
     # The checkout may be newer than the installed entry point of the plug-in.
     "pytest": "pytest -p no:intellwheels -p intellwheels_experiments.testing.plugin -p no:cacheprovider",
 }

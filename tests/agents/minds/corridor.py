@@ -13,9 +13,9 @@ import msgspec
 import numpy as np
 
 from intellwheels_maps import robot
+from intellwheels_schemas.file_records import Inputs, Join
 from intellwheels_schemas.messages import Actions, Corner, Map, Position, Wall
 from intellwheels_server.world import advance, apply, measures
-from intellwheels_server.world.inputs import Inputs, Join
 from intellwheels_server.world.kernels import rows
 from tests.agents.arena import Arena
 

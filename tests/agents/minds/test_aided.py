@@ -15,9 +15,9 @@ import pytest
 from intellwheels_agents.minds.aided import Mind, equip
 from intellwheels_agents.options import OptionError, Options
 from intellwheels_maps import robot
+from intellwheels_schemas.file_records import Inputs
 from intellwheels_schemas.messages import Actions, Measures, Robot, UserInput
 from intellwheels_server.world import advance
-from intellwheels_server.world.inputs import Inputs
 from tests.agents.arena import Arena
 from tests.agents.kinematics import RUN, context
 

@@ -5,11 +5,11 @@ from pathlib import Path
 import pytest
 
 from intellwheels_maps import floor, robot
+from intellwheels_schemas.file_records import Change, DeleteBody, Inputs, Join, Note
 from intellwheels_schemas.messages import Actions
 from intellwheels_server.log.branch import read_branch
 from intellwheels_server.log.input_log import Line, Log, LogError
 from intellwheels_server.world import Setup, advance, begin, digest
-from intellwheels_server.world.inputs import Change, DeleteBody, Inputs, Join, Note
 
 RUN = "0123456789abcdef"
 

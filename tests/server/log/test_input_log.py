@@ -6,10 +6,10 @@ import msgspec
 import pytest
 
 from intellwheels_maps import floor
+from intellwheels_schemas.file_records import Inputs
 from intellwheels_schemas.messages import Actions
 from intellwheels_server.log.input_log import Line, Log, LogError, read_header, read_lines
 from intellwheels_server.world import Setup
-from intellwheels_server.world.inputs import Inputs
 from tests.server.worlds import unusual_setup
 
 RUN = "0123456789abcdef"

@@ -9,13 +9,13 @@ import msgspec
 import pytest
 
 from intellwheels_maps import floor, robot
+from intellwheels_schemas.file_records import Inputs, Join
 from intellwheels_schemas.messages import Actions
 from intellwheels_server.__main__ import main
 from intellwheels_server.log.input_log import Line, Log, LogError
 from intellwheels_server.log.resimulate import resimulate
 from intellwheels_server.log.seekable_log import SeekableLog
 from intellwheels_server.world import Setup, advance, begin, digest
-from intellwheels_server.world.inputs import Inputs, Join
 
 RUN = "0123456789abcdef"
 

@@ -7,12 +7,12 @@ from pathlib import Path
 import msgspec
 
 from intellwheels_maps import floor, robot
+from intellwheels_schemas.file_records import Inputs, Join, Restart
 from intellwheels_schemas.messages import Actions, Event
 from intellwheels_server.__main__ import main
 from intellwheels_server.log.resimulate import resimulate
 from intellwheels_server.log.run_files import LOG, TRACE, RunFiles
 from intellwheels_server.world import Setup, State, advance, apply, begin, digest
-from intellwheels_server.world.inputs import Inputs, Join, Restart
 from intellwheels_server.world.kernels import rows
 
 FIRST, SECOND = "1" * 16, "2" * 16

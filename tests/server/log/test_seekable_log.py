@@ -8,11 +8,11 @@ import msgspec
 import pytest
 
 from intellwheels_maps import floor, robot
+from intellwheels_schemas.file_records import Depart, Inputs, Join
 from intellwheels_schemas.messages import Actions
 from intellwheels_server.log.input_log import Line, Log, LogError, read_lines
 from intellwheels_server.log.seekable_log import Keyframes, Place, SeekableLog
 from intellwheels_server.world import Setup, advance, begin, digest
-from intellwheels_server.world.inputs import Depart, Inputs, Join
 from tests.server.plays import record
 
 RUN = "0123456789abcdef"

@@ -2,8 +2,8 @@ from __future__ import annotations
 
 import pytest
 
+from intellwheels_schemas.file_records import Verdict
 from intellwheels_server.service.barrier import FIRST_REPEAT, Answer, Barrier
-from intellwheels_server.world.inputs import Verdict
 
 ONE: Answer = ("one", "actions")
 TWO: Answer = ("two", "actions")

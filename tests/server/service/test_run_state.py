@@ -1,9 +1,9 @@
 from __future__ import annotations
 
 from intellwheels_maps import floor
+from intellwheels_schemas.file_records import Inputs, Note
 from intellwheels_server import world
 from intellwheels_server.service.run_state import RunState
-from intellwheels_server.world.inputs import Inputs, Note
 
 RUN = "0123456789abcdef"
 

@@ -1,5 +1,5 @@
+from intellwheels_schemas.file_records import Note
 from intellwheels_server.service.service_state import ServiceState
-from intellwheels_server.world.inputs import Note
 from tests.server.stage import Stage
 
 

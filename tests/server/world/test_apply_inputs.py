@@ -2,9 +2,9 @@ import math
 
 import pytest
 
+from intellwheels_schemas.file_records import Depart, Inputs, Said, TakeBody, Verdict
 from intellwheels_schemas.messages import Actions, Goal, Pose, Proximity, ProximityReading, Sensors, UserInput
 from intellwheels_server.world import State, advance, entities, measures
-from intellwheels_server.world.inputs import Depart, Inputs, Said, TakeBody, Verdict
 from intellwheels_server.world.kernels import rows
 from tests.server.worlds import cart, do, run, world
 

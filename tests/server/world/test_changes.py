@@ -4,9 +4,7 @@ from typing import get_args
 import msgspec
 import pytest
 
-from intellwheels_schemas.messages import Encoders, Position, Robot
-from intellwheels_server.world import State, apply, digest, measures
-from intellwheels_server.world.inputs import (
+from intellwheels_schemas.file_records import (
     Change,
     DeleteBody,
     Depart,
@@ -19,6 +17,8 @@ from intellwheels_server.world.inputs import (
     TakeBody,
     TeleportBody,
 )
+from intellwheels_schemas.messages import Encoders, Position, Robot
+from intellwheels_server.world import State, apply, digest, measures
 from intellwheels_server.world.kernels import rows
 from tests.server.worlds import box_wall, cart, do, run, world
 

@@ -63,7 +63,7 @@ def test_touching_again_within_the_pause_counts_once_and_after_it_twice() -> Non
 
 
 def test_episode_of_a_body_that_left_is_forgotten() -> None:
-    from intellwheels_server.world.inputs import Depart
+    from intellwheels_schemas.file_records import Depart
     from tests.server.worlds import do
 
     state = world({"a": cart(), "b": cart(1.1)})
@@ -74,9 +74,9 @@ def test_episode_of_a_body_that_left_is_forgotten() -> None:
 
 
 def test_real_chair_moved_into_another_flags_both_and_pushes_nobody() -> None:
+    from intellwheels_schemas.file_records import Inputs
     from intellwheels_schemas.messages import Pose
     from intellwheels_server.world import advance
-    from intellwheels_server.world.inputs import Inputs
 
     state = world({"a": cart(type="real"), "b": cart(3.0)})
     state, outputs = advance(state, Inputs(poses={"a": Pose(x=2.5, y=0.0, heading=0.0)}))

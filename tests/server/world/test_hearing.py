@@ -7,9 +7,9 @@ from typing import Any
 
 import pytest
 
+from intellwheels_schemas.file_records import Depart, Inputs, Restart, Speech
 from intellwheels_schemas.messages import Actions
 from intellwheels_server.world import State, advance, measures
-from intellwheels_server.world.inputs import Depart, Inputs, Restart, Speech
 from tests.server.worlds import RUN, box_wall, cart, do, run, world
 
 

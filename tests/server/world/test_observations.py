@@ -3,9 +3,9 @@ import math
 import pytest
 
 from intellwheels_schemas.codec import Encoding, decode, encode
+from intellwheels_schemas.file_records import Inputs, TakeBody, Verdict
 from intellwheels_schemas.messages import Actions, Measures, MotorState, Pose, WorldState
 from intellwheels_server.world import advance, entities, measures, power_in_force
-from intellwheels_server.world.inputs import Inputs, TakeBody, Verdict
 from tests.server.worlds import cart, run, world
 
 

@@ -5,9 +5,7 @@ from __future__ import annotations
 import msgspec
 import pytest
 
-from intellwheels_schemas.messages import Actions, End, Timeout
-from intellwheels_server.world import Setup, State, advance, apply, begin
-from intellwheels_server.world.inputs import (
+from intellwheels_schemas.file_records import (
     Change,
     DeleteBody,
     GoOn,
@@ -20,6 +18,8 @@ from intellwheels_server.world.inputs import (
     Speech,
     TakeBody,
 )
+from intellwheels_schemas.messages import Actions, End, Timeout
+from intellwheels_server.world import Setup, State, advance, apply, begin
 from tests.server.worlds import RUN, box_wall, cart, floor_of, unusual_setup
 
 OTHER_RUN = "f" * 16

@@ -5,8 +5,8 @@ from __future__ import annotations
 import msgspec
 import pytest
 
+from intellwheels_schemas.file_records import Inputs, TakeBody
 from intellwheels_schemas.messages import Actions, End, Timeout, UserInput
-from intellwheels_server.world.inputs import Inputs, TakeBody
 from intellwheels_server.world.kernels.rows import SPEED
 from intellwheels_server.world.step import USER_SILENCE, staleness, step, steps_in
 from tests.server.worlds import cart, do, floor_of, run, world

@@ -14,7 +14,7 @@ import numba.core.event as event
 from intellwheels_maps import floor, robot
 from msgspec import structs
 from intellwheels_schemas.messages import Actions, Lidar, Odometry, Position, Proximity
-from intellwheels_server.world.inputs import Inputs, Join, TeleportBody
+from intellwheels_schemas.file_records import Inputs, Join, TeleportBody
 from intellwheels_server.world.warmup import warm
 from intellwheels_server.world import Setup, advance, apply, begin, measures
 

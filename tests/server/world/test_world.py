@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 
 import intellwheels_server.world
+from intellwheels_schemas.file_records import GoOn, Inputs, Join, Restart, TakeBody
 from intellwheels_schemas.messages import (
     Actions,
     Compass,
@@ -18,7 +19,6 @@ from intellwheels_schemas.messages import (
     Timeout,
 )
 from intellwheels_server.world import advance, apply, digest, entities, measures
-from intellwheels_server.world.inputs import GoOn, Inputs, Join, Restart, TakeBody
 from intellwheels_server.world.kernels import rows
 from tests.server.worlds import RUN, box_wall, cart, do, floor_of, run, world
 

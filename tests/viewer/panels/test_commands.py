@@ -6,13 +6,9 @@ from dataclasses import replace
 
 import pytest
 
-from intellwheels_schemas.link import DEFAULT_ENDPOINT, DEFAULT_WORLD
-from intellwheels_viewer.panels.commands import ENDPOINT, WORLD, agent_command, is_local, run_command
+from intellwheels_schemas.defaults import ENDPOINT
+from intellwheels_viewer.panels.commands import agent_command, is_local, run_command
 from tests.viewer.panels import made_up
-
-
-def test_the_defaults_are_those_of_the_commands() -> None:
-    assert (ENDPOINT, WORLD) == (DEFAULT_ENDPOINT, DEFAULT_WORLD)
 
 
 def test_an_agent_is_told_only_what_is_not_the_default() -> None:

@@ -6,12 +6,8 @@ import re
 import shlex
 from typing import Final
 
+from intellwheels_schemas import defaults
 from intellwheels_viewer.snapshot import Snapshot
-
-ENDPOINT: Final = "tcp/127.0.0.1:7447"
-"""The endpoint that all commands use if none is given."""
-WORLD: Final = "main"
-"""The world that all commands use if none is given."""
 
 _ENDPOINT: Final = re.compile(r"[a-z][a-z-]*/\S+")
 _LOCAL: Final = re.compile(r"[a-z][a-z-]*/(localhost|127\.[\d.]+|\[::1\]|0\.0\.0\.0|\[::\])(:\d+)?")
@@ -21,7 +17,7 @@ _PORT: Final = re.compile(r"[a-z][a-z-]*/.*:(\d+)")
 def agent_command(snapshot: Snapshot) -> str:
     """Return a command that adds an agent to the world of a snapshot."""
     words = ["iw-agent", "avoid", "--name", "chair1"]
-    if snapshot.endpoint != ENDPOINT:
+    if snapshot.endpoint != defaults.ENDPOINT:
         words += _link("--connect", snapshot)
     return shlex.join(words + _world(snapshot))
 
@@ -55,4 +51,4 @@ def _link(option: str, snapshot: Snapshot) -> list[str]:
 
 
 def _world(snapshot: Snapshot) -> list[str]:
-    return ["--world", snapshot.world] if snapshot.world not in ("", WORLD) else []
+    return ["--world", snapshot.world] if snapshot.world not in ("", defaults.WORLD) else []

@@ -61,7 +61,8 @@ from intellwheels_server.world.kernels.contact_islands import (
     partners_of,
     reaches,
 )
-from intellwheels_server.world.kernels.contact_steps import STATUS_ROWS, STAYS, Motions, Spots, Work, settle
+from intellwheels_server.world.kernels.contact_steps import settle
+from intellwheels_server.world.kernels.contact_work import STATUS_ROWS, STAYS, Motions, Spots, Work
 from intellwheels_server.world.kernels.geometry import arc
 from intellwheels_server.world.kernels.penetration import TOLERANCE, spots_of
 

@@ -5,8 +5,6 @@ since they run in every sub-step. They take the arrays one by one: numba counts 
 whenever it is unpacked, which costs more than some of the phases do.
 """
 
-from typing import NamedTuple
-
 import numpy as np
 from numba import njit
 
@@ -29,6 +27,7 @@ from intellwheels_server.world.kernels.arrays import (
     Ints,
     Walls,
 )
+from intellwheels_server.world.kernels.contact_alone import best_alone
 from intellwheels_server.world.kernels.contact_hits import Outcomes, flag_collision, record_hit
 from intellwheels_server.world.kernels.contact_islands import (
     ISLAND_MOTION,
@@ -37,9 +36,18 @@ from intellwheels_server.world.kernels.contact_islands import (
     NEXT_MEMBER,
     Partners,
 )
+from intellwheels_server.world.kernels.contact_work import (
+    FREE,
+    GOES_BACK,
+    GOT_PROPOSAL,
+    IN_CONFLICT,
+    STAYS,
+    Motions,
+    Spots,
+    Work,
+)
 from intellwheels_server.world.kernels.geometry import arc
 from intellwheels_server.world.kernels.penetration import (
-    OF_ANCHORED,
     OF_KEY,
     OF_NEAR,
     SPOT_C,
@@ -52,7 +60,6 @@ from intellwheels_server.world.kernels.penetration import (
     copy_spot,
     may_stand,
     set_spot,
-    slide,
     wall_excess,
 )
 
@@ -65,132 +72,11 @@ MOST_STEPS = 1023
 No body of sensible size reaches it: at 3 m/s and 20 Hz it would need parts of 0.3 mm.
 """
 
-# Bisections of the largest share of a motion that may stand.
-_HALVINGS = 12
-
 # Wheels stall when less than this share of the wanted motion came about.
 _STALL_SHARE = 0.02
 
-# Rows of a status, int64[5, n].
-FREE = 0
-"""1 while the body was granted every proposed motion so far this tick."""
-STAYS = 1
-"""1 if its proposal is not granted in this sub-step, or if it does not move at all."""
-IN_CONFLICT = 2
-"""1 if its proposal was found to conflict in this sub-step."""
-GOT_PROPOSAL = 3
-"""1 if it was granted its proposal after all, once the others' places were known."""
-GOES_BACK = 4
-"""1 if it stays where it was in this sub-step, because what it found conflicts with what another found."""
-STATUS_ROWS = 5
-
 # The bit of a collision flag that says that the hit of a wall is recorded; cleared at the end of the tick.
 _WALL_RECORDED = 2
-
-
-class Motions(NamedTuple):
-    """What the bodies want in the tick.
-
-    Attributes:
-        pose: float64[3, n], at its start.
-        twist: float64[2, n], travel, m, and turn, rad.
-        motion: float64[n], bound m of the motion of any point of the body, m.
-    """
-
-    pose: Floats
-    twist: Floats
-    motion: Floats
-
-
-class Spots(NamedTuple):
-    """Where bodies are in a sub-step, spot blocks of `penetration`.
-
-    Attributes:
-        old: float64[n, 7], at its start.
-        ref: float64[n, 7], where the others see them: at their proposals, or at `old` if they stay.
-        proposal: float64[n, 5], where they want to be.
-        result: float64[n, 5], the best that those who stay find alone.
-    """
-
-    old: Floats
-    ref: Floats
-    proposal: Floats
-    result: Floats
-
-
-class Work(NamedTuple):
-    """What a sub-step notes of each body.
-
-    Attributes:
-        status: int64[STATUS_ROWS, n], rows `FREE` to `GOES_BACK`.
-        gain: float64[2, n], forward travel, m, and turn, rad, of the result.
-        queue: int64[n], those who stay, in the order found.
-    """
-
-    status: Ints
-    gain: Floats
-    queue: Ints
-
-
-@njit(cache=True, error_model="numpy")
-def best_alone(
-    parts: Floats, pieces: Floats, links: Ints, edges: Floats, index: Ints, around: Ints, old: Floats, ref: Floats,
-    i: int, proposal: Floats, travel: float, turn: float, most: float, result: Floats,
-) -> tuple[bool, float, float]:  # fmt: skip
-    """Find the best that body i can do in this sub-step with all others at `ref`, and put it in `result`.
-
-    It tries, in this order: its proposal; its proposal moved out along the normals; its travel without the turn, moved
-    out; its turn without the travel; the largest share of its arc.
-
-    Args:
-        parts: As in `penetration`, as the next seven.
-        pieces: As in `penetration`.
-        links: As in `penetration`.
-        edges: As in `penetration`.
-        index: As in `penetration`.
-        around: As in `penetration`.
-        old: As in `penetration`.
-        ref: As in `penetration`.
-        i: The body.
-        proposal: Spots proposed.
-        travel: Of the sub-step, m.
-        turn: Of the sub-step, rad.
-        most: m of the sub-step, the farthest it may be moved out.
-        result: Spots, out.
-
-    Returns:
-        Whether it gets its proposal to the bit; forward travel, m, and turn, rad, achieved.
-    """
-    copy_spot(result, old, i)
-    low, high = 0.0, 1.0
-    for attempt in range(4 + _HALVINGS):
-        share, d, a, allowed = 1.0, travel, turn, 0.0
-        if attempt == 1:
-            allowed = most
-        elif attempt == 2:
-            a, allowed = 0.0, abs(travel)
-        elif attempt == 3:
-            d = 0.0
-        elif attempt > 3:
-            share = 0.5 * (low + high)
-            d, a = share * travel, share * turn
-        # What is hinged does not slide. To go straight without travel, or to turn without turn, is to stand still.
-        if 0 < attempt <= 3 and (index[i, OF_ANCHORED] != 0 or (d == 0.0 and a == 0.0)):
-            continue
-        if attempt == 0:
-            x, y, h = proposal[i, SPOT_X], proposal[i, SPOT_Y], proposal[i, SPOT_H]
-            c, s = proposal[i, SPOT_C], proposal[i, SPOT_S]
-        else:
-            x, y, h, c, s = arc(old[i, SPOT_X], old[i, SPOT_Y], old[i, SPOT_H], d, a)
-        found, px, py = slide(parts, pieces, links, edges, index, around, old, ref, i, x, y, c, s, allowed)
-        if found:
-            low = share
-            set_spot(result, i, px, py, h, c, s)
-            if attempt <= 3:
-                return attempt == 0, d + ((px - x) * c + (py - y) * s), a
-        elif attempt > 3:
-            high = share
-    return False, low * travel, low * turn
 
 
 @njit(cache=True, error_model="numpy")

@@ -59,8 +59,8 @@ def _stay_inside(pose: Floats, wheels: Floats, twist: Floats) -> None:
 
 @njit(cache=True, error_model="numpy", inline="always")
 def _take_over(
-    outcome: Floats, outcome_flags: Ints, twist: Floats, motors: Floats, flaws: Floats, limits: Ints, period: float,
-    numbers: Floats, flags: Ints,
+    outcome: Floats, outcome_flags: Ints, twist: Floats, motors: Floats, flaws: Floats, limits: Ints, tick: int,
+    period: float, numbers: Floats, flags: Ints,
 ) -> None:  # fmt: skip
     """Write the outcome of contact into the state: poses, speeds, what the wheels rolled."""
     for i in range(numbers.shape[1]):
@@ -76,7 +76,9 @@ def _take_over(
         numbers[rows.SPEED, i] = min(max(forward / period, -rows.MOST_SPEED), rows.MOST_SPEED)
         numbers[rows.TURN_RATE, i] = min(max(turned / period, -rows.MOST_TURN_RATE), rows.MOST_TURN_RATE)
         if outcome_flags[BLOCKED, i] != 0:
-            forward, turned = rolled_while_blocked(flaws, i, twist[TRAVEL, i], twist[TURN, i], forward, turned)
+            forward, turned = rolled_while_blocked(
+                flaws, i, twist[TRAVEL, i], twist[TURN, i], forward, turned, tick, period
+            )
         half = 0.5 * turned * motors[MOTOR_TRACK, i]
         numbers[rows.LEFT_TRAVEL, i] += forward - half
         numbers[rows.RIGHT_TRAVEL, i] += forward + half
@@ -178,7 +180,7 @@ def tick_all(
             break
         room = used + _ROOM
 
-    _take_over(outcome, outcome_flags, twist, motors, flaws, limits, period, numbers, flags)
+    _take_over(outcome, outcome_flags, twist, motors, flaws, limits, tick, period, numbers, flags)
     _flag_touched(hits, used, limits, numbers, flags)
     return found, hits[:used], hit_numbers[:used]
 

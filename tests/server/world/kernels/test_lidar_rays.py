@@ -10,9 +10,9 @@ import pytest
 import shapely
 from shapely.geometry import LineString, Point, Polygon
 
+from intellwheels_schemas.file_records import TeleportBody
 from intellwheels_schemas.messages import Corner, Lidar, LidarReading, Position, Wall
 from intellwheels_server.world import State, measures
-from intellwheels_server.world.inputs import TeleportBody
 from tests.server.worlds import box_wall, cart, do, world
 
 

@@ -2,9 +2,9 @@ import random
 
 import pytest
 
+from intellwheels_schemas.file_records import Join
 from intellwheels_schemas.messages import Encoders
 from intellwheels_server.world import measures
-from intellwheels_server.world.inputs import Join
 from intellwheels_server.world.kernels import rows
 from tests.server.worlds import box_wall, cart, do, run, world
 

@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 import pytest
 
+from intellwheels_schemas.file_records import Restart
 from intellwheels_schemas.messages import Beacon, Place
 from intellwheels_server.world import State, measures
-from intellwheels_server.world.inputs import Restart
 from tests.server.worlds import RUN, box_wall, cart, do, floor_of, run, world
 
 _PLACES = (Place(name="door", x=5.0, y=3.0), Place(name="bed", x=-5.0, y=0.0))

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 
+from intellwheels_schemas.file_records import Restart
 from intellwheels_schemas.messages import Corner, Ground, Zone
 from intellwheels_server.world import State, measures
-from intellwheels_server.world.inputs import Restart
 from tests.server.worlds import RUN, cart, do, floor_of, run, world
 
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from intellwheels_schemas.file_records import Join
 from intellwheels_schemas.messages import IMU, IMUReading
 from intellwheels_server.world import State, measures
-from intellwheels_server.world.inputs import Join
 from tests.server.worlds import cart, do, run, world
 
 

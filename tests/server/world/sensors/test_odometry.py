@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 import pytest
 
+from intellwheels_schemas.file_records import Join
 from intellwheels_schemas.messages import Encoders, Odometry, OdometryReading
 from intellwheels_server.world import Setup, State, apply, begin, measures
-from intellwheels_server.world.inputs import Join
 from intellwheels_server.world.kernels.arrays import Floats
 from tests.server.worlds import RUN, cart, floor_of, run, world
 

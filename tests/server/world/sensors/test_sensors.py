@@ -8,6 +8,7 @@ import pytest
 
 from intellwheels_schemas.codec import decode, encode
 from intellwheels_schemas.errors import RequestRefusedError
+from intellwheels_schemas.file_records import Depart, Join
 from intellwheels_schemas.messages import (
     GPS,
     IMU,
@@ -24,7 +25,6 @@ from intellwheels_schemas.messages import (
     Truth,
 )
 from intellwheels_server.world import State, digest, measures
-from intellwheels_server.world.inputs import Depart, Join
 from intellwheels_server.world.sensors import check_sensors
 from tests.server.worlds import box_wall, cart, do, floor_of, run, world
 

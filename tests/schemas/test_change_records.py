@@ -7,8 +7,7 @@ from typing import get_args
 import msgspec
 import pytest
 
-from intellwheels_schemas.messages import Actions, Pose, Position, UserInput
-from intellwheels_server.world.inputs import (
+from intellwheels_schemas.file_records import (
     Change,
     DeleteBody,
     Depart,
@@ -26,6 +25,7 @@ from intellwheels_server.world.inputs import (
     TeleportBody,
     Verdict,
 )
+from intellwheels_schemas.messages import Actions, Pose, Position, UserInput
 from tests.server.worlds import RUN, cart
 
 CHANGES: tuple[Change, ...] = (
