@@ -98,7 +98,7 @@ def add_link_options(parser: argparse.ArgumentParser, *, listens: bool = False) 
         "--world",
         default=DEFAULT_WORLD,
         metavar="NAME",
-        help="name of the world, of those at this endpoint (default: main)",
+        help="name of the world; several worlds can share an endpoint (default: main)",
     )
     group.add_argument(
         "--connect", action="append", default=[], metavar="ENDPOINT",

@@ -1,7 +1,7 @@
 """The simulator on the network. The only file of the server that knows Zenoh, mostly through `link`.
 
-Zenoh calls back on threads of its own. Each callback only puts what arrived into the inbox; the loop alone touches
-the world, and each of its waits has an end.
+Zenoh calls back on its own threads. Each callback only puts what arrived into the inbox. Only the main loop changes the
+world, and each of its waits has a deadline.
 """
 
 from __future__ import annotations
@@ -148,7 +148,7 @@ class ArrivalReader:
 
     def __init__(self, keys: Keys) -> None:
         self._keys = keys
-        # The same keys come again and again, so their parts are remembered, up to a limit, as strangers choose keys.
+        # The same keys come again and again, so their parts are remembered, up to a limit: anyone can invent keys.
         self._known: dict[str, tuple[str, PutKind]] = {}
 
     def read(self, arrival: zenoh_inbox.Arrival) -> Arrival | None:
@@ -165,7 +165,7 @@ class ArrivalReader:
         return Put(target[0], target[1], b"", "", arrival.length) if target else None
 
     def _put_target(self, key: str) -> tuple[str, PutKind] | None:
-        """Return the agent and the kind of message that a key stands for."""
+        """Return the agent and the kind of message in a key."""
         try:
             return self._known[key]
         except KeyError:
@@ -176,7 +176,7 @@ class ArrivalReader:
         elif (user := self._keys.parse_user(key)) is not None:
             found = (user, "user")
         if found is None:
-            return None  # not remembered: keys of strangers may be 64 kB long
+            return None  # not remembered: an unknown key may be 64 kB long
         if len(self._known) >= MAX_KEYS:
             self._known.clear()
         self._known[key] = found
@@ -215,7 +215,7 @@ class ArrivalReader:
         self, arrival: zenoh_inbox.Ask, topic: Topic, message: Record, encoding: Encoding, ok: bool, name: str | None
     ) -> None:
         data = encode(message, encoding)
-        with contextlib.suppress(zenoh.ZError):  # the asker may be gone
+        with contextlib.suppress(zenoh.ZError):  # the sender of the query may be gone
             if ok:
                 arrival.reply(data, encoding, None if name is None else f"{self._keys.prefix}{topic}/{name}")
             else:
@@ -228,7 +228,7 @@ def _parameters(text: str) -> dict[str, str]:
 
 
 class Service(Protocol):
-    """What the loop drives: a live run, or the playback of a log."""
+    """A live run or the playback of a log, as the main loop uses it."""
 
     @property
     def exit(self) -> int | None:
@@ -269,8 +269,8 @@ def serve(
     """Serve a world until it is over and return the exit code.
 
     Args:
-        options: How.
-        route: How to reach the others.
+        options: How the service runs.
+        route: The endpoints.
         stop: Set when the process must end.
         log_file: Where the input log goes, if anywhere.
         recording: The log to play; without one the run is live.

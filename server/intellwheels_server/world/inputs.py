@@ -1,4 +1,4 @@
-"""What goes into the world at a tick: the records of the input log, which the contract declares in `file_records`."""
+"""The inputs of the world at a tick: the records of the input log, which the contract declares in `file_records`."""
 
 from __future__ import annotations
 

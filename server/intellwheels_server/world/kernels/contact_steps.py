@@ -60,28 +60,28 @@ from intellwheels_server.world.kernels.penetration import (
 _LONGEST_STEP = 0.02
 
 MOST_STEPS = 1023
-"""Sub-steps a tick at most, since lots are drawn by 1024 tick + sub-step.
+"""Largest number of sub-steps in a tick, since lots are drawn by 1024 tick + sub-step.
 
 No body of sensible size reaches it: at 3 m/s and 20 Hz it would need parts of 0.3 mm.
 """
 
-# Bisections of the largest share of a motion that may stand.
+# Bisections that find the largest allowed share of a motion.
 _HALVINGS = 12
 
-# Wheels stall when less than this share of the wanted motion came about.
+# Wheels stall when the body makes less than this share of the wanted motion.
 _STALL_SHARE = 0.02
 
 # Rows of a status, int64[5, n].
 FREE = 0
 """1 while the body was granted every proposed motion so far this tick."""
 STAYS = 1
-"""1 if its proposal is not granted in this sub-step, or if it does not move at all."""
+"""1 if its proposal is not granted in this sub-step, or if it does not move at all: the body stays."""
 IN_CONFLICT = 2
 """1 if its proposal was found to conflict in this sub-step."""
 GOT_PROPOSAL = 3
-"""1 if it was granted its proposal after all, once the others' places were known."""
+"""1 if it was granted its proposal after all, once the poses of the others were known."""
 GOES_BACK = 4
-"""1 if it stays where it was in this sub-step, because what it found conflicts with what another found."""
+"""1 if it returns to its pose at the start of the sub-step, because its result conflicts with that of another."""
 STATUS_ROWS = 5
 
 # The bit of a collision flag that says that the hit of a wall is recorded; cleared at the end of the tick.
@@ -89,7 +89,7 @@ _WALL_RECORDED = 2
 
 
 class Motions(NamedTuple):
-    """What the bodies want in the tick.
+    """The motions that the bodies want in the tick.
 
     Attributes:
         pose: float64[3, n], at its start.
@@ -103,13 +103,13 @@ class Motions(NamedTuple):
 
 
 class Spots(NamedTuple):
-    """Where bodies are in a sub-step, spot blocks of `penetration`.
+    """Poses of bodies in a sub-step, spot blocks of `penetration`.
 
     Attributes:
         old: float64[n, 7], at its start.
-        ref: float64[n, 7], where the others see them: at their proposals, or at `old` if they stay.
-        proposal: float64[n, 5], where they want to be.
-        result: float64[n, 5], the best that those who stay find alone.
+        ref: float64[n, 7], as the others see them: the proposal, or `old` if the body stays.
+        proposal: float64[n, 5], the proposals.
+        result: float64[n, 5], the best poses that the bodies that stay find.
     """
 
     old: Floats
@@ -119,12 +119,12 @@ class Spots(NamedTuple):
 
 
 class Work(NamedTuple):
-    """What a sub-step notes of each body.
+    """Notes of a sub-step on each body.
 
     Attributes:
         status: int64[STATUS_ROWS, n], rows `FREE` to `GOES_BACK`.
         gain: float64[2, n], forward travel, m, and turn, rad, of the result.
-        queue: int64[n], those who stay, in the order found.
+        queue: int64[n], the bodies that stay, in the order in which they were found.
     """
 
     status: Ints
@@ -137,7 +137,7 @@ def best_alone(
     parts: Floats, pieces: Floats, links: Ints, edges: Floats, index: Ints, around: Ints, old: Floats, ref: Floats,
     i: int, proposal: Floats, travel: float, turn: float, most: float, result: Floats,
 ) -> tuple[bool, float, float]:  # fmt: skip
-    """Find the best that body i can do in this sub-step with all others at `ref`, and put it in `result`.
+    """Find the best pose of body i in this sub-step with all others at `ref`, and put it in `result`.
 
     It tries, in this order: its proposal; its proposal moved out along the normals; its travel without the turn, moved
     out; its turn without the travel; the largest share of its arc.
@@ -159,7 +159,7 @@ def best_alone(
         result: Spots, out.
 
     Returns:
-        Whether it gets its proposal to the bit; forward travel, m, and turn, rad, achieved.
+        Whether the result equals its proposal to the bit; forward travel, m, and turn, rad, achieved.
     """
     copy_spot(result, old, i)
     low, high = 0.0, 1.0
@@ -174,7 +174,7 @@ def best_alone(
         elif attempt > 3:
             share = 0.5 * (low + high)
             d, a = share * travel, share * turn
-        # What is hinged does not slide. To go straight without travel, or to turn without turn, is to stand still.
+        # A body on a hinge does not slide. Straight on without travel, and a turn without turn, are no motion.
         if 0 < attempt <= 3 and (index[i, OF_ANCHORED] != 0 or (d == 0.0 and a == 0.0)):
             continue
         if attempt == 0:
@@ -195,7 +195,7 @@ def best_alone(
 
 @njit(cache=True, error_model="numpy")
 def lot(key: int, tick: int, step: int) -> int:
-    """Return a body's lot in a sub-step, 64 bits: of two whose results conflict, the one with the smaller goes back.
+    """Return the lot of a body in a sub-step, 64 bits. Of two conflicting results that with the smaller lot goes back.
 
     Args:
         key: Of the body's name.
@@ -217,9 +217,9 @@ def _propose(
     pose: Floats, twist: Floats, old: Floats, ref: Floats, proposal: Floats, status: Ints, members: Ints, step: int,
     steps: int,
 ) -> None:  # fmt: skip
-    """Set where the members want to be, and let the others see them there.
+    """Set the proposals of the members, and let the others see them there.
 
-    Who was granted everything so far proposes a place on its arc of the whole tick, so that no rounding adds up.
+    A body that was granted everything so far proposes a pose on its arc of the whole tick, so that no rounding adds up.
     """
     for m in range(members.shape[0]):
         i = members[m]
@@ -241,7 +241,7 @@ def _find_wall_conflicts(
     proposal: Floats, twist: Floats, status: Ints, flags: Ints, hits: Ints, hit_numbers: Floats, members: Ints,
     used: int,
 ) -> int:  # fmt: skip
-    """Note whose proposal leads into a wall or beyond the edge of the world; return how many hits there are now."""
+    """Mark the proposals that lead into a wall or beyond the edge of the world; return the number of hits so far."""
     for m in range(members.shape[0]):
         i = members[m]
         excess, _, partner = wall_excess(
@@ -270,10 +270,10 @@ def _find_who_stays(
     proposal: Floats, pair_of: Ints, pair_hit: Ints, twist: Floats, status: Ints, queue: Ints, flags: Ints, hits: Ints,
     hit_numbers: Floats, members: Ints, used: int,
 ) -> tuple[int, int]:  # fmt: skip
-    """Queue the members whose proposals may not stand; return how many those are and how many hits there are now.
+    """Queue the members whose proposals are not allowed; return their number and the number of hits so far.
 
-    In the first round each member is tested against its partners at their proposals. Who is found then counts as where
-    it was, and in every further round those just found are tested against those not found yet.
+    In the first round each member is tested against its partners at their proposals. A body that is found is then seen
+    at its old pose. In each further round the bodies found last are tested against those not found yet.
     """
     first = queued = looked = 0
     while True:
@@ -330,7 +330,7 @@ def _find_results(
     proposal: Floats, result: Floats, twist: Floats, motion: Floats, status: Ints, gain: Floats, queue: Ints,
     queued: int, steps: int,
 ) -> None:  # fmt: skip
-    """Let each that stays do its best alone."""
+    """Find the best pose of each body that stays."""
     for q in range(queued):
         i = queue[q]
         taken, gain[0, i], gain[1, i] = best_alone(
@@ -346,7 +346,7 @@ def _send_back(
     parts: Floats, index: Ints, around: Ints, old: Floats, result: Floats, status: Ints, queue: Ints, queued: int,
     tick: int, step: int,
 ) -> None:  # fmt: skip
-    """Of two results that conflict, send the one with the smaller lot back."""
+    """Of two bodies whose results conflict, mark the one with the smaller lot to go back."""
     for q in range(queued):
         i = queue[q]
         for k in range(index[i, OF_NEAR], index[i + 1, OF_NEAR]):
@@ -363,7 +363,7 @@ def _move(
     twist: Floats, old: Floats, proposal: Floats, result: Floats, status: Ints, gain: Floats, outcome: Floats,
     members: Ints, steps: int,
 ) -> None:  # fmt: skip
-    """Move the members to where they may be after the sub-step."""
+    """Move the members to their poses after the sub-step."""
     for m in range(members.shape[0]):
         i = members[m]
         if status[STAYS, i] == 0:
@@ -383,7 +383,7 @@ def _move(
 def _conclude(
     pose: Floats, twist: Floats, motion: Floats, old: Floats, status: Ints, outcome: Floats, flags: Ints, members: Ints
 ) -> None:
-    """Write where the members are after the tick, and who was blocked and stalled."""
+    """Write the poses of the members after the tick, and which of them were blocked or stalled."""
     for m in range(members.shape[0]):
         i = members[m]
         outcome[END_X, i], outcome[END_Y, i] = old[i, SPOT_X], old[i, SPOT_Y]
@@ -404,20 +404,20 @@ def settle(
     bodies: Bodies, walls: Walls, partners: Partners, motions: Motions, spots: Spots, work: Work, outcomes: Outcomes,
     island: Floats, listed: Ints, tick: int, used: int,
 ) -> int:  # fmt: skip
-    """Move the members of all tight islands through their sub-steps; return how many hits there are now.
+    """Move the members of all tight islands through their sub-steps; return the number of hits so far.
 
     Args:
         bodies: Their shapes.
         walls: The walls.
-        partners: What each body could meet; `pair_hit` is written.
-        motions: What the bodies want.
-        spots: Where they are; written for the members.
+        partners: The partners of each body; `pair_hit` is written.
+        motions: The motions that the bodies want.
+        spots: The poses; written for the members.
         work: Written for the members.
         outcomes: Written for the members.
         island: float64[3, n], an island block.
         listed: int64[3, n], their members, a member list.
-        tick: Which tick: it draws lots.
-        used: How many hits there are.
+        tick: The tick, from which the lots are drawn.
+        used: The number of hits so far.
     """
     parts, (pieces, links, edges, _, _), (index, around, pair_of, pair_hit) = bodies.parts, walls, partners
     (pose, twist, motion), (old, ref, proposal, result), (status, gain, queue) = motions, spots, work
