@@ -33,15 +33,13 @@ KNOWS_ZENOH = {
     "schemas/intellwheels_schemas/link.py",
     "schemas/intellwheels_schemas/zenoh_inbox.py",
     "server/intellwheels_server/service/simulator_peer.py",
-    "server/intellwheels_server/service/arrival_reader.py",
     "agents/intellwheels_agents/agent_peer.py",
     "agents/intellwheels_agents/joystick/joystick_peer.py",
     "agents/intellwheels_experiments/run/world_watch.py",
     "agents/intellwheels_experiments/conformance/scripted_simulator.py",
     "viewer/intellwheels_viewer/viewer_peer.py",
 }
-"""The files that talk to the network: one per room, the reader of the server's inbox, the probe of `iw-check-agent` and
-the joystick."""
+"""The files that talk to the network: one per room, the probe of `iw-check-agent` and the joystick."""
 
 # The entries of the checkout that a user sees; papers and dot files beside the rooms.
 TOP_LEVEL = {
@@ -68,13 +66,14 @@ def imported(path: Path) -> Iterator[str]:
 
 FILES = list(sources())
 OPENERS = {
+    "intellwheels_server.service.arrival_reader",
     "intellwheels_schemas.present",
     "intellwheels_server.server_options",
     "intellwheels_experiments.testing.rig",
     "intellwheels_viewer.viewer_service",
     "intellwheels_experiments.batch.run_worker",
 }
-"""Files that do a command's work, beside those of the commands themselves."""
+"""Files that do a command's work or read an inbox, beside those of the commands themselves."""
 
 
 @pytest.mark.parametrize(("package", "path"), FILES, ids=[str(path.relative_to(ROOT)) for _, path in FILES])

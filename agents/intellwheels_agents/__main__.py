@@ -42,7 +42,7 @@ On standard output: `joined agent=chair1 run=... tick=...`; `run agent=chair1 ru
 DEFAULT_ROBOTS = {"door": "door", "table": "table"}
 DEFAULT_ROBOT = "intellwheels"
 NUMBERED_COPIES = 99
-"""Most names that --numbered tries."""
+"""Largest number of names that --numbered tries."""
 
 
 def parser() -> argparse.ArgumentParser:
@@ -56,7 +56,7 @@ def parser() -> argparse.ArgumentParser:
     result.add_argument(
         "mind",
         metavar="MIND",
-        help=f"{', '.join(minds.names())}; or a Python file that defines a class Mind or make(context)",
+        help=f"{', '.join(minds.names())}; or a Python file that defines a class Mind or a function make(context)",
     )
     result.add_argument("--name", metavar="NAME", help="the agent's name (default: the mind's name)")
     result.add_argument(
@@ -76,7 +76,11 @@ def parser() -> argparse.ArgumentParser:
         help="a place of the map to start at; may be repeated, the first free one is used (default: any free place)",
     )
     result.add_argument(
-        "--role", choices=("both", "body", "mind"), default="both", help="what this process provides (default: both)"
+        "--role",
+        choices=("both", "body", "mind"),
+        default="both",
+        help="both: a body and its mind; body: the body only; mind: the mind of a body that another process provides "
+        "(default: both)",
     )
     result.add_argument(
         "--option",
@@ -88,7 +92,9 @@ def parser() -> argparse.ArgumentParser:
     result.add_argument(
         "--encoding", choices=("json", "xml"), default="json", help="the encoding of messages (default: json)"
     )
-    result.add_argument("--no-barrier", action="store_true", help="a lockstep does not wait for this agent")
+    result.add_argument(
+        "--no-barrier", action="store_true", help="in lockstep, the simulator does not wait for this agent"
+    )
     result.add_argument(
         "--retry-for",
         type=_seconds,
@@ -160,8 +166,9 @@ def _body(
 ) -> Robot:
     if options.role == "mind":
         if robot_options:
-            raise OptionError(f"option {next(iter(robot_options))}: expected no option of the body for --role mind")
-        # `equip` also declares what the mind itself accepts, such as user input; that counts in every role.
+            name = next(iter(robot_options))
+            raise OptionError(f"option {name}: expected an option of the mind for --role mind, got a robot field")
+        # `equip` also declares what the mind accepts, such as user input. That counts in every role.
         return source.equip(Robot(), Options(mind_options))
     name = options.robot or DEFAULT_ROBOTS.get(options.mind, DEFAULT_ROBOT)
     return source.equip(equipped(robot_file(name), robot_options), Options(mind_options))

@@ -1,7 +1,7 @@
 """An agent on the network. The only file of the agents that knows zenoh.
 
-Zenoh calls back on its own threads. A callback stores the arrival and returns; only the main loop calls the harness
-and its mind. No single wait is longer than `SLICE`, so that a signal is noticed.
+Zenoh calls back on its own threads. A callback stores what arrived and returns. Only the main loop calls the
+harness and its mind. No single wait is longer than `SLICE`, so that a signal is noticed.
 
 Arrivals wait in a `SimpleQueue`. It saves 25 µs a tick against a condition and a deque (measured round trip 128 µs
 instead of 152 µs, echo of measures on loopback), and in lockstep every tick waits for every agent.
@@ -157,7 +157,7 @@ class _AgentPeer:
                     outputs = [output for output in outputs if isinstance(output, RequestLeave)]
                 self._do(outputs)
                 if self._dropped:
-                    _log(f"overflown arrivals={self._dropped}")
+                    _log(f"overflowed arrivals={self._dropped}")
         return self._exit or 0
 
     def _store(self, sample: zenoh.Sample) -> None:
@@ -219,7 +219,7 @@ class _AgentPeer:
             if isinstance(output, Publish):
                 self._publisher.put(output.payload)
             elif isinstance(output, RequestJoin):
-                # In a thread of its own: an agent that joins again must go on answering ticks meanwhile.
+                # In a thread of its own, because an agent that joins again must keep answering ticks meanwhile.
                 threading.Thread(target=self._join, args=(output.payload,), name="join", daemon=True).start()
             elif isinstance(output, RequestLeave):
                 self._leave(output.payload)
@@ -254,7 +254,7 @@ class _AgentPeer:
         try:
             link.query(self._session, self._leave_key, payload, self._encoding, timeout=LEAVE_TIMEOUT)
         except (ConnectionError, zenoh.ZError) as error:
-            _log(f"left without=reply why={str(error)!r}")
+            _log(f"unanswered request=leave why={str(error)!r}")
 
     def _fetch_map(self) -> Map:
         answer = link.query(self._session, self._map_key, encoding=Encoding.JSON, timeout=JOIN_TIMEOUT)[0]

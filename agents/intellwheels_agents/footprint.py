@@ -63,7 +63,7 @@ class Footprint:
             reach = self.radius + fastest * free + margin
             if fastest * free < ROUNDING or x * x + y * y > reach * reach:
                 continue
-            # A point that is already nearer than the margin may stay as near as it is.
+            # A point that is already nearer than the margin may keep its present distance.
             clearance = self.clearance(x, y)
             least = min(margin, clearance) - ROUNDING
             time = 0.0

@@ -40,7 +40,7 @@ TOKEN_RETRY: Final = 0.1
 NAME_TAKEN: Final = 4
 """Exit code when another agent already has the name."""
 PLACE_TAKEN: Final = 5
-"""Exit code when another body already stands at the place."""
+"""Exit code when another body is already at the place."""
 _TAKEN: Final = {"already-here": NAME_TAKEN, "overlaps": PLACE_TAKEN}
 
 
@@ -207,7 +207,7 @@ class Harness:
         return self._retry_after(now, TOKEN_RETRY if refused.code == "no-token" else RETRY, text)
 
     def unanswered(self, now: float) -> list[Output]:
-        """Handle a join that nobody answered."""
+        """Handle a join without an answer."""
         if self.phase is not Phase.ASKING:
             return []
         return self._retry_after(now, RETRY, self._nobody())
@@ -271,7 +271,7 @@ class Harness:
             return outputs
         newest = batch[-1]
         if newest.run != self._run and self.phase is Phase.ASKING:
-            # The simulator was restarted, and our session with it is on its way.
+            # The simulator was restarted, and the reply with our new session is on its way.
             self._early = payloads[-1]
             return outputs
         if newest.run != self._run and self._joined is not None:
@@ -356,4 +356,4 @@ class Harness:
 
 
 def _no_map() -> Map:
-    raise RuntimeError("this harness was given no way to fetch a map")
+    raise RuntimeError("this harness cannot fetch a map")

@@ -39,7 +39,7 @@ class Mind(Protocol):
 
 
 class Bridge(Protocol):
-    """Stands for the body of a real chair, in the role `body`."""
+    """The body of a real chair, in the role `body`."""
 
     def decide(self, measures: Measures) -> Pose | None:
         """Return the chair's pose; None if it is unknown, and then nothing is reported."""
@@ -48,7 +48,7 @@ class Bridge(Protocol):
 
 @dataclass(frozen=True)
 class Context:
-    """What a mind knows when a run begins.
+    """The information for a mind at the beginning of a run.
 
     Attributes:
         agent: The agent's name.

@@ -21,7 +21,7 @@ _TEXT = re.compile(TEXT_PATTERN)
 
 
 class Answer(NamedTuple):
-    """What the mind answered.
+    """The answer of a mind.
 
     Attributes:
         payload: The encoded `Actions` or `Pose`; empty if nothing is to be sent.
@@ -33,7 +33,7 @@ class Answer(NamedTuple):
 
 
 class MindRun:
-    """A mind, and what it was last asked and last answered.
+    """A mind, with the last measures that it got and its last answer.
 
     Attributes:
         mind: The mind or bridge.

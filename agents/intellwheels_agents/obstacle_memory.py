@@ -73,7 +73,7 @@ class _Beam(NamedTuple):
 
 
 class ObstacleMemory:
-    """Where obstacles may be around a body.
+    """The possible places of obstacles around a body.
 
     Attributes:
         points: Possible obstacle points (x, y) within `REACH` of the body, in the body frame, m.

@@ -72,7 +72,7 @@ def with_ring(robot: Robot) -> Robot:
 
 
 class RangeRing:
-    """What a body sees around it.
+    """The objects that a body sees around it.
 
     Attributes:
         objects: The objects seen at the last update.

@@ -1,4 +1,4 @@
-"""What a user wants of a chair: from a `UserInput` to forward and turn, and to motor powers.
+"""Converts a `UserInput` to forward and turn, and these to motor powers.
 
 The simulator clears the input of a silent user (dead-man), so `Measures` hold what the user wants now. A voice
 recogniser may send a word alone; a word counts only if forward and turn are both 0. A goal is not cleared by silence,
@@ -29,7 +29,7 @@ def wanted(user: UserInput | None, word_share: float) -> tuple[float, float]:
 
     Args:
         user: The user input of `Measures`; None without a user.
-        word_share: The deflection that a word alone stands for, in [0, 1].
+        word_share: The deflection that a word counts as, in [0, 1].
     """
     if user is None:
         return 0.0, 0.0

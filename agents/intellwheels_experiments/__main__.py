@@ -37,12 +37,13 @@ examples:
   iw-run figure6                             the same without a page, as fast as possible
   iw-run figure6 --seed 7 --json result.json
   iw-run my/scene.xml --encoding xml --logs logs
-  iw-run table1 --seeds 40 --jobs 2 --out t1 an experiment: every row with 40 seeds, and a report;
-                                             after an interruption the same command resumes it
+  iw-run table1 --seeds 40 --jobs 2 --out t1
+      an experiment: every row with 40 seeds, and a report; after an interruption, run the same command again
   iw-run table1 --row real-autonomous --branch t1/runs/real-autonomous/3/input.jsonl --at 200 \\
-      --option chair.speed=0.3 --out what-if      what if: that run again, but slower from tick 200 on
+      --option chair.speed=0.3 --out what-if
+      what if: repeat that run, but slower from tick 200 on
 
-exit code: 0 the conditions of the scene held (of a batch: every run reached its end), 1 not so, 2 wrong usage
+exit codes: 0 all conditions of the scene held or, in a batch, every run reached its end; 1 otherwise; 2 wrong usage
 """
 
 
@@ -50,7 +51,7 @@ def parser() -> argparse.ArgumentParser:
     """Return the parser of the command line."""
     found = argparse.ArgumentParser(
         prog="iw-run",
-        description="Run a scene: start the simulator and all agents of the scene, show the progress, end all "
+        description="Run a scene: start the simulator and all agents of the scene, show the progress, end all\n"
         "processes, and report whether the conditions of the scene held.",
         epilog=_EPILOG,
         formatter_class=argparse.RawDescriptionHelpFormatter,
@@ -59,50 +60,68 @@ def parser() -> argparse.ArgumentParser:
     found.add_argument("scene", metavar="SCENE", help=f"a shipped scene ({', '.join(names('scenes'))}) or an XML file")
     found.add_argument(
         "--view", action="store_true",
-        help="serve a page that shows and controls the run, until Ctrl-C; the pace is then realtime by default",
+        help="serve a page that shows and controls the run, until Ctrl-C; the default pace is then realtime",
     )  # fmt: skip
     found.add_argument(
-        "--view-port", type=_port, metavar="N", default=8080, help="port of the page, 0 for any free one (8080)"
+        "--view-port",
+        type=_port,
+        metavar="N",
+        default=8080,
+        help="port of the page; 0 picks a free one (default: 8080)",
     )
-    found.add_argument("--pace", choices=get_args(Pace), help="pace of the run (the scene's)")
+    found.add_argument("--pace", choices=get_args(Pace), help="pace of the run (default: the scene's)")
     found.add_argument(
-        "--speed", type=_factor, metavar="F", default=1.0, help="multiple of real time, at pace realtime (1)"
+        "--speed",
+        type=_factor,
+        metavar="F",
+        default=1.0,
+        help="simulated time over real time, at pace realtime (default: 1)",
     )
-    found.add_argument("--seed", metavar="TEXT", help="seed of all noise (the scene's)")
+    found.add_argument("--seed", metavar="TEXT", help="seed of all noise (default: the scene's)")
     found.add_argument(
-        "--encoding", choices=("json", "xml"), default="json", help="encoding of the agents' messages (json)"
+        "--encoding", choices=("json", "xml"), default="json", help="encoding of the agents' messages (default: json)"
     )
     found.add_argument(
-        "--json", type=Path, metavar="FILE", help="write the result to this file, with the final state hash as 'hash'"
+        "--json",
+        type=Path,
+        metavar="FILE",
+        help="write the result to this file as JSON; its field `hash` is the hash of the final state",
     )
     found.add_argument(
         "--log",
         type=Path,
         metavar="FILE",
-        help="write the input log, for iw-server --resimulate and --play; a laboratory's log gets '-lab' in its name",
+        help="write the input log, for iw-server --resimulate and --play; the name of a laboratory's log ends in -lab",
     )
     found.add_argument("--logs", type=Path, metavar="DIR", help="keep the logs of the processes in this folder")
     found.add_argument(
         "--timeout",
         type=_factor,
         metavar="S",
-        help=f"seconds of wall time after which the run is aborted ({WALL_LIMIT:g}, plus what its pace needs)",
+        help=f"seconds of wall time after which the run is aborted (default: {WALL_LIMIT:g}, more at a slow pace)",
     )
     batch = found.add_argument_group(
         "batch", "run every row of the scene's experiment with every seed; needs the extra `experiments`"
     )
     batch.add_argument("--seeds", type=_count, metavar="N", help="run with the seeds 1 to N and write a report")
-    batch.add_argument("--jobs", type=_count, metavar="N", default=1, help="number of runs at a time (1)")
+    batch.add_argument("--jobs", type=_count, metavar="N", default=1, help="number of runs at a time (default: 1)")
     batch.add_argument("--row", metavar="ROW", action="append", help="run only this row; may be repeated")
     batch.add_argument(
-        "--out", type=Path, metavar="DIR", help="folder of the batch; finished runs in it are not repeated (SCENE-runs)"
+        "--out",
+        type=Path,
+        metavar="DIR",
+        help="folder of the batch; runs finished there are not repeated (default: SCENE-runs)",
     )
     branch = found.add_argument_group(
         "branch",
-        "what if: repeat a recorded run up to a tick, continue differently, and write a report of both to --out",
+        "what if: repeat a recorded run up to a tick, continue with changes, and write a report of both runs to --out",
     )
-    branch.add_argument("--branch", type=Path, metavar="LOG", help="input log of a run of this scene (and of --row)")
-    branch.add_argument("--at", type=_tick, metavar="TICK", default=0, help="tick up to which the log is followed (0)")
+    branch.add_argument(
+        "--branch", type=Path, metavar="LOG", help="input log of a run of this scene, and of --row if given"
+    )
+    branch.add_argument(
+        "--at", type=_tick, metavar="TICK", default=0, help="tick up to which the log is followed (default: 0)"
+    )
     branch.add_argument(
         "--mind", action="append", default=[], metavar="AGENT=MIND", help="use another mind; may be repeated"
     )
@@ -113,9 +132,13 @@ def parser() -> argparse.ArgumentParser:
         metavar="AGENT.NAME=VALUE",
         help="change an option of a mind; may be repeated",
     )
-    link = found.add_argument_group("link", "by default the simulator listens at a free port of this machine")
+    link = found.add_argument_group("connection", "by default the simulator listens at a free port of this machine")
     link.add_argument(
-        "--world", type=_world, metavar="NAME", default=defaults.WORLD, help=f"name of the world ({defaults.WORLD})"
+        "--world",
+        type=_world,
+        metavar="NAME",
+        default=defaults.WORLD,
+        help=f"name of the world (default: {defaults.WORLD})",
     )
     link.add_argument("--listen", action="append", default=[], metavar="ENDPOINT", help="where the simulator listens")
     link.add_argument(

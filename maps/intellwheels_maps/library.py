@@ -125,7 +125,8 @@ def _find(shelf: Shelf, name_or_path: str | Path, beside: Path | None) -> Path |
         return (beside or Path()) / text
     known = names(shelf)
     if text not in known:
-        expected = f"expected one of the {shelf} ({', '.join(known)}) or a path ending in .xml"
+        kind = "maps" if shelf == "floors" else shelf
+        expected = f"expected one of the {kind} ({', '.join(known)}) or a path ending in .xml"
         raise WireError("value", f"{expected}, got {text!r}", shelf)
     return _shelf(shelf).joinpath(f"{text}.xml")
 

@@ -20,7 +20,7 @@ _SCHEMAS = Path(__file__).resolve().parents[1]
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
         prog="python -m intellwheels_schemas",
-        description="Without a command: generate KEYS.md, xsd/, json/ and vectors/ beside the package, in a checkout.",
+        description="Generate KEYS.md, xsd/, json/ and vectors/ beside the package in a checkout, or check a document.",
     )
     parser.add_argument(
         "--release",
@@ -30,14 +30,14 @@ def _parser() -> argparse.ArgumentParser:
     commands = parser.add_subparsers(dest="command", metavar="COMMAND")
     check = commands.add_parser(
         "check",
-        help="check whether a document is valid, and say what is wrong and where",
-        description="Check whether a document is valid, and say what is wrong and where. "
-        "Exit code 0: valid; 1: not valid; 2: wrong usage.",
+        help="check a document, and print each fault and its place",
+        description="Check a document, and print each fault and its place. "
+        "Exit codes: 0 valid, 1 not valid, 2 wrong usage.",
     )
     check.add_argument("file", metavar="FILE", help="XML or JSON file; - for standard input")
     check.add_argument(
         "--as", dest="cls", metavar="CLASS", choices=sorted(NAMES),
-        help="which message it should be (default: the XML root, or for JSON the file name up to the first - or .)",
+        help="expected class of the document (default: the XML root, or for JSON the file name up to the first - or .)",
     )  # fmt: skip
     return parser
 

@@ -96,7 +96,7 @@ def add_link_options(parser: argparse.ArgumentParser, *, listens: bool = False) 
         "--world",
         default=defaults.WORLD,
         metavar="NAME",
-        help=f"name of the world, of those at this endpoint (default: {defaults.WORLD})",
+        help=f"name of the world; several worlds can share an endpoint (default: {defaults.WORLD})",
     )
     group.add_argument(
         "--connect", action="append", default=[], metavar="ENDPOINT",

@@ -31,7 +31,7 @@ def add_process_options(parser: argparse.ArgumentParser) -> None:
         "--lifeline",
         type=int,
         metavar="FD",
-        help="stop when this inherited file descriptor, the read end of a pipe, is closed at the other end",
+        help="stop when a pipe closes; FD is the inherited file descriptor of its read end",
     )
 
 

@@ -23,7 +23,7 @@ LIVE_OPTIONS = (
 )  # fmt: skip
 """Options of a live run, which a playback refuses."""
 PLAY_NAME_LENGTH = 32 - len(PLAY_SUFFIX)
-"""Characters of that name which are kept: names have at most 32."""
+"""Characters of that name that are kept. A name has at most 32."""
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -53,12 +53,12 @@ def main(arguments: list[str] | None = None) -> int:
     except ValueError as error:
         grammar.error(str(error))
     stop = stop_on_signals(given.lifeline)
-    # These import numba and zenoh, which `--help` and usage errors need not wait for.
+    # Imported late: numba and zenoh are slow to load, and `--help` and usage errors do not need them.
     from intellwheels_server.service.simulator_peer import WorldTakenError, serve  # noqa: PLC0415
     from intellwheels_server.world.warmup import warm  # noqa: PLC0415
 
     warm()
-    # What exists now exists until the process ends, so the garbage collector need not visit it again and again.
+    # Objects that exist now live until the process ends, so the garbage collector need not visit them again.
     gc.collect()
     gc.freeze()
     try:

@@ -19,30 +19,30 @@ from intellwheels_server.service.service_state import Options
 from intellwheels_server.world import Setup
 
 DEFAULT_FLOOR = "room"
-"""The floor if neither a map nor a scene is given."""
+"""The map if neither a map nor a scene is given."""
 
 EXAMPLES = f"""\
 examples:
-  iw-server                                   the floor `{DEFAULT_FLOOR}` in real time, at {defaults.ENDPOINT}
+  iw-server                                   the map `{DEFAULT_FLOOR}` in real time, at {defaults.ENDPOINT}
   iw-server --map ward --speed 4              a hospital ward, four times as fast as real time
   iw-server --scene figure6 --log run.jsonl   a scene; the run starts when all its agents have joined
   iw-server --resimulate run.jsonl            run that log again and compare the hash of every tick
   iw-server --play run.jsonl                  show that log in world `main-play`: pause, step, speed, seek
 
 Standard output has `ready ...` when agents may join, `running tick=0 run=R` when all expected agents have joined, and
-`ended tick=N hash=H run=R` when the end condition is met. Exit code: 0 done, 1 refused or failed, 2 wrong usage.
+`ended tick=N hash=H run=R` when the end condition is met. Exit codes: 0 done, 1 refused or failed, 2 wrong usage.
 """
 
 PLAY_SUFFIX = "-play"
-"""What a playback adds to the name of the world in the log."""
+"""The suffix that a playback adds to the name of the world in the log."""
 
 
 def parser() -> argparse.ArgumentParser:
     """Return the parser of the command line."""
     found = argparse.ArgumentParser(
         prog="iw-server",
-        description="Simulate a floor with intelligent wheelchairs, doors and tables. "
-        "Each of them is an agent: a process of its own that joins over Zenoh.",
+        description="Simulate intelligent wheelchairs, doors and tables on a map. "
+        "Each of them is an agent:\na process of its own that joins over Zenoh.",
         epilog=EXAMPLES,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
@@ -59,9 +59,11 @@ def _add_world_options(group: argparse._ArgumentGroup) -> None:
     group.add_argument(
         "--scene",
         metavar="NAME|FILE",
-        help="take map, seed, period, pace, end condition, agents and the rules of speech from a scene",
+        help="take map, seed, period, pace, end condition, agents and speech options from a scene",
     )
-    group.add_argument("--map", metavar="NAME|FILE", help=f"the floor (default: {DEFAULT_FLOOR})")
+    group.add_argument(
+        "--map", metavar="NAME|FILE", help=f"the map: a shipped one, or a file (default: {DEFAULT_FLOOR})"
+    )
     group.add_argument("--seed", metavar="TEXT", help=f"the seed of all noise (default: {defaults.SEED})")
     group.add_argument(
         "--period", type=_positive, metavar="S", help=f"simulated seconds per tick (default: {defaults.PERIOD:g})"
@@ -71,15 +73,16 @@ def _add_world_options(group: argparse._ArgumentGroup) -> None:
         "--hide-truth",
         action="store_true",
         default=None,
-        help="keep true poses off the network, in the log only: a laboratory, whose chairs are real in another world",
+        help="write true poses to the log only, not to the network; for a laboratory, whose chairs are real "
+        "in another world",
     )
     group.add_argument(
         "--say-limit", type=_count, default=defaults.SAY_LIMIT, metavar="N",
-        help="most characters in what an agent says at a time (default: %(default)s)",
+        help="largest number of characters in a message that an agent says (default: %(default)s)",
     )  # fmt: skip
     group.add_argument(
         "--say-range", type=_positive, metavar="M",
-        help=f"metres up to which an agent is heard (default: the scene's, or {defaults.SAY_RANGE:g})",
+        help=f"distance in metres up to which an agent is heard (default: the scene's, or {defaults.SAY_RANGE:g})",
     )  # fmt: skip
     group.add_argument(
         "--say-walls", action=argparse.BooleanOptionalAction,
@@ -87,16 +90,16 @@ def _add_world_options(group: argparse._ArgumentGroup) -> None:
     )  # fmt: skip
     group.add_argument(
         "--say-loss", type=_share, metavar="P",
-        help=f"share of messages that a listener misses (default: the scene's, or {defaults.SAY_LOSS:g})",
+        help=f"share of messages that a listener misses, in [0, 1] (default: the scene's, or {defaults.SAY_LOSS:g})",
     )  # fmt: skip
     group.add_argument(
         "--say-delay", type=_seconds, metavar="S",
-        help="simulated seconds by which speech arrives later than the next tick "
+        help="simulated seconds of delay of a message, beyond the next tick "
         f"(default: the scene's, or {defaults.SAY_DELAY:g})",
     )  # fmt: skip
     group.add_argument(
         "--command-timeout", type=_positive, default=defaults.COMMAND_TIMEOUT, metavar="S",
-        help="simulated seconds after which a motor command no longer counts, for robots that set no time of their own "
+        help="simulated seconds after which a motor command expires, for robots that do not set a time themselves "
         "(default: %(default)g)",
     )  # fmt: skip
 
@@ -108,13 +111,13 @@ def _add_time_options(group: argparse._ArgumentGroup) -> None:
         "(default: realtime)",
     )  # fmt: skip
     group.add_argument(
-        "--speed", type=_positive, default=1.0, metavar="F", help="simulated over real time (default: %(default)g)"
+        "--speed", type=_positive, default=1.0, metavar="F", help="simulated time over real time (default: %(default)g)"
     )
     group.add_argument(
         "--miss", choices=("strict", "elastic"),
         help="what lockstep does when an answer is missing: end the run, or keep the last command (default: strict)",
     )  # fmt: skip
-    group.add_argument("--expect", metavar="A,B,C", help="stay at tick 0 until these agents have joined")
+    group.add_argument("--expect", metavar="A,B,C", help="wait at tick 0 until these agents have joined")
     group.add_argument(
         "--await-page",
         action="store_true",
@@ -122,7 +125,7 @@ def _add_time_options(group: argparse._ArgumentGroup) -> None:
     )
     group.add_argument(
         "--open-loop", action="store_true",
-        help="at pace free, admit agents that want the simulator to wait for their answers",
+        help="at pace free, also accept agents that need the simulator to wait for their answers; it will not wait",
     )  # fmt: skip
     group.add_argument(
         "--deadline", type=_positive, metavar="S",
@@ -143,7 +146,7 @@ def _add_run_options(group: argparse._ArgumentGroup) -> None:
     group.add_argument(
         "--branch", type=Path, metavar="FILE",
         help="repeat the run of this input log up to tick --at, then follow the agents; "
-        "floor, seed, period and end condition are those of the log",
+        "map, seed, period and end condition are those of the log",
     )  # fmt: skip
     group.add_argument(
         "--at", type=_tick, metavar="TICK", default=0,
@@ -163,8 +166,8 @@ def _add_run_options(group: argparse._ArgumentGroup) -> None:
     )  # fmt: skip
     group.add_argument(
         "--reported", type=Path, metavar="FILE",
-        help="with --play of a laboratory's log: also show the poses that the chairs reported, from the log of the "
-        "world that they joined; runs and ticks of the two logs are paired in order",
+        help="with --play of the log of a laboratory: also show the poses that the chairs reported; FILE is the log of "
+        "the world that they joined, and runs and ticks of the two logs are paired in order",
     )  # fmt: skip
     group.add_argument("--quit-at-end", action="store_true", help="exit when the end condition is met")
 
@@ -211,7 +214,7 @@ def options_of(given: argparse.Namespace) -> tuple[Options, Link]:
     if branch is not None:
         if pace != "lockstep" or written is not None or given.map is not None or given.seed is not None:
             raise ValueError(
-                "--branch: expected --pace lockstep and no scene, map or seed, as they are those of the log"
+                "--branch: expected --pace lockstep and no --scene, --map or --seed, because the log sets them"
             )
         setup = branch.setup({"strict": strict})
         expect = expect or branch.agents
@@ -233,7 +236,7 @@ def options_of(given: argparse.Namespace) -> tuple[Options, Link]:
 
 
 def _with_speech_rules(setup: Setup, given: argparse.Namespace, written: Scene | None) -> Setup:
-    """Return the setup with the rules of speech of the command line, else of the scene."""
+    """Return the setup with the speech options of the command line, else of the scene."""
     names = ("say_range", "say_walls", "say_loss", "say_delay")
     sources = [source for source in (written, given) if source is not None]
     changes = {name: getattr(source, name) for source in sources for name in names if getattr(source, name) is not None}

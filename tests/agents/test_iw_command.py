@@ -58,8 +58,8 @@ def test_list_has_the_places_of_a_floor_with_their_poses(capsys: pytest.CaptureF
 
 
 @pytest.mark.parametrize(("words", "text"), [
-    (["list", "places"], "expected a FLOOR after places, got none"),
-    (["list", "minds", "ward"], "expected no FLOOR after minds, got 'ward'"),
+    (["list", "places"], "expected a MAP after places, got none"),
+    (["list", "minds", "ward"], "expected no MAP after minds, got 'ward'"),
     (["list", "flors"], "argument KIND"),
 ])  # fmt: skip
 def test_wrong_lists_are_refused(words: list[str], text: str, capsys: pytest.CaptureFixture[str]) -> None:

@@ -50,7 +50,7 @@ def test_help_shows_examples_and_minds() -> None:
         (["drive", "--world", "a/b"], "--world: expected a name"),
         (
             ["drive", "--role", "mind", "--option", "MotorNoise=0.1"],
-            "option MotorNoise: expected no option of the body",
+            "option MotorNoise: expected an option of the mind for --role mind, got a robot field",
         ),
     ],
 )

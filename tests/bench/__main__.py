@@ -1,4 +1,4 @@
-"""State the speed: `python -m tests.bench [tick] [network] [viewer] [bystanders] [--quick] [--csv FILE]`."""
+"""Measure the speed: print a table of results and append them to a CSV file."""
 
 from __future__ import annotations
 
@@ -10,11 +10,16 @@ from tests.bench.rows import append, show
 
 
 def main() -> None:
-    """Run the benchmarks that are named, or all; print the table and append the rows."""
+    """Run the named benchmarks, or the default ones; print the table and append the rows."""
     parser = argparse.ArgumentParser(prog="python -m tests.bench", description=__doc__)
-    parser.add_argument("benches", nargs="*", help="tick, network, viewer, bystanders; default: the first three")
-    parser.add_argument("--quick", action="store_true", help="small and short, to see that it works")
-    parser.add_argument("--csv", type=Path, default=Path(__file__).parent / "results.csv", help="default: %(default)s")
+    parser.add_argument(
+        "benches", nargs="*", metavar="BENCH", help="tick, network, viewer or bystanders (default: the first three)"
+    )
+    parser.add_argument("--quick", action="store_true", help="run short versions, to check that the benchmarks work")
+    parser.add_argument(
+        "--csv", type=Path, default=Path(__file__).parent / "results.csv", metavar="FILE",
+        help="the CSV file (default: tests/bench/results.csv)",
+    )  # fmt: skip
     options = parser.parse_args()
     wanted = options.benches or ["tick", "network", "viewer"]
     rows = []

@@ -166,11 +166,11 @@ def test_second_simulator_of_a_world_refuses_to_start(stage: Stage) -> None:
         peer.ticks_on(5)
 
 
-def test_second_simulator_on_a_port_says_that_it_is_taken(stage: Stage) -> None:
+def test_second_simulator_on_a_port_says_that_it_is_in_use(stage: Stage) -> None:
     stage.server(*REALTIME)
     second = stage.start("second", "intellwheels_server", "--listen", stage.endpoint, "--world", "other")
     assert stage.exit(second) == 1
-    assert "taken" in stage.log(second)
+    assert "the port is in use" in stage.log(second)
 
 
 # ---------------------------------------------------------------- hostile bytes

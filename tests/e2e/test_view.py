@@ -107,7 +107,7 @@ def test_a_scene_waits_for_its_page_and_runs_again_after_its_end(tmp_path: Path)
                 waiting = clock()
             assert (waiting["State"], waiting["Tick"]) == ("paused", 0)
             with opened(port) as browser:
-                command.line("the run is over")
+                command.line("the run has ended")
                 assert clock()["Run"] == waiting["Run"]
                 browser.wait(lambda: "The run is over" in browser.text(), 60.0)
                 browser.enter("Run again", True)

@@ -75,7 +75,7 @@ def test_unknown_name_is_refused_with_the_known_ones() -> None:
     with pytest.raises(WireError) as caught:
         floor("wart")
     assert caught.value.text == (
-        f"expected one of the floors ({', '.join(names('floors'))}) or a path ending in .xml, got 'wart'"
+        f"expected one of the maps ({', '.join(names('floors'))}) or a path ending in .xml, got 'wart'"
     )
 
 

@@ -57,7 +57,7 @@ def test_a_goal_outside_the_floor_is_refused_and_the_next_click_counts(here: Ope
     here.show(TAKES)
     here.page._aim()
     here.page._goal_click.put(900.0, 1.5)
-    here.browser.wait(lambda: any("outside the floor" in str(message) for message in here.browser.heard))
+    here.browser.wait(lambda: any("outside the map" in str(message) for message in here.browser.heard))
     assert (here.network.asked, here.network.puts) == ([], [])
     here.page._goal_click.put(2.5, 1.5)
     until(lambda: here.network.puts)

@@ -20,7 +20,6 @@ examples:
   iw-viewer                                      show a simulator on this machine, at http://127.0.0.1:8080
   iw-viewer --connect tcp/10.0.0.5:7447          show a simulator on another machine
   iw-viewer --host 0.0.0.0 --allow-host lab-pc   let other machines open the page as http://lab-pc:8080
-
   iw-viewer --record run.html --seconds 30       save 30 s of the run as a page that needs no simulator
 
 It prints one line, `ready url=...`, when the page can be opened. It stores no part of the run, so you can stop and

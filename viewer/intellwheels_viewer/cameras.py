@@ -34,14 +34,14 @@ TALLEST: Final = 1.6
 MARGIN: Final = 0.06
 """Share of the picture that stays empty at each edge."""
 SMALLEST: Final = 2.0
-"""Metres that a view shows at least, even of an empty floor."""
+"""Metres that a view shows at least, even of an empty map."""
 FAR: Final = 3000.0
-"""Minimum distance of the far plane, in metres; the plan of a large floor needs more."""
+"""Minimum distance of the far plane, in metres; the plan of a large map needs more."""
 _ECHO: Final = 1e-3  # metres; a page reports in float32
 
 
 class View(NamedTuple):
-    """Where a camera stands and looks."""
+    """The position of a camera and the point that it looks at."""
 
     position: Vector
     look_at: Vector
@@ -77,7 +77,7 @@ def fit(points: Vector, steep: float, fov: float, aspect: float) -> View:
     tall = math.tan(fov / 2) * (1.0 - 2.0 * MARGIN)
     wide = tall * aspect
     # A point at depth d is in the picture when |across| <= d wide and |above| <= d tall: four planes. With the camera
-    # at -s on each axis the tightest pair of each axis gives the shift and the distance that both of it need.
+    # at -s on each axis, the tightest pair of planes of each axis gives the shift and the distance that both need.
     across, above, depth = points @ right, points @ up, points @ ahead
     left, far_right = np.max(-across - depth * wide), np.max(across - depth * wide)
     low, high = np.max(-above - depth * tall), np.max(above - depth * tall)
@@ -161,7 +161,7 @@ class Camera:
                 self._reported()
 
     def frame(self, floor: Map) -> None:
-        """Fit another floor into the picture, in the free view and in the plan."""
+        """Fit another map into the picture, in the free view and in the plan."""
         with self._lock:
             self._corners = corners_of(floor)
             self._by_hand = False
@@ -229,7 +229,7 @@ class Camera:
         self._written.append(view.position)
         try:
             with self._client.atomic():
-                # In this order: setting the position drags the point looked at along.
+                # In this order, because setting the position moves the point that the camera looks at.
                 camera.position = view.position
                 camera.look_at = view.look_at
                 camera.fov = view.fov

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class ControlCalls:
-    """What the controls call; see `DrivePanel` and `PlacePanel`."""
+    """The callbacks of the controls; see `DrivePanel` and `PlacePanel`."""
 
     stick: Callable[[float, float, int], None]
     say: Callable[[str, str | None], None]

@@ -26,7 +26,7 @@ def takes_goals(snapshot: Snapshot, name: str | None) -> bool:
 
 
 def is_on(floor: Map, x: float, y: float) -> bool:
-    """Return whether a point, in metres, is within the extent of a floor."""
+    """Return whether a point, in metres, is within the extent of a map."""
     west, east, south, north = extent(floor)
     return west <= x <= east and south <= y <= north
 
@@ -63,10 +63,10 @@ class GoalClick:
         self._clicks.listen(False)
 
     def put(self, x: float, y: float) -> None:
-        """Set the goal to a point, in metres. A point outside the floor is refused, and the next click counts."""
+        """Set the goal to a point, in metres. A point outside the map is refused, and the next click counts."""
         agent = self._agent
         if agent is not None and self._floor is not None and not is_on(self._floor, x, y):
-            self._notify("No goal set", "This point is outside the floor. Click another one, or press Escape.")
+            self._notify("No goal set", "This point is outside the map. Click another one, or press Escape.")
             return
         self.end()
         if agent is not None:

@@ -46,7 +46,7 @@ class HeldGhost:
         self._change(heading=heading)
 
     def mark_refused(self, *_: object) -> None:
-        """Draw the ghost in red: it cannot stand there."""
+        """Draw the ghost in red, because the simulator refused its pose."""
         self._change(refused=True)
 
     def _change(self, **changes: Any) -> None:

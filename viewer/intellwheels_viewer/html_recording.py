@@ -72,7 +72,7 @@ class HtmlRecording:
         return len(page)
 
     def _frame(self, snapshot: Snapshot) -> None:
-        """Set the first view so that it shows the whole floor."""
+        """Set the first view so that it shows the whole map."""
         if snapshot.floor is not None:
             view = fit(corners_of(snapshot.floor), STEEP, FOV, ASPECT)
             first = self._server.initial_camera

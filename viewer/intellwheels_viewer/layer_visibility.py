@@ -52,7 +52,7 @@ class LayerVisibility:
         self._walls_of = wanted
         if self._walls is None:
             self._walls = Walls(self._client.scene)
-        # These nodes hide the shared ones, so they stay and must be redrawn at half height and for a new floor too.
+        # These nodes hide the shared ones, so they stay and must be redrawn at half height and for a new map too.
         self._walls.show(snapshot.floor, None if whole else HALF_HEIGHT)
 
     def _hide(self) -> None:

@@ -62,7 +62,7 @@ class Worlds(Simulator, Protocol):
         """Show another world."""
 
     def note_speech(self, text: str, to: str | None) -> None:
-        """Show what a user said to an agent, or to everybody with None."""
+        """Show a message of a user to an agent, or to everybody with None."""
 
 
 class Page:
@@ -299,7 +299,7 @@ class Page:
     # ------------------------------------------------------------ notices
 
     def _refused(self, what: str, why: str) -> None:
-        # A stick that is held asks again every second, and would fill the page with the same words.
+        # While a stick is held, the request is repeated every second. The same notice would fill the page.
         if (what, why) == self._refusal and time.monotonic() < self._refused_at + REFUSED:
             return
         self._refusal, self._refused_at = (what, why), time.monotonic()

@@ -1,4 +1,4 @@
-"""The title of the browser tab: the floor and the world, so that tabs can be told apart."""
+"""The title of the browser tab: the map and the world, so that tabs can be told apart."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ APPLICATION: Final = "IntellWheels"
 
 
 def title_of(snapshot: Snapshot) -> str:
-    """Return the title for a snapshot: floor, world and application, as far as they are known."""
+    """Return the title for a snapshot: map, world and application, as far as they are known."""
     parts = []
     if snapshot.floor is not None and snapshot.phase in ("live", "silent", "gone"):
         parts.append(snapshot.floor.title or snapshot.floor.name)

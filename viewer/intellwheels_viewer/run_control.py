@@ -27,7 +27,7 @@ class RunControl:
         self._requests.ask("Not paused", "pause", Pause())
 
     def resume(self) -> None:
-        """Resume the run; a run that has ended goes on."""
+        """Resume the run. A run that has ended continues."""
         self._requests.ask("Not resumed", "resume", Resume())
 
     def step(self, count: int) -> None:
@@ -83,7 +83,7 @@ class RunControl:
 def waits_for_page(snapshot: Snapshot) -> bool:
     """Return whether a run or a playback waits at its beginning for a page to open.
 
-    A run that somebody paused or reset has an event of that, and stays as it is.
+    If somebody paused or reset the run, there is an event of it, and the run is not started.
     """
     clock = snapshot.clock
     if snapshot.phase != "live" or clock is None or clock.state != "paused" or clock.tick != 0 or snapshot.tick != 0:

@@ -68,7 +68,7 @@ class Snapshot:
         endpoint: Where the viewer looks for worlds.
         run, tick, time: Of the newest state; time in simulated seconds.
         clock, floor, bodies, entities: The newest of each. Bodies are by agent, entities in the order of the state.
-        revision: Number of the floor, counted by the viewer. It changes with the floor.
+        revision: Number of the map, counted by the viewer. It changes with the map.
         events: The newest, oldest first, at most `EVENTS_KEPT`.
         measures: By agent, for agents whose measures are subscribed.
         reported: In a playback, the poses that bridges reported for their real chairs at this tick, by agent. Empty
@@ -76,7 +76,7 @@ class Snapshot:
         words: Utterances of this run, newest last, at most `EVENTS_KEPT`.
         history: Samples of the last `HISTORY` simulated seconds by agent, oldest first.
         last_tick: The last tick of the log in a playback; None in a live run.
-        version: Changes whenever the scene must be redrawn: with states, bodies, floors and events. The tick cannot be
+        version: Changes whenever the scene must be redrawn: with states, bodies, maps and events. The tick cannot be
             used for this, as bodies can be moved while a run is paused.
     """
 

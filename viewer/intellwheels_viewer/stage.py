@@ -41,7 +41,7 @@ MANY: Final = FEW // 3
 SLOW_EVERY: Final = 0.2
 """Simulated seconds between two updates of trails and, with many bodies, of labels."""
 PERIOD: Final = 0.05
-"""Seconds of a tick before the first one, when the period is unknown."""
+"""Seconds of a tick while the period is unknown, before the first tick."""
 
 
 def background(colour: tuple[int, int, int]) -> np.ndarray[tuple[int, ...], np.dtype[np.uint8]]:

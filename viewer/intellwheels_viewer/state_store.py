@@ -1,7 +1,7 @@
 """The state store: takes messages, returns a `Snapshot`. Pure, on one thread.
 
 Messages may be lost or arrive out of order. A new run replaces the old one. An older tick of the same run is ignored,
-except in a playback, where it means that somebody moved back in time.
+except in a playback, where it means that a user moved the position back.
 """
 
 from __future__ import annotations
@@ -16,13 +16,13 @@ from intellwheels_viewer.snapshot import EVENTS_KEPT, HISTORY, USER, Phase, Samp
 SAMPLES_A_SECOND: Final = 10
 """Samples kept of the history; more would not be visible."""
 NEAR: Final = 2
-"""Most ticks between a reported pose and the state it is shown with; the two arrive one after the other."""
+"""Largest number of ticks between a reported pose and the state with which it is shown; they arrive in turn."""
 RUNS_KNOWN: Final = 16
 """Past runs that are remembered, so that their late messages are recognised."""
 RETURNS: Final = 1.0
 """Seconds by which the clock of a past run must be newer before that run becomes current again.
 
-A late clock of a past run is older. This covers a message of a stranger that named another run."""
+A late clock of a past run is older. This covers a foreign message that named another run."""
 
 
 class StateStore:
@@ -156,7 +156,7 @@ class StateStore:
             self._reported[agent] = pose
 
     def on_user_speech(self, text: str, to: str | None) -> None:
-        """Take what a user said in a page of this viewer; the state does not have it."""
+        """Take a message that a user sent from a page of this viewer. The state does not contain it."""
         self._words.append(Words(USER, self._state_at[1], text, to))
         self._version += 1
 

@@ -80,11 +80,11 @@ class RequestQueue:
         """Queue a request and return at once.
 
         Args:
-            what: Title of the notice if it is refused, such as `Not placed`. None: the user is not told.
+            what: Title of the notice if it is refused, such as `Not placed`. None: no notice is shown.
             verb: The verb of the contract.
             request: Its message.
             done: Called with the answer if it was granted.
-            failed: Called with the reason if it was refused, before the user is told.
+            failed: Called with the reason if it was refused, before the notice is shown.
         """
         self._waiting.put(_Pending(what, verb, request, done, failed))
 
@@ -184,7 +184,7 @@ class Driving:
         """Send an agent's mind a goal.
 
         The goal is published after the body was taken and released. A publication is not answered, so taking the body
-        first shows whether the goal would be refused. Published under the lease it could be overtaken by the release.
+        first shows whether the goal would be refused. Under the lease, the release could overtake the goal.
 
         Args:
             agent: The agent.

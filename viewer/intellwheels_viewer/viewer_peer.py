@@ -293,7 +293,7 @@ class Network:
         """Send a request to the simulator and return its answer. Blocks, so not for the drawing thread.
 
         Raises:
-            Refusal: It was refused, nobody answered, or this viewer is not allowed to control the simulation.
+            Refusal: It was refused, got no answer, or this viewer is not allowed to control the simulation.
         """
         session, world = self._session, self._world
         if session is None or world is None:
@@ -330,7 +330,7 @@ class Network:
             publisher.put(encode(request))
 
     def note_speech(self, text: str, to: str | None) -> None:
-        """Show in all pages what a user said, to an agent or to everybody with None."""
+        """Show a message of a user in all pages; its receiver is an agent, or everybody with None."""
         world = self._world
         if world is not None:
             world.speech.append((text, to))
@@ -355,7 +355,7 @@ class Network:
 
 
 def _is_watched(world: _World, agent: str) -> bool:
-    """Return whether measures are wanted. A late message of an ended subscription would otherwise be kept for ever."""
+    """Return whether measures are wanted. A late message of an ended subscription would otherwise be kept forever."""
     return agent in world.watched or "*" in world.watched
 
 

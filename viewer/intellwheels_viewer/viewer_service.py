@@ -70,7 +70,7 @@ class Viewer:
         stop: Set when the viewer must end.
 
     Raises:
-        ConnectionError: The port is taken.
+        ConnectionError: The port is in use.
     """
 
     def __init__(self, options: Options, link: Link, stop: threading.Event) -> None:

@@ -51,7 +51,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     command = parser()
     given = command.parse_args(arguments)
     if (given.driver == "serial") != (given.port is not None):
-        command.error("--port: expected a device with the driver serial, and only with it")
+        got = "none" if given.port is None else repr(given.port)
+        command.error(f"--port: expected a device with the driver serial, none with the driver world, got {got}")
     # First, because a signal may arrive while the other arguments are read.
     stop = stop_on_signals(given.lifeline)
     try:
@@ -65,7 +66,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 class _BridgeProcess:
-    """The parts of one bridge, and its life."""
+    """The parts of one bridge, from its start to its end."""
 
     def __init__(self, given: argparse.Namespace, stop: threading.Event) -> None:
         self._given = given
@@ -99,7 +100,7 @@ class _BridgeProcess:
         )
 
     def run(self) -> int:
-        """Run until told to stop, and return the exit code."""
+        """Run until the process must stop, and return the exit code."""
         given, stop = self._given, self._stop
         self._driver.start()
         writer = MotorWriter(self._motors, self._driver, lambda: self._chair.lockstep)
@@ -143,7 +144,7 @@ class _BridgeProcess:
         return True
 
     def _second_link(self) -> Link:
-        """Return the link of a further session; only one session can listen at an endpoint, others connect to it."""
+        """Return the link of another session: only one session can listen at an endpoint, the others connect to it."""
         where = self._where
         return Link(where.world, connect=where.connect or where.listen, config=where.config)
 
@@ -155,7 +156,7 @@ class _BridgeProcess:
     def _read_confirmations(self) -> None:
         read_lines(sys.stdin.fileno(), self._gate.confirmed, self._stop)
         if not self._stop.is_set():
-            _log("standard input is closed: after an interruption start iw-bridge again, or give --resume auto")
+            _log("standard input is closed: after an interruption restart iw-bridge, or start it with --resume auto")
 
     def _watch_events(self) -> None:
         """Print what happens to the chair, and close the gate when the simulator goes."""

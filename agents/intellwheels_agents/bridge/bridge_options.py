@@ -22,16 +22,22 @@ examples:
       iw-bridge world --lab-connect tcp/127.0.0.1:7448 --name chair1 --chair-option WheelRatio=1.002 \\
           --pose corrected --fix-every 20 --fix-noise 0.05
 
-Two worlds in lockstep advance tick by tick. Give both servers a --deadline at least as long as the other may take.
-Standard output has the lines `hardware agent=...` when the chair is heard, `joined agent=...`, `run ...` and `left ...`
-of the simulation, the same with the prefix `lab-` of the laboratory, and at the end `bridged agent=...` with counts.
-Events of the chair are printed too: `simulator-gone`, `simulator-back`, `removed ... reason=...`, `replaced`, `taken`,
-`released`, `mind-joined`, `mind-left`, `mind-lost`; with --resume confirm also `held`, `ready` (for Enter), `resumed`.
-Exit code 0: done; 1: refused or failed; 2: wrong usage.
+Two worlds in lockstep advance tick by tick. Give both servers a --deadline that covers the slowest tick of the other.
+
+Standard output has lines that begin with one of these words:
+    hardware                        the first reading of the chair has arrived
+    joined, run, left               the bridge joined the simulation, a new run began, the bridge left
+    lab-joined, lab-run, lab-left   the same in the laboratory
+    held, ready, resumed            with --resume confirm: the motors are off, Enter is awaited, the chair drives on
+    bridged                         the bridge has ended; the line has counts
+    simulator-gone, simulator-back, removed, replaced, taken, released, mind-joined, mind-left, mind-lost,
+    mind-returned, body-lost, body-returned
+                                    events of the chair
+Exit codes: 0 done, 1 refused or failed, 2 wrong usage.
 """
 DEFAULT_ROBOT: Final = "intellwheels"
 MAX_COUNT: Final = 2**31 - 1
-"""Largest number of bits a second and of ticks that an option takes."""
+"""Largest value of --baud and --fix-every."""
 
 
 def parser() -> argparse.ArgumentParser:
@@ -56,27 +62,32 @@ def parser() -> argparse.ArgumentParser:
         action="append",
         default=[],
         metavar="FIELD=VALUE",
-        help="change a field of the robot; may be repeated",
+        help="change a field of --robot; may be repeated",
     )
     body.add_argument(
         "--resume", choices=("auto", "confirm"),
-        help="after the simulator was gone or silent for 1 s: drive on by itself, or stay put until Enter is pressed "
-        "here, on standard input (default: confirm for real hardware, auto for simulated)",
+        help="what the chair does after the simulator was gone or silent for 1 s: auto drives on, confirm waits until "
+        "Enter is pressed in this terminal (default: confirm for real hardware, auto for simulated)",
     )  # fmt: skip
-    body.add_argument("--place", metavar="PLACE", help="where the chair is when the bridge starts")
+    body.add_argument("--place", metavar="PLACE", help="place of the map at which the chair is when the bridge starts")
     body.add_argument(
         "--sensors", choices=SENSORS, default="virtual", help="which sensors the mind gets: the virtual"
-        " ones, the chair's own sonars, or both, with the own ones as real-ID (default: virtual)",
+        " ones, the real sonars of the chair, or both; with both, a real sonar is named real-ID (default: virtual)",
     )  # fmt: skip
     chair = result.add_argument_group("the chair as built")
-    chair.add_argument("--chair", metavar="NAME|FILE", help="its nominal figures and own sonars (default: as --robot)")
+    chair.add_argument(
+        "--chair",
+        metavar="NAME|FILE",
+        help="robot with the nominal dimensions and the sonars of the chair (default: as --robot)",
+    )
     chair.add_argument(
         "--chair-option", action="append", default=[], metavar="FIELD=VALUE",
-        help="change a field of it, such as WheelRatio=1.002 with the driver world; may be repeated",
+        help="change a field of --chair, such as WheelRatio=1.002 with the driver world; may be repeated",
     )  # fmt: skip
     chair.add_argument(
         "--hardware", choices=("real", "simulated"),
-        help="real: accepted in real time at speed 1 only (default: simulated for world, real for serial)",
+        help="what the chair is; a real one can join only in real time at speed 1 "
+        "(default: simulated for world, real for serial)",
     )  # fmt: skip
     chair.add_argument("--joystick", action="store_true", help="send the chair's own joystick as user input")
     _add_pose_options(result)
@@ -94,18 +105,18 @@ def parser() -> argparse.ArgumentParser:
 def _add_pose_options(result: argparse.ArgumentParser) -> None:
     pose = result.add_argument_group("pose")
     pose.add_argument(
-        "--pose", choices=POSE_SOURCES, default="raw", help="encoders with nominal figures, with calibrated figures, "
-        "or these corrected by position fixes (default: raw)",
+        "--pose", choices=POSE_SOURCES, default="raw", help="source of poses. raw: encoders and nominal dimensions; "
+        "calibrated: encoders and calibrated dimensions; corrected: as calibrated, plus position fixes (default: raw)",
     )  # fmt: skip
     for name, meaning in (
-        ("--wheel-ratio", "right wheel over left wheel (UMBmark's E_d)"),
-        ("--wheel-scale", "mean wheel over the nominal one"),
+        ("--wheel-ratio", "diameter of the right wheel over that of the left wheel (UMBmark's E_d)"),
+        ("--wheel-scale", "mean wheel diameter over the nominal one"),
         ("--track-ratio", "track over the nominal one (UMBmark's E_b)"),
     ):
         pose.add_argument(name, type=_ratio, default=1.0, metavar="R", help=f"calibration: {meaning} (default: 1)")
     pose.add_argument(
         "--drift", type=_not_negative, default=DRIFT, metavar="K",
-        help=f"variance of a wheel's travel, m2 a metre, for the covariance (default: {DRIFT:g})",
+        help=f"variance of the travel of a wheel, in m2 per metre, for the covariance (default: {DRIFT:g})",
     )  # fmt: skip
     pose.add_argument(
         "--fix-every", type=_count, default=20, metavar="TICKS",
@@ -124,14 +135,14 @@ def _add_line_options(result: argparse.ArgumentParser) -> None:
     )
     world.add_argument(
         "--lab-connect", action="append", default=[], metavar="ENDPOINT",
-        help="where the laboratory is (default: where the simulation is)",
+        help="endpoint of the laboratory (default: that of the simulation)",
     )  # fmt: skip
     world.add_argument(
-        "--lab-place", metavar="PLACE", help="where the chair starts in the laboratory (default: --place)"
+        "--lab-place", metavar="PLACE", help="place where the chair starts in the laboratory (default: as --place)"
     )
     world.add_argument(
         "--lab-role", choices=("both", "mind"), default="both",
-        help="both: bring the chair along; mind: drive a chair that is there already (default: both)",
+        help="both: this bridge adds the chair to the laboratory; mind: the chair is there already (default: both)",
     )  # fmt: skip
     line = result.add_argument_group("driver serial")
     line.add_argument("--port", metavar="DEVICE|URL", help="serial device such as /dev/ttyUSB0, or socket://HOST:PORT")
@@ -151,7 +162,7 @@ def _add_line_options(result: argparse.ArgumentParser) -> None:
     faults.add_argument("--seed", default="1", metavar="TEXT", help="seed of the faults (default: 1)")
     faults.add_argument(
         "--clock-offset", type=_finite, default=0.0, metavar="S",
-        help="added to time stamps: the simulator's clock minus this machine's (default: 0)",
+        help="seconds added to time stamps: the simulator's clock minus this machine's (default: 0)",
     )  # fmt: skip
 
 
@@ -169,7 +180,7 @@ def _number(expected: str, fits: Callable[[float], bool]) -> Callable[[str], flo
 
 
 _positive = _number("a number above 0", lambda value: 0.0 < value < math.inf)
-_not_negative = _number("a number from 0 on", lambda value: 0.0 <= value < math.inf)
+_not_negative = _number("a number of at least 0", lambda value: 0.0 <= value < math.inf)
 _finite = _number("a number", math.isfinite)
 _share = _number("a share in [0, 1]", lambda value: 0.0 <= value <= 1.0)
 _ratio = _number("a ratio in [0.5, 2]", lambda value: 0.5 <= value <= 2.0)

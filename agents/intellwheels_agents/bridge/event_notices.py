@@ -1,9 +1,9 @@
-"""What a bridge prints about events that concern its chair: who took, removed or replaced it, and who left. Pure.
+"""Lines that a bridge prints about events of its chair: taken, removed, replaced, left and so on. Pure.
 
 simulator-gone, simulator-back     the simulator's token went or came back
 removed ... reason=...             the body was taken out: deleted by an operator, left, or lost for too long
 replaced ... owner=...             another process is the body now
-taken, released                    an operator drives the chair, or has stopped doing so
+taken, released                    an operator began or stopped driving the chair
 mind-joined, mind-left, mind-lost, mind-returned    the program that drives the chair
 body-lost, body-returned           the simulator has lost or found this bridge
 """
@@ -52,7 +52,7 @@ class EventNotices:
         return None
 
     def body(self, body: Body) -> str | None:
-        """Return the line for another owner of the body, or None when it is this bridge or nobody."""
+        """Return the line for another owner of the body, or None if the owner is this bridge or there is none."""
         owner = body.owner or self._instance
         if owner == self._owner:
             return None

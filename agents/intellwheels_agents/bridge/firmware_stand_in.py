@@ -44,7 +44,7 @@ from intellwheels_schemas.process import add_process_options, stop_on_signals
 STEP: Final = 0.005
 """Seconds of one step of its loop. The watchdog fires a step early rather than late."""
 MAX_STEP: Final = 0.02
-"""Most seconds that its clock advances in a step: a controller is never delayed, this process may be."""
+"""Longest step of its clock, in seconds. A controller is never delayed, but this process may be."""
 TELEMETRY_PERIOD: Final = 0.02
 MOTOR_LAG: Final = 0.1
 """Seconds in which a wheel comes within 1/e of the commanded speed."""
@@ -154,7 +154,7 @@ class Terminal:
     def plug(self) -> None:
         """Create the terminal, and point the link at it."""
         self._master, self._slave = os.openpty()
-        # The slave stays open here too: otherwise reads from the master fail while nobody is connected.
+        # The slave stays open here too: otherwise reads from the master fail while no program is connected.
         tty.setraw(self._slave)
         os.set_blocking(self._master, False)
         self.name = os.ttyname(self._slave)

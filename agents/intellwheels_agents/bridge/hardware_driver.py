@@ -33,7 +33,7 @@ class Fix:
 
 @dataclass(frozen=True, slots=True)
 class Reading:
-    """What the electronics reported at one moment.
+    """A report of the electronics at one moment.
 
     Attributes:
         epoch: Differs after each restart of the counters.
@@ -91,18 +91,18 @@ class Driver(Protocol):
         ...
 
     def begin_run(self, run: str) -> None:
-        """Learn that the simulator has accepted the bridge, and its run; again at the start of each new run."""
+        """Note that the simulator has accepted the bridge for a run. Called at the start of each run."""
         ...
 
     def sync_tick(self, run: str, tick: int, pace: Pace) -> bool:
-        """Learn the simulation's tick; return whether the readings belong to the same tick.
+        """Note the tick of the simulation; return whether the readings belong to the same tick.
 
         When both worlds are in lockstep this waits for the reading of that tick. Real hardware returns False at once.
         """
         ...
 
     def power_received(self, run: str, tick: int) -> None:
-        """Learn that the power of a tick is set."""
+        """Note that the power of a tick is set."""
         ...
 
     def faults(self) -> dict[str, int]:

@@ -1,15 +1,15 @@
 """Two worlds in lockstep, tick by tick: what each must wait for in the other.
 
 Tick t of the laboratory pairs with tick t of the simulation, and their runs pair in order. The laboratory's Measures t
-give the simulation's Pose t. The simulation's Power t - 1 (zero at first) gives the laboratory's Actions t. A run
-counts from the join: a run that is reset before its first tick is seen in one world only and would shift the pairs.
+give the simulation's Pose t. The simulation's Power t - 1 (zero at first) gives the laboratory's Actions t. Runs
+are counted from the join. A run that is reset before its first tick exists in one world only and would shift the pairs.
 
     laboratory   Measures t ----------------> Actions t -> Measures t+1
                           |                    ^
     simulation   Measures t -> Pose t -> Power t-1 is here already; Power t -> ...
 
-Neither side waits for what the other cannot give. Nobody waits for a side that is a run behind: that run is over, its
-reset is on its way.
+A side never waits for a message that the other side cannot send. It does not wait for a side that is a run behind
+either: that run is over, and the reset is on its way.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from collections.abc import Callable
 from typing import Final
 
 MAX_WAIT: Final = 600.0
-"""Longest wait in seconds. The worlds themselves wait ten seconds for an answer, or as long as they are told to."""
+"""Longest wait in seconds. The worlds themselves wait for an answer for ten seconds or their --deadline."""
 _SLICE: Final = 0.1
 
 
@@ -38,14 +38,14 @@ class Side:
         self._run = ""
 
     def begin_run(self, run: str) -> None:
-        """Note that a run is on; the present run changes nothing."""
+        """Note the current run. Nothing changes if it is known already."""
         if run != self._run:
             self._run = run
             self.number += 1
             self.tick = -1
 
     def is_in(self, run: str) -> bool:
-        """Return whether that run is on."""
+        """Return whether a run is the current one."""
         return run == self._run
 
 

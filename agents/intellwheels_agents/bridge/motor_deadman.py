@@ -1,4 +1,4 @@
-"""The motor power now: the newest that has arrived; zero after 0.3 s of silence, or while the gate is closed.
+"""The current motor power: the newest that arrived, or zero after 0.3 s of silence or while the gate is closed.
 
 The network's thread sets the powers that the simulation asks for; the hardware's thread reads the one in force.
 """

@@ -35,7 +35,7 @@ ZERO: Final[Covariance] = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 
 @dataclass(frozen=True, slots=True)
 class WheelGeometry:
-    """What turns encoder counts into metres.
+    """The dimensions that turn encoder counts into metres.
 
     Attributes:
         left, right: Metres a count.
@@ -151,7 +151,7 @@ def _propagated(covariance: Covariance, dx: float, dy: float) -> Covariance:
 
 
 def _with_noise(covariance: Covariance, by: tuple[float, float, float], variance: float) -> Covariance:
-    """Return a covariance plus that of one noise of this variance, whose derivative of the pose is `by`."""
+    """Return a covariance plus that of one noise source. `by` is the derivative of the pose by that noise."""
     (x, y, h), (xx, xy, xh, yy, yh, hh) = by, covariance
     v = variance
     return (xx + v * x * x, xy + v * x * y, xh + v * x * h, yy + v * y * y, yh + v * y * h, hh + v * h * h)

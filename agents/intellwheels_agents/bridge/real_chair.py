@@ -2,7 +2,7 @@
 
 Each tick turns the readings received since the last one into a pose, with covariance and time stamp. Without a new
 reading for max(3 ticks, 0.3 s) no pose is reported, and the simulator shows the chair as stale. In lockstep the
-simulator awaits an answer, so the last pose is repeated. `Faults` apply between the electronics and all of this.
+simulator awaits an answer, so the last pose is repeated. `Faults` act on the line from the electronics.
 
 Times are in seconds: of the monotonic clock in real time, of the simulation in lockstep.
 """
@@ -27,7 +27,7 @@ from intellwheels_schemas.messages import Measures, Pose, PowerInForce
 
 @dataclass
 class BridgeStatistics:
-    """What a bridge has counted.
+    """The counts of a bridge.
 
     Attributes:
         poses: Poses reported.

@@ -1,7 +1,7 @@
 """Whether a real chair may drive on after its contact with the simulator was interrupted. Pure but for a lock.
 
 A chair that starts by itself when a router or a simulator returns surprises the person beside it. With `confirm` its
-motors stay off after an interruption until a person says go. The first start needs no confirmation.
+motors stay off after an interruption until a person confirms. The first start needs no confirmation.
 
 state    event                              then     printed
 open     simulator gone, 1 s without        held     held agent=... reason=...
@@ -9,7 +9,7 @@ open     simulator gone, 1 s without        held     held agent=... reason=...
 held     a power arrives                    ready    ready agent=...
 ready    a person confirms                  open     resumed agent=...
 ready    as in state open                   held     held agent=... reason=...
-held     a person confirms                  held     not yet: nobody knows what the chair would do
+held     a person confirms                  held     not yet, because no power arrives
 
 `--resume auto` is a gate that is always open.
 """
@@ -104,7 +104,7 @@ class ResumeGate:
         self._prompt(f"{self._agent}: contact is back. Press Enter to let the chair drive on")
 
     def confirmed(self) -> None:
-        """Open the gate, because a person says go; only while powers arrive."""
+        """Open the gate, because a person confirms. It stays closed while no power arrives."""
         with self._lock:
             has_contact = self._power_at is not None and self._clock() - self._power_at <= POWER_TIMEOUT
             if self._state is _State.OPEN:

@@ -4,7 +4,7 @@ One thread reads, and opens the line again whenever it is lost. A write never wa
 
 One bridge at a time drives a chair. The device is locked as it is opened (`flock`, which holds for root too), and a
 device that another program has locked is given up at once. Nothing is written before the simulator has accepted the
-bridge, so one that is refused by its name never moves a motor.
+bridge, so a bridge that is refused because its name is taken never moves a motor.
 """
 
 from __future__ import annotations
@@ -48,7 +48,7 @@ class SerialDriver:
 
     Attributes:
         restarts_at_start: False, because a real chair stays where it is when its controller restarts.
-        failure: Why there will never be a line, or None.
+        failure: Why the driver has given up for good, or None.
         connected: Set when the first reading has arrived.
     """
 
@@ -65,7 +65,7 @@ class SerialDriver:
         """Prepare to open a line.
 
         Args:
-            port: A device such as /dev/ttyUSB0, or a URL of pyserial's such as socket://HOST:PORT.
+            port: A device such as /dev/ttyUSB0, or a pyserial URL such as socket://HOST:PORT.
             baud: Bits a second.
             sonars: The chair's own sonars, in the order of the telemetry's ranges.
             stop: Ends the thread, and is set when the driver gives up.
@@ -116,7 +116,7 @@ class SerialDriver:
         self._accepted = True
 
     def sync_tick(self, run: str, tick: int, pace: Pace) -> bool:  # noqa: ARG002 - as `Driver` has it
-        """Return False: real hardware waits for nobody."""
+        """Return False: real hardware does not wait."""
         return False
 
     def power_received(self, run: str, tick: int) -> None:
@@ -131,7 +131,7 @@ class SerialDriver:
         }
 
     def close(self) -> None:
-        """Wait for the thread, whose last message is a zero if there were others; `stop` is set already."""
+        """Wait for the thread to end. If it sent powers, its last one is zero. `stop` is set already."""
         if self._thread.is_alive():
             self._thread.join(timeout=2.0)
 
@@ -159,7 +159,7 @@ class SerialDriver:
                 self._stop.wait(REOPEN_PERIOD)
                 continue
             except ValueError as error:
-                self.failure = f"--port: expected a device or a URL of pyserial's, got {self._port!r}: {error}"
+                self.failure = f"--port: expected a device or a pyserial URL, got {self._port!r}: {error}"
                 self._stop.set()
                 return
             self._opened += 1
@@ -176,7 +176,7 @@ class SerialDriver:
         try:
             while not self._stop.is_set():
                 data, now = line.read(max(1, line.in_waiting)), time.monotonic()
-                # A turn that took longer was this process's delay, not the controller's silence.
+                # A turn that took longer was a delay of this process, not a silence of the controller.
                 self._quiet += min(now - last, 2.0 * _READ_TIMEOUT)
                 last = now
                 self._on_data(data, now)

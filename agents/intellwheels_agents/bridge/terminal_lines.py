@@ -15,8 +15,8 @@ _SLICE: Final = 0.2
 def read_lines(descriptor: int, on_line: Callable[[], None], stop: threading.Event) -> None:
     """Call `on_line` for each line until the input ends or `stop` is set.
 
-    A process in the background of its terminal must not read from it, or the system would suspend it, so lines count
-    while it is in the foreground.
+    The system suspends a background process that reads from its terminal. So lines are read only while the process is
+    in the foreground.
 
     Args:
         descriptor: The input: a terminal, a pipe or a file.

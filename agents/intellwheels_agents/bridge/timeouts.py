@@ -21,7 +21,7 @@ STICK_TIMEOUT: Final = 0.3
 POWER_PERIOD: Final = 0.05
 """Time between two repetitions of the same power on the line."""
 POWER_POLL: Final = 0.01
-"""Time between two looks for a changed power, so the longest that a new power waits."""
+"""Time between two checks for a changed power: the longest that a new power waits."""
 REOPEN_PERIOD: Final = 0.2
 """Time between two attempts to open a serial device."""
 QUIET_LINE: Final = 1.0

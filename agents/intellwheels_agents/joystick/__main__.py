@@ -31,18 +31,18 @@ EXAMPLES = """\
 examples:
   drive an agent whose mind accepts user input, with a gamepad or the keyboard
       iw-agent aided --name chair1 &  iw-joystick chair1
-  take a chair from its mind, whatever that is, and give it back at the end
+  take a chair from any mind, and give it back at the end
       iw-joystick chair1 --take
   drive by voice, with a recogniser that prints forward, back, left, right, stop and other words
       recogniser | iw-joystick chair1 --source words
-  drive over ssh, with the keys of the terminal; letting go stops the chair within 0.3 s
+  drive over ssh, with the keys of the terminal; releasing them stops the chair within 0.3 s
       iw-joystick chair1 --source terminal
   play a script: on each line seconds, forward, turn, and optionally buttons and a word
       iw-joystick chair1 --source script --script drive.txt
 
-For worlds in real time: input counts for 0.3 s, and that is no time at all in a run as fast as possible.
+Use it with worlds in real time. Each input counts for 0.3 s. A run at full speed simulates 0.3 s in an instant.
 Standard output has the lines `ready agent=...`, `taken agent=...`, `released agent=...`, `ended agent=...`.
-Exit code 0: done; 1: refused or failed; 2: wrong usage.
+Exit codes: 0 done, 1 refused or failed, 2 wrong usage.
 """
 
 
@@ -59,17 +59,20 @@ def parser() -> argparse.ArgumentParser:
         "--source",
         choices=("auto", "keyboard", "terminal", "gamepad", "script", "words"),
         default="auto",
-        help="input device (default: auto, which is a gamepad if one is connected, else the keyboard, in a "
-        "window or, without a display, in this terminal)",
+        help="input device; auto is a gamepad if one is connected, otherwise the keyboard, in a window or, without a "
+        "display, in this terminal (default: auto)",
     )
     result.add_argument("--script", type=Path, metavar="FILE", help="the file for --source script")
     result.add_argument(
-        "--clock", choices=("wall", "simulated"), default="wall", help="clock of the script's seconds (default: wall)"
+        "--clock",
+        choices=("wall", "simulated"),
+        default="wall",
+        help="clock for the times in the script (default: wall)",
     )
     result.add_argument(
         "--take",
         action="store_true",
-        help="take the chair from its mind: the simulator obeys this joystick under a lease",
+        help="drive the chair instead of its mind, under a lease from the simulator",
     )
     result.add_argument(
         "--forward", type=_share, default=1.0, metavar="SHARE", help="power at full forward, in [0, 1] (default: 1)"
@@ -78,7 +81,11 @@ def parser() -> argparse.ArgumentParser:
         "--turn", type=_share, default=0.5, metavar="SHARE", help="power at full turn, in [0, 1] (default: 0.5)"
     )
     result.add_argument(
-        "--hold", type=_seconds, default=2.0, metavar="S", help="seconds that a word drives (default: 2)"
+        "--hold",
+        type=_seconds,
+        default=2.0,
+        metavar="S",
+        help="seconds for which a spoken word drives the chair (default: 2)",
     )
     result.add_argument(
         "--retry-for",
@@ -96,7 +103,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     command_line = parser()
     options = command_line.parse_args(arguments)
     if (options.source == "script") != (options.script is not None):
-        command_line.error("--script: expected a file with --source script, and only with it")
+        got = "none" if options.script is None else repr(str(options.script))
+        command_line.error(f"--script: expected a file with --source script, none with another source, got {got}")
     # First, because a signal may arrive while the other arguments are read.
     stop = stop_on_signals(options.lifeline)
     try:
@@ -128,7 +136,7 @@ def _source(options: argparse.Namespace, stop: threading.Event, stack: ExitStack
 
 
 def _automatic() -> str:
-    """Return the best source there is: a gamepad, a window, or the terminal; without any of them what says why."""
+    """Return the best source: a gamepad, a window or the terminal. Without any, return one whose error says why."""
     has_terminal = sys.stdin.isatty()
     try:
         if has_gamepad():

@@ -1,4 +1,4 @@
-"""What a person wants the chair to do now, from whatever device."""
+"""The present input of a person, from any device."""
 
 from __future__ import annotations
 
@@ -32,10 +32,10 @@ NEUTRAL = InputState()
 
 
 class Source(Protocol):
-    """An input device, or what stands for one."""
+    """An input device, or a stand-in for one."""
 
     def wait(self, seconds: float) -> None:
-        """Wait some seconds, or less when the device has news."""
+        """Wait at most some seconds; return early when the device has news."""
         ...
 
     def state(self, now: float, time: float | None) -> InputState | None:

@@ -17,7 +17,7 @@ from intellwheels_schemas.messages import UserInput
 REPEAT_PERIOD: Final = 0.05
 """Seconds between repetitions: a tick at 20 Hz, a sixth of the silence that stops a chair."""
 MIN_PERIOD: Final = 0.02
-"""Least seconds between messages of a changing state: a stick trembles faster than that."""
+"""Shortest time between messages of a changing state, in seconds. A stick trembles faster than that."""
 RELEASE_MESSAGES: Final = 3
 """Number of neutral messages after a release."""
 

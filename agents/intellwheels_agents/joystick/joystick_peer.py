@@ -172,7 +172,7 @@ class _Loop:
 
 
 def _check_agent(session: zenoh.Session, key: str, agent: str, *, take: bool) -> None:
-    """Log when no agent has that name or it ignores user input: nobody answers a put, so nothing else would tell."""
+    """Log when no agent has that name, or when it ignores user input. A put gets no reply that would say so."""
     try:
         answers = link.query(session, key, timeout=ANSWER_TIMEOUT)
         body = decode(Body, answers[0].data, encoding_of(answers[0].encoding, answers[0].data), strict=False)

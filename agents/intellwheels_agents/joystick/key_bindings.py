@@ -5,7 +5,7 @@ left, a, j / right, d, l    turn
 q, u / e, o                 forward and left / forward and right
 shift                       half speed
 0 to 9                      buttons
-space                       neutral, whatever else is held
+space                       neutral, even if other keys are held
 """
 
 from __future__ import annotations

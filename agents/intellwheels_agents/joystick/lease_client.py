@@ -6,7 +6,7 @@ asked    ok                                     held; ask again after `RENEW_PER
 asked    refused or no answer, never held       failed, with the reason
 asked    no answer, was held                    ask again after `RETRY_PERIOD`: a router may come back
 asked    the lease has ended, was held          ask for a new one at once
-asked    somebody else has it                   failed, with the reason
+asked    another operator has it                failed, with the reason
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ LEASE_SECONDS: Final = 2.0
 RENEW_PERIOD: Final = 0.6
 """Seconds between renewals: two of them may be lost."""
 RETRY_PERIOD: Final = 0.3
-"""Seconds until the next attempt when nobody answered."""
+"""Seconds until the next attempt after a request without an answer."""
 
 
 class LeaseClient:

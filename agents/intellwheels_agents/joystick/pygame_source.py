@@ -1,7 +1,7 @@
 """Keyboard and gamepad through pygame, which is loaded only when one of them is used. The only file that knows pygame.
 
 The window gives the keyboard its focus. When it loses the focus all keys count as released, and so does a gamepad that
-is unplugged: nobody holds them, so they must not drive.
+is unplugged, because an unattended device must not drive.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ def pygame_of(*, window: bool) -> ModuleType:
         DeviceError: pygame is not installed, or there is no display.
     """
     os.environ.setdefault("PYGAME_HIDE_SUPPORT_PROMPT", "1")
-    # The command handles signals itself. A gamepad counts whatever window has the focus.
+    # The command handles signals itself. A gamepad counts even if another window has the focus.
     os.environ.setdefault("SDL_NO_SIGNAL_HANDLERS", "1")
     os.environ.setdefault("SDL_JOYSTICK_ALLOW_BACKGROUND_EVENTS", "1")
     if not window:
@@ -65,7 +65,7 @@ class KeyboardSource:
             self._screen = pygame.display.set_mode(WINDOW_SIZE)
         except pygame.error as error:
             raise DeviceError(f"no display for the keyboard's window: {error}") from None
-        # Without a display SDL opens a window that nobody can see or type into.
+        # Without a display SDL opens a window that cannot be seen or typed into.
         if pygame.display.get_driver() in _INVISIBLE and "SDL_VIDEODRIVER" not in os.environ:
             pygame.quit()
             raise DeviceError(

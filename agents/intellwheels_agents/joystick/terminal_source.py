@@ -1,7 +1,7 @@
 """The keyboard of a terminal, for machines without a display. Needs nothing but the standard library.
 
 A terminal reports characters, not presses and releases: a held key arrives again and again. So a key counts as held for
-0.3 s after its last character, and no longer, because nobody may be there to release it. Two things follow:
+0.3 s after its last character, and no longer, because its release cannot be seen. Two things follow:
 
 - The repetition of a held key starts after a delay, often 0.25 to 0.66 s. If it is longer than 0.3 s, the chair stops
   once between the first character and the repetition. `kbdrate -d 250` or `xset r rate 250 30` shortens it.
@@ -38,7 +38,7 @@ HELP: Final = (
 _END: Final = ("\x04", "escape")
 _DRIVING: Final = {"space"}.union(*FORWARD_KEYS, *TURN_KEYS)
 _ARROWS: Final = {"A": "up", "B": "down", "C": "right", "D": "left"}
-# Of xterm and the Linux console: ESC [ A, ESC O A, and ESC [ 1 ; 2 A with shift.
+# The sequences of xterm and the Linux console: ESC [ A, ESC O A, and ESC [ 1 ; 2 A with shift.
 _SEQUENCE: Final = re.compile(r"\x1b(?:\[|O)(?:\d{0,4};(?P<modifier>\d{1,4})|[\d;]{0,8})(?P<final>[@-~])")
 _UNFINISHED: Final = re.compile(r"\x1b(?:(?:\[|O)[\d;]{0,8})?\Z")
 

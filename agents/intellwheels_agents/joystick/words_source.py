@@ -1,7 +1,7 @@
 """Input states from words, as a voice recogniser prints them.
 
 `forward`, `back`, `left` and `right` drive for a limited time, because a recogniser that hears nothing more must not
-drive a chair for ever. `stop` stops at once. Every word is also sent as `UserInput.Word`, for minds that know others.
+drive a chair forever. `stop` stops at once. Every word is also sent as `UserInput.Word`, for minds that know others.
 
 A word that drives is sent at once, and dropped when another driving word replaces it. Other words leave the driving
 unchanged and are sent one after the other. The end of the input, such as the death of the recogniser, stops the chair
@@ -22,9 +22,9 @@ from intellwheels_agents.user_input import WORDS
 from intellwheels_schemas.messages import WORD_PATTERN
 
 WORD_SECONDS: Final = 0.3
-"""Least seconds that a word is sent before the next, so that several ticks of any simulation get it."""
+"""Shortest time for which a word is sent before the next one, in seconds: several ticks of any simulation get it."""
 QUEUE_LENGTH: Final = 16
-"""Most words that wait to be sent; when more come, the oldest are dropped."""
+"""Largest number of words that wait to be sent. When more come, the oldest are dropped."""
 MAX_LINE: Final = 4096
 """Bytes of the longest line; a longer one is dropped."""
 _WORD = re.compile(WORD_PATTERN)

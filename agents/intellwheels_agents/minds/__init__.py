@@ -22,7 +22,7 @@ from intellwheels_schemas.messages import Robot
 
 @dataclass(frozen=True)
 class Source:
-    """What a mind's file provides.
+    """The functions that the file of a mind provides.
 
     Attributes:
         name: The name or path that was asked for.

@@ -2,7 +2,7 @@
 
     speed    speed at full forward, m/s (default 0.8)
     turn     turn rate at full turn, rad/s (default 1.0)
-    words    deflection that a word alone stands for: forward, back, left, right, stop (default 0.5)
+    words    deflection that a word counts as: forward, back, left, right, stop (default 0.5)
     margin   clearance kept around the chair, m; a quarter of it to the sides (default 0.05)
     ahead    seconds over which the footprint is projected (default 1.0)
 
@@ -11,8 +11,8 @@ Moving away from obstacles is always possible. When it stops, it keeps room ahea
 so much that the user could not come within 0.104 m of an obstacle. So a chair whose corners are far beyond its front
 (mid-wheel, front-wheel) can turn only a little there, and must first back up for more. A chair with a long back
 cannot turn away from a wall beside it in place either.
-Where no sensor looks it is as blind as `joystick`: behind a robot without rear sensors, above or below the sensors'
-height, and at what stands between two cones from the start. `equip` adds two cones ahead that tell a doorway from a
+It cannot see what no sensor sees: behind a robot without rear sensors, above or below the height of the sensors, and
+obstacles that are between two cones from the start. `equip` adds two cones ahead that tell a doorway from a
 wall. In front of a narrow doorway approached at an angle it may still stop, because two cones leave the gap unclear.
 """
 
@@ -107,7 +107,7 @@ class Mind:
         )
         self._creep_speeds = () if by_itself else CREEP_SPEEDS
         extra = self._margin - self._driving_margin
-        # What a corner needs beyond the front or the back to swing round.
+        # The room that a corner needs beyond the front or the back to swing round.
         swings = [math.hypot(end, body.side) - end + extra for end in (body.front, body.back)]
         limit = math.inf if by_itself else max(extra, APPROACH - self._driving_margin)
         self._front_swing, self._back_swing = (min(swing, limit) for swing in swings)

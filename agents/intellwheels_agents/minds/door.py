@@ -8,7 +8,7 @@
 
 It opens when a sensor on its frame sees something nearer than the background, or when an agent nearby says "open". It
 closes when the hold time has passed and nothing is detected. If it detects or touches something while it closes, it
-opens again. The first readings of a sensor are its background, so nobody may stand in front of a door when it starts.
+opens again. The first readings of a sensor are its background, so the door must start with a free space in front.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ COMPASS_SHARE = 0.005
 
 
 class State(Enum):
-    """What a door is doing; the value is the message that it sends."""
+    """The state of a door. The value is the message that the door sends."""
 
     CLOSED = "door closed"
     OPENING = "door opening"
@@ -45,7 +45,7 @@ class State(Enum):
 
 
 class Detector:
-    """One sensor, and the background that it sees when nobody is there.
+    """One sensor, and the background that it sees when the space in front of it is free.
 
     Attributes:
         somebody: Whether the sensor sees something nearer than its background.

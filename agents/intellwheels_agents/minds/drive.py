@@ -5,7 +5,7 @@
                   first time
     say           a message, sent once at the first tick
 
-It ignores its sensors, so it drives into whatever is in its way.
+It ignores its sensors, so it drives into anything in its way.
 """
 
 from __future__ import annotations

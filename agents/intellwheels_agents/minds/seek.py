@@ -37,7 +37,7 @@ DIRECTIONS: Final = tuple(math.radians(5.0 * k) for k in range(-18, 19))
 """Candidate directions, rad from straight ahead."""
 GOAL_WEIGHT, HEADING_WEIGHT, LAST_WEIGHT = 5.0, 2.0, 2.0
 REACH_SHARES: Final = (1.0, 0.75, 0.5)
-"""Shares of the look-ahead that are tried in turn: if no direction is free that far, one may be free less far."""
+"""Shares of the look-ahead, tried one after the other: a direction may be free over a shorter distance only."""
 STUCK_TIME: Final = 4.0
 """Time without moving 0.15 m or turning 0.5 rad after which it backs up, s."""
 BACKING_TIME: Final = 1.5

@@ -1,4 +1,4 @@
-"""A table, or any other obstacle: it does nothing, but answers every tick, so that a lockstep can wait for it."""
+"""A table, or any other obstacle: it does nothing, but answers every tick, so that lockstep can wait for it."""
 
 from __future__ import annotations
 

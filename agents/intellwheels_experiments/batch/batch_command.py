@@ -38,7 +38,7 @@ ABOUT: Final = "batch.json"
 
 
 class About(msgspec.Struct, frozen=True, kw_only=True):
-    """The scene and the floor of a batch's folder. A batch of another scene or floor is refused there."""
+    """Holds the scene and the map of the batch. A batch of another scene or map is refused in its folder."""
 
     scene: Scene
     floor: str
@@ -197,7 +197,7 @@ def _claim_folder(batch: Batch, scene: Scene) -> None:
     text = msgspec.json.format(msgspec.json.encode(about), indent=2) + b"\n"
     if path.exists():
         if path.read_bytes() != text:
-            raise OtherBatchError(f"{batch.out}: expected an empty folder or that of this scene, got another batch's")
+            raise OtherBatchError(f"{batch.out}: expected an empty folder or that of this batch, got another batch's")
         return
     path.write_bytes(text)
 
@@ -273,7 +273,7 @@ def _origin(batch: Batch, scene: Scene) -> dict[str, str]:
     listed = f"{seeds[0]} to {seeds[-1]} ({len(seeds)})" if len(seeds) > 1 else seeds[0]
     origin = {"scene": batch.source, "floor": f"{batch.floor.name} {floor_hash(batch.floor)}"}
     if batch.floor.source:
-        origin["source of the floor"] = batch.floor.source
+        origin["source of the map"] = batch.floor.source
     origin |= {"seeds": listed, "period": f"{scene.period:g} s", "pace": "lockstep, strict"}
     origin |= versions()
     origin["processor"] = f"{_processor()}, {os.cpu_count()} cores, {platform.system()} {platform.machine()}"

@@ -1,4 +1,4 @@
-"""Clearance around a body, and the shortest path on a floor. Pure: floors, robots and poses in, metres out."""
+"""Clearance around a body, and the shortest path on a map. Pure: maps, robots and poses in, metres out."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def clearance(poses: Floats, robot: Robot, floor: Map, others: Mapping[str, tupl
     Args:
         poses: The body's poses, float64[n, 3]: x and y in m, heading in rad.
         robot: The body.
-        floor: The floor, for its walls and obstacles.
+        floor: The map, for its walls and obstacles.
         others: The other bodies by name: robot and poses, NaN where a body is absent.
     """
     distance = np.full(len(poses), math.inf)
@@ -51,7 +51,7 @@ def shortest_path(floor: Map, start: tuple[float, float], goal: tuple[float, flo
     The path keeps `margin` from walls and obstacles. Other bodies do not count, and doors are open.
 
     Args:
-        floor: The floor.
+        floor: The map.
         start: x and y in m.
         goal: x and y in m.
         margin: Half the width of the body that drives, in m.

@@ -22,9 +22,9 @@ OPTIONS: Final[Mapping[str, str]] = {
     "CommandTimeout": "--command-timeout",
     "Period": "--period",
 }
-"""What a setting without an agent may set, and the simulator's option for it."""
+"""The settings without an agent, and the simulator's option for each."""
 FLAGS: Final[Mapping[str, Mapping[str, str]]] = {"SayWalls": {"true": "--say-walls", "false": "--no-say-walls"}}
-"""Of these, those that are true or false, and the simulator's option for each value."""
+"""The settings among these that are true or false, and the simulator's option for each value."""
 _PERIOD: Final[Any] = get_args(Period)[1]
 """The constraints of a period, as the contract declares them."""
 
@@ -36,7 +36,7 @@ class Row:
     Attributes:
         name: The names of the levels, joined by `+`; the scene's name if there are no factors.
         title: The titles of the levels.
-        real: Whether its chair stands for a real one.
+        real: Whether its chair represents a real one.
         scene: The scene with the cast of this row.
         arguments: Further arguments for the simulator.
         bridges: The bridges by agent: these agents' bodies are chairs in a laboratory.
@@ -70,7 +70,7 @@ def _row(scene: Scene, levels: tuple[Level, ...]) -> Row:
     cast = {agent.name: agent for agent in scene.cast}
     arguments: list[str] = []
     period = scene.period
-    # The cast comes first, whatever the order of the factors: a setting changes the agent that the row has.
+    # The cast comes first, in any order of the factors: a setting changes the agent of the row.
     for level in levels:
         cast |= {agent.name: agent for agent in level.cast}
     for level in levels:
@@ -94,7 +94,7 @@ def _row(scene: Scene, levels: tuple[Level, ...]) -> Row:
 
 
 def _check_subject(scene: Scene, bridges: Mapping[str, Bridge]) -> None:
-    """Raise if runs would be scored in a laboratory in which the subject is not."""
+    """Raise if the row has bridges but none for the subject, so that the laboratory could not score it."""
     if scene.experiment is None or not bridges:
         return
     if scene.experiment.subject not in bridges:

@@ -71,11 +71,11 @@ _DIFFERENCES: Final = (
 
 @dataclass(frozen=True)
 class HtmlReport:
-    """What the page shows.
+    """The contents of the page.
 
     Attributes:
         scene: The scene.
-        floor: Its floor.
+        floor: Its map.
         summary: The summary of the batch.
         runs: Its runs.
         plotted: The runs to draw, by row.
@@ -95,7 +95,7 @@ class HtmlReport:
 
 
 def floor_hash(floor: Map) -> str:
-    """Return the floor's hash as the simulator reports it: 16 hex digits, BLAKE2b-64 of its JSON."""
+    """Return the hash of a map as the simulator reports it: 16 hex digits, BLAKE2b-64 of its JSON."""
     return hashlib.blake2b(msgspec.json.encode(floor), digest_size=8).hexdigest()
 
 
@@ -103,7 +103,7 @@ def render(page: HtmlReport) -> str:
     """Return the page as HTML text."""
     title = page.scene.title or page.scene.name
     seeds = len({run.seed for run in page.runs})
-    lead = f"{len(page.summary.lines)} rows with {seeds} seeds each on the floor {page.floor.title or page.floor.name}."
+    lead = f"{len(page.summary.lines)} rows with {seeds} seeds each on the map {page.floor.title or page.floor.name}."
     parts = [
         f"<h1>{escape(title)}</h1><p class=lead>{escape(lead)} All rows use the same seeds. Runs are scored by the "
         "chair's true pose, not by the pose that the chair reports.</p>",

@@ -1,6 +1,6 @@
 """Measures of a run by their published definitions. Pure: arrays in, numbers out; no files, no network.
 
-All measures use the true motion. Odometry enters only where its error is the measure. Arrays are float64[n], one value
+All measures use the true motion. Odometry is used only to measure its error. Arrays are float64[n], one value
 per tick of the run, in metres, radians and seconds.
 """
 

@@ -60,7 +60,7 @@ class PlottedRun:
 
 
 def paths(floor: Map, runs: Sequence[PlottedRun], goal: tuple[float, float, float] | None, colour: str = TRUE) -> str:
-    """Return the paths of runs on the floor.
+    """Return the paths of runs on a map.
 
     Args:
         floor: The map.
@@ -134,7 +134,7 @@ def drift(runs: Sequence[PlottedRun], variance: float, track: float) -> str | No
             )
             axes.legend(loc="upper left", frameon=False)
         axes.set(xlabel="distance driven (m)", ylabel="position error (m)", xlim=(0.0, grid[-1]))
-        # The axis spans at least 0.1 m, so that errors of a centimetre look as small as they are.
+        # The axis spans at least 0.1 m, so that an error of a centimetre looks small.
         axes.set_ylim(0.0, max(0.1, axes.get_ylim()[1]))
         return _svg(figure)
 

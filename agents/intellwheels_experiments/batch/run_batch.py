@@ -30,13 +30,13 @@ SEEDS_PER_WORKER: Final = 10
 
 @dataclass(frozen=True, kw_only=True)
 class Batch:
-    """What to run.
+    """The runs to make.
 
     Attributes:
         rows: The rows.
         seeds: The seeds that each row runs with.
         subject: The agent that is measured.
-        floor: The floor.
+        floor: The map.
         source: The scene's name or path, as the simulator gets it.
         folder: Where relative paths in the scene start; None for a shipped scene.
         out: The batch's folder.
@@ -142,7 +142,7 @@ def _run_seed(batch: Batch, row: Row, worker: RunWorker, seed: str, on_run: Call
 
 
 def read_batch(batch: Batch) -> list[StoredRun]:
-    """Return every run of a batch, by row and then by seed. A run that is missing or died says so in `died`."""
+    """Return every run of a batch, by row and then by seed. `died` says whether a run is missing or died."""
     return [
         load_run(batch.out, row.name, seed) or StoredRun(row=row.name, seed=seed, died="it was not run")
         for row in batch.rows

@@ -100,9 +100,9 @@ def measure_run(
     Args:
         trace: The trace of the world in which the chair truly was.
         scene: The scene.
-        floor: Its floor.
+        floor: Its map.
         subject: The agent that is measured.
-        real: Whether the things that it touches there count as real.
+        real: Whether the things that it touches in that world count as real.
         mirror: For a chair in a laboratory, the trace of the world that mirrored it at its reported poses.
     """
     states, robot = trace.shown(subject), trace.robots[subject]
@@ -119,7 +119,7 @@ def measure_run(
         shortest = max(0.0, shortest_path(floor, start, (place.x, place.y), half_width(robot)) - reach.within)
     contacts, length = len(series.contacts), metrics.path_length(x, y)
     mirrored = _mirrored_contacts(series, mirror, subject)
-    # Bodies that exist in the simulation only are touched there. Its walls are in the laboratory too.
+    # The mirror adds the contacts with simulated bodies. Its walls are in the laboratory too.
     touched = contacts + sum(contact.other != "wall" for contact in mirrored)
     success = reached and touched == 0
     turn_rate = np.array([state.turn_rate for state in states])

@@ -4,7 +4,7 @@
                     image.jsonl   for a chair in a laboratory, the log of the world that mirrors it
                     true.tum reported.tum command.tum   trajectories: t x y z qx qy qz qw
                     contacts.csv  along.csv  bodies.csv (the others that moved)  robot.json  measures.csv  result.json
-    batch.json      the scene and the floor of the batch
+    batch.json      the scene and the map of the batch
     batch.csv       one line per run, without wall time, host or date, so that equal batches have equal files
 
 `result.json` is written under another name and then renamed, so that a killed process never leaves half a file.
@@ -32,7 +32,7 @@ MIRROR_LOG: Final = "image.jsonl"
 
 
 class StoredRun(msgspec.Struct, frozen=True, kw_only=True):
-    """A run as `result.json` has it.
+    """A run, as `result.json` holds it.
 
     Attributes:
         row: Its row.

@@ -3,10 +3,10 @@
 The world is paused as soon as the agents have joined, and again at the end of each run. So every run starts from the
 same situation, the first one too.
 
-A row with bridges has a second world, the laboratory, which plays the building. The two worlds advance tick by tick
-together, so they are paused, reset and resumed together. The laboratory decides when a run is over, as its chairs are
-at their true poses. The mirror, which is the world that shows the chairs where their bridges report them, ends at the
-timeout only. It is reset once more after the run, which completes its files.
+A row with bridges has a second world, the laboratory, which represents the real building. The two worlds advance
+together, tick by tick, so they are paused, reset and resumed together. The laboratory decides when a run is over,
+because its chairs are at their true poses. The mirror, which is the world that shows the chairs at the poses that their
+bridges report, ends at the timeout only. It is reset once more after the run, which completes its files.
 """
 
 from __future__ import annotations
@@ -48,7 +48,7 @@ JOIN_LIMIT: Final = 90.0
 CONTROL_LIMIT: Final = 20.0
 """Seconds for the simulator to answer a control verb."""
 INTERVAL: Final = 0.1
-"""Seconds between two looks at whether the batch was told to stop."""
+"""Seconds between two checks whether the batch was stopped."""
 LAST_WORDS: Final = 0.5
 """Seconds to wait for the reason that a simulator prints when it does not answer."""
 
@@ -58,7 +58,7 @@ class RunWorkerError(RuntimeError):
 
 
 class StoppedError(RuntimeError):
-    """The batch was told to stop."""
+    """The batch was stopped."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -83,7 +83,7 @@ class Branch:
 
 @dataclass(frozen=True, kw_only=True)
 class WorkerSettings:
-    """Where and how the workers of a batch run.
+    """The settings of the workers of a batch.
 
     Attributes:
         source: The scene's name or path, as the simulator gets it.
@@ -118,7 +118,7 @@ class RunWorker:
     """A simulator and the agents of a row. Use it in a `with`, which starts and ends them.
 
     Args:
-        settings: Where and how it runs.
+        settings: The settings of the worker.
         row: The row.
         stop: Set from outside to give up.
 
@@ -245,7 +245,7 @@ class RunWorker:
         try:
             result = self._watches[server].control(verb, message, CONTROL_LIMIT)
         except ConnectionError as error:
-            # What a process prints last is a better reason, and it may be on its way.
+            # The last line that a process prints is a better reason, and it may not have arrived yet.
             with suppress(WaitError):
                 self._children.wait(self._check, "reason", LAST_WORDS)
             raise RunWorkerError(f"{server}: no answer to {verb}: {error}") from error

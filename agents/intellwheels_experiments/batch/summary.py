@@ -86,7 +86,7 @@ class Comparison(msgspec.Struct, frozen=True, kw_only=True):
         first: The first row.
         second: The second row; None for the check of one row.
         expect: What the experiment expects of the first row; None if nothing.
-        verdict: Whether the runs bear it out.
+        verdict: Whether the runs confirm the expectation.
         paired: The comparison of their success; None for one row, or without a common seed.
         differences: The difference of further measures by name, first minus second: its mean over the seeds with which
             both rows reached their place, and its interval.
@@ -101,7 +101,7 @@ class Comparison(msgspec.Struct, frozen=True, kw_only=True):
 
 
 class Summary(msgspec.Struct, frozen=True, kw_only=True):
-    """The summary of a batch, as `summary.json` has it.
+    """The summary of a batch, as `summary.json` holds it.
 
     Attributes:
         lines: The summaries of its rows.
@@ -200,7 +200,7 @@ def _verdict(expect: str | None, paired: Paired, margin: float) -> Verdict:
         return "not asked"
     differs = paired.p < DECIDES
     if expect == "equivalent":
-        # An interval that is wholly outside the margin rules equivalence out. One that straddles it decides nothing.
+        # An interval entirely outside the margin rules out equivalence. One that straddles the margin decides nothing.
         apart = paired.interval.low > margin or paired.interval.high < -margin
         return "as expected" if paired.equivalent else "otherwise" if apart else "undecided"
     right_direction = paired.difference < 0.0 if expect == "worse" else paired.difference > 0.0

@@ -1,7 +1,7 @@
-"""What was true in a run, read from the trace that the simulator wrote, and what its chair believed.
+"""Reads the trace of a run: its true states, and the poses that the chair itself estimated.
 
-The simulator's folder of a run has `trace.jsonl`, a line a tick, and `input.jsonl`, whose first line with changes says
-which bodies joined.
+The simulator writes a folder for each run. In it `trace.jsonl` has one line per tick. The first line with changes in
+`input.jsonl` says which bodies joined.
 """
 
 from __future__ import annotations
@@ -33,11 +33,11 @@ _T = TypeVar("_T", InputTick, TraceTick)
 
 @dataclass(frozen=True)
 class Trace:
-    """A run as it was.
+    """The true states of a run.
 
     Attributes:
-        heading: Which run it is.
-        moments: Its ticks, one after the other.
+        heading: The first line of the trace, which identifies the run.
+        moments: Its ticks, in order.
         robots: The bodies as they joined, by name.
     """
 
@@ -51,17 +51,17 @@ class Trace:
         return np.array([moment.tick for moment in self.moments]) * self.heading.period
 
     def poses(self, name: str) -> Floats:
-        """Return where a body was, float64[n, 3]: x, y, heading; NaN where it was not there."""
+        """Return the poses of a body, float64[n, 3]: x, y, heading; NaN at ticks without the body."""
         nowhere = (math.nan, math.nan, math.nan)
         return np.array([moment.body[name].pose if name in moment.body else nowhere for moment in self.moments])
 
     def shown(self, name: str) -> list[TraceBody]:
-        """Return a body at each tick at which it was there."""
+        """Return the states of a body, at each tick at which it was present."""
         return [moment.body[name] for moment in self.moments if name in moment.body]
 
     @property
     def events(self) -> list[Event]:
-        """All that happened, in order."""
+        """All events, in order."""
         return [event for moment in self.moments for event in moment.event]
 
 
@@ -74,7 +74,7 @@ def read_trace(trace: Path, log: Path) -> Trace:
 
     Raises:
         OSError: One cannot be read.
-        WireError: One is not what this release of the simulator writes; the text says which line.
+        WireError: A line is not in the format that this release of the simulator writes; the text says which line.
     """
     first, *rest = trace.read_bytes().splitlines() or [b""]
     heading = read_header(TraceHeader, first, f"{trace}:1")
@@ -106,9 +106,10 @@ def _tick(decoder: msgspec.json.Decoder[_T], line: bytes, where: str) -> _T:
 
 
 def reported(shown: Sequence[TraceBody], robot: Robot) -> Floats | None:
-    """Return the pose that a body's own wheels tell, float64[n, 3] in the map's frame; None of one without encoders.
+    """Return the poses by odometry, float64[n, 3] in the map's frame; None for a body without encoders.
 
-    It is that of its odometry sensor, else the encoders' counts integrated by exact arcs with the nominal figures.
+    They come from its odometry sensor if it has one. Otherwise the encoder counts are integrated along exact arcs with
+    the nominal dimensions.
     """
     start = np.array(shown[0].pose)
     if shown[0].odometry is not None:
@@ -122,22 +123,22 @@ def reported(shown: Sequence[TraceBody], robot: Robot) -> Floats | None:
 
 
 def commanded(shown: Sequence[TraceBody], robot: Robot, period: float) -> Floats:
-    """Return where the powers alone lead, float64[n, 3]: wheels that turn at once and as they are told."""
+    """Return the poses that follow from the powers alone, float64[n, 3]: ideal wheels, without lag or slip."""
     power = np.array([one.power for one in shown[1:]], dtype=np.float64).reshape(-1, 2)
     return rolled(np.array(shown[0].pose), power * robot.top_speed * period, robot.track)
 
 
 def rolled(start: Floats, way: Floats, track: float) -> Floats:
-    """Return the poses after ways of both wheels, the start first, by exact arcs.
+    """Return the poses along exact arcs given by the travel of both wheels, the start first.
 
     Args:
         start: float64[3], x, y, heading.
-        way: float64[n, 2], left and right, m.
-        track: Between the wheels, m.
+        way: Travel of the left and right wheel at each tick, float64[n, 2], m.
+        track: Distance between the wheels, m.
     """
     travel, turn = way.mean(axis=1), (way[:, 1] - way[:, 0]) / track
     heading = start[2] + np.concatenate([[0.0], np.cumsum(turn)])
-    # The chord of the arc, along the heading of its middle.
+    # The chord of the arc points along the heading at the middle of the arc.
     chord = travel * np.sinc(turn / 2.0 / math.pi)
     middle = heading[:-1] + turn / 2.0
     x = start[0] + np.concatenate([[0.0], np.cumsum(chord * np.cos(middle))])
@@ -146,7 +147,7 @@ def rolled(start: Floats, way: Floats, track: float) -> Floats:
 
 
 def _from(start: Floats, own: Floats) -> Floats:
-    """Return poses told in the frame of a start in that start's own frame."""
+    """Return poses that are relative to a start, in the frame in which the start is given."""
     c, s = math.cos(start[2]), math.sin(start[2])
     return np.column_stack(
         [start[0] + c * own[:, 0] - s * own[:, 1], start[1] + s * own[:, 0] + c * own[:, 1], start[2] + own[:, 2]]

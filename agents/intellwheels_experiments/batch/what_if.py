@@ -1,8 +1,8 @@
 """What-if: repeats a recorded run up to a tick, continues with another mind or option, and reports both side by side.
 
 A row with a laboratory has two logs, and both of its worlds repeat their log. The minds of the branch run from the
-first tick on, so that they remember it, but until the branch tick the world follows the log and not them. So a changed
-option takes effect inside a mind from the first tick, and in the world from the branch tick.
+first tick on, so that they remember it. Until the branch tick, however, the world follows the log and not the minds. So
+a changed option affects a mind from the first tick on, and the world from the branch tick on.
 """
 
 from __future__ import annotations

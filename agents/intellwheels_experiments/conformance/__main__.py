@@ -24,7 +24,7 @@ The check starts the program several times. Each time it replaces {{endpoint}}, 
 program also finds them in its environment, as IW_ENDPOINT, IW_WORLD and IW_NAME: where to connect, which world to join,
 and under which name. It must join by itself, wait while there is no simulator, and end on SIGTERM.
 
-points, each about what the program does:
+points (the situation: what the program must do):
 {textwrap.indent(described(), "    ")}
 
 examples:
@@ -32,10 +32,10 @@ examples:
       iw-check-agent -- python agents/examples/08_another_language/python/avoid.py {{name}} {{endpoint}}
   your own mind
       iw-check-agent -- iw-agent ./my_mind.py --name {{name}} --connect {{endpoint}}
-  a program that reaches port 7447 through a bridge or router of yours
+  a program that reaches port 7447 through your own bridge or router
       iw-check-agent --listen tcp/127.0.0.1:7447 -- node avoid.js
 
-exit code: 0 all points passed, 1 not all, 2 wrong usage
+exit codes: 0 all points passed, 1 otherwise, 2 wrong usage
 """
 
 

@@ -44,7 +44,7 @@ REPEAT: Final = 0.25
 TOKEN_WITHIN: Final = 1.0
 """Seconds that a token may arrive after its join: Zenoh keeps no order between the two."""
 QUIET: Final = 0.5
-"""Seconds for which something must stay away that must not come. An answer takes milliseconds."""
+"""Seconds to wait for a message that must not come. An answer takes milliseconds."""
 SHOWN: Final = 240
 """Bytes of a payload that a finding shows."""
 
@@ -178,7 +178,7 @@ class AgentSession:
         if not joins_barrier(robot):
             return PointError(
                 "a Robot that lockstep waits for (TopSpeed above 0, or Barrier true)",
-                "one that need not answer, so that its answers cannot be checked",
+                "a Robot that lockstep does not wait for, so that its answers cannot be checked",
             )
         if robot.instance is None:
             return PointError("Robot.Instance, 16 hex digits", "none")
@@ -304,7 +304,7 @@ class AgentSession:
     # ------------------------------------------------------------ events
 
     def settle(self) -> None:
-        """Let whatever is on its way arrive, and ignore it."""
+        """Wait for messages that are still on their way, and ignore them."""
         deadline = self.probe.now() + REPEAT
         while (left := deadline - self.probe.now()) > 0.0:
             self.next_event((ActionsPut,), left)

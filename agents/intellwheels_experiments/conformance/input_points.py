@@ -21,7 +21,7 @@ HOSTILE: Final = (
 
 
 def unknown(session: AgentSession) -> str:
-    """Gets fields and elements that this version does not have: ignores them."""
+    """Gets fields and elements that its version does not know: ignores them."""
     session.require_joined()
     session.exchange(extended)
     session.exchange()

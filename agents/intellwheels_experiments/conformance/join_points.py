@@ -14,7 +14,7 @@ REFUSED_FOR: Final = 3.0
 
 
 def join(session: AgentSession) -> str:
-    """Asks to join with a valid Robot, and its liveliness token is there."""
+    """Starts: declares its liveliness token and asks to join with a valid Robot."""
     session.probe.start_program()
     session.pending = session.await_join()
     return f"joins as {session.robot.kind}, {session.encoding.name}"
@@ -46,7 +46,7 @@ def refusal(session: AgentSession) -> str:
 
 
 def restart(session: AgentSession) -> str:
-    """Loses the simulator, which comes back and knows nobody: joins again, and answers with the new session."""
+    """Loses the simulator, which restarts without memory: joins again, and answers with the new session."""
     session.require_joined()
     session.stop_simulator()
     session.settle()
@@ -58,7 +58,7 @@ def restart(session: AgentSession) -> str:
 
 
 def leave(session: AgentSession) -> str:
-    """Gets SIGTERM: its token disappears or it says that it leaves, and it sends no Actions after that."""
+    """Gets SIGTERM: removes its token or sends Leave, and sends no Actions after that."""
     session.require_joined()
     session.probe.interrupt_program()
     deadline = session.probe.now() + session.patience.leave
@@ -75,7 +75,7 @@ def leave(session: AgentSession) -> str:
         elif not session.tokens:
             how = "its token is gone"
     session.settle()
-    # Actions that answer the Measures from here on were put after the program left, whatever overtook what on the way.
+    # Actions that answer the Measures from here on were put after the program left, in whatever order messages arrive.
     first = session.tick
     end = session.probe.now() + QUIET
     while session.probe.now() < end and session.exit_code is None:

@@ -1,4 +1,4 @@
-"""Plausible readings for whatever a robot declares. They move with the tick, so that a program has something to do."""
+"""Plausible readings for the sensors of any robot. They change from tick to tick, so that a program must react."""
 
 from __future__ import annotations
 
@@ -44,9 +44,9 @@ def readings(robot: Robot, tick: int) -> Sensors | None:
 
 
 def _plain(reading: type[Record], name: str, tick: int) -> Record:
-    """Return a reading of a kind without a maker: what must be there, its numbers going up and down in their range.
+    """Return a reading of a kind that has no function here: its required fields, with numbers that vary in their range.
 
-    A reading with a status says that there is nothing to read, so it needs no value.
+    A reading with a status needs no value, because the status says that there is none.
     """
     share = 0.5 + 0.4 * math.sin(0.1 * tick)
     values: dict[str, Any] = {"id": name}
@@ -59,16 +59,16 @@ def _plain(reading: type[Record], name: str, tick: int) -> Record:
 
 
 def _value_of(member: Member, share: float) -> Any:
-    """Return a value for a field: a number at a share of its range, a list without items, a word of its closed list.
+    """Return a value for a field: a number at a share of its range, an empty list, or one of its allowed words.
 
     Raises:
-        TypeError: The field is a record or a text of a form; its kind needs a maker here.
+        TypeError: The field is a record or a text with a pattern. Its kind needs a function here.
     """
     if member.form in {Form.LIST, Form.RECORDS}:
         return ()
     scalar = member.scalar
     if scalar is None or (scalar.kind == "text" and scalar.pattern is not None):
-        raise TypeError(f"{member.wire}: expected a number, a truth value or a word, got another type; give it a maker")
+        raise TypeError(f"{member.wire}: expected a number, a truth value or a word, got another type")
     if scalar.kind == "truth":
         return share > 0.5
     if scalar.kind == "word":
@@ -82,7 +82,7 @@ def _value_of(member: Member, share: float) -> Any:
 
 
 def _proximity(sensor: Proximity, tick: int, place: int) -> ProximityReading:
-    """Return a distance that goes up and down within the sensor's range, and now and then what is not a distance."""
+    """Return a distance that goes up and down within the sensor's range, and now and then a status without distance."""
     phase = tick + 3 * place
     if phase % 7 == 5:
         return ProximityReading(id=sensor.id, status="none")
@@ -108,7 +108,7 @@ def _turn(tick: int) -> float:
 
 
 def _way(tick: int) -> float:
-    """Return a way that grows steadily, m."""
+    """Return a distance that grows steadily, m."""
     return 0.02 * tick
 
 
@@ -125,4 +125,4 @@ _MAKERS: Final[dict[str, Callable[[Any, int, int], Record]]] = {
         id=one.id, x=2.0 + _way(tick), y=2.0, heading=_turn(tick), speed=0.4, turn_rate=0.0
     ),
 }
-"""Readings that mean more than `_plain` makes them, by kind: of a sensor, at a tick, the sensor's place in its list."""
+"""Functions for kinds that `_plain` cannot imitate. Each takes a sensor, a tick and the sensor's index."""

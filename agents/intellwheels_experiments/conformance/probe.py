@@ -1,4 +1,4 @@
-"""What the check sees of a program and of the network: events, and the `Probe` that yields them. Pure declarations."""
+"""The check's view of a program and of the network: events, and the `Probe` that yields them. Pure declarations."""
 
 from __future__ import annotations
 

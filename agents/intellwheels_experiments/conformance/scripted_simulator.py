@@ -44,7 +44,7 @@ TOKENS_GONE: Final = 3.0
 OUTPUT_LIMIT: Final = 64 * 1024
 """Bytes at the end of the program's output that are read."""
 
-_STOPPED: Final = "told to stop before the check was over"
+_STOPPED: Final = "stopped before the check was complete"
 
 
 class NetworkProbe:
@@ -145,7 +145,7 @@ class NetworkProbe:
         """Make the simulator present. Does nothing if it is.
 
         Raises:
-            ConnectionError: The port is taken, the router does not answer, or this process must end.
+            ConnectionError: The port is in use, the router does not answer, or this process must end.
         """
         if self._simulator is None:
             self._simulator = _Simulator(self._link, self._keys, self._agent, self._stop)
@@ -224,10 +224,10 @@ class NetworkProbe:
 
 
 class _Simulator:
-    """What an agent sees of a simulator: its presence, its answers to queries, and Measures.
+    """The agent's view of a simulator: its presence, its answers to queries, and Measures.
 
     Raises:
-        ConnectionError: The port is taken, the router does not answer, or this process must end.
+        ConnectionError: The port is in use, the router does not answer, or this process must end.
     """
 
     def __init__(self, link: Link, keys: Keys, agent: str, stop: threading.Event) -> None:

@@ -12,7 +12,7 @@ TICKS: Final = 20
 
 
 def ticks(session: AgentSession) -> str:
-    """Answers each of 20 Measures with Actions that have its tick, run and session."""
+    """Gets 20 Measures: answers each with Actions that have its tick, run and session."""
     session.require_joined()
     slowest = max(session.exchange() for _ in range(TICKS))
     return f"{TICKS} ticks answered, the slowest in {1000 * slowest:.0f} ms"
@@ -27,7 +27,7 @@ def lost(session: AgentSession) -> str:
 
 
 def again(session: AgentSession) -> str:
-    """Gets the same Measures again: answers with the same bytes, as the first answer may be lost."""
+    """Gets the same Measures again, as if its answer was lost: answers with the same bytes again."""
     session.require_joined()
     session.exchange()
     first = session.last_answer
@@ -43,7 +43,7 @@ def again(session: AgentSession) -> str:
 
 
 def late(session: AgentSession) -> str:
-    """Gets Measures after newer ones: does not answer them, and an Error about it changes nothing."""
+    """Gets old Measures after newer ones, and an Error: does not answer them, and answers the next Measures."""
     session.require_joined()
     old = session.measures()
     session.tick += 1
@@ -57,7 +57,7 @@ def late(session: AgentSession) -> str:
 
 
 def reset(session: AgentSession) -> str:
-    """Gets Measures of another run, from tick 0: answers with that run."""
+    """Gets Measures of a new run, from tick 0: answers with the id of the new run."""
     session.require_joined()
     before = session.run
     session.begin_run()

@@ -1,8 +1,8 @@
-"""Child processes: start them, read their lines, wait for them and end them. Whatever runs a process here uses this.
+"""Child processes: start them, read their lines, wait for them and end them. All code that runs a process uses this.
 
-Each child is a process group of its own, so that whatever it starts ends with it. Each child also inherits the reading
-end of a pipe, the lifeline. The pipe closes when this process is gone, for whatever reason, and a child of this project
-then ends by itself.
+Each child is a process group of its own, so that the processes that it starts end with it. Each child also inherits the
+reading end of a pipe, the lifeline. The pipe closes when this process is gone, for any reason, and a child of this
+project then ends by itself.
 
 There is one loop that waits, `ChildProcesses.wait`, and it always has a deadline. When a wait fails, the error says
 what was awaited and shows what the processes printed last.
@@ -35,13 +35,13 @@ GRACE: Final = 3.0
 """Seconds that a child has to end after SIGTERM before it is killed."""
 
 SLICE: Final = 0.02
-"""Seconds between two looks while no process prints anything."""
+"""Seconds between two checks while no process prints anything."""
 
 LINE_LIMIT: Final = 4096
 """Bytes: a longer line of a child arrives in pieces."""
 
 UNREAD_LIMIT: Final = 10_000
-"""Lines of a child that nobody read yet and that are kept; the oldest are dropped."""
+"""Unread lines of a child that are kept; older ones are dropped."""
 
 TAIL_BYTES: Final = 64 * 1024
 """Bytes at the end of a log in which its last lines are looked for."""
@@ -56,7 +56,7 @@ _T = TypeVar("_T")
 
 
 class WaitError(AssertionError):
-    """A process or a condition was awaited in vain, or a process ended too early. It fails a test."""
+    """A process or a condition did not come in time, or a process ended too early. It fails a test."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -243,14 +243,14 @@ class ChildProcesses:
         unless: str | None = None,
         interval: float = SLICE,
     ) -> _T:
-        """Call `look` until it returns something else than None, and return that.
+        """Call `look` until it returns anything but None, and return that.
 
         Args:
             look: Called whenever a child printed a line or ended, and at least once per `interval`.
             what: What is awaited, as a noun: the error says `no <what> within 30 s`.
             timeout: Seconds of wall time.
             unless: A child. Its end is an error, unless `look` finds something in what it printed last.
-            interval: Seconds between two looks while no child prints anything.
+            interval: Seconds between two calls while no child prints anything.
 
         Raises:
             WaitError: The time is over, or the child `unless` ended.
@@ -366,7 +366,7 @@ class ChildProcesses:
         """Return the sections as one text."""
         return "\n".join(f"--- {title}\n{text}" for title, text in self.sections())
 
-    # ------------------------------------------------------------ within
+    # ------------------------------------------------------------ internals
 
     def _signal_if_running(self, child: str, number: Signals) -> None:
         if self._processes[child].poll() is None:
@@ -382,7 +382,7 @@ class ChildProcesses:
 
     def _await_exit(self, child: str, process: subprocess.Popen[bytes], reader: threading.Thread) -> None:
         code = process.wait()
-        # What the child started must not outlive it.
+        # The processes that the child started must not outlive it.
         with contextlib.suppress(ProcessLookupError, PermissionError):
             os.killpg(process.pid, SIGKILL)
         # All lines come before the exit, unless a process outside the group keeps the pipe open.

@@ -6,7 +6,7 @@ import socket
 
 
 def free_port() -> int:
-    """Return a TCP port of 127.0.0.1 on which nobody listens now.
+    """Return a TCP port of 127.0.0.1 that is free now.
 
     The operating system chooses it. Another process may take it before the caller does.
     """

@@ -34,16 +34,16 @@ WALL_LIMIT: Final = 600.0
 
 @dataclass(frozen=True, kw_only=True)
 class LaunchSpec:
-    """What to start for a run, and how.
+    """The processes to start for a run, and their settings.
 
     Attributes:
         scene: The scene, with the pace and the seed of this run.
         source: The scene's name or path, as the simulator gets it.
         folder: Where relative paths in the scene start; None for a shipped scene.
-        floor: The scene's floor.
+        floor: The scene's map.
         world: The world's name.
         listen: Endpoints at which the simulator listens. The other processes connect to them.
-        connect: Endpoints of a router to which all processes connect. Nobody needs to listen then.
+        connect: Endpoints of a router to which all processes connect. No process needs to listen then.
         config: A Zenoh configuration for all processes, or None.
         logs: The folder of the processes' logs.
         speed: Multiple of real time, at pace `realtime`.
@@ -162,7 +162,7 @@ def agent_command(cast: Cast, folder: Path | None, arguments: Sequence[str]) -> 
 
 
 def mind_command(cast: Cast, folder: Path | None, arguments: Sequence[str]) -> list[str]:
-    """Return the command of the mind of an agent whose body is a bridge's. It takes the same as `agent_command`."""
+    """Return the command of the mind of an agent whose body is a bridge. The arguments are those of `agent_command`."""
     own = tuple(option for option in cast.option if not is_robot_field(option.name))
     mind = msgspec.structs.replace(cast, robot="", place=None, option=own)
     return agent_command(mind, folder, ["--role", "mind", *arguments])
@@ -193,7 +193,7 @@ def bridge_command(
 
 
 def laboratory_arguments(scene: Scene, bridges: Mapping[str, Bridge], folder: Path | None) -> list[str]:
-    """Return what makes a simulator the laboratory of a scene: its floor, its chairs, and that it hides the truth."""
+    """Return the arguments that make a simulator the laboratory of a scene: map, agents to expect, hidden truth."""
     arguments = ["--expect", ",".join(bridges), "--map", resolved(scene.map, folder), "--hide-truth"]
     return [*arguments, "--period", repr(scene.period)]
 

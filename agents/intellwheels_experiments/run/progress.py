@@ -24,7 +24,7 @@ class Progress:
     Args:
         console: A console on standard error, as standard output is for the result.
         scene: The scene.
-        floor: Its floor, for the places that agents must reach.
+        floor: Its map, for the places that agents must reach.
     """
 
     def __init__(self, console: Console, scene: Scene, floor: Map) -> None:

@@ -1,4 +1,4 @@
-"""What was seen of a run, from its clock, state and event messages. Pure: no network, no clock.
+"""The record of a run, made from its clock, state and event messages. Pure: no network, no clock.
 
 Messages arrive in any order and some are lost. States are ordered by (Run, Tick), events by their number. A new run
 clears the record, and late messages of an earlier run are dropped.
@@ -19,7 +19,7 @@ EVENT_LIMIT: Final = 100_000
 
 @dataclass(slots=True)
 class Track:
-    """What was seen of one body.
+    """The record of one body.
 
     Attributes:
         first: Its state when first seen.
@@ -47,7 +47,7 @@ class Track:
 
 @dataclass(slots=True)
 class RunRecord:
-    """What was seen of the newest run.
+    """The record of the newest run.
 
     Attributes:
         run: The run's id, or None before the first message.

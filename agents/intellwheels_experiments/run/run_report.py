@@ -26,7 +26,7 @@ class Result(msgspec.Struct, frozen=True, kw_only=True):
 
     Attributes:
         scene: The scene's name.
-        map: Its floor.
+        map: Its map.
         seed: The seed.
         pace: The pace.
         world: The world's name.

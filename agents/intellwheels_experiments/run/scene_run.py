@@ -35,10 +35,10 @@ VIEW_LIMIT: Final = 60.0
 """Seconds for the viewer to serve its page."""
 
 COLD_START: Final = 5.0
-"""Seconds after which a start that still goes on must be compiling the kernels."""
+"""Seconds after which a start that is not finished must be compiling the kernels."""
 
 INTERVAL: Final = 0.1
-"""Seconds between two looks at a run."""
+"""Seconds between two checks of a run."""
 
 
 class Watch(Protocol):
@@ -186,7 +186,7 @@ def _await_ready(
         if stop.is_set():
             raise _StartError(_Finished("interrupted", f"before the {child} was ready"))
         if progress is not None and not announced and time.monotonic() - begun > COLD_START:
-            progress.say("compiling the simulator's kernels: once, about 45 s")
+            progress.say("compiling the simulator's kernels: only at the first start, about 45 s")
             announced = True
         return None
 
@@ -200,12 +200,12 @@ def _await_ready(
 def _keep_page(
     spec: LaunchSpec, children: ChildProcesses, watch: Watch, progress: Progress, stop: threading.Event
 ) -> None:
-    """Keep the scene and its page until told to stop, or until the simulator or the viewer ends.
+    """Keep the scene and its page until `stop` is set, or until the simulator or the viewer ends.
 
     The page can run the scene again. Each of these runs is judged, but the result of the command is that of the first.
     """
-    progress.say("the run is over; run it again in the page, or end it with Ctrl-C")
-    progress.doing("over; run it again in the page, or end it with Ctrl-C")
+    progress.say("the run has ended; run it again from the page, or stop with Ctrl-C")
+    progress.doing("ended; run it again from the page, or stop with Ctrl-C")
     record = RunRecord()
 
     def over() -> bool | None:
@@ -254,7 +254,7 @@ def _follow(
         # Somebody who looks at the page may have paused the run before it began.
         if spec.view is None and not stopwatch.begun and time.monotonic() - begun > START_LIMIT:
             awaited = ", ".join(record.clock.waiting) if record.clock else ""
-            return _Finished("overtime", f"not running after {START_LIMIT:.0f} s; waiting for {awaited or 'nobody'}")
+            return _Finished("overtime", f"not running after {START_LIMIT:.0f} s; waiting for {awaited or 'no agent'}")
         return None
 
     try:

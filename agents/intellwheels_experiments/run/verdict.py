@@ -1,6 +1,6 @@
-"""Whether a run met the conditions of its scene. Pure: a scene, its floor and a record in, a verdict out.
+"""Whether a run met the conditions of its scene. Pure: a scene, its map and a record in, a verdict out.
 
-The verdict uses true poses and events only, never what an agent believes about itself.
+The verdict uses true poses and events only, never the estimates of an agent.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from intellwheels_schemas.messages import Map, Scene
 
 
 class AgentResult(Struct, frozen=True, kw_only=True):
-    """What one agent of the cast did.
+    """The result of one agent of the cast.
 
     Attributes:
         name: The agent.
@@ -63,7 +63,7 @@ def judge(scene: Scene, floor: Map, record: RunRecord, *, ended: bool = True) ->
 
     Args:
         scene: The scene that was run.
-        floor: Its floor, for the places.
+        floor: Its map, for the places.
         record: What was seen of the run.
         ended: Whether the run reached its end. The conditions of an aborted run do not hold.
     """

@@ -95,7 +95,7 @@ class History(RunRecord):
 
     Attributes:
         newest: The newest moment, or None before the first.
-        unread: Moments that nobody took yet, the oldest first.
+        unread: Moments that were not taken yet, the oldest first.
         paths: The poses of each body over time, by name.
     """
 

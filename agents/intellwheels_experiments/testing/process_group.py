@@ -1,6 +1,6 @@
 """The processes of a test's world: a simulator, perhaps a router, and agents, with the faults that can hit them.
 
-It does not know the network. `rig` knows who joined and what the world does.
+It does not use the network. `rig` observes who joined and what the world does.
 """
 
 from __future__ import annotations
@@ -163,7 +163,7 @@ class ProcessGroup:
         self._router_child = self.processes.start(ROUTER, "intellwheels_server.service.router", "--listen", meeting)
         self.processes.line(self._router_child, "ready")
 
-    # ------------------------------------------------------------ within
+    # ------------------------------------------------------------ internals
 
     def _start_simulator(self) -> None:
         self._simulator = self.processes.start(SERVER, "intellwheels_server", *self._arguments)
@@ -192,7 +192,7 @@ class ProcessGroup:
             return
         if robot or place or given:
             raise ValueError(
-                f"agent {name!r}: expected no robot, place or options beside a command; put them into the command"
+                f"agent {name!r}: expected no robot, place or options with a command; put them into the command"
             )
         values = {"endpoint": self._meeting, "world": WORLD, "name": name}
         command = [filled(argument, values) for argument in mind]
@@ -258,7 +258,7 @@ class ProcessGroup:
         raise WaitError(f"{child}: expected a running process, got {exited.how}; {self._last_lines(child)}")
 
     def _check(self, timeout: float = 0.0) -> None:
-        """Fail if a process ended that should not have; wait up to `timeout` seconds for news of the processes."""
+        """Fail if a process ended that should not have. Wait up to `timeout` seconds for output or exits."""
         self.processes.receive(timeout)
         for child in (self._simulator, *self._agents.values()):
             exited = self.processes.exited(child)

@@ -6,8 +6,8 @@
         assert sim.contacts == []
 
 In lockstep, the default, the world stands still between the calls. Within a call it advances one tick at a time, so a
-condition sees every tick, and no tick follows the one at which it held. At the other paces the world runs by itself,
-and a condition sees what the world publishes.
+condition sees every tick, and the world stops at the tick at which it holds. At the other paces the world runs by
+itself, and a condition sees the states that the world publishes.
 
 Lengths are in m, angles in rad, speeds in m/s. Simulated times are in s since the start of the run. Every wait has a
 deadline.
@@ -45,8 +45,8 @@ class Rig(ProcessGroup):
 
     Args:
         logs: The folder of the processes' logs. It is made if it does not exist.
-        floor: A shipped floor or the path of one. Default: the scene's floor, or `room`.
-        scene: A shipped scene or the path of one, for its floor, seed, period and end. `cast` starts its agents.
+        floor: A shipped map or the path of one. Default: the scene's map, or `room`.
+        scene: A shipped scene or the path of one, for its map, seed, period and end. `cast` starts its agents.
         pace: `lockstep`, `realtime` or `free`. Default: the scene's pace, or `lockstep`.
         seed: The seed of all noise. Default: the scene's seed, or `1`.
         miss: What happens in lockstep if an answer does not come: `strict` ends the run, `elastic` continues without
@@ -152,7 +152,7 @@ class Rig(ProcessGroup):
                 In a command `{endpoint}`, `{world}` and `{name}` are replaced. The program also finds them in its
                 environment, as IW_ENDPOINT, IW_WORLD and IW_NAME.
             robot: Its body: a shipped robot or the path of one. Default: the mind's own. Not for a command.
-            place: The place of the floor where it starts. Default: any free place. Not for a command.
+            place: The place of the map where it starts. Default: any free place. Not for a command.
             encoding: The encoding of its messages, `json` or `xml`. Not for a command.
             may_end: Whether the process may end with another code than 0. Otherwise that fails the test.
             options: Options of the mind. Names that begin with a capital letter set fields of its robot, such as
@@ -181,7 +181,7 @@ class Rig(ProcessGroup):
             LookupError: The scene has no agent of such a name.
         """
         if self._scene is None or self._source is None:
-            raise WaitError("cast: expected a rig with a scene, got one with a floor only")
+            raise WaitError("cast: expected a rig with a scene, got one with a map only")
         folder = Path(self._source).parent if Path(self._source).is_absolute() else None
         known = [cast.name for cast in self._scene.cast]
         for name in names:
@@ -216,8 +216,8 @@ class Rig(ProcessGroup):
         it sees the states that the world publishes.
 
         Args:
-            condition: Called with each moment, the present one first. It does not hold while it looks up a body that
-                is absent. None: run for `seconds`.
+            condition: Called with each moment, the present one first. It counts as false while it looks up a body
+                that is absent. None: run for `seconds`.
             seconds: The simulated time in s within which the condition must hold.
 
         Returns:

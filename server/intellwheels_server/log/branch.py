@@ -1,8 +1,8 @@
 """A branch: a run that repeats the log of another run up to a tick, and from there follows its own agents.
 
-Agents join at tick 0. Before the branch they get the same measures as in the parent run and are asked for answers,
-which have no effect; so at the branch a mind remembers what it would remember in the parent run. Up to the branch all
-states equal those of the parent, to the hash, and a body that differs from the parent's is noticed at once.
+Agents join at tick 0. Before the branch they get the same measures as in the parent run, and their answers have no
+effect. So at the branch a mind remembers the same as in the parent run. Up to the branch all states have the hashes of
+the parent, so a body that differs from the parent's is noticed at once.
 """
 
 from __future__ import annotations
@@ -38,12 +38,12 @@ class Branch:
     agents: tuple[str, ...]
 
     def inputs(self, tick: int) -> Inputs | None:
-        """Return what acted on the step from a tick, without joins; None from the branch on."""
+        """Return the inputs of the step from a tick, without joins; None from the branch on."""
         line = self.lines.get(tick)
         return None if line is None else msgspec.structs.replace(line.inputs, changes=())
 
     def differs(self, tick: int, hashed: str) -> str | None:
-        """Return how the hash after the step from a tick differs from the parent's, or None if it does not."""
+        """Return a text if the hash after the step from a tick differs from the parent's, or None if it does not."""
         line = self.lines.get(tick)
         if line is None or line.hash == hashed:
             return None

@@ -1,4 +1,4 @@
-"""Writes and reads the input log: what a run is a function of, one line per tick. `file_records` declares its lines."""
+"""Writes and reads the input log: all inputs of a run, one line per tick. `file_records` declares its lines."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ class Header(InputHeader, frozen=True, kw_only=True):
     """The first line."""
 
     def world_setup(self) -> Setup:
-        """Return what the world is made of."""
+        """Return the setup of the world."""
         rules = msgspec.structs.asdict(self.setup)
         return Setup(floor=self.map, seed=self.seed, period=self.period, **rules)
 
@@ -50,7 +50,7 @@ class Log:
 
     Args:
         path: The file; an existing one is replaced.
-        setup: What the world is made of.
+        setup: The setup of the world.
         run: The name of the run.
         world: The name of the world.
 

@@ -1,8 +1,8 @@
 """The poses that bridges reported for real chairs, to be shown beside the true ones.
 
 An experiment with a laboratory has two logs. The log of the laboratory has the true poses. The log of the world that
-its chairs joined has the reported ones, because there a real body is where its bridge says. The two worlds are paired
-as a bridge pairs them: run by run, tick by tick.
+its chairs joined has the reported ones, because in that world a real body is at the pose that its bridge reports. The
+two worlds are paired as a bridge pairs them: run by run, tick by tick.
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
 """A folder with the input log and the trace of each run.
 
-A reset begins a new run in the same process. Here each run has files of its own. Its log begins with joins of the
-bodies where they are, so that it can be run again without the earlier runs. A run that begins from a saved state cannot
-be written so; it has a trace but no log. A run without a step leaves no files.
+A reset begins a new run in the same process. Here each run has its own files. Its log begins with joins of all bodies
+at their present poses, so that it can be run again without the earlier runs. A run that begins from a saved state has a
+trace but no log, because joins cannot describe it. A run without a step leaves no files.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ class RunFiles:
     """The files of the current run, with one line for each tick.
 
     Args:
-        folder: Is made if needed; each run gets a folder of its name in it.
+        folder: Created if needed. Each run gets a folder of its name in it.
         world: The name of the world.
         state: Returns the current state.
     """

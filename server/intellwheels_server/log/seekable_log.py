@@ -1,6 +1,6 @@
 """A log in which any tick can be reached, forwards and backwards.
 
-Opening it runs it once and keeps a state now and then as a keyframe. States never change, so a keyframe is only a
+Opening the log runs it once and keeps some of the states as keyframes. A state never changes, so a keyframe is only a
 reference. To reach a tick, the log is run again from the last keyframe before it.
 """
 
@@ -22,9 +22,9 @@ from intellwheels_server.log.resimulate import difference, first_state, replay
 from intellwheels_server.world import State, advance, apply, digest
 
 BUDGET: Final = 0.05
-"""Seconds that it takes, at first, to run a log from one keyframe to the next."""
+"""Initial time to run the log from one keyframe to the next, in seconds."""
 KEYFRAMES: Final = 1024
-"""Most keyframes; when there are more, every other one is dropped."""
+"""Largest number of keyframes. When there are more, every other one is dropped."""
 
 
 class Place(NamedTuple):
@@ -32,8 +32,8 @@ class Place(NamedTuple):
 
     Attributes:
         position: How many lines have been run.
-        state: The state as subscribers saw it: all changes at its tick are made, also those in the line of its step.
-        events: What happened since the last place, if this is the next one.
+        state: The state as subscribers saw it, after all changes at its tick, including those in the line of its step.
+        events: The events since the last place, if this is the next one.
     """
 
     position: int
@@ -52,8 +52,8 @@ class Keyframes:
     """States along a log, close enough that running it from one to the next takes only a moment.
 
     Args:
-        budget: Seconds of running from one to the next, roughly.
-        most: Keyframes kept; when there are more, every other one is dropped and the budget is doubled.
+        budget: Approximate time to run the log from one to the next, in seconds.
+        most: Keyframes kept. When there are more, every other one is dropped and the budget is doubled.
     """
 
     def __init__(self, budget: float = BUDGET, most: int = KEYFRAMES) -> None:
@@ -67,7 +67,7 @@ class Keyframes:
         return len(self._states)
 
     def offer(self, position: int, state: State, cost: float) -> None:
-        """Keep a state if a keyframe is due. To be called for every position in order, from 0.
+        """Keep a state if a keyframe is due. Call it for every position in order, from 0.
 
         Args:
             position: The position.
@@ -122,7 +122,7 @@ class SeekableLog:
             self.header = read_header(self._file, self._name)
             self._spans = [Span(self.header.run, 0)]
             self._run_through(progress)
-            # The place after all joins takes long to compute, and is the one most often returned to.
+            # The place after all joins takes long to compute, and users return to it most often.
             self._beginning = self._with_changes(*self._keyframes.before(0), ())
         except BaseException:
             self.close()
@@ -182,7 +182,7 @@ class SeekableLog:
         """Return the place at a tick of a run.
 
         Raises:
-            LookupError: There is no such run or tick; the text says what there is.
+            LookupError: There is no such run or tick; the text lists those that exist.
         """
         bounds, ticks = self._bounds(run), self.ticks(run)
         if bounds is None or ticks is None:
@@ -235,6 +235,6 @@ class SeekableLog:
         line = parse_line(self._file.readline(), f"{self._name}:{position + 2}")
         if line is None:
             raise LogError(
-                f"{self._name}:{position + 2}: expected the line that was there, got none: the file has changed"
+                f"{self._name}:{position + 2}: expected the line that was here before, got none: the file has changed"
             )
         return line

@@ -1,4 +1,4 @@
-"""The trace of a run: what was true at each tick, for whoever measures the run. `file_records` declares its lines.
+"""The trace of a run: the true state at each tick, for evaluation. `file_records` declares its lines.
 
 A trace is written to a file and never put on the network.
 """

@@ -1,4 +1,4 @@
-"""What arrives from the network, as plain data: all that the rest of the service knows of it."""
+"""Arrivals from the network, as plain data. The rest of the service does not see the network itself."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ class Query:
     """A query that waits for its reply.
 
     Attributes:
-        topic: What is asked for.
+        topic: The subject of the query.
         name: The agent or verb in the key; empty if the key has none or an invalid one.
         data: The payload.
         encoding: Zenoh's encoding of the payload, as text. Replies use it too.

@@ -25,7 +25,7 @@ class ArrivalReader:
 
     def __init__(self, keys: Keys) -> None:
         self._keys = keys
-        # The same keys come again and again, so their parts are remembered, up to a limit, as strangers choose keys.
+        # The same keys come again and again, so their parts are remembered, up to a limit: anyone can invent keys.
         self._known: dict[str, tuple[str, PutKind]] = {}
 
     def read(self, arrival: zenoh_inbox.Arrival) -> Arrival | None:
@@ -42,7 +42,7 @@ class ArrivalReader:
         return Put(target[0], target[1], b"", "", arrival.length) if target else None
 
     def _put_target(self, key: str) -> tuple[str, PutKind] | None:
-        """Return the agent and the kind of message that a key stands for."""
+        """Return the agent and the kind of message in a key."""
         try:
             return self._known[key]
         except KeyError:
@@ -53,7 +53,7 @@ class ArrivalReader:
         elif (user := self._keys.parse_user(key)) is not None:
             found = (user, "user")
         if found is None:
-            return None  # not remembered: keys of strangers may be 64 kB long
+            return None  # not remembered: an unknown key may be 64 kB long
         if len(self._known) >= MAX_KEYS:
             self._known.clear()
         self._known[key] = found

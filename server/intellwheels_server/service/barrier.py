@@ -17,7 +17,7 @@ Answer = tuple[str, AnswerKind]
 """An agent, and the kind of message expected of it."""
 
 AnswerResult = Literal["first", "duplicate", "conflict"]
-"""What an answer is: the first one, which counts; the same bytes again; other bytes after the first one."""
+"""Kinds of answer: the first one, which counts; the same bytes again; other bytes after the first one."""
 
 MISSES: Final = 3
 """Misses in a row that put a body to rest."""
@@ -97,7 +97,7 @@ class Barrier:
         return self._answers.get(key) == data or self._before.get(key) == data
 
     def revive(self, agent: str) -> None:
-        """Note that a body at rest has answered, to whatever tick: from the next tick on, the barrier waits for it."""
+        """Note that a body at rest has answered, to any tick. From the next tick on the barrier waits for it."""
         if agent in self._rested:
             self._rested.discard(agent)
             self._misses.pop(agent, None)
@@ -144,7 +144,7 @@ class Barrier:
         self._rested.discard(agent)
 
     def begin_new_run(self, rested: Iterable[str] = ()) -> None:
-        """Forget everything, except which bodies are at rest in the new run."""
+        """Forget everything except the bodies at rest, which are those of the new run."""
         self._awaited.clear()
         self._answers, self._before = {}, {}
         self._idle = False

@@ -1,4 +1,4 @@
-"""Who has joined, and what the service keeps for each of them."""
+"""The agents that have joined, and what the service keeps for each of them."""
 
 from __future__ import annotations
 
@@ -28,8 +28,8 @@ class BridgeStatus:
 
     Attributes:
         reported_at: When its last pose arrived; minus infinity after a missed one in lockstep.
-        stale: Whether the world was told that its pose is old.
-        halted: Whether the world was told that its motors get 0.
+        stale: Whether the world got the verdict that its pose is old.
+        halted: Whether the world got the verdict that its motors get 0.
     """
 
     reported_at: float
@@ -41,8 +41,8 @@ class ConnectedAgents:
     """The agents of the service.
 
     Attributes:
-        roster: Who holds which role.
-        leases: Who may steer which body by user input.
+        roster: The members: which process has which role.
+        leases: Which users may steer which body.
         bridges: The reports of each real body.
         encodings: How each agent gets its measures.
         waiting_joins: Joins that wait for their token, the oldest first.

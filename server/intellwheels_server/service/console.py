@@ -18,5 +18,5 @@ def log_line(line: str) -> None:
 
 
 def _write(stream: TextIO, line: str) -> None:
-    with contextlib.suppress(OSError, ValueError):  # the reader is gone
+    with contextlib.suppress(OSError, ValueError):  # the reader has closed the pipe
         print(line, file=stream, flush=True)

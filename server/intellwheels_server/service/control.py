@@ -1,4 +1,4 @@
-"""What operators ask for with `ctl/<verb>`.
+"""Handles the requests of operators, `ctl/<verb>`.
 
 The class of the message decides which function handles it. `handle` has the messages that act at once; it queues all
 others for `change`, which has those that change the world.
@@ -54,14 +54,14 @@ MAX_NOTED_SPEED = 100.0
 
 
 def handle_control(service: ServiceState, query: Query, now: float) -> None:
-    """Take a control message; the reply says how it went."""
+    """Handle a control message and send its result."""
     message = read_message(service, query)
     if message is not None:
         handle(message, service, query, now)
 
 
 def read_message(service: ServiceState, query: Query) -> Record | None:
-    """Return the control message of a query, or None if it cannot be read, which the reply says."""
+    """Return the control message of a query. If it cannot be read, send an error reply and return None."""
     cls = VERB_CLASSES.get(query.name)
     if cls is None:
         query.refuse(service.result("unsupported", "no such verb"))
@@ -179,7 +179,7 @@ def _restart(service: ServiceState, query: Query, restart: Restart, now: float) 
     before = service.run.state
     try:
         outcome = service.apply(restart)
-    except ValueError as error:  # a fault of the floor that only the world finds
+    except ValueError as error:  # a fault of the map that only the world finds
         if restart.map is None:
             raise
         query.reply(service.result("failed", f"Load.Map: {error}"))

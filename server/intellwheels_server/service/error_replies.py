@@ -15,14 +15,14 @@ from intellwheels_schemas.messages import ErrorCode
 ERROR_RATE: Final = 5.0
 """Error replies a second to one agent."""
 ERROR_BURST: Final = 10.0
-"""Error replies in a row before the rate applies."""
+"""Error replies in a row before the rate limit applies."""
 STRANGERS: Final = 256
 """Senders that have not joined whose names are remembered."""
 STRANGER_RATE: Final = 20.0
-"""Error replies a second to all strangers together."""
+"""Error replies a second to all senders that have not joined, together."""
 
 MESSAGE_BURST: Final = 64.0
-"""Messages in a row that an agent may send before the rate applies."""
+"""Messages in a row that an agent may send before the rate limit applies."""
 MESSAGE_RATE: Final = 400.0
 """Messages a second of wall time that an agent may send."""
 MESSAGES_PER_TICK: Final = 4.0
@@ -30,7 +30,7 @@ MESSAGES_PER_TICK: Final = 4.0
 
 
 class Fault(NamedTuple):
-    """What is wrong with a message: the fields of an `Error` that do not depend on when it is sent."""
+    """The fault of a message: the fields of an `Error` that do not depend on the time at which it is sent."""
 
     code: ErrorCode
     text: str
@@ -43,7 +43,7 @@ class Bucket:
 
     Args:
         rate: Tokens added a second.
-        burst: Tokens it holds at most, and at first.
+        burst: The largest number of tokens, and the first one.
         now: The current time, s.
     """
 

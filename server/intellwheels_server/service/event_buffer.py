@@ -1,6 +1,6 @@
 """The newest events of a run, for subscribers that come late. Pure.
 
-A reply has a limited size. A reader that is far behind asks again from `Next` until no event comes.
+A reply has a limited size. A reader that is far behind repeats the query from `Next` until no event comes.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ class EventBuffer:
     def since(self, number: int, run: str) -> Events:
         """Return the events of a run from a number on, as many as fit into one message.
 
-        `next` is the number to ask from next time.
+        `next` is the number at which the next query must begin.
         """
         events = self._events if run == self._run else deque[Event]()
         oldest = events[0].number if events else 0

@@ -1,4 +1,4 @@
-"""What agents and users put: checked against membership, session, tick and limits, and kept for the next step."""
+"""Messages of agents and users, checked against membership, session, tick and limits and kept for the next step."""
 
 from __future__ import annotations
 
@@ -112,7 +112,7 @@ def _take_pose(service: ServiceState, agent: str, pose: Pose, data: bytes, now: 
 def _answer(pacing: Pacing, tick: int, agent: str, kind: AnswerKind, data: bytes, where: str) -> Fault | None:
     """Give a message to the barrier, if it expects one from this agent; return the fault of a second answer."""
     if not pacing.barrier_open or (agent, kind) not in pacing.answers:
-        return None  # a closed barrier: measures are not out yet, or those of an answered tick are the last
+        return None  # the barrier is closed: no measures were sent yet, or all their answers have come
     if pacing.barrier.answer(agent, kind, data) == "conflict":
         return Fault("answered", f"{where}: tick {tick} is answered already", where)
     return None
@@ -143,7 +143,7 @@ def _too_long(state: State, where: str, text: str, seq: int | None) -> Fault:
 
 def _take_user_input(service: ServiceState, agent: str, user: UserInput, now: float) -> Fault | None:
     if agent not in service.run.state.body_set.models:
-        return None  # no body to steer, and no agent to send an error to
+        return None  # there is no body to steer, and no agent that could get an error
     checked = service.agents.leases.check_input(agent, user, now)
     if isinstance(checked, Fault):
         return checked._replace(seq=user.seq)
@@ -153,7 +153,7 @@ def _take_user_input(service: ServiceState, agent: str, user: UserInput, now: fl
 
 
 def send_error(service: ServiceState, agent: str, fault: Fault, now: float) -> None:
-    """Send an agent an error about one of its messages, unless it got too many errors of late."""
+    """Send an agent an error about one of its messages, unless it got too many errors recently."""
     roster, state = service.agents.roster, service.run.state
     suppressed = service.error_limit.admit(agent, agent in roster, now)
     if suppressed is None:

@@ -1,4 +1,4 @@
-"""What agents sent that acts on the next step, kept until the step is made. Pure.
+"""The messages of agents that act on the next step, kept until the step is made. Pure.
 
 Of several actions for one tick the newest counts, by sequence number. Fields that it leaves out keep the values of the
 earlier ones.
@@ -27,7 +27,7 @@ def check_time(run: str | None, tick: int | None, now_run: str, now_tick: int, w
 
 
 class InputLatch:
-    """What acts on the step from this tick to the next."""
+    """The messages that act on the step from this tick to the next."""
 
     def __init__(self) -> None:
         self.actions: dict[str, Actions] = {}
@@ -36,7 +36,7 @@ class InputLatch:
         self.users: dict[str, UserInput] = {}
 
     def act(self, agent: str, actions: Actions) -> Fault | None:
-        """Keep actions, unless newer ones for this tick are here; return the fault of a say that they replace."""
+        """Keep actions, unless newer ones for this tick came before; return the fault of a say that they replace."""
         earlier = self.actions.get(agent)
         if earlier is not None:
             if actions.seq is not None and earlier.seq is not None and actions.seq <= earlier.seq:
@@ -47,7 +47,7 @@ class InputLatch:
         return None if replaced is None else _second_say(replaced.seq)
 
     def set_pose(self, agent: str, pose: Pose) -> None:
-        """Keep the pose of a real chair, unless a newer one for this tick is here."""
+        """Keep the pose of a real chair, unless a newer one for this tick came before."""
         earlier = self.poses.get(agent)
         if earlier is None or pose.seq is None or earlier.seq is None or pose.seq > earlier.seq:
             self.poses[agent] = pose
@@ -65,7 +65,7 @@ class InputLatch:
         self.users[agent] = user
 
     def forget(self, agent: str) -> None:
-        """Drop what an agent sent that is gone."""
+        """Drop the messages of an agent that is gone."""
         for latched in (self.actions, self.says, self.poses, self.users):
             latched.pop(agent, None)
 

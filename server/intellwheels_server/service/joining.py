@@ -47,7 +47,7 @@ _REFUSED: Final[dict[ErrorCode, RefusedCode]] = {
     "too-long": "limit",
     "too-many": "limit",
 }
-"""The code with which a join is refused whose robot cannot be read."""
+"""The code of a refused join if its robot cannot be read."""
 
 # ------------------------------------------------------------ tokens and deadlines
 
@@ -194,7 +194,7 @@ def _admit(
     agents.roster.add(member)
     pacing.barrier.reset_member(agent)
     if member.real and member.has_body:
-        # The entry of a body that stays is kept: it holds what the world was told, such as that the pose is old.
+        # The entry of a body that stays is kept: it records what the world knows, such as that the pose is old.
         agents.bridges.setdefault(agent, bridge_status(service.run.state, agent, now))
     _update_members(service, agent)
     service.publisher.outlet.log_line(f"joined agent={agent} role={member.role} tick={service.run.state.tick}")
@@ -214,7 +214,7 @@ def _check_real(service: ServiceState, robot: Robot) -> None:
 
 
 def _give_body(service: ServiceState, member: Member, current: Member | None, keeps_body: bool) -> Position:
-    """Give a member its body, the one that is here if it may be kept, else a new one; return where it is."""
+    """Give a member its body and return its pose. A body that is here already is kept if possible."""
     agent, roster = member.agent, service.agents.roster
     if current is not None and keeps_body:
         if current.absent_since is not None or current.instance != member.instance:
@@ -243,7 +243,7 @@ def _give_body(service: ServiceState, member: Member, current: Member | None, ke
 
 
 def is_unowned(service: ServiceState, agent: str) -> bool:
-    """Return whether the body of an agent is here but the agent is not, as may be after a restore.
+    """Return whether the body of an agent is here without the agent, which can happen after a restore.
 
     Bodies that an operator spawned do not count: they have no instance.
     """
@@ -252,13 +252,13 @@ def is_unowned(service: ServiceState, agent: str) -> bool:
 
 
 def bridge_status(state: State, agent: str, now: float) -> BridgeStatus:
-    """Return the status of a real body that reported now, with what the world was told. The body must be here."""
+    """Return the status of a real body that reports now, with its flags in the world. The body must be here."""
     flags = state.flags[:, state.body_set.index[agent]]
     return BridgeStatus(reported_at=now, stale=bool(flags[rows.STALE]), halted=bool(flags[rows.HALTED]))
 
 
 def position_of(state: State, agent: str) -> Position:
-    """Return where a body is. It must be here."""
+    """Return the pose of a body. It must be here."""
     x, y, heading = state.numbers[[rows.X, rows.Y, rows.HEADING], state.body_set.index[agent]].tolist()
     return Position(x=x, y=y, heading=heading)
 
@@ -279,7 +279,7 @@ def _joined_reply(service: ServiceState, member: Member, position: Position) -> 
             command_timeout=setup.command_timeout,
             grace=options.grace,
         ),
-        # An agent that returns to a laboratory learns where its chair started, not where it is.
+        # An agent that returns to a laboratory gets the start pose of its chair, not the true pose.
         position=model.start if options.hide_truth else position,
         robot=nominal(model.robot) if options.hide_truth else model.robot,
     )

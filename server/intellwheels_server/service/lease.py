@@ -1,4 +1,4 @@
-"""Who may steer a body by user input, and whether the user is still active. Pure: time is passed in.
+"""Leases: which user may steer a body, and whether the user is still active. Pure: time is passed in.
 
 `take` grants a lease. While it lasts, only inputs that carry it count, and the simulator itself obeys them. A lease
 ends unless it is renewed. A dead-man's switch stops the body of a user who sends nothing for 0.3 s of wall time.
@@ -44,7 +44,7 @@ class Leases:
         return lease.lease if lease else None
 
     def grant(self, agent: str, lease: str, seconds: float, now: float) -> None:
-        """Grant or renew a lease for so long."""
+        """Grant or renew a lease for some seconds."""
         self._leases[agent] = _Lease(lease, now + seconds)
 
     def release(self, agent: str) -> None:
@@ -59,13 +59,13 @@ class Leases:
         return expired
 
     def due(self) -> float:
-        """Return when the next lease runs out. Silent users are looked for at each step instead."""
+        """Return when the next lease runs out. Silent users do not matter here: each step checks for them."""
         return min((lease.until for lease in self._leases.values()), default=float("inf"))
 
     # ------------------------------------------------------------ inputs
 
     def check_input(self, agent: str, user: UserInput, now: float) -> Fault | bool:
-        """Return whether an input counts, or what is wrong with it; one that counts becomes the user's latest."""
+        """Return whether an input counts, or what is wrong with it. An input that counts becomes the user's newest."""
         lease = self.active(agent)
         if lease is not None and user.lease != lease:
             got = "another" if user.lease else "none"

@@ -174,7 +174,7 @@ class LiveRun:
             self._step(now)
 
     def _handle_missing(self, now: float) -> bool:
-        """Handle missed answers and send measures again; return whether the run goes on."""
+        """Handle missed answers and send measures again; return whether the run continues."""
         service, barrier, agents = self._service, self._service.pacing.barrier, self._service.agents
         missed = barrier.missed(now)
         if missed and service.pacing.strict:

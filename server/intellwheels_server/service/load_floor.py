@@ -1,4 +1,4 @@
-"""Which floor a `load` asks for."""
+"""Finds the map that a `load` asks for."""
 
 from __future__ import annotations
 
@@ -12,15 +12,15 @@ FINDINGS_SHOWN = 3
 
 
 def load_floor(load: Load) -> Map:
-    """Return the floor that a `load` names or carries.
+    """Return the map that a `load` names or contains.
 
     Raises:
-        WireError: No floor has that name, or the map in the message is wrong.
+        WireError: No map has that name, or the map in the message is wrong.
     """
     if load.map is None:
         known = names("floors")
         if load.name not in known:
-            raise WireError("value", f"Load.Name: expected one of the floors ({', '.join(known)}), got '{load.name}'")
+            raise WireError("value", f"Load.Name: expected one of the maps ({', '.join(known)}), got '{load.name}'")
         return floor(str(load.name))
     findings = check_map(load.map)
     if findings:

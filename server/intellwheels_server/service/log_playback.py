@@ -1,4 +1,4 @@
-"""A log played on the network: it looks like a live world, and can be sought, paused and paced, but not steered.
+"""Plays a log on the network as a world. It can be paused, and its position and speed set, but it cannot be steered.
 
 Nothing here waits, reads a clock or knows Zenoh: it is driven as a live run is. Map, bodies, states, clock, events
 and measures are published as they were. Powers are not, so that a playback can never move a real chair.
@@ -24,7 +24,7 @@ from intellwheels_server.service.service_state import Options, PlaybackProgress,
 from intellwheels_server.world import State
 
 READ_ONLY: Final = "a played log cannot be steered"
-"""The answer to everybody who wants to do more than watch."""
+"""The answer to every request that would change the run."""
 AT_END: Final = "the log is at its end; seek back"
 
 
@@ -50,7 +50,7 @@ class Playback:
         """
         self._service = ServiceState(options, outlet, _no_floor, unix_time, run=log.header.run)
         self._service.pacing.waiting_to_start = False
-        # It waits for somebody to look: the first page that opens resumes it. Without an audience it plays at once.
+        # It waits for a viewer: the first page that opens resumes it. With `quit_at_end` it plays at once.
         self._service.pacing.paused = not options.quit_at_end
         self._log, self._reported = log, reported
         first = log.header.run
@@ -160,7 +160,7 @@ class Playback:
             service.exit = 0
 
     def _jump(self, place: Place) -> None:
-        """Show a place that does not follow the last one. Its earlier events can be asked for, but are not put."""
+        """Show a place that does not follow the last one. Its earlier events can be queried, but are not published."""
         publisher = self._service.publisher
         self._show(place)
         publisher.events = EventBuffer()
@@ -202,7 +202,7 @@ class Playback:
         match query.topic:
             case "join":
                 if query.name or not query.has_wildcards:
-                    query.refuse(Refused(code="full", text=f"{READ_ONLY}: nobody can join it"))
+                    query.refuse(Refused(code="full", text=f"{READ_ONLY}: agents cannot join it"))
                 else:
                     query.close()
             case "leave":

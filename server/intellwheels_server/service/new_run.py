@@ -1,4 +1,4 @@
-"""What follows a reset, load or restore, after which the world is another run."""
+"""Begins a new run in the service, after a reset, load or restore of the world."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the service sends: measures and powers to agents; state, clock, map and bodies to everybody."""
+"""Messages that the service sends: measures and powers to agents; state, clock, map and bodies to everybody."""
 
 from __future__ import annotations
 
@@ -99,7 +99,7 @@ def publish(service: ServiceState, now: float) -> None:
 
 
 def publish_map(run: RunState, publisher: Publisher) -> None:
-    """Put which map is in use."""
+    """Put the name and hash of the current map."""
     state, floor = run.state, run.state.setup.floor
     info = MapInfo(run=state.run, tick=state.tick, name=floor.name, revision=state.revision, hash=world.map_hash(floor))
     publisher.outlet.map(info)
@@ -116,12 +116,12 @@ def body_of(service: ServiceState, agent: str) -> Body:
     owner = roster.body(agent)
     roles: tuple[Role, ...] = tuple(member.role for member in roster.members(agent))
     model = state.body_set.models[agent]
-    # Sensors mounted on `start` stay there, so whoever draws them must know it, also of a body that joined at a Place.
+    # Sensors mounted on `start` stay at that pose, so viewers need it, even for a body that joined at a Place.
     robot = msgspec.structs.replace(model.robot, position=model.start)
-    if model.mind_input:  # a mind in a process of its own takes this input too
+    if model.mind_input:  # a mind in another process takes this input too
         inputs = dict.fromkeys((*robot.user_input, *model.mind_input))
         robot = msgspec.structs.replace(robot, user_input=tuple(inputs))
-    if service.playback is not None and robot.instance is not None:  # nobody has joined now, but somebody had
+    if service.playback is not None and robot.instance is not None:  # the agent is not here now, but it was
         roles = (robot.role,)
     return Body(
         run=state.run,
@@ -179,7 +179,7 @@ def _awaited_agents(service: ServiceState, now: float) -> tuple[str, ...]:
     return ()
 
 
-# ------------------------------------------------------------ to one who asks
+# ------------------------------------------------------------ answers to queries
 
 
 def answer_query(service: ServiceState, query: Query, now: float) -> None:

@@ -11,7 +11,7 @@ from typing import Final
 LATE_SHARE: Final = 0.1
 """A tick counts as late if it begins later than its deadline by this share of its interval."""
 BACKLOG: Final = 0.5
-"""Seconds of delay above which the lost time is dropped: a burst of ticks would help nobody."""
+"""Seconds of delay above which the lost time is dropped, because a burst of ticks would not help."""
 WINDOW: Final = 1.0
 """Seconds over which the real-time factor is measured."""
 

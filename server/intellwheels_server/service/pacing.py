@@ -1,4 +1,4 @@
-"""What decides when the next tick begins: pace, speed, pause, steps and the lockstep barrier."""
+"""Decides when the next tick begins: pace, speed, pause, steps and the lockstep barrier."""
 
 from __future__ import annotations
 
@@ -60,7 +60,7 @@ class Pacing:
         return self.pace == "realtime" and self.metronome.speed == 1.0
 
     def is_stopped(self, *, ended: bool) -> bool:
-        """Return whether no step can be made now, whatever arrives.
+        """Return whether no message that arrives can cause a step now.
 
         Args:
             ended: Whether the end condition of the run is met.

@@ -9,7 +9,7 @@ from __future__ import annotations
 from typing import Final
 
 MIN_INTERVAL: Final = 1.0 / 60.0
-"""Least time between two publications, s."""
+"""Shortest time between two publications, s."""
 IDLE_INTERVAL: Final = 0.5
 """Time between two publications while nothing changes, s."""
 

@@ -1,4 +1,4 @@
-"""Where messages go, how often, and which events late subscribers can still get."""
+"""The outgoing side: the outlet for messages, the schedule, and the events for late subscribers."""
 
 from __future__ import annotations
 

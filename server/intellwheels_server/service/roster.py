@@ -1,14 +1,14 @@
-"""Who has joined: roles, instances, sessions and presence. Pure: time is passed in.
+"""The members: their roles, instances, sessions and presence. Pure: time is passed in.
 
 A member is one role of one agent. It belongs to one instance of a program, whose messages carry its session. When its
 token disappears, the member stays for a grace time, in which the instance may return or a successor may replace it.
 
-    the role that a join asks for is      decision
-    free                                  a new member with a new session
-    held by the same instance             the same session: its reply was lost, or it lost the connection
-    held, and the join shows its session  a new session; the old one is void
-    held, but its token is gone           a new session; the old one is void
-    held, and its token is present        refused: already-here
+    the role that a join asks for is             decision
+    free                                         a new member with a new session
+    taken by the same instance                   the same session: its reply or its connection was lost
+    taken, and the join shows the session of it  a new session; the old one is void
+    taken, but the token of its member is gone   a new session; the old one is void
+    taken, and its member is present             refused: already-here
 """
 
 from __future__ import annotations
@@ -26,11 +26,11 @@ from intellwheels_server.service.barrier import Answer
 from intellwheels_server.service.error_replies import Fault
 
 OPERATOR: Final = "operator"
-"""The sender of what operators say; no agent may have this name."""
+"""The sender name of operators. No agent may have this name."""
 MAX_BODIES: Final = 10_000
-"""Most bodies in a world."""
+"""Largest number of bodies in a world."""
 MAX_TOKENS: Final = 40_000
-"""Most tokens remembered; further ones are ignored."""
+"""Largest number of tokens remembered. Further ones are ignored."""
 
 
 def new_hex() -> str:
@@ -45,10 +45,10 @@ class Member:
     Attributes:
         agent: The agent.
         role: The role.
-        instance: The process that holds the role.
-        session: What its messages carry to prove it.
-        encoding: The encoding of its join, and so of what it gets.
-        robot: The robot as sent; a successor with the same robot keeps the body.
+        instance: The process that has the role.
+        session: Its messages carry this to prove that they are its own.
+        encoding: The encoding of its join, which the simulator uses too.
+        robot: The robot as sent. A successor with the same robot keeps the body.
         real: Whether the body is a real chair.
         simulated_hardware: Whether that chair is itself simulated.
         barrier: Whether lockstep waits for it.

@@ -17,8 +17,8 @@ def parser() -> argparse.ArgumentParser:
     """Return the parser of the command line."""
     found = argparse.ArgumentParser(
         prog="iw-router",
-        description="Connect a simulator and its agents: start each of them with --connect ENDPOINT, where ENDPOINT "
-        "is an endpoint of this router.",
+        description="Run a router through which a simulator and its agents connect. Start each of them with "
+        "--connect ENDPOINT, where ENDPOINT is an endpoint of this router.",
     )
     found.add_argument(
         "--listen",

@@ -19,7 +19,7 @@ class Recorder(Protocol):
     """Writes lines of the input log."""
 
     def __call__(self, tick: int, inputs: Inputs, digest: str, *, stepped: bool) -> None:
-        """Record a line: what acted at a tick, and the hash of the state that followed."""
+        """Record a line: the inputs at a tick, and the hash of the state after them."""
 
 
 class RunState:
@@ -62,7 +62,7 @@ class RunState:
         return outputs.outcomes[0], outputs.events
 
     def advance(self, inputs: Inputs) -> Outputs:
-        """Move the world by one tick and return what came out. `record_step` must follow."""
+        """Move the world by one tick and return the outputs. `record_step` must follow."""
         self.state, outputs = world.advance(self.state, inputs)
         return outputs
 

@@ -57,13 +57,13 @@ def _remove_members_that_do_not_fit(service: ServiceState) -> None:
 
 
 def _send_not_joined(service: ServiceState, member: Member) -> None:
-    """Tell a member that it is removed; otherwise it would wait for measures for ever."""
+    """Tell a member that it is removed. Otherwise it would wait for measures forever."""
     state = service.run.state
     error = Error(
         run=state.run,
         tick=state.tick,
         code="not-joined",
-        text=f"the run was restored to a tick at which agent '{member.agent}' was not here as it is now; join again",
+        text=f"the run was restored to a tick at which agent '{member.agent}' had another body or none; join again",
     )
     service.publisher.outlet.agent(member.agent, "error", error, member.encoding)
 

@@ -30,7 +30,7 @@ class Options:
 
     Attributes:
         world: The name of the world.
-        setup: What the world is made of.
+        setup: The setup of the world.
         pace: What makes a tick begin.
         speed: Simulated time over wall time, at pace `realtime`.
         expect: Agents whose minds must have joined before tick 0 is left.
@@ -73,12 +73,12 @@ class ServiceState:
         exit: The exit code of the process once the service is over, else None.
         run: The world, its hash and its log.
         pacing: When ticks begin.
-        agents: Who has joined.
-        latch: What agents sent that acts on the next step.
+        agents: The agents that have joined.
+        latch: The messages of agents that act on the next step.
         message_limit: How many messages of a sender are read.
         error_limit: How many error replies a sender gets.
         publisher: The outgoing side.
-        load_floor: Returns the floor that a `load` asks for, or raises `WireError`.
+        load_floor: Returns the map that a `load` asks for, or raises `WireError`.
         playback: How far the playback is; None in a live run.
     """
 
@@ -94,9 +94,9 @@ class ServiceState:
         """Begin a run.
 
         Args:
-            options: How.
+            options: How the service runs.
             outlet: Where messages go.
-            load_floor: Returns the floor that a `load` asks for, or raises `WireError`.
+            load_floor: Returns the map that a `load` asks for, or raises `WireError`.
             unix_time: Returns Unix time in seconds, for stamps.
             record: Writes the input log; None for no log.
             run: The name of the run; random if not given.
@@ -122,7 +122,7 @@ class ServiceState:
         return bool(self._queue)
 
     def is_stopped(self) -> bool:
-        """Return whether no step can be made now, whatever arrives."""
+        """Return whether no message that arrives can cause a step now."""
         return self.pacing.is_stopped(ended=self.run.state.ended)
 
     def may_change(self) -> bool:
@@ -144,7 +144,7 @@ class ServiceState:
         self._queue.append(request)
 
     def make_queued_changes(self, now: float) -> None:
-        """Make the queued changes, and those that they queue in turn."""
+        """Make the queued changes, and further ones that these queue."""
         while self._queue:
             queue, self._queue = self._queue, []
             for request in queue:

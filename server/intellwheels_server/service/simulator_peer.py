@@ -1,7 +1,7 @@
 """The simulator on the network. The only file of the server that knows Zenoh, mostly through `link`.
 
-Zenoh calls back on threads of its own. Each callback only puts what arrived into the inbox; the loop alone touches
-the world, and each of its waits has an end.
+Zenoh calls back on its own threads. Each callback only puts what arrived into the inbox. Only the main loop changes the
+world, and each of its waits has a deadline.
 """
 
 from __future__ import annotations
@@ -139,7 +139,7 @@ class ZenohOutlet:
 
 
 class Service(Protocol):
-    """What the loop drives: a live run, or the playback of a log."""
+    """A live run or the playback of a log, as the main loop uses it."""
 
     @property
     def exit(self) -> int | None:
@@ -180,8 +180,8 @@ def serve(
     """Serve a world until it is over and return the exit code.
 
     Args:
-        options: How.
-        route: How to reach the others.
+        options: How the service runs.
+        route: The endpoints.
         stop: Set when the process must end.
         log_file: Where the input log goes, if anywhere.
         recording: The log to play; without one the run is live.

@@ -1,8 +1,8 @@
-"""What a laboratory keeps off the network: the true poses of its bodies and the true figures of their wheels.
+"""Keeps the true poses of bodies and the true dimensions of their wheels off the network, for a laboratory.
 
-With `--hide-truth` a world stands for the building in which real chairs drive. It puts on the network only what a
-chair's own electronics would give. A subscriber to every key learns no pose, no place of a contact, and none of the
-figures by which a wheel differs from its data sheet. All of these can be computed from the input log.
+With `--hide-truth` a world represents the building in which real chairs drive. It publishes only what the electronics
+of a chair would measure. Even a subscriber to every key learns no pose, no place of a contact, and no difference
+between a wheel and its data sheet. All of these can be computed from the input log.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from intellwheels_schemas.messages import Event, Robot
 
 
 def nominal(robot: Robot) -> Robot:
-    """Return a robot with the wheel and track figures of its data sheet."""
+    """Return a robot with the wheels and the track of its data sheet."""
     if robot.wheel_ratio == robot.wheel_scale == robot.track_ratio == 1.0:
         return robot
     return msgspec.structs.replace(robot, wheel_ratio=1.0, wheel_scale=1.0, track_ratio=1.0)

@@ -59,12 +59,12 @@ def begin(setup: Setup, run: str) -> State:
     """Return a world at tick 0 with no bodies.
 
     Args:
-        setup: The floor, the seed and the rules.
+        setup: The map, the seed and the rules.
         run: The name of the run, 16 hex digits, in everything that is published.
 
     Raises:
-        ValueError: A wall of the floor is no polygon or line.
-        RequestRefusedError: The end condition names a place that the floor does not have.
+        ValueError: A wall of the map is no polygon or line.
+        RequestRefusedError: The end condition names a place that the map does not have.
     """
     if setup.end is not None:
         check_end(setup.end, setup.floor)
@@ -84,7 +84,7 @@ def apply(state: State, changes: Sequence[Change]) -> tuple[State, Outputs]:
 
 
 def advance(state: State, inputs: Inputs) -> tuple[State, Outputs]:
-    """Return the state one tick later, and what came out.
+    """Return the state one tick later, and the outputs.
 
     Args:
         state: Is not changed.

@@ -1,4 +1,4 @@
-"""The inputs of a step are written to the arrays: commands, user input, reported poses, verdicts, speech."""
+"""Writes the inputs of a step to the arrays: commands, user input, reported poses, verdicts, speech."""
 
 from __future__ import annotations
 

@@ -129,8 +129,8 @@ def assemble(
         models: The body of each name.
         setup: For the seed and the period.
         tick: The tick at which new sensors take their first sample.
-        old: The state from which bodies that stay keep their samples; None if there is none.
-        arrived: Bodies that are new, though a body of that name may have been here before.
+        old: The state before. Bodies that stay keep their samples from it. None if there is none.
+        arrived: Bodies that are new, even if a body of the same name was here before.
     """
     names = tuple(sorted(models))
     ordered = [models[name] for name in names]

@@ -24,7 +24,7 @@ from intellwheels_server.world.placement import TOUCH, OccupiedSpace, place, wit
 from intellwheels_server.world.state import SavedState, State, Utterance
 
 OPERATOR = "operator"
-"""The sender of what operators say; no agent can have this name."""
+"""The sender name of operators. No agent can have this name."""
 SLOTS = 16
 """Saved states that are kept; when there are more, the oldest is dropped."""
 
@@ -48,11 +48,11 @@ class Outcome(msgspec.Struct, frozen=True, kw_only=True):
 
 
 class Outputs(msgspec.Struct, frozen=True, kw_only=True):
-    """What came out of changes or a step.
+    """The outputs of changes or of a step.
 
     Attributes:
         outcomes: One for each change, in order.
-        events: What happened; events are numbered through the run.
+        events: The events, numbered through the run.
         ended: Whether the end condition was met in this step.
     """
 
@@ -115,7 +115,7 @@ def _place_robot(name: str, robot: Robot, draft: Draft) -> Outcome:
     position = place(model, draft.state.setup.floor, draft.space)
     model = msgspec.structs.replace(model, start=position)
     draft.put(name, model, position)
-    if model.externally_posed:  # a real chair is where it is, so its overlaps with other things may stay as deep
+    if model.externally_posed:  # a real chair is accepted at any pose, so what it overlaps it may keep overlapping
         draft.numbers[name][rows.ALLOWED_PENETRATION] = draft.space.depth_at(name)
     return Outcome(position=position, robot=model.robot)
 
@@ -163,7 +163,7 @@ def _teleport(one: do.TeleportBody, draft: Draft) -> Outcome:
     if model is None:
         return _not_found(one.agent)
     if model.externally_posed:
-        return Outcome(code="failed", text=f"agent '{one.agent}' is a real chair: only its bridge says where it is")
+        return Outcome(code="failed", text=f"agent '{one.agent}' is a real chair: only its bridge can change its pose")
     space, target = draft.space, with_wrapped_heading(one.position)
     before = draft.numbers[one.agent]
     space.add(one.agent, model, target.x, target.y, target.heading)
@@ -230,7 +230,7 @@ def _restore(one: do.RestoreState, draft: Draft) -> Outcome:
     state = next((saved.state for saved in now.saved if saved.slot == one.slot), None)
     if state is None:
         slots = ", ".join(saved.slot for saved in now.saved) or "none"
-        return Outcome(code="not-found", text=f"no slot '{one.slot}' here; there are: {slots}")
+        return Outcome(code="not-found", text=f"no slot '{one.slot}'; expected one of: {slots}")
     revision = now.revision + (state.setup.floor != now.setup.floor)
     draft.replace_state(msgspec.structs.replace(state, run=one.run, revision=revision, event_count=0, saved=now.saved))
     draft.event("reset", text=f"restored {one.slot}: tick {state.tick} of run {state.run}")
@@ -239,9 +239,9 @@ def _restore(one: do.RestoreState, draft: Draft) -> Outcome:
 
 @_act.register
 def _restart(one: do.Restart, draft: Draft) -> Outcome:
-    """Begin a new run: bodies return to where they started, or on another floor to a free place for their kind.
+    """Begin a new run: bodies return to their start or, on another map, go to a free place for their kind.
 
-    A body may have started where another one had left. Then both stand there after a reset, and either may leave.
+    A body may have started where another one had left. Then both are there after a reset, and either may leave.
     """
     old = draft.state
     setup = msgspec.structs.replace(
@@ -255,7 +255,7 @@ def _restart(one: do.Restart, draft: Draft) -> Outcome:
     try:
         walls = walls_of(setup.floor) if one.map is not None else old.walls
     except ValueError as error:
-        return Outcome(code="failed", text=f"floor '{setup.floor.name}': {error}")
+        return Outcome(code="failed", text=f"map '{setup.floor.name}': {error}")
     models: list[BodyModel] = []
     space = OccupiedSpace(walls, setup.floor)
     for name in sorted(draft.models):

@@ -1,4 +1,4 @@
-"""Episodes of contact: which begin and end in a step, their counts and their events."""
+"""Episodes of contact that begin or end in a step, their counts and their events."""
 
 from __future__ import annotations
 

@@ -15,7 +15,7 @@ def digest(state: State) -> str:
     """Return the hash of a state: 16 hex digits of BLAKE2b-64 over its tick, bodies and sensor memory.
 
     The input is little-endian float64: first the tick, then the numbers and flags of each body in the order of names,
-    then what sensors remember (`SensorPlan.memory`). -0.0 counts as 0.0. The name of the run is not included, so equal
+    then the memory of sensors (`SensorPlan.memory`). -0.0 counts as 0.0. The name of the run is not included, so equal
     runs have equal hashes.
 
     Raises:

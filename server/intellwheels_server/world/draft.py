@@ -25,7 +25,7 @@ class Draft:
         models: The bodies, by name.
         numbers: float64[NUMBER_ROWS] of each body.
         flags: int64[FLAG_ROWS] of each body.
-        events: What happened.
+        events: The events.
     """
 
     def __init__(self, state: State) -> None:
@@ -59,7 +59,7 @@ class Draft:
     def event(
         self, code: EventCode, agent: str | None = None, text: str | None = None, speed: float | None = None
     ) -> None:
-        """Note that something happened."""
+        """Add an event."""
         state = self.state
         self.events.append(
             Event(
@@ -75,12 +75,12 @@ class Draft:
         self.update(event_count=state.event_count + 1)
 
     def put(self, name: str, model: BodyModel, position: Position) -> None:
-        """Add a body at rest, in place of one of that name."""
+        """Add a body at rest. It replaces a body of the same name."""
         numbers = np.zeros(NUMBER_ROWS)
         numbers[X], numbers[Y], numbers[HEADING] = position.x, position.y, position.heading
         flags = np.zeros(FLAG_ROWS, dtype=np.int64)
         flags[SILENT] = 1
-        flags[POSE_AGE] = 1 if model.externally_posed else 0  # where it joined counts as its pose of this tick
+        flags[POSE_AGE] = 1 if model.externally_posed else 0  # its start counts as its pose at this tick
         self.models[name] = model
         self.numbers[name] = numbers
         self.flags[name] = flags

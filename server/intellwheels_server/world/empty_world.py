@@ -14,9 +14,9 @@ def empty_world(setup: Setup, run: str, walls: Walls) -> State:
     """Return a world at tick 0 with no bodies.
 
     Args:
-        setup: The floor, the seed and the rules.
+        setup: The map, the seed and the rules.
         run: The name of the run.
-        walls: The walls of the floor.
+        walls: The walls of the map.
     """
     body_set, samples = assemble({}, setup, 0, None)
     return State(

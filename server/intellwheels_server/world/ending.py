@@ -22,10 +22,10 @@ def end_reason(state: State, end: End) -> str | None:
 
 
 def check_end(end: End, floor: Map) -> None:
-    """Check that the floor has every place that an end condition names.
+    """Check that the map has every place that an end condition names.
 
     Raises:
-        RequestRefusedError: `no-place`, with the places of the floor.
+        RequestRefusedError: `no-place`, with the places of the map.
     """
     for reach in end.reach:
         place_named(floor, reach.place)

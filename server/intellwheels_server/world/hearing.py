@@ -1,4 +1,4 @@
-"""Who hears what is said: it depends on distance, on walls and doors between, and on chance."""
+"""Which agents hear a message: it depends on distance, on walls and doors between, and on chance."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ def heard_by(state: State, agent: str) -> tuple[Heard, ...]:
     """Return what an agent hears at this tick, in the order in which it was said.
 
     An operator is heard everywhere, and never missed. The distance is measured to where the speaker was when it spoke.
-    What a listener misses follows from seed, speaker, tick and listener, and not from who else is there.
+    What a listener misses follows from seed, speaker, tick and listener. Other agents have no influence.
 
     Raises:
         KeyError: There is no such body.
@@ -84,7 +84,7 @@ def _missed(state: State, utterance: Utterance, listener: int) -> bool:
 
 
 def _blocked(state: State, utterance: Utterance, listener: int) -> bool:
-    """Return whether a wall or a door stops a message; speaker and listener themselves never do."""
+    """Return whether a wall or a door stops a message. The speaker and the listener themselves never do."""
     if not state.setup.say_walls or utterance.at is None:
         return False
     doors = state.body_set.doors.copy()

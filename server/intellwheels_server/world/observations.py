@@ -1,4 +1,4 @@
-"""What the world reports of a state: measures to agents, true states to viewers, powers to real chairs."""
+"""Observations of a state: measures for agents, true states for viewers, powers for real chairs."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from intellwheels_server.world.sensors import readings
 from intellwheels_server.world.state import BodyStatus, State
 
 SAY_SHOWN: Final = 3.0
-"""Simulated seconds for which the state of the world shows what an agent said last."""
+"""Simulated seconds for which the state of the world shows the last message of an agent."""
 
 _NO_STATUS: Final = BodyStatus()
 

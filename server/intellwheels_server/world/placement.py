@@ -1,4 +1,4 @@
-"""Where a body is put: at the place it asked for, or at the first free place for its kind."""
+"""Finds the pose of a new body: the place that it asks for, or the first free place for its kind."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ class OccupiedSpace:
         self._arrays = None
 
     def overlap_of(self, name: str) -> str | None:
-        """Return a description of what a body overlaps where it is, or None."""
+        """Return a description of what a body overlaps at its pose, or None."""
         return self._deepest(self._parts[name], self._radii[name], self._poses[name], name)[1]
 
     def overlap_at(self, model: BodyModel, position: Position) -> str | None:
@@ -57,7 +57,7 @@ class OccupiedSpace:
         )[1]
 
     def depth_at(self, name: str) -> float:
-        """Return the largest depth of overlap of a body with anything, where it is, m; at least 0."""
+        """Return the largest depth of overlap of a body with anything at its pose, m; at least 0."""
         return self._deepest(self._parts[name], self._radii[name], self._poses[name], name)[0]
 
     def _deepest(
@@ -89,9 +89,9 @@ class OccupiedSpace:
 
 
 def place(model: BodyModel, floor: Map, space: OccupiedSpace) -> Position:
-    """Return where a body is put: at its Place, its Position, or the first free place.
+    """Return the pose of a new body: its Place, its Position, or the first free place.
 
-    A real body is where it is, whatever it overlaps.
+    A real body is accepted at any pose, even if it overlaps something.
 
     Raises:
         RequestRefusedError: `no-place`, if there is no such place or none is free; `overlaps`, if something is there.
@@ -114,7 +114,7 @@ def place(model: BodyModel, floor: Map, space: OccupiedSpace) -> Position:
             return position
     raise RequestRefusedError(
         "no-place",
-        f"no free place for a {robot.kind} on floor '{floor.name}': give Robot.Place or Robot.Position",
+        f"no free place for a {robot.kind} on map '{floor.name}': set Robot.Place or Robot.Position",
     )
 
 
@@ -129,7 +129,7 @@ def place_named(floor: Map, name: str) -> Place:
         if spot.name == name:
             return spot
     known = ", ".join(spot.name for spot in spots) or "none"
-    raise RequestRefusedError("no-place", f"no place '{name}' on floor '{floor.name}': there are {known}")
+    raise RequestRefusedError("no-place", f"no place '{name}' on map '{floor.name}': expected one of {known}")
 
 
 def places_for(floor: Map, kind: str) -> list[Place]:

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 
 class Setup(msgspec.Struct, frozen=True, kw_only=True):
-    """What a world is made of besides its bodies.
+    """The setup of a world: everything but its bodies.
 
     Attributes:
         floor: The map.
@@ -54,7 +54,7 @@ class Setup(msgspec.Struct, frozen=True, kw_only=True):
 
 
 class BodyStatus(msgspec.Struct, frozen=True):
-    """What an agent reports of itself, and its last message, which is shown for a while after `say_tick`."""
+    """The status that an agent reports, and its last message, which is shown for a while after `say_tick`."""
 
     mode: str | None = None
     goal: Goal | None = None
@@ -63,7 +63,7 @@ class BodyStatus(msgspec.Struct, frozen=True):
 
 
 class Utterance(msgspec.Struct, frozen=True):
-    """A message that somebody said.
+    """A message that an agent or an operator said.
 
     Attributes:
         sender: The agent, or the operator.
@@ -71,8 +71,8 @@ class Utterance(msgspec.Struct, frozen=True):
         tick: The tick at which it was said.
         seq: Its sequence number, if the sender gave one.
         to: The only agent that hears it; None for all in range.
-        at: Where the speaker was after the step, m, so that an agent is heard after it left; None for an operator, who
-            is heard everywhere.
+        at: Position of the speaker after the step, m, so that an agent is heard even if it leaves; None for an
+            operator, who is heard everywhere.
         due: The tick whose measures carry it.
     """
 
@@ -98,19 +98,19 @@ class State(msgspec.Struct, frozen=True, kw_only=True):
     Attributes:
         run: The name of the run, in everything that is published; not part of the hash.
         tick: Steps since the run began.
-        setup: The floor, the seed and the rules.
-        walls: The floor's walls, for the kernels.
-        body_set: What is compiled for the bodies; `body_set.names` is sorted.
+        setup: The map, the seed and the rules.
+        walls: The walls of the map, for the kernels.
+        body_set: The bodies, compiled; `body_set.names` is sorted.
         numbers: float64[NUMBER_ROWS, n].
         flags: int64[FLAG_ROWS, n].
         samples: float64, the sensors' stored samples, laid out by the body set.
         episodes: int64[e, 3], the contacts that have not ended.
-        statuses: What agents report of themselves, by name.
+        statuses: The status of each agent, by name.
         user: The last input of each body's user, by name.
         forwarded: The last readings of each real body's own sensors, by name.
-        heard: What is heard at this tick.
-        coming: What agents said and will be heard later.
-        spoken: What operators said at this tick; it is heard at the next.
+        heard: Messages that are heard at this tick.
+        coming: Messages of agents that are heard later.
+        spoken: Messages of operators at this tick, which are heard at the next.
         event_count: Events of this run so far, which is the number of the next one.
         revision: How often the map was changed.
         ended: Whether the end condition is met; then no step may follow.

@@ -47,7 +47,7 @@ def steps_in(seconds: float, period: float) -> int:
 
 
 def step(state: State, inputs: Inputs) -> tuple[State, tuple[Event, ...], bool]:
-    """Return the next state, what happened, and whether the end condition was met."""
+    """Return the next state, the events, and whether the end condition was met."""
     setup, body_set = state.setup, state.body_set
     numbers, flags = state.numbers.copy(), state.flags.copy()
     statuses, said = enter_actions(state, inputs.actions, numbers, flags)

@@ -1,4 +1,4 @@
-"""The solids and lines of a floor, cut into convex pieces and sorted into a grid, as the kernels need them.
+"""The solids and lines of a map, cut into convex pieces and sorted into a grid, as the kernels need them.
 
 Pure, and exact where possible: corners keep their coordinates, a solid that is not convex is cut along diagonals
 between its own corners, and orientation is decided in rational arithmetic. The same input gives the same pieces, in the
@@ -27,9 +27,9 @@ __all__ = ["Line", "Solid", "Walls", "walls_from"]
 _SHORTEST = 1e-9
 # Side of a grid cell, m. Cells are about as large as the surroundings of a chair, so a search visits about four.
 _CELL = 1.0
-# Most cells; a floor that would need more gets larger cells.
+# Largest number of cells. A map that would need more gets larger cells.
 _MOST_CELLS = 1 << 16
-# Most entries of pieces in cells, with the same effect. A slanting wall is entered in every cell of its bounding box.
+# Largest number of entries of pieces in cells. A slanting wall has an entry in every cell of its bounding box.
 _MOST_ITEMS = 1 << 20
 
 

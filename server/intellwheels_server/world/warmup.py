@@ -26,12 +26,12 @@ HELPER_TIMEOUT = 120.0
 def warm() -> None:
     """Run a small world, so that every kernel is compiled or loaded from the cache.
 
-    If the cache is empty, lines on standard error say so and show every few seconds how long it has taken.
+    If the cache is empty, lines on standard error report it and show the time taken every few seconds.
     """
     if not is_cold(Path(os.environ["NUMBA_CACHE_DIR"])):
         _exercise()
         return
-    print("compiling kernels: once, about 45 s", file=sys.stderr, flush=True)  # noqa: T201 - a person waits for it
+    print("compiling kernels: only at the first start, about 45 s", file=sys.stderr, flush=True)  # noqa: T201 - a person waits for it
     began = time.monotonic()
     done = threading.Event()
     watcher = threading.Thread(target=_show, args=(began, done), name="warming", daemon=True)

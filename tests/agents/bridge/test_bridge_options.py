@@ -14,8 +14,8 @@ def test_help_has_examples() -> None:
     [
         (["--wheel-ratio", "3"], "--wheel-ratio: expected a ratio in [0.5, 2], got '3'"),
         (["--loss", "2"], "--loss: expected a share in [0, 1], got '2'"),
-        (["--delay", "-1"], "--delay: expected a number from 0 on, got '-1'"),
-        (["--delay", "long"], "--delay: expected a number from 0 on, got 'long'"),
+        (["--delay", "-1"], "--delay: expected a number of at least 0, got '-1'"),
+        (["--delay", "long"], "--delay: expected a number of at least 0, got 'long'"),
         (["--clock-offset", "nan"], "--clock-offset: expected a number, got 'nan'"),
         (["--baud", "fast"], "--baud: expected a whole number in [1, 2147483647], got 'fast'"),
         (["--fix-every", "0"], "--fix-every: expected a whole number in [1, 2147483647], got '0'"),

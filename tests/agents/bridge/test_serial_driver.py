@@ -279,4 +279,4 @@ def test_a_url_that_pyserial_does_not_know_is_refused() -> None:
     driver.start()
     assert stop.wait(DEADLINE)
     assert driver.failure is not None
-    assert driver.failure.startswith("--port: expected a device or a URL of pyserial's, got 'ftp://chair'")
+    assert driver.failure.startswith("--port: expected a device or a pyserial URL, got 'ftp://chair'")

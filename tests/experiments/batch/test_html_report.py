@@ -95,7 +95,7 @@ def test_few_rows_are_not_folded_and_the_goal_is_the_subjects() -> None:
     found = whole("follow", lambda _row: True)
     assert "At a glance" not in found
     assert "<details>" not in found
-    assert "<th>Leader&#x27;s words</th>" in found
+    assert "<th>Leader&#x27;s messages</th>" in found
     # No row has a user, so there is no effort to show.
     assert "effort" not in found
     goal = next(one for one in floor("corner").grid.position if one.name == "goal1")  # type: ignore[union-attr]

@@ -90,7 +90,7 @@ def test_leaving_by_a_query_is_leaving() -> None:
     [
         (replace(CHAIR, name="chair2"), "absent or 'chair1'", "'chair2'"),
         (replace(CHAIR, instance=None), "Robot.Instance", "none"),
-        (replace(CHAIR, top_speed=0.0), "lockstep waits for", "need not answer"),
+        (replace(CHAIR, top_speed=0.0), "lockstep waits for", "lockstep does not wait for"),
         (replace(CHAIR, role="body"), "both or mind", "body"),
         (replace(CHAIR, instance="0" * 16), f"the token in/chair1/alive/both/{'0' * 16}", "none"),
     ],

@@ -119,5 +119,5 @@ def test_check_that_is_told_to_stop_stops() -> None:
     link = Link("main", listen=(f"tcp/127.0.0.1:{free_port()}",))
     with NetworkProbe([sys.executable, "-c", ""], {}, link, "chair1", floor("room"), stop) as probe:
         stop.set()
-        with pytest.raises(ConnectionError, match="told to stop"):
+        with pytest.raises(ConnectionError, match="stopped before the check was complete"):
             probe.next_event(20.0)

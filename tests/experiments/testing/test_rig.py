@@ -111,7 +111,7 @@ def test_program_of_any_language_learns_where_to_join(tmp_path: Path) -> None:
         sim.agent("chair1", [sys.executable, str(program), "{name}", "{endpoint}", "{world}"])
         start = sim.pose("chair1")
         sim.run_until(lambda now: math.dist(start[1:3], (now["chair1"].x, now["chair1"].y)) > 0.3)
-        with pytest.raises(ValueError, match="expected no robot, place or options beside a command"):
+        with pytest.raises(ValueError, match="expected no robot, place or options with a command"):
             sim.agent("chair2", [sys.executable], place="leader")
 
 

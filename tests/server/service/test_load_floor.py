@@ -16,7 +16,7 @@ def test_floor_is_found_by_name_or_taken_from_the_message() -> None:
 
 
 def test_unknown_name_is_refused_with_the_names_there_are() -> None:
-    with pytest.raises(WireError, match=r"expected one of the floors .*corner.*, got 'nowhere'"):
+    with pytest.raises(WireError, match=r"expected one of the maps .*corner.*, got 'nowhere'"):
         load_floor(Load(name="nowhere"))
 
 

@@ -178,7 +178,7 @@ def test_nobody_joins_leaves_or_drives(stage: PlayStage) -> None:
     reply, ok = stage.try_join("chair9", robot("rear-wheel"))
     assert not ok
     assert isinstance(reply, Refused)
-    assert (reply.code, reply.text) == ("full", "a played log cannot be steered: nobody can join it")
+    assert (reply.code, reply.text) == ("full", "a played log cannot be steered: agents cannot join it")
     (left,) = stage.ask("leave", "chair1")
     assert isinstance(left[0], Result)
     assert left[0].code == "unsupported"

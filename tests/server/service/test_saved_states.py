@@ -89,7 +89,7 @@ def test_saved_states_survive_a_reset_and_the_oldest_is_dropped() -> None:
     later(stage, "reset", Reset(seed="2"))
     assert stage.live_run.state.setup.seed == "2"
     gone = later(stage, "restore", Restore(slot="s2"))
-    assert (gone.code, (gone.text or "").startswith("no slot 's2' here; there are: s3, s4")) == ("not-found", True)
+    assert (gone.code, (gone.text or "").startswith("no slot 's2'; expected one of: s3, s4")) == ("not-found", True)
     assert later(stage, "restore", Restore(slot="s3")).hash == hashes["s3"]
     assert stage.live_run.state.setup.seed == "1"
     assert all(saved.state.saved == () for saved in stage.live_run.state.saved)

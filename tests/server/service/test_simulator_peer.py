@@ -298,7 +298,7 @@ def test_closed_lifeline_ends_the_process() -> None:
 @pytest.mark.parametrize(
     ("options", "text"),
     [
-        (["--map", "nowhere"], "expected one of the floors"),
+        (["--map", "nowhere"], "expected one of the maps"),
         (["--world", "Not A Name"], "--world: expected a name"),
         (["--speed", "2", "--pace", "lockstep"], "--speed: expected pace realtime, got lockstep"),
         (["--open-loop"], "--open-loop: expected pace free, got realtime"),

@@ -44,13 +44,13 @@ def test_first_free_place_is_one_for_the_kind_where_nobody_stands() -> None:
     with pytest.raises(RequestRefusedError) as refusal:
         put(cart(position=None), floor, space)
     assert refusal.value.code == "no-place"
-    assert "no free place for a wheelchair on floor 'test'" in refusal.value.text
+    assert "no free place for a wheelchair on map 'test'" in refusal.value.text
 
 
 def test_unknown_place_is_refused_with_the_places_there_are() -> None:
     with pytest.raises(RequestRefusedError) as refusal:
         put(cart(place="third"), floor_of((), PLACES))
-    assert refusal.value.text == "no place 'third' on floor 'test': there are bed, first, second"
+    assert refusal.value.text == "no place 'third' on map 'test': expected one of bed, first, second"
 
 
 def test_occupied_place_is_refused_with_the_name_of_the_occupant() -> None:

@@ -34,5 +34,5 @@ def test_a_mind_that_joins_is_told_from_a_body() -> None:
 
 
 def test_a_text_is_told_once() -> None:
-    assert sentence(event("loaded", text="ward")) == "Floor loaded: ward"
+    assert sentence(event("loaded", text="ward")) == "Map loaded: ward"
     assert sentence(event("ended", text="chair1 arrived")) == "The run ended: chair1 arrived"

@@ -1,4 +1,4 @@
-"""What drawings need from body documents, computed once per document: states change every tick, documents rarely."""
+"""Data from body documents for drawings, computed once per document: states change every tick, documents rarely."""
 
 from __future__ import annotations
 

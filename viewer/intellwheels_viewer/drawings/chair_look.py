@@ -104,7 +104,7 @@ def _upright(frame: Frame, width: float, z0: float, z1: float, thick: float, ahe
     """Return a padded board across, `ahead` of the seat's rear at the seat's height, leaning back."""
     x = frame.rear + ahead + math.tan(_LEAN) * (frame.back - frame.seat)
     flat = slab(0.0, 0.0, z1 - z0, width, -thick / 2, thick / 2, radius=0.07, bevel=0.02)
-    # Stand it up: what was x goes up, what was z goes forward.
+    # Turn it upright: the old x axis points up, the old z axis forward.
     stood = Solid(flat.vertices[:, [2, 1, 0]] * (1, 1, 1), flat.faces[:, ::-1].copy())
     return stood.moved(x, 0.0, (z0 + z1) / 2).leaning(_LEAN, x, frame.seat)
 
@@ -140,7 +140,7 @@ def _arm_ends(frame: Frame) -> tuple[float, float]:
 
 
 def _skirts(frame: Frame) -> Solid:
-    """Return the painted boards between seat and armrests, that keep clothes from the wheels."""
+    """Return the painted boards between seat and armrests, which keep clothes away from the wheels."""
     start, end = _arm_ends(frame)
     y, top = frame.wide / 2, _arm_height(frame) - 0.075
     bottom = frame.seat - 0.09
@@ -189,7 +189,7 @@ def _tyres(frame: Frame) -> Solid:
 
 
 def _spokes(frame: Frame) -> Solid:
-    """Return rims, hubs, spokes and, a finger outside of the tyre, the hand rims."""
+    """Return the rims, hubs and spokes, and the hand rims a finger's width outside the tyres."""
     r, y, t = frame.wheel, frame.side, frame.tyre
     rim = hoop(0.0, y, r, r - 0.75 * t, 0.016, 20, 4)
     hub = rod((0.0, y - 0.02, r), (0.0, y + t / 2, r), 0.2 * r, 10)

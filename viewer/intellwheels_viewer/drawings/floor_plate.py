@@ -64,7 +64,7 @@ def plate(floor: Map) -> Solid:
 
 
 def grid(floor: Map) -> Solid:
-    """Return thin lines at whole metres inside the map, or every five metres on floors of more than 60 m."""
+    """Return thin lines at whole metres inside the map, or every five metres on maps of more than 60 m."""
     x0, x1, y0, y1 = extent(floor)
     step = 1 if max(x1 - x0, y1 - y0) <= 60.0 else 5
     half = 0.006 * step
@@ -80,7 +80,7 @@ def grid(floor: Map) -> Solid:
 
 
 def tinted(zones: tuple[Zone, ...]) -> list[Solid]:
-    """Return the floors of the zones, a solid for each tint of `palette.ZONES`. Neighbours in the map differ.
+    """Return the areas of the zones, a solid for each tint of `palette.ZONES`. Neighbours in the map differ.
 
     Large zones are lowest, so that a zone inside another one is visible.
     """

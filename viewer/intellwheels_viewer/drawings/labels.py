@@ -1,7 +1,7 @@
 """Labels above the bodies: name, speed, and what the agent says.
 
-Labels are the most expensive drawing. Above `MANY` bodies only those that the caller wants have one, and they are
-updated five times a second. The page shows a label as plain text, so nothing that an agent says can run.
+Labels are the most expensive drawing. Above `MANY` bodies only the bodies that the caller asks for have one, and
+labels are updated five times a second. The page shows a label as plain text, so nothing that an agent says can run.
 """
 
 from __future__ import annotations
@@ -66,7 +66,7 @@ def named(bodies: Mapping[str, Body], entities: Sequence[Entity], wanted: Collec
 def tags(
     bodies: Mapping[str, Body], entities: Sequence[Entity], words: Iterable[Words], now: float, wanted: Collection[str]
 ) -> dict[str, Tag]:
-    """Return the labels by agent: the name, and above it what the agent has just said or was told by a user.
+    """Return the labels by agent: the name, and above it the newest message of the agent or of a user to the agent.
 
     Args:
         bodies: Documents by agent.

@@ -16,7 +16,7 @@ from intellwheels_viewer.drawings.plain_look import plain
 from intellwheels_viewer.drawings.table_look import table
 
 Shape: TypeAlias = tuple[str, tuple[Part, ...], float, float, bool, bool, bool]
-"""What decides a look: kind, parts, track, wheel diameter, has motors, is anchored, is one of a crowd."""
+"""The properties that decide a look: kind, parts, track, wheel diameter, has motors, is anchored, is one of a crowd."""
 
 _KINDS: Final[Mapping[str, Callable[[Robot, bool, float | None], BodyLook]]] = {
     "wheelchair": lambda robot, crowd, _: chair(robot, crowd=crowd),

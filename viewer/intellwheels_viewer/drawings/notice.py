@@ -6,7 +6,7 @@ import viser
 
 
 class Notice:
-    """A label at the origin, where the camera looks before there is a floor. Its node is kept.
+    """A label at the origin, where the camera looks before there is a map. Its node is kept.
 
     Args:
         scene: The scene of a browser.

@@ -225,7 +225,7 @@ def hoop(x: float, y: float, z: float, radius: float, thickness: float, sides: i
         x: Its middle.
         y: Its middle.
         z: Its middle.
-        radius: To the outside, so that it is what a wheel of that radius needs.
+        radius: Outer radius, so the radius of the wheel.
         thickness: Of the tyre.
         sides: Corners of the large circle.
         around: Corners of the small one.

@@ -122,8 +122,8 @@ class Mounts:
     def of(self, name: str, body: Body) -> tuple[list[str], Rows]:
         """Return a body's distance sensors: their names, and a table (N, 7).
 
-        Its columns: x, y, direction, cone, least and greatest range, and 1 where the place is of the world and not
-        of the body.
+        Its columns: x, y, direction, cone, least and greatest range, and 1 if the position is in the world frame and
+        not in the body frame.
         """
         known = self._known.get(name)
         if known is None or known[0] is not body:

@@ -70,7 +70,7 @@ def agents_html(snapshot: Snapshot, choices: Choices, handler: str = "") -> str:
 
 
 def words(entity: Entity, body: Body | None) -> str:
-    """Return the status of a body in words: its kind, real or simulated, its mode, why it does not drive."""
+    """Return the status of a body in words: kind, real or simulated, mode, and the reason if it does not drive."""
     said = []
     if body is not None:
         said.append(body.robot.type if _is_agent(body) else f"{body.robot.kind}, placed")

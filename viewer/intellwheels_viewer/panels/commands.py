@@ -1,4 +1,4 @@
-"""The commands that the page prints. Each works as it stands, with the endpoint and the world of this viewer. Pure."""
+"""The commands that the page prints. Each runs unchanged, with the endpoint and the world of this viewer. Pure."""
 
 from __future__ import annotations
 

@@ -46,7 +46,7 @@ def state(snapshot: Snapshot, choices: Choices) -> State:
 
 
 def empty_scene_text(snapshot: Snapshot, choices: Choices) -> str:
-    """Return the state as plain lines for a scene without a floor; empty if there is a floor."""
+    """Return the state as plain lines for a scene without a map; empty if there is a map."""
     if snapshot.floor is not None:
         return ""
     now = state(snapshot, choices)
@@ -92,7 +92,7 @@ def _choice(snapshot: Snapshot) -> State:
 
 
 def _floor(snapshot: Snapshot) -> str:
-    return (snapshot.floor.title or snapshot.floor.name) if snapshot.floor else "Connected, loading the floor"
+    return (snapshot.floor.title or snapshot.floor.name) if snapshot.floor else "Connected, loading the map"
 
 
 class ConnectionPanel:

@@ -99,7 +99,7 @@ _STICK: Final = (
 
 
 def drive_html(snapshot: Snapshot, choices: Choices) -> str:
-    """Return which agent is driven, or why none is."""
+    """Return the agent that is driven, or the reason why none is."""
     if snapshot.phase != "live":
         words = note("No world is running", "wait")
     elif not choices.allowed:

@@ -28,7 +28,7 @@ TURN_STEP: Final = 15
 
 
 def place_html(snapshot: Snapshot, choices: Choices) -> str:
-    """Return what to do next, or why nothing can be placed."""
+    """Return what the user can do next, or the reason why nothing can be placed."""
     if snapshot.phase != "live":
         words = note("No world is running", "wait")
     elif not choices.allowed:

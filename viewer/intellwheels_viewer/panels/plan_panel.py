@@ -1,6 +1,6 @@
-"""A small plan of the floor with all bodies.
+"""A small plan of the map with all bodies.
 
-It is two drawings with the same view box. The floor is sent once; the bodies lie over it and are sent at the rate of
+It is two drawings with the same view box. The map is sent once; the bodies lie over it and are sent at the rate of
 the panels. The drawings have no text, which would shrink with the panel: the scale is written below.
 """
 
@@ -34,7 +34,7 @@ _BARS: Final = (0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0, 500.0, 1000.
 
 
 class Frame(NamedTuple):
-    """The part of the floor that is drawn, in metres. The y axis of SVG points down, so y is written negated."""
+    """The part of the map that is drawn, in metres. The y axis of SVG points down, so y is written negated."""
 
     west: float
     north: float
@@ -53,7 +53,7 @@ class Frame(NamedTuple):
 
 
 def frame(floor: Map) -> Frame:
-    """Return the view box around a floor's walls, obstacles and zones, within the limits of its proportions."""
+    """Return the view box around a map's walls, obstacles and zones, within the limits of its proportions."""
     rings = [one.corner for one in floor.wall]
     rings += [one.corner for one in floor.obstacle]
     rings += [one.corner for one in floor.zone]
@@ -65,7 +65,7 @@ def frame(floor: Map) -> Frame:
 
 
 def floor_svg(floor: Map) -> str:
-    """Return the drawing of the floor and its scale."""
+    """Return the drawing of the map and its scale."""
     view = frame(floor)
     zones = "".join(_polygon([(c.x, c.y) for c in zone.corner]) for zone in floor.zone)
     things = "".join(_polygon([(c.x, c.y) for c in one.corner]) for one in floor.obstacle)
@@ -210,7 +210,7 @@ class PlanPanel:
         self._pick = Pick(gui, self._picked)
 
     def show(self, snapshot: Snapshot, choices: Choices, *, visible: bool = True) -> None:
-        """Show the bodies of a snapshot; nothing without a floor."""
+        """Show the bodies of a snapshot; nothing without a map."""
         visible = visible and snapshot.floor is not None
         self._bodies.visible = self._floor.visible = visible
         if not visible or snapshot.floor is None:

@@ -19,7 +19,7 @@ from intellwheels_viewer.panels.style_sheet import STYLE_SHEET, block
 from intellwheels_viewer.snapshot import Snapshot
 
 HOLD_AFTER_DRAG: Final = 1.0
-"""Seconds of wall time after the user moved the timeline in which the run does not move it."""
+"""Seconds of wall time, after the user moved the timeline, during which the run does not move it."""
 
 
 def playback_html(snapshot: Snapshot) -> str:

@@ -29,7 +29,7 @@ SENTENCES: Final[dict[EventCode, str]] = {
     "resumed": "Resumed",
     "speed": "Speed {factor} \u00d7",
     "reset": "A new run started",
-    "loaded": "Floor loaded: {text}",
+    "loaded": "Map loaded: {text}",
     "ended": "The run ended",
 }
 

@@ -3,5 +3,5 @@
 A kernel gives the same bits on every processor. So it uses only + - * / and sqrt, which
 IEEE 754 rounds correctly, and this project's own :mod:`elementary` functions, never those of the C
 library, which differ between machines; no `fastmath`, no `parallel`; and no sum runs over
-bodies, whose order would show in the last bit.
+bodies, because its order would show in the last bit.
 """

@@ -1,7 +1,7 @@
-"""Allowed penetration: what was put into something may stay as deep as it then was, and may leave.
+"""Allowed penetration: a body that was put into something may stay as deep as it was then, and may leave.
 
-Only what is spawned, teleported or reported by a real chair can overlap something. The depth that it then has is its
-allowed penetration, until it overlaps nothing any more.
+Only a body that is spawned, teleported or reported by a real chair can overlap something. The depth that it then has is
+its allowed penetration until it overlaps nothing any more.
 """
 
 import numpy as np
@@ -71,14 +71,14 @@ def deepest_overlap(bodies: Bodies, walls: Walls, pose: Floats, i: int) -> float
 
 @njit(cache=True, error_model="numpy")
 def allow_overlap(bodies: Bodies, walls: Walls, pose: Floats, who: Ints, allowed: Floats) -> None:
-    """Allow bodies that were put where they are to be as deep as they are.
+    """Set the allowed penetration of bodies that were put somewhere to their present depth.
 
     Args:
         bodies: Their shapes.
         walls: The walls.
         pose: float64[>= 3, n], after all were put.
-        who: int64[k], indices of those that were put: spawned, teleported, reported by a real chair.
-        allowed: float64[n], m; set for them, unchanged for all others.
+        who: int64[k], indices of the bodies that were put: spawned, teleported, reported by a real chair.
+        allowed: float64[n], m; set for these bodies, unchanged for all others.
     """
     for i in who:
         depth = deepest_overlap(bodies, walls, pose, i)
@@ -87,14 +87,14 @@ def allow_overlap(bodies: Bodies, walls: Walls, pose: Floats, who: Ints, allowed
 
 @njit(cache=True, error_model="numpy")
 def record_overlaps(bodies: Bodies, walls: Walls, pose: Floats, who: Ints, hits: Ints, hit_numbers: Floats) -> int:
-    """Record what some bodies overlap where they are: for real chairs, whose reported pose is taken as it is.
+    """Record what some bodies overlap at their poses. For real chairs, whose reported pose is always accepted.
 
     Args:
         bodies: Their shapes.
         walls: The walls.
         pose: float64[>= 3, n].
-        who: int64[k], indices asked for; a pair of two of them is recorded once.
-        hits: int64[room, 6], out, as for `contact.resolve`; `HIT_WHO` is 1, the body asked for comes first.
+        who: int64[k], indices of these bodies; a pair of two of them is recorded once.
+        hits: int64[room, 6], out, as for `contact.resolve`; `HIT_WHO` is 1, and the body of `who` comes first.
         hit_numbers: float64[room, 6], out; closing is 0.
 
     Returns:

@@ -1,6 +1,6 @@
 """The arrays that kernels work on: what each row and column of a block means.
 
-Numbers of one sort are packed into one block, since calling a compiled function from Python costs a tenth of a
+Numbers of one type are packed into one block, since calling a compiled function from Python costs a tenth of a
 microsecond for each array. Blocks of bodies have a row for each quantity and a column for each body. Blocks of parts,
 wall pieces and edges have a row for each thing. A pose block, float64[3, n], has the rows `X`, `Y` and `HEADING` of
 `rows`, which come first in the state. Lengths are metres, angles radians, in the world's frame unless said otherwise.
@@ -27,8 +27,8 @@ TRAVEL, TURN = 0, 1
 # the allowed penetration after it.
 END_X, END_Y, END_HEADING, FORWARD, TURNED, END_ALLOWED = 0, 1, 2, 3, 4, 5
 
-# Rows of an outcome's flags, int64[4, n]: did not get all it proposed; wheels stop; was in the way of itself (its own
-# motion led into something); touched something or was touched.
+# Rows of an outcome's flags, int64[4, n]: was not granted all that it proposed; wheels stop; collided (its own motion
+# led into something); touched something or was touched.
 BLOCKED, STALLED, COLLIDED, TOUCHED = 0, 1, 2, 3
 
 # Columns of a hit block, int64[hits, 6]: body; other body, or -2 for a wall; index of the wall, or -1; part of the
@@ -46,8 +46,8 @@ PART_X, PART_Y, HALF_LENGTH, HALF_WIDTH, BOTTOM, TOP = 0, 1, 2, 3, 4, 5
 # Rows of a shape block, float64[4, n]: farthest corner from the centre of movement, z range, least thickness of a part.
 RADIUS, LOWEST, HIGHEST, THICKNESS = 0, 1, 2, 3
 
-# Rows of a marks block, int64[3, n]: 53-bit key of the name; 1 for what is externally posed (a real
-# chair), so that the simulator never moves it; 1 for what a hinge holds.
+# Rows of a marks block, int64[3, n]: 53-bit key of the name; 1 for an externally posed body (a real
+# chair), which the simulator never moves; 1 for a body on a hinge.
 KEY, EXTERNALLY_POSED, ANCHORED = 0, 1, 2
 
 # Columns of a piece block, float64[pieces, 7]: bounding box, z range, distance through the piece.
@@ -65,7 +65,7 @@ ORIGIN_X, ORIGIN_Y, CELL = 0, 1, 2
 
 
 class Walls(NamedTuple):
-    """All that stands still, as convex pieces in a grid.
+    """All walls and obstacles, as convex pieces in a grid.
 
     Attributes:
         pieces: float64[pieces, 7], columns `PIECE_X0` to `PIECE_THICKNESS`.
@@ -119,13 +119,13 @@ class Box(NamedTuple):
 
 
 class Shape(NamedTuple):
-    """What a body is to the kernels.
+    """A body, as the kernels need it.
 
     Attributes:
         name: Its name, from which its key is made.
         boxes: At least one.
-        externally_posed: True for what the simulator never moves: a real chair.
-        anchored: True for what a hinge holds.
+        externally_posed: True for a real chair, which the simulator never moves.
+        anchored: True for a body on a hinge.
     """
 
     name: str

@@ -1,6 +1,6 @@
 """Broad phase: which bodies and wall pieces could meet in a tick, found by circles and grids.
 
-The order in which they are found depends on grids; what they are does not.
+The order in which they are found depends on the grids, but the set of them does not.
 """
 
 import numpy as np
@@ -24,7 +24,7 @@ from intellwheels_server.world.kernels.arrays import (
 )
 from intellwheels_server.world.kernels.grid import cell_of, fill_cells
 
-# Below this many bodies looking at every pair is cheaper than a grid.
+# With fewer bodies than this, testing every pair is cheaper than a grid.
 _FEW = 12
 
 
@@ -85,7 +85,7 @@ def pieces_near(
                 used = found[0]
                 if used == found.shape[0]:
                     found = _grown(found)
-                # Keep them sorted and each once: it may lie in several of the cells.
+                # Keep them sorted and each only once, although a piece may lie in several of the cells.
                 place = used
                 while place > first and found[place - 1] > piece:
                     place -= 1
@@ -100,13 +100,13 @@ def pieces_near(
 
 @njit(cache=True, error_model="numpy")
 def pairs_near(shape: Floats, pose: Floats, motion: Floats, wide: Floats) -> Ints:
-    """Return the pairs of bodies of which one moves, whose circles meet and who share z.
+    """Return the pairs of bodies whose circles meet, that share z, and of which at least one moves.
 
     Args:
         shape: Shape block.
         pose: float64[3, n].
-        motion: float64[n], > 0 for what moves.
-        wide: float64[n], radius of the circle of each.
+        motion: float64[n], > 0 for bodies that move.
+        wide: float64[n], radius of the circle of each body.
 
     Returns:
         int64[1 + 2 k or more]: 1 + 2 k, then k pairs (i, j), i < j.
@@ -121,7 +121,7 @@ def pairs_near(shape: Floats, pose: Floats, motion: Floats, wide: Floats) -> Int
         x0, y0 = min(x0, pose[rows.X, i] - wide[i]), min(y0, pose[rows.Y, i] - wide[i])
         x1, y1 = max(x1, pose[rows.X, i] + wide[i]), max(y1, pose[rows.Y, i] + wide[i])
         widest = max(widest, wide[i])
-    # Cells as wide as a chair's circle, unless somebody is much larger or they stand far apart; one for all if few.
+    # Cells as wide as the circle of a chair, or wider for a much larger body or bodies far apart. One cell if few.
     size = max(min(2.0 * widest, 2.0), widest / 8.0)
     while ((x1 - x0) / size + 1.0) * ((y1 - y0) / size + 1.0) > 8.0 * n:
         size *= 1.5
@@ -150,7 +150,7 @@ def pairs_near(shape: Floats, pose: Floats, motion: Floats, wide: Floats) -> Int
                     both = wide[i] + wide[j]
                     if dx * dx + dy * dy >= both * both:
                         continue
-                    # Of all cells that both lie in, the first counts.
+                    # Of all cells in which both lie, the first one counts.
                     if max(home[j, 0], home[i, 0]) != column or max(home[j, 1], home[i, 1]) != row:
                         continue
                     if max(shape[LOWEST, i], shape[LOWEST, j]) >= min(shape[HIGHEST, i], shape[HIGHEST, j]):

@@ -1,34 +1,34 @@
-"""Contact: what becomes of the arcs that bodies want to drive when something is in the way.
+"""Contact: how bodies move when something is in the way of the arcs that they want to drive.
 
 Rule:
-    Nobody pushes anybody. A tick is cut into sub-steps, and in each of them all bodies propose a place on their arc.
-    Those whose proposals may not stand are found together. Each of them then does the best that it can alone, with all
-    others where they are: it slides along the obstacle, goes straight, turns, or drives a share of its arc. The order
-    of bodies in the arrays has no influence: every decision is a largest, a least or an any, and ties are broken by
-    the index of the wall piece and by the key of the name.
+    Bodies never push each other. A tick is cut into sub-steps, and in each of them all bodies propose a pose on their
+    arc. Bodies whose proposals are not allowed are found together: they stay. Each of them then finds the best motion
+    that is possible while all others keep their poses: it slides along the obstacle, goes straight, turns, or drives
+    a share of its arc. The order of bodies in the arrays has no influence: every decision is a maximum, a minimum or
+    an "any", and ties are broken by the index of the wall piece and by the key of the name.
 
 Symbols:
     d, a    travel along the arc, m, and turn, rad, that a body wants in the tick
     r       distance of its farthest corner from its centre of movement, m
     m       |d| + |a| r: no point of the body moves farther in the tick
-    partner what a body could meet: another whose circle of r + |d| + m meets its own, or a wall piece in that circle
+    partner a thing that a body could meet: a body whose circle of r + |d| + m meets its own, or a wall piece in it
     island  movers that are connected by partnership; islands do not influence each other
     tight   an island in which circles of r + |d| meet, so that a proposal can meet something
 
-    A place may stand if against every partner the depth is at most what it was at the start of the sub-step, or the
-    allowed penetration of what was put into something, or `penetration.TOLERANCE`.
+    A pose is allowed if against every partner the depth is at most the depth at the start of the sub-step, or the
+    allowed penetration of a body that was put into something, or `penetration.TOLERANCE`.
 
-Why it terminates, and why the result may stand:
-    1. A tick has at most `contact_steps.MOST_STEPS` sub-steps. A sub-step moves nobody farther than half the thinnest
+Why it terminates, and why the result is allowed:
+    1. A tick has at most `contact_steps.MOST_STEPS` sub-steps. A sub-step moves no body farther than half the thinnest
        thing in the island, so nothing passes through anything.
-    2. Who stays is found in rounds. A body that was found to stay does so for the rest of the sub-step, and every round
-       but the last finds at least one more. So there are at most as many rounds as members, and one.
-    3. Doing the best alone is 4 attempts and 12 bisections, each with at most 8 pushes out. The place at the start of
-       the sub-step may always stand, so there is always an answer.
-    4. After the rounds, the proposals that were granted may stand against one another and against those who stay, as
-       long as these are where they were. Each result may stand against those proposals and against those who stay,
-       where they were. Two results may conflict; then one of the two goes back to where it was, which may stand
-       against everything that is left. So one pass over the results is enough.
+    2. The bodies that stay are found in rounds. They stay for the rest of the sub-step, and every round but the last
+       finds at least one more. So there is at most one round more than members.
+    3. Finding the best motion takes 4 attempts and 12 bisections, each with at most 8 pushes out. The pose at the start
+       of the sub-step is always allowed, so there is always an answer.
+    4. After the rounds, the granted proposals are allowed against one another and against the bodies that stay, as long
+       as these keep their old poses. Each result of a body that stays is allowed against the granted proposals and
+       against the old poses of the others that stay. Two results may conflict; then one of the two bodies returns to
+       its old pose, which is allowed against all others. So one pass over the results is enough.
 """
 
 import numpy as np
@@ -81,7 +81,7 @@ def _stand_still(pose: Floats, allowed: Floats, outcome: Floats, flags: Ints) ->
 
 @njit(cache=True, error_model="numpy", inline="always")
 def _grant_all(pose: Floats, twist: Floats, motion: Floats, parent: Ints, island: Floats, outcome: Floats) -> None:
-    """Write the outcome of movers in islands that are not tight: they get all they propose."""
+    """Write the outcome of movers in islands that are not tight: their proposals are granted."""
     for i in range(pose.shape[1]):
         if motion[i] > 0.0 and island[ISLAND_TIGHT, parent[i]] == 0.0:
             d, a = twist[TRAVEL, i], twist[TURN, i]
@@ -102,7 +102,7 @@ def _settle_all(
     spots = Spots(old, old.copy(), np.empty((n, 5)), np.empty((n, 5)))
     work = Work(np.zeros((STATUS_ROWS, n), dtype=np.int64), np.empty((2, n)), np.empty(n, dtype=np.int64))
     listed = list_members(reach, parent, island)
-    # What does not move stays in every sub-step; the members of an island say in each whether they do.
+    # A body that does not move stays in every sub-step. For members of an island this is set in each sub-step.
     for i in range(n):
         work.status[STAYS, i] = 1
     return settle(bodies, walls, partners, motions, spots, work, outcomes, island, listed, tick, used)
@@ -115,16 +115,16 @@ def resolve(
     """Move all bodies by one tick; only the outcomes are written.
 
     Args:
-        bodies: Their shapes; what is externally posed does not move, whatever its twist.
+        bodies: Their shapes. An externally posed body does not move, even if its twist is not 0.
         walls: The walls.
         pose: float64[3, n].
         twist: float64[2, n], m and rad.
         allowed: float64[n], allowed penetration, m.
-        tick: Which tick: it draws lots.
+        tick: The tick, from which the lots are drawn.
         outcomes: Out.
 
     Returns:
-        How many hits there are. If that is more than there is room for, call again with more.
+        The number of hits. If there is not room for all of them, call again with more room.
     """
     n = pose.shape[1]
     _stand_still(pose, allowed, outcomes.outcome, outcomes.flags)
@@ -133,7 +133,7 @@ def resolve(
     for i in range(n):
         moves |= reach[REACH_MOTION, i] > 0.0
         overlap_allowed |= allowed[i] > 0.0
-    # A plain 0 is a type of its own to numba, which would then compile twice what takes it.
+    # To numba a plain 0 has another type, and it would compile the functions that take it twice.
     used = outcomes.hits.shape[0] - outcomes.hits.shape[0]
     if moves:
         neighbours = neighbours_of(bodies.shape, walls.pieces, walls.cells, walls.frame, pose, reach)

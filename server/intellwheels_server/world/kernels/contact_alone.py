@@ -16,7 +16,7 @@ from intellwheels_server.world.kernels.penetration import (
     slide,
 )
 
-# Bisections of the largest share of a motion that may stand.
+# Bisections that find the largest allowed share of a motion.
 _HALVINGS = 12
 
 
@@ -25,7 +25,7 @@ def best_alone(
     parts: Floats, pieces: Floats, links: Ints, edges: Floats, index: Ints, around: Ints, old: Floats, ref: Floats,
     i: int, proposal: Floats, travel: float, turn: float, most: float, result: Floats,
 ) -> tuple[bool, float, float]:  # fmt: skip
-    """Find the best that body i can do in this sub-step with all others at `ref`, and put it in `result`.
+    """Find the best pose of body i in this sub-step with all others at `ref`, and put it in `result`.
 
     It tries, in this order: its proposal; its proposal moved out along the normals; its travel without the turn, moved
     out; its turn without the travel; the largest share of its arc.
@@ -47,7 +47,7 @@ def best_alone(
         result: Spots, out.
 
     Returns:
-        Whether it gets its proposal to the bit; forward travel, m, and turn, rad, achieved.
+        Whether the result equals its proposal to the bit; forward travel, m, and turn, rad, achieved.
     """
     copy_spot(result, old, i)
     low, high = 0.0, 1.0
@@ -62,7 +62,7 @@ def best_alone(
         elif attempt > 3:
             share = 0.5 * (low + high)
             d, a = share * travel, share * turn
-        # What is hinged does not slide. To go straight without travel, or to turn without turn, is to stand still.
+        # A body on a hinge does not slide. Straight on without travel, and a turn without turn, are no motion.
         if 0 < attempt <= 3 and (index[i, OF_ANCHORED] != 0 or (d == 0.0 and a == 0.0)):
             continue
         if attempt == 0:

@@ -1,4 +1,4 @@
-"""Hits: which pairs of a body and what it met are recorded in a tick, and who ran into whom."""
+"""Hits: the pairs that met in a tick, and which of the two ran into the other."""
 
 from typing import NamedTuple
 
@@ -39,12 +39,12 @@ from intellwheels_server.world.kernels.penetration import (
 
 
 class Outcomes(NamedTuple):
-    """What a tick of contact writes.
+    """The arrays that a tick of contact writes.
 
     Attributes:
         outcome: float64[6, n], rows `END_X` to `END_ALLOWED` of `arrays`.
         flags: int64[4, n], rows `BLOCKED` to `TOUCHED`.
-        hits: int64[room, 6], columns `HIT_BODY` to `HIT_WHO`; each pair once a tick, in no order.
+        hits: int64[room, 6], columns `HIT_BODY` to `HIT_WHO`; each pair once per tick, in any order.
         hit_numbers: float64[room, 6], columns `HIT_X` to `HIT_CLOSING`.
     """
 
@@ -86,7 +86,7 @@ def record_hit(
 def flag_collision(
     parts: Floats, index: Ints, old: Floats, proposal: Floats, i: int, j: int, mutual: bool, flags: Ints
 ) -> int:
-    """Flag who of a pair that may not stand collides; return 1 if i does, plus 2 if j does.
+    """Flag which bodies of a pair in conflict collide; return 1 if i does, plus 2 if j does.
 
     A body collides if its own proposal alone brings it deeper into the other, or nearer to it.
     """

@@ -1,8 +1,8 @@
-"""Islands of contact: which movers could meet one another in a tick, and what each of them could meet.
+"""Islands of contact: the movers that could meet one another in a tick, and the partners of each.
 
 An island is a set of movers that are connected because each could meet the next. Islands do not influence each other,
 so each is settled alone. An island is tight if a proposed motion in it can meet anything at all. In an island that is
-not tight, every proposal is granted without looking.
+not tight, every proposal is granted without a test.
 """
 
 from typing import NamedTuple
@@ -42,7 +42,7 @@ NEXT_MEMBER, LAST_MEMBER, MEMBER_COUNT = 0, 1, 2
 
 
 class Neighbours(NamedTuple):
-    """What each body could meet in a tick, before it is laid out body by body.
+    """The partners of all bodies in a tick, before they are laid out body by body.
 
     Attributes:
         pairs: int64, pairs of bodies as `broad_phase.pairs_near` returns them.
@@ -56,13 +56,13 @@ class Neighbours(NamedTuple):
 
 
 class Partners(NamedTuple):
-    """What each body could meet in a tick, body by body.
+    """The partners in a tick, body by body.
 
     Attributes:
         layout: int64[n + 1, 5], columns `OF_KEY` to `OF_WALLS` of `penetration`.
-        around: int64, bodies and then wall pieces, where `layout` says.
+        around: int64, bodies and then wall pieces, at the places that `layout` gives.
         pair_of: int64, for each body in `around` the number of the pair.
-        pair_hit: int64[pairs], the hit that is recorded of each pair, -1 for none.
+        pair_hit: int64[pairs], the recorded hit of each pair, -1 for none.
     """
 
     layout: Ints
@@ -77,7 +77,7 @@ def reaches(shape: Floats, marks: Ints, twist: Floats) -> Floats:
 
     Args:
         shape: Shape block of the bodies, float64[4, n].
-        marks: int64[3, n]; what is externally posed does not move.
+        marks: int64[3, n]; an externally posed body does not move.
         twist: float64[2, n], m and rad.
     """
     reach = np.empty((3, twist.shape[1]))
@@ -93,7 +93,7 @@ def reaches(shape: Floats, marks: Ints, twist: Floats) -> Floats:
 
 @njit(cache=True, error_model="numpy", inline="always")
 def neighbours_of(shape: Floats, pieces: Floats, cells: Ints, frame: Floats, pose: Floats, reach: Floats) -> Neighbours:
-    """Return what each body could meet in the tick.
+    """Return the partners of all bodies in the tick.
 
     Args:
         shape: Shape block of the bodies, float64[4, n].
@@ -140,7 +140,7 @@ def find_islands(
         pieces: Of the walls.
         pose: float64[3, n].
         reach: float64[3, n].
-        neighbours: What each body could meet.
+        neighbours: The partners of all bodies.
         parent: int64[n], out: for a mover the least index of its island.
         island: float64[3, n], out, an island block.
     """
@@ -184,12 +184,12 @@ def find_islands(
 
 @njit(cache=True, error_model="numpy", inline="always")
 def partners_of(part_start: Ints, marks: Ints, neighbours: Neighbours) -> Partners:
-    """Return what each body could meet, laid out body by body.
+    """Return the partners, laid out body by body.
 
     Args:
         part_start: int64[n + 1], the first part of each body and the end.
         marks: int64[3, n], of the bodies.
-        neighbours: What each body could meet.
+        neighbours: The partners of all bodies.
     """
     pairs, wall_start, near_walls = neighbours
     n = marks.shape[1]
@@ -208,7 +208,7 @@ def partners_of(part_start: Ints, marks: Ints, neighbours: Neighbours) -> Partne
         index[i, OF_WALLS] = count + wall_start[i] - near_walls[1]
         index[i + 1, OF_WALLS] = count + wall_start[i + 1] - near_walls[1]
         index[i + 1, OF_NEAR] += index[i, OF_NEAR]
-    # Each body's stretch is filled from its end, whose place in the index counts down to where the stretch begins.
+    # The range of each body is filled from its end. The entry in the index counts down to the start of the range.
     for e in range(count // 2):
         pair_hit[e] = -1
         for side in range(2):
@@ -228,7 +228,7 @@ def list_members(reach: Floats, parent: Ints, island: Floats) -> Ints:
     Args:
         reach: float64[3, n].
         parent: int64[n], as `find_islands` fills it in.
-        island: float64[3, n], likewise.
+        island: float64[3, n], as `find_islands` fills it in.
     """
     n = parent.shape[0]
     listed = np.zeros((3, n), dtype=np.int64)

@@ -67,12 +67,12 @@ from intellwheels_server.world.kernels.penetration import (
 _LONGEST_STEP = 0.02
 
 MOST_STEPS = 1023
-"""Sub-steps a tick at most, since lots are drawn by 1024 tick + sub-step.
+"""Largest number of sub-steps in a tick, since lots are drawn by 1024 tick + sub-step.
 
 No body of sensible size reaches it: at 3 m/s and 20 Hz it would need parts of 0.3 mm.
 """
 
-# Wheels stall when less than this share of the wanted motion came about.
+# Wheels stall when the body makes less than this share of the wanted motion.
 _STALL_SHARE = 0.02
 
 # The bit of a collision flag that says that the hit of a wall is recorded; cleared at the end of the tick.
@@ -81,7 +81,7 @@ _WALL_RECORDED = 2
 
 @njit(cache=True, error_model="numpy")
 def lot(key: int, tick: int, step: int) -> int:
-    """Return a body's lot in a sub-step, 64 bits: of two whose results conflict, the one with the smaller goes back.
+    """Return the lot of a body in a sub-step, 64 bits. Of two conflicting results that with the smaller lot goes back.
 
     Args:
         key: Of the body's name.
@@ -103,9 +103,9 @@ def _propose(
     pose: Floats, twist: Floats, old: Floats, ref: Floats, proposal: Floats, status: Ints, members: Ints, step: int,
     steps: int,
 ) -> None:  # fmt: skip
-    """Set where the members want to be, and let the others see them there.
+    """Set the proposals of the members, and let the others see them there.
 
-    Who was granted everything so far proposes a place on its arc of the whole tick, so that no rounding adds up.
+    A body that was granted everything so far proposes a pose on its arc of the whole tick, so that no rounding adds up.
     """
     for m in range(members.shape[0]):
         i = members[m]
@@ -127,7 +127,7 @@ def _find_wall_conflicts(
     proposal: Floats, twist: Floats, status: Ints, flags: Ints, hits: Ints, hit_numbers: Floats, members: Ints,
     used: int,
 ) -> int:  # fmt: skip
-    """Note whose proposal leads into a wall or beyond the edge of the world; return how many hits there are now."""
+    """Mark the proposals that lead into a wall or beyond the edge of the world; return the number of hits so far."""
     for m in range(members.shape[0]):
         i = members[m]
         excess, _, partner = wall_excess(
@@ -156,10 +156,10 @@ def _find_who_stays(
     proposal: Floats, pair_of: Ints, pair_hit: Ints, twist: Floats, status: Ints, queue: Ints, flags: Ints, hits: Ints,
     hit_numbers: Floats, members: Ints, used: int,
 ) -> tuple[int, int]:  # fmt: skip
-    """Queue the members whose proposals may not stand; return how many those are and how many hits there are now.
+    """Queue the members whose proposals are not allowed; return their number and the number of hits so far.
 
-    In the first round each member is tested against its partners at their proposals. Who is found then counts as where
-    it was, and in every further round those just found are tested against those not found yet.
+    In the first round each member is tested against its partners at their proposals. A body that is found is then seen
+    at its old pose. In each further round the bodies found last are tested against those not found yet.
     """
     first = queued = looked = 0
     while True:
@@ -216,7 +216,7 @@ def _find_results(
     proposal: Floats, result: Floats, twist: Floats, motion: Floats, status: Ints, gain: Floats, queue: Ints,
     queued: int, steps: int,
 ) -> None:  # fmt: skip
-    """Let each that stays do its best alone."""
+    """Find the best pose of each body that stays."""
     for q in range(queued):
         i = queue[q]
         taken, gain[0, i], gain[1, i] = best_alone(
@@ -232,7 +232,7 @@ def _send_back(
     parts: Floats, index: Ints, around: Ints, old: Floats, result: Floats, status: Ints, queue: Ints, queued: int,
     tick: int, step: int,
 ) -> None:  # fmt: skip
-    """Of two results that conflict, send the one with the smaller lot back."""
+    """Of two bodies whose results conflict, mark the one with the smaller lot to go back."""
     for q in range(queued):
         i = queue[q]
         for k in range(index[i, OF_NEAR], index[i + 1, OF_NEAR]):
@@ -249,7 +249,7 @@ def _move(
     twist: Floats, old: Floats, proposal: Floats, result: Floats, status: Ints, gain: Floats, outcome: Floats,
     members: Ints, steps: int,
 ) -> None:  # fmt: skip
-    """Move the members to where they may be after the sub-step."""
+    """Move the members to their poses after the sub-step."""
     for m in range(members.shape[0]):
         i = members[m]
         if status[STAYS, i] == 0:
@@ -269,7 +269,7 @@ def _move(
 def _conclude(
     pose: Floats, twist: Floats, motion: Floats, old: Floats, status: Ints, outcome: Floats, flags: Ints, members: Ints
 ) -> None:
-    """Write where the members are after the tick, and who was blocked and stalled."""
+    """Write the poses of the members after the tick, and which of them were blocked or stalled."""
     for m in range(members.shape[0]):
         i = members[m]
         outcome[END_X, i], outcome[END_Y, i] = old[i, SPOT_X], old[i, SPOT_Y]
@@ -290,20 +290,20 @@ def settle(
     bodies: Bodies, walls: Walls, partners: Partners, motions: Motions, spots: Spots, work: Work, outcomes: Outcomes,
     island: Floats, listed: Ints, tick: int, used: int,
 ) -> int:  # fmt: skip
-    """Move the members of all tight islands through their sub-steps; return how many hits there are now.
+    """Move the members of all tight islands through their sub-steps; return the number of hits so far.
 
     Args:
         bodies: Their shapes.
         walls: The walls.
-        partners: What each body could meet; `pair_hit` is written.
-        motions: What the bodies want.
-        spots: Where they are; written for the members.
+        partners: The partners of each body; `pair_hit` is written.
+        motions: The motions that the bodies want.
+        spots: The poses; written for the members.
         work: Written for the members.
         outcomes: Written for the members.
         island: float64[3, n], an island block.
         listed: int64[3, n], their members, a member list.
-        tick: Which tick: it draws lots.
-        used: How many hits there are.
+        tick: The tick, from which the lots are drawn.
+        used: The number of hits so far.
     """
     parts, (pieces, links, edges, _, _), (index, around, pair_of, pair_hit) = bodies.parts, walls, partners
     (pose, twist, motion), (old, ref, proposal, result), (status, gain, queue) = motions, spots, work

@@ -11,18 +11,18 @@ from intellwheels_server.world.kernels.arrays import Floats, Ints
 FREE = 0
 """1 while the body was granted every proposed motion so far this tick."""
 STAYS = 1
-"""1 if its proposal is not granted in this sub-step, or if it does not move at all."""
+"""1 if its proposal is not granted in this sub-step, or if it does not move at all: the body stays."""
 IN_CONFLICT = 2
 """1 if its proposal was found to conflict in this sub-step."""
 GOT_PROPOSAL = 3
-"""1 if it was granted its proposal after all, once the others' places were known."""
+"""1 if it was granted its proposal after all, once the poses of the others were known."""
 GOES_BACK = 4
-"""1 if it stays where it was in this sub-step, because what it found conflicts with what another found."""
+"""1 if it returns to its pose at the start of the sub-step, because its result conflicts with that of another."""
 STATUS_ROWS = 5
 
 
 class Motions(NamedTuple):
-    """What the bodies want in the tick.
+    """The motions that the bodies want in the tick.
 
     Attributes:
         pose: float64[3, n], at its start.
@@ -36,13 +36,13 @@ class Motions(NamedTuple):
 
 
 class Spots(NamedTuple):
-    """Where bodies are in a sub-step, spot blocks of `penetration`.
+    """Poses of bodies in a sub-step, spot blocks of `penetration`.
 
     Attributes:
         old: float64[n, 7], at its start.
-        ref: float64[n, 7], where the others see them: at their proposals, or at `old` if they stay.
-        proposal: float64[n, 5], where they want to be.
-        result: float64[n, 5], the best that those who stay find alone.
+        ref: float64[n, 7], as the others see them: the proposal, or `old` if the body stays.
+        proposal: float64[n, 5], the proposals.
+        result: float64[n, 5], the best poses that the bodies that stay find.
     """
 
     old: Floats
@@ -52,12 +52,12 @@ class Spots(NamedTuple):
 
 
 class Work(NamedTuple):
-    """What a sub-step notes of each body.
+    """Notes of a sub-step on each body.
 
     Attributes:
         status: int64[STATUS_ROWS, n], rows `FREE` to `GOES_BACK`.
         gain: float64[2, n], forward travel, m, and turn, rad, of the result.
-        queue: int64[n], those who stay, in the order found.
+        queue: int64[n], the bodies that stay, in the order in which they were found.
     """
 
     status: Ints

@@ -1,6 +1,6 @@
 """Sine, cosine, arc tangent, logarithm and exponential that give the same bits everywhere.
 
-The C library's differ in the last bit between processors and versions, so a run would not
+Those of the C library differ in the last bit between processors and versions, so a run would not
 repeat on another machine. These use only + - * /, which IEEE 754 rounds correctly, and
 integer operations on the bits of a float; numba does not fuse or reorder them. Errors stay under
 2 ulp on the ranges stated.
@@ -17,7 +17,7 @@ from numba import njit
 PI = 3.141592653589793
 TWO_PI = 6.283185307179586
 
-# What the float PI lacks to pi, for sums that have to be correct in their last bit.
+# pi minus the float PI, for sums that must be correct in their last bit.
 _PI_LOW = 1.2246467991473532e-16
 
 # Beyond it the product of the quarter turns and the first part of pi/2 is no longer exact.
@@ -86,7 +86,7 @@ def sincos(x: float) -> tuple[float, float]:
     """Return (sin x, cos x).
 
     Args:
-        x: Angle in radians, |x| <= 1e6. Beyond, and for what is not a number, both are NaN.
+        x: Angle in radians, |x| <= 1e6. Beyond, and for NaN, both are NaN.
     """
     if abs(x) <= 0.7853981633974483:
         return _near_sin(x, 0.0), _near_cos(x, 0.0)
@@ -170,7 +170,7 @@ def atan2(y: float, x: float) -> float:
         angle = PI - (angle - _PI_LOW)
     if y > 0.0:
         return angle
-    # A hair below the negative axis rounds to -PI, which no heading is.
+    # Just below the negative axis it rounds to -PI, which is not a heading.
     return -angle if angle < PI else PI
 
 
@@ -229,7 +229,7 @@ def exp(x: float) -> float:
 
 @njit(cache=True, error_model="numpy")
 def wrap(angle: float) -> float:
-    """Return the same direction as a heading in (-pi, pi]; one already there comes back unchanged.
+    """Return the same direction as a heading in (-pi, pi]. A heading in this range is returned unchanged.
 
     Args:
         angle: Radians, |angle| <= 1e6; NaN beyond.

@@ -1,6 +1,6 @@
-"""Episodes of contact: which pairs began to touch, which have parted.
+"""Episodes of contact: which pairs began to touch, and which have parted.
 
-A pair touches for as long as no pause between two touches is longer than the hold time.
+An episode lasts until the pair has not touched for the hold time.
 """
 
 import numpy as np
@@ -19,18 +19,18 @@ def _before(a0: int, a1: int, b0: int, b1: int) -> bool:
 
 @njit(cache=True, error_model="numpy")
 def merge_episodes(episodes: Ints, pairs: Ints, tick: int, hold: int) -> tuple[Ints, Ints, Ints]:
-    """Return the episodes after a tick, and what began and ended in it.
+    """Return the episodes after a tick, and those that began and ended in it.
 
     Args:
         episodes: int64[e, 3], sorted by (FIRST_KEY, SECOND_KEY), each pair once.
-        pairs: int64[p, 3]: keys of both and a number of the caller's, sorted by the keys; a pair may stand
-            several times.
+        pairs: int64[p, 3]: keys of both and a number of the caller, sorted by the keys; a pair may
+            occur several times.
         tick: This tick.
         hold: Ticks without touch after which an episode is over, >= 1.
 
     Returns:
-        The episodes, sorted; the caller's numbers of the pairs that began, first of each; and int64[k, 2], keys of the
-        pairs that ended.
+        The episodes, sorted; for each pair that began the first of the caller's numbers; and int64[k, 2], the keys of
+        the pairs that ended.
     """
     kept = np.empty((episodes.shape[0] + pairs.shape[0], 3), dtype=np.int64)
     began = np.empty(pairs.shape[0], dtype=np.int64)

@@ -1,11 +1,11 @@
-"""Rigid boxes on the floor: where an arc leads, and how deep two things overlap.
+"""Rigid boxes in the plane: the pose after an arc, and the depth of overlap of two things.
 
-Depth is the least translation that parts two convex figures, positive when they overlap, minus the widest gap along
-any of their axes when they do not. Each axis is looked at in its owner's frame and from absolute
-values, so that the depth of i in j is that of j in i to the last bit.
+Depth is the least translation that separates two convex figures if they overlap. Otherwise it is minus the widest gap
+along any of their axes. Each axis is used in its owner's frame and with absolute values, so that the depth of i in j
+equals that of j in i to the last bit.
 
-A function that takes `floor` returns the largest of the depths and the floor. What cannot rise above the floor is
-given up early; a caller who asks only whether something is deeper than a limit passes the limit.
+A function that takes `floor`, a lower bound, returns the largest of the depths and this bound. It stops early where
+the bound cannot be exceeded. A caller that only asks whether a depth exceeds a limit passes the limit.
 
 Source:
     Separating axes of convex figures (Gottschalk, Lin, Manocha, OBBTree, 1996), in the plane.
@@ -33,7 +33,7 @@ from intellwheels_server.world.kernels.arrays import (
 )
 from intellwheels_server.world.kernels.elementary import sincos, wrap
 
-# Depths along two axes that differ by less are one, m: the rounding of coordinates of some kilometres.
+# Depths along two axes that differ by less count as equal, m: the rounding of coordinates of some kilometres.
 _PARALLEL = 1e-12
 
 
@@ -75,7 +75,7 @@ def box_depth(
     bw: float,
     floor: float,
 ) -> float:
-    """Return how deep two boxes overlap, m, or the floor.
+    """Return the depth to which two boxes overlap, m, or the lower bound.
 
     Args:
         ax: Centre of box a.
@@ -84,12 +84,12 @@ def box_depth(
         a_s: Sine of its heading.
         al: Half its length.
         aw: Half its width.
-        bx: Of box b, likewise.
-        by: Of box b, likewise.
-        bc: Of box b, likewise.
-        bs: Of box b, likewise.
-        bl: Of box b, likewise.
-        bw: Of box b, likewise.
+        bx: The same of box b.
+        by: The same of box b.
+        bc: The same of box b.
+        bs: The same of box b.
+        bl: The same of box b.
+        bw: The same of box b.
         floor: What a depth must exceed to count.
     """
     dx = bx - ax
@@ -129,7 +129,7 @@ def part_depth(
     sj: float,
     floor: float,
 ) -> float:
-    """Return how deep part i of one body overlaps part j of another, m; the floor if their z have nothing in common."""
+    """Return the depth of part i of one body in part j of another, m; the lower bound if their z ranges are apart."""
     if max(parts[i, BOTTOM], others[j, BOTTOM]) >= min(parts[i, TOP], others[j, TOP]):
         return floor
     return box_depth(
@@ -167,7 +167,7 @@ def body_depth(
     sj: float,
     floor: float,
 ) -> float:
-    """Return how deep a body overlaps another, m: the largest over pairs of parts; or the floor.
+    """Return the depth of a body in another, m: the largest over pairs of parts; or the lower bound.
 
     Args:
         parts: Part block of the one body.
@@ -195,7 +195,7 @@ def body_depth(
 
 @njit(cache=True, error_model="numpy")
 def _clamped(px: float, py: float, x: float, y: float, c: float, s: float, hl: float, hw: float) -> tuple[float, float]:
-    """Return the point brought into a box."""
+    """Return the point of a box that is nearest to a point."""
     u = min(max((px - x) * c + (py - y) * s, -hl), hl)
     v = min(max((py - y) * c - (px - x) * s, -hw), hw)
     return x + (c * u - s * v), y + (s * u + c * v)
@@ -205,7 +205,7 @@ def _clamped(px: float, py: float, x: float, y: float, c: float, s: float, hl: f
 def _deepest_point(
     nx: float, ny: float, x: float, y: float, c: float, s: float, hl: float, hw: float
 ) -> tuple[float, float]:
-    """Return the point of a box that lies farthest along n, the middle of its side where a whole side does."""
+    """Return the point of a box that lies farthest along n, or the middle of its side if a whole side does."""
     u = nx * c + ny * s
     v = ny * c - nx * s
     u = 0.0 if abs(u) < 1e-9 else (hl if u > 0.0 else -hl)
@@ -232,7 +232,7 @@ def body_contact(
     """Return where two bodies meet: depth, normal (x, y), part of a, part of b, point (x, y).
 
     The normal is a unit vector along which a leaves b by moving as far as the depth. Of equal parts and axes the first
-    counts: pass as a the body of the lower key, and the answer does not depend on who asks.
+    counts. If a is always the body with the lower key, the answer does not depend on the order of the two.
     """
     deepest = -np.inf
     part_a, part_b = a0, b0
@@ -282,7 +282,7 @@ def body_contact(
 def piece_depth(
     links: Ints, edges: Floats, piece: int, x: float, y: float, c: float, s: float, hl: float, hw: float, floor: float
 ) -> float:
-    """Return how deep a box overlaps a wall piece, m, or the floor; z is the caller's affair.
+    """Return the depth of a box in a wall piece, m, or the lower bound. The caller compares their z ranges.
 
     Args:
         links: Links block of the walls.
@@ -335,7 +335,7 @@ def piece_contact(
         v = dy * c - dx * s
         low_u, high_u = min(low_u, u), max(high_u, u)
         low_v, high_v = min(low_v, v), max(high_v, v)
-    # Along a side of the box that is parallel to a wall both say the same but for rounding: then the wall speaks.
+    # If a side of the box is parallel to the wall, both axes agree but for rounding. Then the axis of the wall counts.
     rival = least - _PARALLEL
     of_wall = True
     if high_u + hl < rival:
@@ -351,7 +351,7 @@ def piece_contact(
     if of_wall:
         px, py = _deepest_point(-normal_x, -normal_y, x, y, c, s, hl, hw)
         return least, normal_x, normal_y, px, py
-    # The wall's corner that is deepest in the box.
+    # The corner of the wall that is deepest in the box.
     best = -np.inf
     px, py = x, y
     for k in range(first, end):

@@ -1,8 +1,8 @@
-"""Uniform grids: which things could be near a place, without looking at all of them.
+"""Uniform grids: they find the things that could be near a place, without a test of every thing.
 
-A thing lies in every cell that its bounding box overlaps. A search that walks several cells
-meets such a thing in each of them and takes it in one only: the first cell that both the thing
-and the search cover. So nothing is found twice and no marks have to be kept.
+A thing lies in every cell that its bounding box overlaps. A search over several cells meets such
+a thing in each of them, and takes it only in the first cell that both the thing and the search
+cover. So nothing is found twice, and no marks are needed.
 """
 
 import numpy as np
@@ -13,7 +13,7 @@ from intellwheels_server.world.kernels.arrays import Floats, Ints
 
 @njit(cache=True, error_model="numpy")
 def cell_of(x: float, origin: float, size: float, count: int) -> int:
-    """Return the column (or row) of a coordinate, brought into [0, count - 1]."""
+    """Return the column (or row) of a coordinate, clipped to [0, count - 1]."""
     cell = np.floor((x - origin) / size)
     if not cell > 0.0:
         return 0

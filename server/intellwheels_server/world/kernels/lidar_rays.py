@@ -1,7 +1,7 @@
-"""What every lidar of every body scans in one tick: exact ranges along rays, then the device's errors.
+"""The scans of all lidars of all bodies in one tick: exact ranges along rays, then the errors of the device.
 
-One call does all of them. A ray ends where it first enters a part or a wall piece whose z range holds its
-height; nothing of its own body is seen. A sensor's draws are two a ray, of its own key.
+One call serves all of them. A ray ends where it first enters a part or a wall piece whose z range contains its
+height. A lidar does not see its own body. Each ray takes two random numbers, drawn with the key of the sensor.
 """
 
 from __future__ import annotations
@@ -36,9 +36,9 @@ from intellwheels_server.world.kernels.spatial_query import (
 )
 from intellwheels_server.world.kernels.wedge_distance import ray_to_box
 
-# Columns of a lidar block, float64[sensors, 12]: pose in the world of one that is fixed there; place in the frame of
-# its body or of that pose, and height; range; standard deviation at least and as a share; least cosine of the angle
-# between a ray and the normal of what it meets; share of rays that fail.
+# Columns of a lidar block, float64[sensors, 12]: pose of its mount if fixed in the world; position in the frame of
+# its mount, and height; range; smallest standard deviation, and the same as a share; smallest cosine of the angle
+# between a ray and the normal of the surface that it meets; share of rays that fail.
 LIDAR_FIXED_X, LIDAR_FIXED_Y, LIDAR_FIXED_HEADING, LIDAR_X, LIDAR_Y, LIDAR_Z = 0, 1, 2, 3, 4, 5
 LIDAR_NEAREST, LIDAR_FARTHEST, LIDAR_SIGMA, LIDAR_SIGMA_SHARE, LIDAR_LEAST_COS, LIDAR_DROPOUT = 6, 7, 8, 9, 10, 11
 
@@ -103,7 +103,7 @@ def _sweep(
     around: Floats, polygons: Ints, solids: Floats, links: Ints, edges: Floats, found: Found, x: float, y: float,
     z: float, farthest: float, rays: Floats, ranges: Floats, met: Ints, met_edge: Ints,
 ) -> None:  # fmt: skip
-    """Shorten ranges to where rays enter what was gathered; note which box or which edge of a wall piece."""
+    """Shorten ranges to where rays enter the gathered things; note which box or which edge of a wall piece."""
     _sweep_boxes(around, found.boxes, x, y, z, farthest, rays, ranges, met)
     for at in range(found.polygons):
         piece = polygons[at]
@@ -122,7 +122,7 @@ def _measure(
     around: Floats, edges: Floats, x: float, y: float, rays: Floats, ranges: Floats, met: Ints, met_edge: Ints,
     lidars: Floats, schedule: Ints, sensor: int, tick: int, slot: int, samples: Floats,
 ) -> None:  # fmt: skip
-    """Store a lidar's ranges with its errors, from place `slot` of the samples on."""
+    """Store the ranges of a lidar with its errors, at index `slot` of the samples."""
     key0, key1 = np.uint64(schedule[sensor, KEY0]), np.uint64(schedule[sensor, KEY1])
     nearest, farthest = lidars[sensor, LIDAR_NEAREST], lidars[sensor, LIDAR_FARTHEST]
     least_cos, dropout = lidars[sensor, LIDAR_LEAST_COS], lidars[sensor, LIDAR_DROPOUT]

@@ -26,7 +26,7 @@ from intellwheels_server.world.kernels.grid import cell_of
 from intellwheels_server.world.kernels.spatial_query import CENTRE_X, CENTRE_Y, COS, HIGH, LONG, LOW, SIN, WIDE
 from intellwheels_server.world.kernels.wedge_distance import ray_to_box
 
-# What begins within this of the far point does not hide it: a place on a face is seen, m.
+# A thing that begins within this of the far point does not hide it, so that a point on a face is seen, m.
 _SKIN = 1e-6
 
 

@@ -1,6 +1,6 @@
 """Motors and wheels: from powers to the twist of a tick.
 
-v is the speed of a wheel, u the one asked for (power x TopSpeed), T the cycle, a the AccelerationCurve at the reference
+v is the speed of a wheel, u the commanded one (power x TopSpeed), T the cycle, a the AccelerationCurve at the reference
 cycle T0 = 50 ms:
 
     v' = (1 - k) u + k v,  k = e^(-T/tau) = a^(T/T0)          equation (1) of the paper, at T = T0 to the bit
@@ -22,7 +22,7 @@ REFERENCE_CYCLE = 0.05
 
 # Rows of a motor block, float64[MOTOR_ROWS, n].
 MOTOR_TRACK = 0
-"""Distance between the wheels as it is, m."""
+"""True distance between the wheels, m."""
 MOTOR_TOP_SPEED = 1
 """Speed of a nominal wheel at power 1, m/s."""
 MOTOR_KEPT = 2
@@ -34,17 +34,17 @@ MOTOR_ACCELERATION = 4
 MOTOR_TURN_RATE = 5
 """Limit of the turn rate, rad/s; inf for none."""
 MOTOR_LEFT_SCALE = 6
-"""The left wheel as it is over the nominal one: a motor turns a larger wheel as often and moves it farther."""
+"""True left wheel over the nominal one. A motor turns a larger wheel at the same rate, so it moves farther."""
 MOTOR_RIGHT_SCALE = 7
-"""The right wheel as it is over the nominal one."""
+"""True right wheel over the nominal one."""
 MOTOR_ROWS = 8
 
 # Rows of a wheels or power block, float64[2, n].
 LEFT, RIGHT = 0, 1
 
-# No body turns faster, rad/s: a track of a micrometre would make it spin out of any angle's range.
+# Limit of the turn rate, rad/s. With a track of a micrometre the angle would leave every range.
 _MOST_TURN_RATE = 60.0
-# Below this share of tau a cycle's 1 - k has lost five digits; the series then errs by less than 1e-16.
+# For a cycle below this share of tau, 1 - k has lost five digits. A series then has an error below 1e-16.
 _SHORT = 1e-5
 
 
@@ -68,7 +68,7 @@ def motor_figures(robot: Robot, period: float) -> tuple[float, ...]:
 
 
 def wheel_scales(ratio: float, scale: float) -> tuple[float, float]:
-    """Return the left and the right wheel as they are over the nominal one.
+    """Return the true left and right wheel over the nominal one.
 
     Args:
         ratio: E_d of UMBmark, the right wheel over the left one at the same mean.
@@ -83,7 +83,7 @@ def lag(acceleration_curve: float, period: float) -> tuple[float, float]:
     """Return the share of its speed a wheel keeps in a cycle, and tau times the rest, s.
 
     Args:
-        acceleration_curve: a, the share kept in 50 ms, in [0, 1); 0 obeys at once.
+        acceleration_curve: a, the share kept in 50 ms, in [0, 1); 0 means no lag.
         period: T, s, > 0.
 
     Source:

@@ -1,4 +1,4 @@
-"""Which power is in force (the command, the user's input, or none), and what the motors make of it."""
+"""The power in force (the command, the user's input, or none), and the output of the motors for it."""
 
 import numpy as np
 from numba import njit
@@ -14,13 +14,13 @@ TIMEOUT, REAL = 0, 1
 MOTOR_NOISE = 0
 MOTOR_NOISE_ROWS = 1
 
-# What `powers` found changed, as bits, so that a tick in which nothing did costs no look.
+# The changes that `powers` found, as bits, so that a tick without changes needs no search.
 NOW_TIMED_OUT, NOW_SILENT, NOW_STALE = 1, 2, 4
 
 
 @njit(cache=True, error_model="numpy")
 def user_power(forward: float, turn: float) -> tuple[float, float]:
-    """Return the powers of both wheels for a user's wish.
+    """Return the powers of both wheels for the forward and turn that a user wants.
 
     left = F - T and right = F + T, both divided by max(1, |left|, |right|).
     """
@@ -46,11 +46,11 @@ def powers(
         flags: int64[FLAG_ROWS, n], in and out; ages count the step that begins.
         motors: float64[8, n], rows of `motor_model`.
         limits: int64[2, n].
-        silence: Steps after which a user counts as silent, or -1 where verdicts say so.
-        staleness: Steps after which a real body's pose is stale, or -1 likewise.
+        silence: Steps after which a user counts as silent, or -1 if verdicts decide it.
+        staleness: Steps after which the pose of a real body is stale, or -1 if verdicts decide it.
 
     Returns:
-        Bits `NOW_TIMED_OUT`, `NOW_SILENT`, `NOW_STALE` of what became so for some body.
+        Bits `NOW_TIMED_OUT`, `NOW_SILENT`, `NOW_STALE`, each set if this has just begun for some body.
     """
     found = 0
     for i in range(numbers.shape[1]):
@@ -93,9 +93,9 @@ def powers(
 
 @njit(cache=True, error_model="numpy")
 def noisy_powers(numbers: Floats, flaws: Floats, keys: Ints, tick: int, power: Floats) -> None:
-    """Fill in what the motors give for the power in force.
+    """Fill in the output of the motors for the power in force.
 
-    Each motor's output is multiplied by 1 + sd x a standard normal number of its own, drawn anew each tick.
+    The output of each motor is multiplied by 1 + sd x a standard normal number, drawn for each motor and tick.
 
     Args:
         numbers: float64[NUMBER_ROWS, n].

@@ -1,7 +1,7 @@
-"""Random numbers that are a function of who asks and when, never of who asked before.
+"""Random numbers that depend on a key and a counter only, never on earlier draws.
 
-A draw is Threefry-2x64-20 of a key (seed, agent, stream) and a counter (tick, draw). So
-adding a sensor or an agent changes nobody else's noise, and any tick can be drawn alone.
+A draw is Threefry-2x64-20 of a key (seed, agent, stream) and a counter (tick, draw). So a new
+sensor or agent does not change the noise of others, and any tick can be drawn alone.
 
 Sources:
     Salmon, Moraes, Dror, Shaw (2011), Parallel random numbers: as easy as 1, 2, 3.
@@ -32,8 +32,8 @@ def noise_key(seed: str, agent: str, stream: str) -> tuple[np.uint64, np.uint64]
 
     Args:
         seed: The run's seed, any text.
-        agent: Name of the body the noise belongs to.
-        stream: What of the agent is noisy: a sensor's id, or a word no id can be.
+        agent: Name of the body to which the noise belongs.
+        stream: The source of the noise in the body: the id of a sensor, or a word that no id can be.
 
     Returns:
         The first and second half, little-endian, of 128 bits of BLAKE2b over the three
@@ -59,7 +59,7 @@ def _round(x0: np.uint64, x1: np.uint64, turn: np.uint64) -> tuple[np.uint64, np
 def threefry(key0: np.uint64, key1: np.uint64, counter0: np.uint64, counter1: np.uint64) -> tuple[np.uint64, np.uint64]:
     """Return the two 64-bit words of Threefry-2x64 with 20 rounds.
 
-    All arguments must be unsigned 64-bit already: numba would make a float of a mixed sum.
+    All arguments must be unsigned 64-bit: numba would convert a mixed sum to a float.
     """
     key2 = _PARITY ^ key0 ^ key1
     x0 = counter0 + key0
@@ -97,10 +97,10 @@ def uniform(key0: np.uint64, key1: np.uint64, tick: int, draw: int) -> float:
         key0: First half of the stream's key.
         key1: Second half.
         tick: Tick of the run, >= 0.
-        draw: Which number of this tick, >= 0.
+        draw: Index of the number in this tick, >= 0.
     """
     word, _ = threefry(key0, key1, np.uint64(tick), np.uint64(draw))
-    # 52 bits and a half: both ends of the interval stay out, exactly.
+    # 52 bits plus a half: both ends of the interval are excluded exactly.
     return (np.float64(np.int64(word >> _TWELVE)) + 0.5) * 2.220446049250313e-16
 
 
@@ -153,6 +153,6 @@ def normal_quantile(p: float) -> float:
 def normal(key0: np.uint64, key1: np.uint64, tick: int, draw: int) -> float:
     """Return a number of the standard normal distribution, |x| < 8.3.
 
-    Takes what `uniform` takes.
+    The arguments are those of `uniform`.
     """
     return normal_quantile(uniform(key0, key1, tick, draw))

@@ -1,4 +1,4 @@
-"""What a body would overlap at a pose: asked before it joins, is spawned or is put somewhere."""
+"""Overlaps of a body at a pose, for a body that joins, is spawned or is moved there."""
 
 from numba import njit
 
@@ -94,7 +94,7 @@ def deepest_body(
         poses: Pose block of the others.
         radii: float64[n], their farthest corners, m.
         others: Part block of the others.
-        starts: int64[n + 1], where each one's parts begin.
+        starts: int64[n + 1], the first part of each of them and the end.
         skip: Column of the others to leave out, or -1.
     """
     s, c = sincos(heading)

@@ -1,14 +1,14 @@
-"""Penetration: how deep a body is in what it meets, which poses may stand, and how it is moved out.
+"""Penetration: the depth of a body in its partners, which poses are allowed, and how a body is moved out.
 
-A pose may stand if against every partner the depth is at most what it was at the start of the sub-step, or
-`TOLERANCE`. What was put into something (spawned, teleported, reported by a real chair) has an allowed penetration, the
-depth that it then had: where it overlapped before, it may be as deep as that, until it overlaps nothing any more. So it
-can leave. All wall pieces together are one partner.
+A pose is allowed if against every partner the depth is at most the depth at the start of the sub-step, or `TOLERANCE`.
+A body that was put into something (spawned, teleported, reported by a real chair) has an allowed penetration: the depth
+that it had then. Where it overlapped before, it may be as deep as that until it overlaps nothing any more. So it can
+leave. All wall pieces together are one partner.
 
 The functions share their first arguments:
     parts, pieces, links, edges: blocks of the bodies' parts and of the walls, see `arrays`.
-    index, around: who could meet whom, of `Index` columns.
-    old, ref: spot blocks, where bodies were at the start of the sub-step and where the others see them.
+    index, around: the partners of each body; the columns of `index` are named below.
+    old, ref: spot blocks: the poses at the start of the sub-step, and the poses at which the others see the bodies.
 They are passed one by one. These functions are called for every pair in every sub-step, and numba counts the references
 to each array of a tuple at every call, which costs more than the depths.
 """
@@ -34,10 +34,10 @@ from intellwheels_server.world.kernels.broad_phase import piece_apart
 from intellwheels_server.world.kernels.elementary import sincos
 from intellwheels_server.world.kernels.geometry import body_contact, body_depth, piece_contact, piece_depth
 
-# Depth up to which things touch and do not overlap, m: a thousand times the rounding of a floor of 10 km.
+# Depth up to which things touch and do not overlap, m: a thousand times the rounding on a map of 10 km.
 TOLERANCE = 1e-9
 
-# A body pushed out of what it meets lands this much farther, m, so that rounding leaves it outside.
+# A body that is pushed out is moved this much farther, m, so that rounding leaves it outside.
 _CLEARANCE = 1e-12
 _MOST_PUSHES = 8
 
@@ -55,7 +55,7 @@ OF_KEY, OF_ANCHORED, OF_PARTS, OF_NEAR, OF_WALLS = 0, 1, 2, 3, 4
 
 @njit(cache=True, error_model="numpy")
 def set_spot(spots: Floats, i: int, x: float, y: float, heading: float, c: float, s: float) -> None:
-    """Set where body i is."""
+    """Set the pose of body i."""
     spots[i, SPOT_X] = x
     spots[i, SPOT_Y] = y
     spots[i, SPOT_H] = heading
@@ -65,13 +65,13 @@ def set_spot(spots: Floats, i: int, x: float, y: float, heading: float, c: float
 
 @njit(cache=True, error_model="numpy")
 def beyond_edge(x: float, y: float) -> bool:
-    """Return whether a place is one that no message could name."""
+    """Return whether a point is beyond the range of coordinates in messages."""
     return abs(x) > rows.WORLD_EDGE or abs(y) > rows.WORLD_EDGE
 
 
 @njit(cache=True, error_model="numpy")
 def copy_spot(spots: Floats, source: Floats, i: int) -> None:
-    """Set where body i is to another spot."""
+    """Set the pose of body i to another spot."""
     # Not by assigning rows: what numba compiles for its error message takes longer than all of this file.
     for k in range(SPOT_S + 1):
         spots[i, k] = source[i, k]
@@ -94,7 +94,7 @@ def spots_of(pose: Floats, shape: Floats, allowed: Floats) -> Floats:
 
 @njit(cache=True, error_model="numpy")
 def spot_depth(parts: Floats, index: Ints, at: Floats, i: int, others_at: Floats, j: int, floor: float) -> float:
-    """Return how deep body i at its spot overlaps body j at its, m, or the floor."""
+    """Return the depth of body i at its spot in body j at its spot, m, or the lower bound."""
     return body_depth(
         parts, index[i, OF_PARTS], index[i + 1, OF_PARTS],
         at[i, SPOT_X], at[i, SPOT_Y], at[i, SPOT_C], at[i, SPOT_S],
@@ -108,7 +108,7 @@ def deepest_piece(
     parts: Floats, part0: int, part1: int, radius: float, pieces: Floats, links: Ints, edges: Floats,
     items: Ints, item0: int, item1: int, x: float, y: float, c: float, s: float, floor: float,
 ) -> tuple[float, int]:  # fmt: skip
-    """Return how deep a body overlaps the walls, m, or the floor, and the deepest piece: of equals the first.
+    """Return the depth of a body in the walls, m, or the lower bound, and the deepest piece; of equals the first.
 
     Args:
         parts: Part block of the body.
@@ -145,7 +145,7 @@ def deepest_piece(
     return floor, deepest
 
 
-# ---------------------------------------------------------------- where two meet
+# ---------------------------------------------------------------- points of contact
 
 
 @njit(cache=True, error_model="numpy")
@@ -164,7 +164,7 @@ def contact_of(
         xa, ya, ca, sa = x, y, c, s
         xb, yb = others_at[partner, SPOT_X], others_at[partner, SPOT_Y]
         cb, sb = others_at[partner, SPOT_C], others_at[partner, SPOT_S]
-        # Asked from either side the answer must be one: the lower key comes first.
+        # The answer must be the same for both bodies, so the lower key comes first.
         swapped = index[i, OF_KEY] > index[partner, OF_KEY]
         if swapped:
             a, b, a1, b1 = b, a, b1, a1
@@ -190,12 +190,12 @@ def contact_of(
     return best, normal_x, normal_y, part - first, 0, px, py
 
 
-# ---------------------------------------------------------------- what may stand
+# ---------------------------------------------------------------- allowed poses
 
 
 @njit(cache=True, error_model="numpy")
 def _allowed(new: float, old: float, allowed: float) -> tuple[float, float]:
-    """Return by how much a depth is more than may stand, m, and how far to move out to be as deep as it was, m."""
+    """Return the excess of a depth over the allowed one, m, and how far to move out to be as deep as before, m."""
     if old > TOLERANCE:
         limit = max(old, allowed)
         return new - limit, new - limit
@@ -207,10 +207,10 @@ def wall_excess(
     parts: Floats, pieces: Floats, links: Ints, edges: Floats, index: Ints, around: Ints, old: Floats,
     i: int, x: float, y: float, c: float, s: float,
 ) -> tuple[float, float, int]:  # fmt: skip
-    """Return by how much body i would be too deep in a wall, m, not above 0 if it may stand.
+    """Return by how much body i would be too deep in a wall, m; at most 0 if the pose is allowed.
 
     Returns:
-        The excess; how far to leave, m; the partner, if there is an excess.
+        The excess; how far to move out, m; the partner, if there is an excess.
     """
     first, end, radius = index[i, OF_PARTS], index[i + 1, OF_PARTS], old[i, SPOT_RADIUS]
     wall0, wall1 = index[i, OF_WALLS], index[i + 1, OF_WALLS]
@@ -229,7 +229,7 @@ def wall_excess(
 def body_excess(
     parts: Floats, index: Ints, old: Floats, others_at: Floats, i: int, x: float, y: float, c: float, s: float, j: int
 ) -> tuple[float, float]:
-    """Return by how much body i would be too deep in body j, m, not above 0 if it may stand; how far to leave, m."""
+    """Return by how much body i would be too deep in body j, m, at most 0 if allowed; and how far to move out, m."""
     excess = leave = 0.0
     dx, dy = others_at[j, SPOT_X] - x, others_at[j, SPOT_Y] - y
     reach = old[i, SPOT_RADIUS] + old[j, SPOT_RADIUS]
@@ -247,7 +247,7 @@ def body_excess(
 
 @njit(cache=True, error_model="numpy")
 def may_stand(parts: Floats, index: Ints, old: Floats, at: Floats, i: int, others_at: Floats, j: int) -> bool:
-    """Return whether body i at its spot may stand against body j at its."""
+    """Return whether the spot of body i is allowed against that of body j."""
     excess, _ = body_excess(
         parts, index, old, others_at, i, at[i, SPOT_X], at[i, SPOT_Y], at[i, SPOT_C], at[i, SPOT_S], j
     )
@@ -259,11 +259,11 @@ def _worst(
     parts: Floats, pieces: Floats, links: Ints, edges: Floats, index: Ints, around: Ints, old: Floats, ref: Floats,
     i: int, x: float, y: float, c: float, s: float, any_will_do: bool,
 ) -> tuple[float, float, int]:  # fmt: skip
-    """Return by how much body i is too deep in what it is too deep in most.
+    """Return the largest excess of body i over all partners.
 
     Returns:
-        The excess, m, 0 if the pose may stand; how far to leave, m; the partner. Of equals a wall counts first, then
-        the lower key. If `any_will_do`, the first that is too deep.
+        The excess, m, 0 if the pose is allowed; how far to move out, m; the partner. Of equals a wall counts first,
+        then the lower key. If `any_will_do`, the first partner with an excess.
     """
     excess, leave, partner = wall_excess(parts, pieces, links, edges, index, around, old, i, x, y, c, s)
     if excess <= 0.0:
@@ -285,26 +285,26 @@ def slide(
     parts: Floats, pieces: Floats, links: Ints, edges: Floats, index: Ints, around: Ints, old: Floats, ref: Floats,
     i: int, x: float, y: float, c: float, s: float, most: float,
 ) -> tuple[bool, float, float]:  # fmt: skip
-    """Move body i out of what it is too deep in, along the normals, without turning.
+    """Move body i out of the partners in which it is too deep, along the normals, without turning.
 
     Args:
-        parts: As said above, as the next seven.
-        pieces: As said above.
-        links: As said above.
-        edges: As said above.
-        index: As said above.
-        around: As said above.
-        old: As said above.
-        ref: As said above.
+        parts: As the module says, like the next seven.
+        pieces: As the module says.
+        links: As the module says.
+        edges: As the module says.
+        index: As the module says.
+        around: As the module says.
+        old: As the module says.
+        ref: As the module says.
         i: The body.
-        x: Where it would be.
-        y: Where it would be.
+        x: Its proposed x, m.
+        y: Its proposed y, m.
         c: Cosine of its heading.
         s: Sine of its heading.
-        most: How far it may be moved in all, m; 0 only asks whether it may stand.
+        most: The farthest that it may be moved in total, m; 0 only tests the proposal.
 
     Returns:
-        Whether it then may stand, and where.
+        Whether the pose is then allowed, and the position.
     """
     moved = 0.0
     for push in range(_MOST_PUSHES + 1):

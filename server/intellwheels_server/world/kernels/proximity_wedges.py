@@ -1,8 +1,8 @@
-"""What every proximity sensor of every body measures in one tick: the nearest distance in its wedge.
+"""Measurements of all proximity sensors of all bodies in one tick: the nearest distance in the wedge of each.
 
-One call does all of them. Sensors that are fixed to the same frame, a body or its start, share a mount. What lies
-within the reach of a mount is gathered once, by uniform grids over bodies and walls. Each sensor of the mount then
-tests the gathered boxes and wall pieces whose z range holds its height. A sensor never sees its own body.
+One call serves all of them. Sensors that are fixed to the same frame, a body or its start, share a mount. Things
+within the reach of a mount are gathered once, by uniform grids over bodies and walls. Each sensor of the mount then
+tests the gathered boxes and wall pieces whose z range contains its height. A sensor never sees its own body.
 """
 
 from __future__ import annotations
@@ -85,8 +85,7 @@ def _nearest_box(
         half_sin: Sine of half the cone.
         squares: float64[>= count], scratch.
     """
-    # Every box is measured, since that takes less time on vectors than choosing does when the choice
-    # cannot be predicted.
+    # Every box is measured: on vectors this takes less time than a choice that cannot be predicted.
     for at in range(count):
         c = around[COS, at]
         s = around[SIN, at]
@@ -138,7 +137,7 @@ class Beam(NamedTuple):
 
 @njit(cache=True, error_model="numpy")
 def mount_pose(mounts: Floats, groups: Ints, pose: Floats, mount: int) -> tuple[float, float, float, float]:
-    """Return where a mount is, m, and the cosine and sine of its heading.
+    """Return the position of a mount, m, and the cosine and sine of its heading.
 
     Args:
         mounts: float64[mounts, 4].
@@ -156,7 +155,7 @@ def mount_pose(mounts: Floats, groups: Ints, pose: Floats, mount: int) -> tuple[
 
 @njit(cache=True, error_model="numpy", inline="always")
 def beam_at(beams: Floats, sensor: int, x: float, y: float, c: float, s: float) -> Beam:
-    """Return a sensor's wedge in the world, given where its mount is."""
+    """Return a sensor's wedge in the world, given the pose of its mount."""
     return Beam(
         x + (c * beams[sensor, BEAM_X] - s * beams[sensor, BEAM_Y]),
         y + (s * beams[sensor, BEAM_X] + c * beams[sensor, BEAM_Y]),

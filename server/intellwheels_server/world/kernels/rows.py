@@ -1,4 +1,4 @@
-"""The rows of a state: what each number and flag of a body is. The order is that of the hash.
+"""The rows of a state: the meaning of each number and flag of a body. The hash uses the same order.
 
 Written with the module's name, `numbers[rows.SPEED, i]`, which numba compiles to the constant.
 """
@@ -25,30 +25,30 @@ LEFT_SPEED = 8
 RIGHT_SPEED = 9
 """Speed of the right wheel after the lag, m/s."""
 LEFT_COMMAND = 10
-"""Power last asked for."""
+"""Power last commanded."""
 RIGHT_COMMAND = 11
-"""Power last asked for."""
+"""Power last commanded."""
 LEFT_POWER = 12
 """Power in force, after time-out, rest, halt and take."""
 RIGHT_POWER = 13
 """Power in force."""
 USER_FORWARD = 14
-"""The user's wish forward, in [-1, 1]; 0 once the user is silent."""
+"""Forward that the user wants, in [-1, 1]; 0 once the user is silent."""
 USER_TURN = 15
-"""The user's wish to the left, in [-1, 1]."""
+"""Turn that the user wants, in [-1, 1], positive to the left."""
 ALLOWED_PENETRATION = 16
 """Depth up to which the body may overlap something, because it was put there, m."""
 NUMBER_ROWS = 17
 
 WORLD_EDGE = 10_000.0
-"""Beyond it, on either axis, no message could say where a body is, m."""
+"""Largest coordinate on either axis that a message can carry, m."""
 MOST_SPEED = 100.0
 MOST_TURN_RATE = 1000.0
 """Bounds of the wire, m/s and rad/s: a real chair's pose may jump, and a short period makes any turn fast."""
 
 # Rows of flags, int64[FLAG_ROWS, n].
 COLLISION = 0
-"""1 where the body could not move as it would in the last tick."""
+"""1 where the body could not make the motion it wanted in the last tick."""
 CONTACTS = 1
 """Episodes of contact since the run began."""
 COMMAND_AGE = 2
@@ -56,7 +56,7 @@ COMMAND_AGE = 2
 TIMED_OUT = 3
 """1 once the last command is older than the robot's time-out."""
 RESTED = 4
-"""1 while the pace keeper holds the body at rest for missed answers."""
+"""1 while lockstep keeps the body at rest because of missed answers."""
 HALTED = 5
 """1 while a real body must not move: paused, or not at real time."""
 TAKEN = 6

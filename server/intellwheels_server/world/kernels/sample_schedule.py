@@ -1,8 +1,8 @@
 """When a sensor samples, and where its samples are stored.
 
-Every sensor has a rate and a latency of its own, in ticks. Both follow from the tick alone: a sensor samples every
+Every sensor has its own rate and latency, in ticks. Both follow from the tick alone: a sensor samples every
 `EVERY` ticks from the tick of its first sample, and a reading is the newest sample at least `LATENCY` ticks old.
-So the state holds nothing but the samples, in ring buffers just deep enough.
+So the state holds only the samples, in ring buffers that are just deep enough.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ SCHEDULE_COLUMNS = 8
 
 
 def depth(every: int, latency: int) -> int:
-    """Return how many samples must be kept so that a reading finds its own."""
+    """Return how many samples must be kept for the oldest one that a reading can need."""
     return -(-latency // every) + 1
 
 

@@ -1,7 +1,7 @@
 """Errors that simple sensors share: value = quantise(clip(true + bias + noise)).
 
 A bias is a random walk: each tick adds a normal number times sqrt(T). So after t seconds its standard deviation is the
-declared one times sqrt(t), whatever the period T. It begins at 0.
+declared one times sqrt(t), for any period T. It begins at 0.
 
 Draws of a sensor and tick: axis 0 and 1 noise, 2 and 3 the steps of their biases.
 """
@@ -18,12 +18,12 @@ from intellwheels_server.world.kernels.noise import normal
 from intellwheels_server.world.kernels.sample_schedule import DEPTH, FIRST_SAMPLE, KEY0, KEY1
 
 BIAS_MEMORY = 3
-"""Numbers that a walk of up to two axes remembers: the last tick it stepped at, from 1, and the biases."""
+"""Numbers stored for a random walk of up to two axes: the tick of its last step, from 1, and the biases."""
 
 
 @njit(cache=True, error_model="numpy")
 def memory_of(schedule: Ints, sensor: int, width: int) -> int:
-    """Return the place of the first number that a sensor remembers, behind its samples of so many numbers."""
+    """Return the index of the first number in the memory of a sensor, behind its samples of `width` numbers."""
     return int(schedule[sensor, FIRST_SAMPLE] + schedule[sensor, DEPTH] * width)
 
 
@@ -39,7 +39,7 @@ def walk(
     period: float,
     samples: Floats,
 ) -> None:
-    """Step a sensor's biases, once a tick however often it is called.
+    """Step the biases of a sensor. Further calls in the same tick change nothing.
 
     Args:
         schedule: int64[sensors, 8].
@@ -102,7 +102,7 @@ def spoilt(
         value += sigma * normal(np.uint64(schedule[sensor, KEY0]), np.uint64(schedule[sensor, KEY1]), tick, axis)
     value = min(max(value, -most), most)
     if step > 0.0:
-        # Towards zero at the bound, since no message could say what lies beyond.
+        # Clipped to the bound, since no message can carry a larger value.
         value = step * np.floor(value / step + 0.5)
         if abs(value) > most:
             value -= step if value > 0.0 else -step

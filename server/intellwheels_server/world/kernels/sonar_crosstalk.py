@@ -1,6 +1,7 @@
 """Crosstalk of sonars: one that fires in the same tick may take the chirp of another for its own echo.
 
-It takes two sonars that look at each other with nothing between. Sound that came one way counts as half the way.
+This needs two sonars that face each other with nothing between them. The sound travels one way only, so half the way
+counts.
 """
 
 from __future__ import annotations
@@ -33,8 +34,8 @@ class Sonars(NamedTuple):
         errors: float64[sensors, 2], columns `SONAR_DROPOUT`, `SONAR_CROSSTALK`.
         schedule: int64[sensors, 8].
         owners: int64[sensors], the body of each.
-        poses: float64[sensors, 4], place, m, and unit vector of the direction, in the world, of those that fire.
-        due: int64[k], those that fire, ascending.
+        poses: float64[sensors, 4], position, m, and unit vector of the direction, in the world, of sonars that fire.
+        due: int64[k], sonars that fire, ascending.
     """
 
     beams: Floats
@@ -47,7 +48,7 @@ class Sonars(NamedTuple):
 
 @njit(cache=True, error_model="numpy")
 def hear_others(tick: int, sonars: Sonars, placed: PlacedBodies, walls: Walls, heard: Floats) -> None:
-    """Shorten what sonars that are prone to it heard to half the way to the nearest that chirps at them.
+    """Shorten distances to half the way to the nearest sonar that chirps at a sonar prone to crosstalk.
 
     Args:
         tick: The tick.

@@ -1,16 +1,15 @@
-"""What every sonar of every body hears in one tick: the nearest echo that comes back, not the nearest thing.
+"""Measurements of all sonars of all bodies in one tick: the nearest echo that returns, not the nearest thing.
 
-A smooth wall throws sound away like a mirror: a face of it is heard only while its normal lies within 25 degrees of the
-sensor's axis. Thin posts and bodies are rough and answer from wherever they are seen, but no echo returns from
-what is thinner than a 25 mm post is at 2.4 m, by the angle it fills. What stands behind something is not heard, lost or
-not. Distances come in steps of 8.65 mm, the way of sound there and back in 50 us.
+A smooth wall reflects sound like a mirror: a face is heard only while its normal lies within 25 degrees of the axis of
+the sensor. Thin posts and bodies are rough, so they are heard from every side. A thing returns no echo if it fills a
+smaller angle than a 25 mm post at 2.4 m. A thing behind another one is not heard, even if the echo of the nearer one is
+lost. Distances come in steps of 8.65 mm, which sound travels there and back in 50 us.
 
-A sonar that fires in the same tick as another it looks at, and that looks back, may take the other's chirp for an
-echo: sound that came one way counts as half the way. So this sensor's answers, and no other's, depend on who else is
-there.
+Two sonars that fire in the same tick and face each other may take the chirp of the other for an echo. The sound travels
+one way only, so half the way counts. So only sonars have readings that depend on the sensors of other bodies.
 
 Source:
-    The figures are MODEL.md's; that walls are mirrors and edges weak is Kuc and Siegel (1987), Physically based
+    The numbers are from MODEL.md. Walls as mirrors, and weak edges: Kuc and Siegel (1987), Physically based
     simulation model for acoustic sensor robot navigation, IEEE Transactions on Pattern Analysis 9(6).
 """
 
@@ -84,7 +83,7 @@ _DROPOUT_DRAW = 0
 def _nearest_echo(
     around: Floats, polygons: Ints, solids: Floats, links: Ints, edges: Floats, found: Found, beam: Beam, faces: Floats
 ) -> float:
-    """Return the distance of the nearest echo, m, 0 from inside a thing, inf where none comes back."""
+    """Return the distance of the nearest echo, m; 0 inside a thing, inf if no echo returns."""
     x, y, z, direction_x, direction_y, half_cos, half_sin, farthest = beam
     best = farthest * farthest * (1.0 + SLACK)
     answered = False
@@ -139,7 +138,7 @@ def _nearest_echo(
 
 @njit(cache=True, error_model="numpy")
 def _most_edges(links: Ints) -> int:
-    """Return the edges of the wall piece that has most, at least 4."""
+    """Return the largest number of edges of a wall piece, at least 4."""
     most = 4
     for piece in range(links.shape[0]):
         most = max(most, links[piece, END_EDGE] - links[piece, FIRST_EDGE])
@@ -150,7 +149,7 @@ def _most_edges(links: Ints) -> int:
 def _store(
     tick: int, beams: Floats, errors: Floats, schedule: Ints, due: Ints, slots: Ints, heard: Floats, samples: Floats
 ) -> None:
-    """Store what sonars that fired heard, in steps, or why there is no distance."""
+    """Store the distances of the sonars that fired, in steps, or the status if there is none."""
     for sensor in due:
         slot, way = slots[sensor], heard[sensor]
         samples[slot + 1] = 0.0

@@ -1,4 +1,4 @@
-"""Faces of things as a sonar meets them: which part of a face its cone holds, how wide it is, and what hides it."""
+"""Faces of things seen by a sonar: the part of a face in its cone, the width of that part, and what hides it."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from intellwheels_server.world.kernels.line_of_sight import ray_to_polygon
 from intellwheels_server.world.kernels.spatial_query import CENTRE_X, CENTRE_Y, COS, HIGH, LONG, LOW, SIN, WIDE
 from intellwheels_server.world.kernels.wedge_distance import ray_to_box
 
-# What begins within this of a point of an echo does not hide it, m.
+# A thing that begins within this of the point of an echo does not hide it, m.
 _SKIN = 1e-6
 
 # Columns of a face block, float64[faces, 6], from the sonar: corner, next corner (anticlockwise), unit normal outwards.
@@ -84,7 +84,7 @@ def hidden(
     to_x: float,
     to_y: float,
 ) -> bool:
-    """Return whether something gathered begins before a point, (to_x, to_y) from the sonar."""
+    """Return whether a gathered thing begins before a point, (to_x, to_y) from the sonar."""
     length = math.sqrt(to_x * to_x + to_y * to_y)
     if length <= _SKIN:
         return False
@@ -153,7 +153,7 @@ def faces_of_piece(edges: Floats, first: int, end: int, x: float, y: float, face
 
 @njit(cache=True, error_model="numpy")
 def seen_width(faces: Floats, count: int, to_x: float, to_y: float) -> float:
-    """Return how wide a thing is across the way to a point of it, times the distance of that point."""
+    """Return the width of a thing across the way to a point of it, times the distance of that point."""
     least, most = np.inf, -np.inf
     for face in range(count):
         aside = to_x * faces[face, 1] - to_y * faces[face, 0]

@@ -1,7 +1,7 @@
-"""What is near a place: parts of bodies and pieces of walls, found by uniform grids.
+"""Finds the parts of bodies and the pieces of walls near a place, by uniform grids.
 
-Kernels of range sensors begin with it. Bodies are placed and sorted into a grid once a tick. What lies within reach of
-a sensor is gathered as boxes in rows of numbers, so that loops over them run on vectors. A wall piece that is no
+Kernels of range sensors begin with it. Bodies are placed and sorted into a grid once a tick. Things within the reach of
+a sensor are gathered as boxes in rows of numbers, so that loops over them run on vectors. A wall piece that is no
 rectangle is given by its index.
 """
 
@@ -47,13 +47,13 @@ from intellwheels_server.world.kernels.grid import cell_of
 # vector of its length, half length and width. A wall piece that is no box has NaN for its half length.
 CENTRE_X, CENTRE_Y, EXTENT_X, EXTENT_Y, LOW, HIGH, COS, SIN, LONG, WIDE = 0, 1, 2, 3, 4, 5, 6, 7, 8, 9
 
-# Slack of the culling tests, far above rounding and far below anything built, m.
+# Slack of the culling tests, m: far above rounding, and far below the size of anything real.
 SLACK = 1e-9
 
-# The gathered boxes are filled up to a multiple of this: the widest vectors there are.
+# The gathered boxes are filled up to a multiple of this: the width of the widest vectors.
 LANES = 8
 
-# Corners of a rectangle are rounded; an angle this far from right moves no wall by 1e-10 m.
+# Tolerance of a right angle, since corners are rounded. It moves no wall by 1e-10 m.
 _SQUARE = 1e-14
 
 
@@ -100,7 +100,7 @@ class PlacedBodies(NamedTuple):
 
 
 class Nearby(NamedTuple):
-    """Room for what is gathered about one place after the other.
+    """Buffers for the things that are gathered around one place after the other.
 
     Attributes:
         around: float64[10, boxes + pieces + LANES]: boxes, columns of a block of boxes as rows.
@@ -116,14 +116,14 @@ class Nearby(NamedTuple):
 
 
 class Place(NamedTuple):
-    """A place to gather about.
+    """A place around which things are gathered.
 
     Attributes:
         x: m.
         y: m.
-        reach: How far, m.
+        reach: Largest distance, m.
         owner: Body that is left out.
-        number: Another one for each place with the same `Nearby`.
+        number: Differs for each place that uses the same `Nearby`.
     """
 
     x: float
@@ -134,7 +134,7 @@ class Place(NamedTuple):
 
 
 class Found(NamedTuple):
-    """How much was gathered about a place.
+    """The number of things gathered around a place.
 
     Attributes:
         of_bodies: Boxes that are parts of bodies; they come first.
@@ -184,7 +184,7 @@ def place_boxes(pose: Floats, parts: Floats, part_start: Ints) -> tuple[Floats, 
             high_x = max(high_x, centre_x + extent_x)
             low_y = min(low_y, centre_y - extent_y)
             high_y = max(high_y, centre_y + extent_y)
-        if low_x > high_x:  # a body without parts is nowhere to be seen
+        if low_x > high_x:  # a body without parts cannot be seen
             low_x = high_x = x
             low_y = high_y = y
         extents[body, 0] = 0.5 * (low_x + high_x)
@@ -281,7 +281,7 @@ def place_bodies(pose: Floats, parts: Floats, part_start: Ints) -> PlacedBodies:
 # Inlined, so that the compiler sees that these arrays do not overlap: loops over them then run on vectors.
 @njit(cache=True, error_model="numpy", inline="always")
 def room_for(placed: PlacedBodies, walls: Walls) -> Nearby:
-    """Return room for all that can be gathered about a place."""
+    """Return buffers for all that can be gathered around a place."""
     count = walls.pieces.shape[0]
     around = np.empty((10, placed.boxes.shape[0] + count + LANES))
     return Nearby(around, np.empty(count, np.int64), np.empty((count, 10)), np.full(count, -1, np.int64))
@@ -292,7 +292,7 @@ def gather_bodies(
     place: Place, part_start: Ints, boxes: Floats, extents: Floats, cell_start: Ints, cell_bodies: Ints, grid: BodyGrid,
     around: Floats,
 ) -> int:  # fmt: skip
-    """Gather the parts of bodies within reach of a place; return how many.
+    """Gather the parts of bodies within reach of a place; return their number.
 
     Called for every place, so it takes the arrays of `PlacedBodies` and `Nearby` one by one, as `gather_walls` does.
 
@@ -343,14 +343,14 @@ def gather_walls(
         edges: Of the walls.
         cells: Of the walls.
         frame: Of the walls.
-        near: How many boxes there are.
-        around: Of what is nearby, as the next three; in and out.
-        polygons: Of what is nearby.
-        solids: Of what is nearby.
-        gathered_for: Of what is nearby.
+        near: The number of boxes so far.
+        around: Of the `Nearby`, as the next three; in and out.
+        polygons: Of the `Nearby`.
+        solids: Of the `Nearby`.
+        gathered_for: Of the `Nearby`.
 
     Returns:
-        How many boxes there are then, and how many polygons.
+        The number of boxes afterwards, and the number of polygons.
     """
     x, y, reach, _, number = place
     reach_square = reach * reach

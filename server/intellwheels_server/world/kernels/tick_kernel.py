@@ -1,7 +1,7 @@
 """One step of all bodies, in one call: powers, motors, contact, wheels.
 
-The call from Python takes every array on its own. Passing 13 of them in three named tuples costs 2 us more a call, a
-fifth of the step of one body. Inside, what always travels together is packed into named tuples.
+The call from Python takes every array on its own. Passing 13 of them in three named tuples costs 2 us more per call, a
+fifth of the step of one body. Inside, arrays that always travel together are packed into named tuples.
 """
 
 import numpy as np
@@ -43,7 +43,7 @@ _ROOM = 16
 
 @njit(cache=True, error_model="numpy")
 def _stay_inside(pose: Floats, wheels: Floats, twist: Floats) -> None:
-    """Take their travel from bodies whose arc would lead beyond the edge of the world; they may turn and come back."""
+    """Set the travel to 0 for bodies whose arc leads beyond the edge of the world. They may turn and come back."""
     for i in range(pose.shape[1]):
         reach = abs(twist[TRAVEL, i])
         if abs(pose[rows.X, i]) + reach > rows.WORLD_EDGE or abs(pose[rows.Y, i]) + reach > rows.WORLD_EDGE:
@@ -62,7 +62,7 @@ def _take_over(
     outcome: Floats, outcome_flags: Ints, twist: Floats, motors: Floats, flaws: Floats, limits: Ints, tick: int,
     period: float, numbers: Floats, flags: Ints,
 ) -> None:  # fmt: skip
-    """Write the outcome of contact into the state: poses, speeds, what the wheels rolled."""
+    """Write the outcome of contact into the state: poses, speeds, and how far the wheels rolled."""
     for i in range(numbers.shape[1]):
         numbers[rows.TOUCHING, i] = 1.0 if outcome_flags[TOUCHED, i] != 0 else 0.0
         flags[rows.COLLISION, i] = 1 if outcome_flags[COLLIDED, i] != 0 else 0
@@ -89,7 +89,7 @@ def _take_over(
 
 @njit(cache=True, error_model="numpy", inline="always")
 def _flag_touched(hits: Ints, used: int, limits: Ints, numbers: Floats, flags: Ints) -> None:
-    """Flag both of each hit as touched, and a real body as collided, since what it was moved into counts for both."""
+    """Flag both bodies of each hit as touched, and a real body as collided, since such a hit counts for both."""
     for k in range(used):
         body, other = hits[k, HIT_BODY], hits[k, HIT_OTHER]
         numbers[rows.TOUCHING, body] = 1.0
@@ -140,7 +140,7 @@ def tick_all(
         flaws: float64[FLAW_ROWS, n], rows of `motor_power` and `wheel_slip`.
         noise: int64[2, n], bits of the motors' noise keys.
         limits: int64[2, n], rows of `motor_power`.
-        numbers: float64[NUMBER_ROWS, n], in and out, what was latched already in it.
+        numbers: float64[NUMBER_ROWS, n], in and out; the inputs of the step are in it.
         flags: int64[FLAG_ROWS, n], in and out.
         reported: int64[k], columns of real bodies whose pose was reported for this step, ascending.
         tick: The tick that the step starts from.
@@ -149,7 +149,7 @@ def tick_all(
         staleness: Steps after which a real body's pose is stale, -1 for never.
 
     Returns:
-        What `motor_power.powers` found; the pairs that touched and their numbers, columns of `arrays`' hit blocks.
+        The bits of `motor_power.powers`; the pairs that touched and their numbers, as hit blocks of `arrays`.
     """
     bodies, walls = Bodies(parts, part_start, shape, marks), Walls(pieces, links, edges, cells, frame)
     count = numbers.shape[1]

@@ -2,10 +2,10 @@
 
 A wedge is an apex, a unit direction and half of its opening angle, in (0, pi]. Its distance to
 a solid is that from the apex to the nearest point of solid and wedge together. No fan of rays
-is cast, so nothing slips through between two.
+is cast, so nothing can be missed between two rays.
 
-Why two cases are enough: a convex solid is seen from outside under less than half a turn,
-and along what is seen of it the distance falls to the nearest point and rises behind. So
+Why two cases are enough: seen from outside, a convex solid fills less than half a turn,
+and along its visible edge the distance falls to the nearest point and rises after it. So
 either the nearest point of the solid lies in the wedge, or the nearest visible point is where one of the two
 sides of the wedge meets the solid.
 """
@@ -17,7 +17,7 @@ from numba import njit
 
 from intellwheels_server.world.kernels.arrays import EDGE_X, EDGE_Y, NORMAL_X, NORMAL_Y, Floats
 
-# Stands for 1/0 of a ray along an axis: large enough to be beyond all ranges, and 0 times it is still 0.
+# Used for 1/0 of a ray along an axis: it is beyond all ranges, and 0 times it is still 0.
 _NEVER = 1e300
 _LEAST = 1e-300
 
@@ -49,7 +49,7 @@ def box_in_wedge(
 ) -> float:
     """Return the square of the distance from the apex of a wedge to a box, in the box's own frame.
 
-    There is no branch in it, so that loops over boxes run on vectors.
+    It has no branch, so that loops over boxes run on vectors.
 
     Args:
         x: Apex, from the centre of the box along its length, m.
@@ -119,8 +119,8 @@ def polygon_in_wedge(
     outside = False
     nearest = np.inf
     nearest_x = nearest_y = 0.0
-    # Where the rays along the two sides have entered all half planes and leave the first. One pass
-    # without branches: which edges face the apex cannot be predicted.
+    # The distances at which the rays along the two sides have entered all half planes, and leave the first one.
+    # One pass without branches, because it cannot be predicted which edges face the apex.
     left_enter = right_enter = 0.0
     left_leave = right_leave = np.inf
     last = end_edge - 1

@@ -1,10 +1,10 @@
 """Wheel slip: how far the wheels of a blocked body roll on.
 
-A body that cannot move as its wheels want is blocked. Its wheels then roll what the body moved, and of the motion that
-it was denied the share `Robot.Slip`: 0 for wheels that stop with the body, 1 for wheels that spin freely.
+A body is blocked if it cannot make the motion of its wheels. Its wheels then roll as far as the body moved, plus the
+share `Robot.Slip` of the motion that it could not make. With 0 the wheels stop with the body; with 1 they spin freely.
 
-Another model replaces the rows and the two functions of this file. What else it needs of a robot is a field of `Robot`.
-Both functions are given the period of a tick, and the second the tick, for a model that depends on time.
+Another model replaces the rows and the two functions of this file. Parameters of a robot are fields of `Robot`. Both
+functions get the period of a tick, and the second one also gets the tick, for a model that depends on time.
 """
 
 from numba import njit
@@ -37,10 +37,10 @@ def rolled_while_blocked(
     Args:
         flaws: float64[FLAW_ROWS, n].
         i: The body.
-        travel: What its wheels wanted, m.
-        turn: What its wheels wanted, rad.
-        moved: What the body did, m.
-        turned: What the body did, rad.
+        travel: Travel that its wheels wanted, m.
+        turn: Turn that its wheels wanted, rad.
+        moved: Travel of the body, m.
+        turned: Turn of the body, rad.
         _tick: The tick that the step starts from.
         _period: Simulated time of the tick, s.
     """

@@ -1,10 +1,10 @@
 """The sensors of all bodies: checked at joining, compiled when the bodies change, sampled each tick.
 
-Samples are part of the world's state: one array, which every kind writes its own places of. All else
-follows from the declarations, so that rate, latency and noise need no other memory and any
-state can be copied, kept and gone on from.
+Samples are part of the world's state: one array, in which every kind has its own places. Everything else
+follows from the declarations. So rate, latency and noise need no other memory, and any state can be copied,
+saved and continued.
 
-A new kind of sensor is one file here: `catalogue` finds it.
+A new kind of sensor is one file in this package: `catalogue` finds it.
 """
 
 from __future__ import annotations
@@ -29,13 +29,13 @@ def check_sensors(robot: Robot, floor: Map, *, truth: bool) -> None:
     """Refuse a robot whose sensors cannot be simulated here.
 
     Args:
-        robot: The robot as it wants to join; what documents must fulfil (`rules.check_robot`) it does.
+        robot: The robot as it wants to join. It has passed `rules.check_robot`.
         floor: The map, for what a sensor names on it.
-        truth: Whether agents may know the truth here.
+        truth: Whether this world allows truth sensors.
 
     Raises:
-        RequestRefusedError: With code `value` for figures that do not go together, `truth`, `no-place`, or `mount` for
-            a real body's sensor that is fixed in the world.
+        RequestRefusedError: Codes: `value` if values contradict each other, `truth`, `no-place`, or `mount` if a sensor
+            of a real body is fixed in the world.
     """
     for name, index, declaration in sensors_of(robot):
         where = f"Robot.{name}[{index}]"
@@ -44,7 +44,7 @@ def check_sensors(robot: Robot, floor: Map, *, truth: bool) -> None:
             raise RequestRefusedError("truth", f"{where}: {kind.field} sensors are not allowed in this simulation")
         if robot.type == "real" and getattr(declaration, "mount", "body") == "start":
             raise RequestRefusedError("mount", f"{where}.Mount: expected body for a real robot, got 'start'")
-        if declaration.source == "real":  # the bridge reads it
+        if declaration.source == "real":  # its readings come from the bridge
             continue
         kind.check(where, declaration, floor)
 
@@ -64,7 +64,7 @@ class _Place(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class _Fitting:
-    """The sensors of one body; all its samples lie together."""
+    """The sensors of one body. Its samples are contiguous."""
 
     robot: Robot
     start: Position
@@ -79,9 +79,9 @@ class SensorPlan:
     """All sensors of all bodies, compiled.
 
     Attributes:
-        blocks: By kind, what takes their samples.
-        fittings: By body, in the order of the state's arrays, where its samples are.
-        memory: int64[...], which places of the samples sensors remember from tick to tick, ascending.
+        blocks: The block of each kind, which takes its samples.
+        fittings: The sensors and places of samples of each body, in the order of the state's arrays.
+        memory: int64[...], the places in the samples that are memory of sensors, ascending.
     """
 
     blocks: tuple[Block, ...]
@@ -97,19 +97,19 @@ def plan_sensors(
     before: tuple[SensorPlan, Floats] | None,
     arrived: Set[str] = frozenset(),
 ) -> tuple[SensorPlan, Floats]:
-    """Return the sensors of all bodies, ready to be sampled, and room for their samples.
+    """Return the sensors of all bodies, ready to be sampled, and the array of their samples.
 
-    To be called anew when the bodies or the seed change. Sensors with `Source` real are left out: their
+    Call it again when the bodies or the seed change. Sensors with `Source` real are left out: their
     readings come from the bridge.
 
     Args:
-        bodies: Each body's robot, with its name, and where it joined, in the order of the state's arrays.
+        bodies: The robot of each body, with its name, and its start, in the order of the state's arrays.
             The robots have passed `check_sensors`.
         seed: The run's seed.
         floor: The map.
-        tick: Tick at which sensors that are new take their first sample.
-        before: The plan until now and its samples, which bodies that stay go on with; None begins anew.
-        arrived: Names of bodies that are new, though one of that name was here before.
+        tick: Tick at which new sensors take their first sample.
+        before: The plan so far and its samples, which bodies that stay keep; None if there is none.
+        arrived: Names of bodies that are new, even if a body of the same name was here before.
 
     Returns:
         The plan, and its samples, float64[...].
@@ -177,14 +177,14 @@ def _compiled(kind: Kind, sensors: list[tuple[Fitted, list[int]]]) -> Block:
 def sense(plan: SensorPlan, view: View, tick: int, samples: Floats) -> Floats:
     """Return the samples with those that are due at a tick.
 
-    To be called once for every tick, in order, after the bodies have their poses; calling it again at the
-    same tick takes the same samples again.
+    Call it for every tick, in order, after the bodies have their poses. A second call at the same tick takes
+    the same samples again.
 
     Args:
         plan: The sensors.
         view: The bodies at that tick.
         tick: The tick.
-        samples: Those of the tick before; not changed.
+        samples: The samples of the tick before; not changed.
     """
     if not plan.blocks:
         return samples
@@ -195,16 +195,16 @@ def sense(plan: SensorPlan, view: View, tick: int, samples: Floats) -> Floats:
 
 
 def readings(plan: SensorPlan, samples: Floats, tick: int, body: int) -> Sensors | None:
-    """Return what an agent reads: of each sensor the newest sample that its latency lets through.
+    """Return the readings of an agent: for each sensor the newest sample that is at least as old as its latency.
 
     Args:
         plan: The sensors.
-        samples: With those of this tick.
+        samples: The samples, including those of this tick.
         tick: This tick.
         body: Index of the agent's body.
 
     Returns:
-        None when there is no reading, be it that the body has no sensors or that all are still to come.
+        None if there is no reading: the body has no sensors, or none has a reading yet.
     """
     fitting = plan.fittings[body]
     if not fitting.places:

@@ -1,4 +1,4 @@
-"""Unit vectors of angles in degrees, exact where a heading is: a sensor that looks to the side looks to the side."""
+"""Unit vectors of angles in degrees, exact for quarter turns: a sensor at 90 degrees looks exactly to the side."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Beacons: the bearing of a named place of the map from a point of the body, where it can be seen.
+"""Beacons: the bearing of a named place of the map from a point of the body, if it can be seen from there.
 
 It is seen within the cone and the range, unless a wall or another body stands between at the sensor's height.
 """
@@ -30,12 +30,12 @@ from intellwheels_server.world.sensors.kind import Fitted, Kind, View
 _PLACE_X, _PLACE_Y, _X, _Y, _Z, _COS, _SIN, _HALF_COS, _HALF_SIN, _RANGE = 0, 1, 2, 3, 4, 5, 6, 7, 8, 9
 _SIGMA, _WALK, _STEP = 10, 11, 12
 
-# A sample: 1 where it is seen, and the bearing, rad.
+# A sample: 1 if it is seen, and the bearing, rad.
 _WIDTH = 2
 
 
 def find_place(floor: Map, name: str) -> Place | None:
-    """Return the place of that name, None where the floor has none."""
+    """Return the place of that name, or None if the map has none."""
     places = () if floor.grid is None else floor.grid.position
     return next((place for place in places if place.name == name), None)
 
@@ -132,18 +132,18 @@ class BeaconKind(Kind):
     sample_width = _WIDTH
 
     def check(self, where: str, declaration: Beacon, floor: Map, /) -> None:
-        """Refuse a beacon at a place that the floor does not have."""
+        """Refuse a beacon at a place that the map does not have."""
         if find_place(floor, declaration.place) is None:
-            text = f"{where}.Place: expected a place of floor '{floor.name}', got '{declaration.place}'"
+            text = f"{where}.Place: expected a place of map '{floor.name}', got '{declaration.place}'"
             raise RequestRefusedError("no-place", text)
 
     def examples(self, floor: Map, /) -> tuple[Beacon, ...]:
-        """Return a beacon at the first place of the floor."""
+        """Return a beacon at the first place of the map."""
         place = floor.grid.position[0].name if floor.grid is not None else ""
         return (Beacon(id=self.field, place=place),)
 
     def memory(self, declaration: Beacon, /) -> int:
-        """Return the room of a bias that walks."""
+        """Return the memory of the random walk of the bias, if it has one."""
         return BIAS_MEMORY if declaration.walk_deg > 0.0 else 0
 
     def compile(self, fitted: Sequence[Fitted], schedule: Ints, /) -> BeaconBlock:

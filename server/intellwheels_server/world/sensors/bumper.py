@@ -1,4 +1,4 @@
-"""Bumpers: whether the body touches something, anywhere around it."""
+"""Bumpers: whether the body touches something, on any side."""
 
 from __future__ import annotations
 

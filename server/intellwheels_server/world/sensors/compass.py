@@ -1,4 +1,4 @@
-"""Compasses: the heading, with Gaussian noise, a bias that walks and a quantisation step if declared."""
+"""Compasses: the heading, with Gaussian noise and, if declared, a random walk of the bias and quantisation."""
 
 from __future__ import annotations
 
@@ -62,7 +62,7 @@ class CompassKind(Kind):
     declaration = Compass
 
     def memory(self, declaration: Compass, /) -> int:
-        """Return the room of a bias that walks."""
+        """Return the memory of the random walk of the bias, if it has one."""
         return BIAS_MEMORY if declaration.walk_deg > 0.0 else 0
 
     def compile(self, fitted: Sequence[Fitted], schedule: Ints, /) -> CompassBlock:

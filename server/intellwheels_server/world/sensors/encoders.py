@@ -1,8 +1,8 @@
 """Wheel encoders: whole ticks of both wheels since joining, forward positive.
 
-They count by the wheels as they are: a wheel larger than the nominal one turns less for the same way. With `Drift`
-k each wheel counts a way that is wrong by a normal number of variance k a metre rolled: slipping, uneven ground.
-The variance grows with the way alone, so it does not depend on the tick.
+They count the turns of the true wheels: a wheel larger than the nominal one turns less for the same distance. With
+`Drift` k the distance that a wheel counts has a normal error of variance k per metre rolled, from slip and uneven
+ground. The variance grows with the distance alone, so it does not depend on the period.
 
 Source:
     Borenstein and Feng (1996), Measurement and correction of systematic odometry errors in mobile robots, IEEE
@@ -27,13 +27,13 @@ from intellwheels_server.world.kernels.sample_schedule import BODY, KEY0, KEY1, 
 from intellwheels_server.world.kernels.sensor_errors import memory_of
 from intellwheels_server.world.sensors.kind import Fitted, Kind, View
 
-# The largest count of the wire; a wheel of a nanometre would soon be beyond.
+# The largest count that a message can carry. A wheel of a nanometre would soon exceed it.
 _MOST = float(MAX_INTEGER)
 
-# Columns of the figures, float64[sensors, 3]: ticks a metre of the left and right wheel as it is; variance a metre, m.
+# Columns of the figures, float64[sensors, 3]: ticks per metre of the true left and right wheel; variance per metre, m.
 _LEFT, _RIGHT, _DRIFT = 0, 1, 2
 
-# What encoders remember, from `memory_of` on: ways that the errors cover, m; errors, m; counts.
+# Memory of encoders, from `memory_of` on: distances for which errors were drawn, m; errors, m; counts.
 LEFT_COVERED, RIGHT_COVERED, LEFT_ERROR, RIGHT_ERROR, LEFT_COUNT, RIGHT_COUNT = 0, 1, 2, 3, 4, 5
 COUNT_MEMORY = 6
 
@@ -42,7 +42,7 @@ COUNT_MEMORY = 6
 def count_rolled(
     tick: int, numbers: Floats, figures: Floats, schedule: Ints, sensor: int, place: int, samples: Floats
 ) -> None:
-    """Bring what a sensor remembers up to the ways that its wheels have rolled; again at the same tick changes nothing.
+    """Update the memory of a sensor to the distances that its wheels have rolled. A repetition changes nothing.
 
     Args:
         tick: The tick.
@@ -50,7 +50,7 @@ def count_rolled(
         figures: float64[sensors, 3], as `encoder_figures` gives them.
         schedule: int64[sensors, 8].
         sensor: Row of the schedule and of the figures.
-        place: Where it remembers.
+        place: Index of its memory.
         samples: float64[...], in and out.
     """
     body = schedule[sensor, BODY]
@@ -65,7 +65,7 @@ def count_rolled(
                 samples[place + LEFT_ERROR + wheel] += error
                 samples[place + LEFT_COVERED + wheel] = way
             way += samples[place + LEFT_ERROR + wheel]
-        # Rounded, not cut: a wheel that is back where it was within rounding counts what it counted there.
+        # Rounded, not truncated: a wheel that returns to an angle, within rounding, returns to its count.
         count = np.floor(way * figures[sensor, _LEFT + wheel] + 0.5)
         samples[place + LEFT_COUNT + wheel] = min(max(count, -_MOST), _MOST)
 
@@ -82,7 +82,7 @@ def _take(tick: int, numbers: Floats, figures: Floats, schedule: Ints, samples: 
 
 
 def encoder_figures(robot: Robot, drift: float) -> tuple[float, float, float]:
-    """Return ticks a metre of the left and of the right wheel as it is, and the variance a metre, m."""
+    """Return the ticks per metre of the true left and right wheel, and the variance per metre, m."""
     left, right = wheel_scales(robot.wheel_ratio, robot.wheel_scale)
     return (
         min(robot.encoder_ticks / (math.pi * max(robot.wheel_diameter * left, 5e-324)), _MOST),
@@ -110,7 +110,7 @@ class EncodersKind(Kind):
     sample_width = 2
 
     def memory(self, _declaration: Encoders, /) -> int:
-        """Return the room of errors and counts."""
+        """Return the size of the memory: errors and counts."""
         return COUNT_MEMORY
 
     def compile(self, fitted: Sequence[Fitted], schedule: Ints, /) -> EncodersBlock:

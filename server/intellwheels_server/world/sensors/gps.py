@@ -1,4 +1,4 @@
-"""Positioning: where a point of the body is, with Gaussian noise, a bias that walks, and a quantisation step."""
+"""GPS: the position of a point of the body, with Gaussian noise, a random walk of the bias, and quantisation."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ def _take(tick: int, period: float, numbers: Floats, settings: Floats, schedule:
 
 @dataclass(frozen=True)
 class GPSBlock:
-    """All of them."""
+    """All GPS receivers."""
 
     settings: Floats
     schedule: Ints
@@ -58,7 +58,7 @@ class GPSKind(Kind):
     sample_width = 2
 
     def memory(self, declaration: GPS, /) -> int:
-        """Return the room of a bias that walks."""
+        """Return the memory of the random walk of the bias, if it has one."""
         return BIAS_MEMORY if declaration.walk > 0.0 else 0
 
     def compile(self, fitted: Sequence[Fitted], schedule: Ints, /) -> GPSBlock:

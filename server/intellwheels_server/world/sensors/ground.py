@@ -20,7 +20,7 @@ from intellwheels_server.world.sensors.kind import Fitted, Kind, View
 def _zone_at(corners: Floats, starts: Ints, x: float, y: float) -> int:
     """Return the first zone that holds a point, or -1: a line to the right crosses its edge an odd number of times.
 
-    An edge holds its lower end and not its upper one, so that of two zones side by side one holds the border.
+    An edge includes its lower end and not its upper one, so exactly one of two adjacent zones contains their border.
     """
     for zone in range(starts.shape[0] - 1):
         inside = False
@@ -54,7 +54,7 @@ def _take(
 
 @dataclass(frozen=True)
 class GroundBlock:
-    """All ground sensors, and the zones: corners of all, and where those of each begin and the last end."""
+    """All ground sensors, and the zones: the corners of all, the first corner of each, and the end."""
 
     points: Floats
     corners: Floats

@@ -1,7 +1,7 @@
 """Inertial units: acceleration of the centre of movement along and across, and turn rate.
 
-Acceleration forward is the change of speed in the last tick over its time, to the left speed times turn rate. At the
-first tick there is nothing to compare with: it is 0.
+The forward acceleration is the change of speed in the last tick over the period. The acceleration to the left is speed
+times turn rate. At the first tick there is no earlier speed, and the forward acceleration is 0.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from intellwheels_server.world.sensors.kind import Fitted, Kind, View
 # Columns of the settings, float64[sensors, 6].
 _SIGMA, _STEP, _WALK, _TURN_SIGMA, _TURN_STEP, _TURN_WALK = 0, 1, 2, 3, 4, 5
 _WIDTH = 3
-# Bound of the wire, m/s2.
+# Largest value of a message, m/s2.
 _MOST = 1000.0
 # Behind the biases: the speed at the last tick and at the one before, and the last tick, from 1.
 _LAST, _BEFORE, _AT = BIAS_MEMORY, BIAS_MEMORY + 1, BIAS_MEMORY + 2
@@ -81,7 +81,7 @@ class IMUKind(Kind):
     sample_width = _WIDTH
 
     def memory(self, _declaration: IMU, /) -> int:
-        """Return the room of the biases and of the speeds."""
+        """Return the size of the memory: biases and speeds."""
         return BIAS_MEMORY + 3
 
     def compile(self, fitted: Sequence[Fitted], schedule: Ints, /) -> IMUBlock:

@@ -1,7 +1,7 @@
-"""What a kind of sensor is.
+"""The base class of the kinds of sensors.
 
-A kind is one file of this package. It names the declaration that it serves. It says what a declaration must fulfil,
-how the samples of all its sensors are taken from the world's arrays in one call, and how a sample becomes a reading.
+A kind is one file of this package. It names the declaration that it serves. It checks declarations, takes the samples
+of all its sensors from the world's arrays in one call, and turns a sample into a reading.
 """
 
 from __future__ import annotations
@@ -19,13 +19,13 @@ Declaration = Any
 
 
 class View(NamedTuple):
-    """What sensors can know of the world at a tick.
+    """The world at a tick, as sensors can see it.
 
     Attributes:
         numbers: float64[NUMBER_ROWS, n], of which sensors read the rows up to `TOUCHING` of `kernels.rows`.
         parts: Part block of the bodies.
         part_start: int64[n + 1], the first part of each body and the end.
-        walls: The floor.
+        walls: The walls and obstacles of the map.
         period: Simulated time of a tick, s.
     """
 
@@ -42,9 +42,9 @@ class Fitted(NamedTuple):
     Attributes:
         body: Index of the body.
         robot: The body's robot.
-        start: Where the body joined.
+        start: Pose at which the body joined.
         declaration: The sensor.
-        floor: The map, for what is named on it.
+        floor: The map, for its names.
     """
 
     body: int
@@ -93,9 +93,9 @@ class Kind(ABC):
         """Refuse a declaration that is well-formed but cannot be simulated; by default none.
 
         Args:
-            where: The declaration's place in the wire's names: `Robot.Proximity[2]`.
+            where: The path of the declaration in the message, such as `Robot.Proximity[2]`.
             declaration: The declaration, of a simulated sensor.
-            floor: The map, for what is named on it.
+            floor: The map, for its names.
 
         Raises:
             RequestRefusedError: Why it cannot be simulated.
@@ -108,8 +108,8 @@ class Kind(ABC):
     def memory(self, _declaration: Declaration, /) -> int:
         """Return the numbers that the sensor remembers from tick to tick; by default 0.
 
-        They are stored behind its samples, begin as 0 and are part of the hash. Sensing twice at one tick must leave
-        them as sensing once does.
+        They are stored behind its samples, start as 0 and are part of the hash. A second sampling at the same tick must
+        not change them.
         """
         return 0
 

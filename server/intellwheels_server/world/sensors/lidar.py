@@ -1,4 +1,4 @@
-"""Lidars: ranges by angle. See `kernels.lidar_rays` for how they are found and what goes wrong."""
+"""Lidars: ranges by angle. `kernels.lidar_rays` computes them and their errors."""
 
 from __future__ import annotations
 
@@ -13,15 +13,15 @@ from intellwheels_server.world.kernels.lidar_rays import scan
 from intellwheels_server.world.sensors.angles import unit_vector
 from intellwheels_server.world.sensors.kind import Fitted, Kind, View
 
-# By the whole number that stands for it, negated.
+# The status of a ray, at the index of its negated code.
 _STATUS: tuple[Status, ...] = ("ok", "none", "near", "fault")
 
 
 def angles(declaration: Lidar) -> tuple[float, float]:
-    """Return the angle of the first ray in the body frame and that from ray to ray, degrees.
+    """Return the angle of the first ray in the body frame and the step from ray to ray, degrees.
 
-    The first and the last ray are the edges of the field of view; all around, they are one step apart. A single ray is
-    the middle.
+    The first and the last ray are the edges of the field of view. In a full circle they are one step apart. A single
+    ray is in the middle.
     """
     gaps = declaration.rays if declaration.fov_deg >= 360.0 else declaration.rays - 1
     if declaration.rays == 1:
@@ -32,7 +32,7 @@ def angles(declaration: Lidar) -> tuple[float, float]:
 
 @dataclass(frozen=True)
 class LidarBlock:
-    """All lidars: what `scan` takes of them."""
+    """All lidars, as `scan` takes them."""
 
     scanners: Floats
     reels: Ints

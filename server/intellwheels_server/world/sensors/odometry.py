@@ -1,11 +1,11 @@
-"""Odometry: the pose since joining, integrated tick by tick from the encoders' counts with the nominal figures.
+"""Odometry: the pose since joining, integrated tick by tick from the encoders' counts with the nominal dimensions.
 
-It begins at (0, 0, 0), where the body joined and as it stood. It reads the robot's first simulated encoders and errs as
-they do, by the same noise; a robot without any has perfect ones.
+It begins at (0, 0, 0), the pose at which the body joined. It reads the first simulated encoders of the robot and has
+their errors, from the same noise. For a robot without encoders it uses perfect ones.
 
 Source:
-    Drift with a variance of k metres a metre and wheel: sd(heading) = sqrt(2 k L) / b after L metres straight on, and
-    sd(aside) = sqrt(2 k L^3 / 3) / b, b the track.
+    Drift with a variance of k metres per metre for each wheel: sd(heading) = sqrt(2 k L) / b after L metres straight
+    on, and sd(lateral) = sqrt(2 k L^3 / 3) / b, with b the track.
 """
 
 from __future__ import annotations
@@ -34,10 +34,10 @@ from intellwheels_server.world.sensors.encoders import (
 from intellwheels_server.world.sensors.kind import Fitted, Kind, View
 
 ODOMETRY_STREAM: Final = "@odometry"
-"""The noise stream of odometry without encoders; no sensor's id can begin so."""
+"""The noise stream of odometry without encoders. No sensor can have this id."""
 
 _WIDTH = 3
-# Behind what the encoders remember: the counts that are in the pose, and the pose.
+# Behind the memory of the encoders: the counts that the pose includes, and the pose.
 _LEFT_USED, _RIGHT_USED, _X, _Y, _HEADING = (
     COUNT_MEMORY,
     COUNT_MEMORY + 1,
@@ -45,7 +45,7 @@ _LEFT_USED, _RIGHT_USED, _X, _Y, _HEADING = (
     COUNT_MEMORY + 3,
     COUNT_MEMORY + 4,
 )
-# Columns of the nominal figures, float64[sensors, 2]: metres a tick, track in metres.
+# Columns of the nominal dimensions, float64[sensors, 2]: metres per tick, track in metres.
 _WAY, _TRACK = 0, 1
 
 
@@ -97,12 +97,12 @@ class OdometryKind(Kind):
     sample_width = _WIDTH
 
     def stream(self, sensor: Fitted) -> str:
-        """Return the stream of the encoders that it reads, so that it errs as they do."""
+        """Return the stream of the encoders that it reads, so that it has their errors."""
         read = read_encoders(sensor.robot)
         return ODOMETRY_STREAM if read is None else str(read.id)
 
     def memory(self, _declaration: Odometry, /) -> int:
-        """Return the room of what the encoders remember, and of the pose."""
+        """Return the size of the memory: that of the encoders, and the pose."""
         return COUNT_MEMORY + 5
 
     def compile(self, fitted: Sequence[Fitted], schedule: Ints, /) -> OdometryBlock:

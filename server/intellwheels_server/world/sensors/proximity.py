@@ -1,8 +1,8 @@
-"""Proximity sensors: the nearest distance in a wedge, as it is, as an infrared sensor or as a sonar tells it.
+"""Proximity sensors: the nearest distance in a wedge, exact or as an infrared sensor or a sonar measures it.
 
-`ideal` tells the exact distance. `infrared` measures by triangulation: its voltage is V = c / d, so that noise of
-the voltage becomes a standard deviation that grows with the square of the distance; it never tells beyond its range.
-`sonar` hears only what echoes: see `kernels.sonar_echoes`. Kernels of `kernels.proximity_wedges` find the distances.
+`ideal` gives the exact distance. `infrared` measures by triangulation: its voltage is V = c / d, so noise of the
+voltage becomes a standard deviation that grows with the square of the distance. It never reports beyond its range.
+`sonar` hears only echoes: see `kernels.sonar_echoes`. Kernels of `kernels.proximity_wedges` find the distances.
 """
 
 from __future__ import annotations
@@ -46,7 +46,7 @@ _SIGMA, _DROPOUT, _NEAREST, _FARTHEST = 0, 1, 2, 3
 
 @njit(cache=True, error_model="numpy")
 def _spoil(tick: int, infrared: Floats, schedule: Ints, samples: Floats) -> None:
-    """Make the exact samples that were taken at a tick those of infrared sensors."""
+    """Turn the exact samples that were taken at a tick into those of infrared sensors."""
     for sensor in range(infrared.shape[0]):
         slot = due_slot(schedule, sensor, tick, SAMPLE_WIDTH)
         if slot < 0:
@@ -62,7 +62,7 @@ def _spoil(tick: int, infrared: Floats, schedule: Ints, samples: Floats) -> None
 
 
 class _Grouped(NamedTuple):
-    """Sensors by the frames they look from, as kernels take them."""
+    """Sensors grouped by their mounts, as kernels take them."""
 
     mounts: Floats
     groups: Ints
@@ -71,7 +71,7 @@ class _Grouped(NamedTuple):
 
 @dataclass(frozen=True)
 class ProximityBlock:
-    """All proximity sensors: those that are no sonars, errors of the infrared ones among them, and sonars."""
+    """All proximity sensors: ideal and infrared ones, the errors of the infrared ones, and sonars."""
 
     seeing: _Grouped
     seeing_schedule: Ints
@@ -126,13 +126,13 @@ class ProximityKind(Kind):
         )
 
     def check(self, where: str, declaration: Proximity, _floor: Map, /) -> None:
-        """Refuse an error that the model does not have, and a firing group that the rate leaves no tick for."""
+        """Refuse an error that the model does not have, and a firing group that has no tick at this rate."""
         if declaration.model == "ideal" and declaration.dropout > 0.0:
             raise RequestRefusedError(
-                "value", f"{where}.Dropout: expected 0 of the model ideal, got {declaration.dropout}"
+                "value", f"{where}.Dropout: expected 0 with the model ideal, got {declaration.dropout}"
             )
         if declaration.model != "sonar" and declaration.crosstalk > 0.0:
-            text = f"{where}.Crosstalk: expected 0 of the model {declaration.model}, got {declaration.crosstalk}"
+            text = f"{where}.Crosstalk: expected 0 with the model {declaration.model}, got {declaration.crosstalk}"
             raise RequestRefusedError("value", text)
         if not declaration.group < declaration.every:
             text = f"{where}.Group: expected less than Every {declaration.every}, got {declaration.group}"
@@ -171,7 +171,7 @@ def _infrared(declaration: Proximity) -> tuple[float, ...]:
 
 
 def _grouped(fitted: Sequence[Fitted]) -> _Grouped:
-    """Return the sensors; those of one body and one mount share a mount."""
+    """Return the sensors grouped: those of one body and one frame share a mount."""
     mounts: list[tuple[float, float, float, float]] = []
     groups: list[tuple[int, bool, int, int]] = []
     beams: list[tuple[float, ...]] = []

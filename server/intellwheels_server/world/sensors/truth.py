@@ -1,4 +1,4 @@
-"""Truth: the pose and twist as they are, for agents that may know them."""
+"""Truth: the true pose and twist, for simulations that allow it."""
 
 from __future__ import annotations
 

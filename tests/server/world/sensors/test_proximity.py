@@ -87,8 +87,8 @@ def test_bodies_see_one_another_across_the_same_gap() -> None:
 @pytest.mark.parametrize(
     ("fields", "text"),
     [
-        ({"dropout": 0.1}, r"Dropout: expected 0 of the model ideal, got 0.1"),
-        ({"model": "infrared", "crosstalk": 0.1}, r"Crosstalk: expected 0 of the model infrared, got 0.1"),
+        ({"dropout": 0.1}, r"Dropout: expected 0 with the model ideal, got 0.1"),
+        ({"model": "infrared", "crosstalk": 0.1}, r"Crosstalk: expected 0 with the model infrared, got 0.1"),
         ({"model": "sonar", "group": 2, "every": 2}, r"Group: expected less than Every 2, got 2"),
     ],
 )

@@ -118,9 +118,7 @@ def _known(sensor_id: str) -> dict[str, Any]:
 
 
 def test_beacon_for_a_place_that_the_floor_has_not_is_refused() -> None:
-    with pytest.raises(
-        RequestRefusedError, match=r"Robot.Beacon\[0\].Place: expected a place of floor 'test', got 'x'"
-    ):
+    with pytest.raises(RequestRefusedError, match=r"Robot.Beacon\[0\].Place: expected a place of map 'test', got 'x'"):
         check_sensors(Robot(beacon=(Beacon(id="b", place="x"),)), floor_of(), truth=False)
 
 
