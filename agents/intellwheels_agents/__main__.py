@@ -62,7 +62,7 @@ def parser() -> argparse.ArgumentParser:
     result.add_argument(
         "--robot",
         metavar="NAME|FILE",
-        help=f"the body: a shipped robot or a robot file (default: {DEFAULT_ROBOT}; door and table have their own)",
+        help=f"the body: an included robot or a robot file (default: {DEFAULT_ROBOT}; door and table have their own)",
     )
     result.add_argument(
         "--numbered",

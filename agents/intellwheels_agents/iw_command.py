@@ -1,4 +1,4 @@
-"""`iw`: every command of IntellWheels under one name, lists of what is shipped, and shell completion.
+"""`iw`: every command of IntellWheels under one name, lists of what is included, and shell completion.
 
 `iw run figure6` is `iw-run figure6`. The commands are found by their entry points, because rooms do not import each
 other; a command whose extra is not installed says which one it needs.
@@ -52,7 +52,7 @@ def parser() -> argparse.ArgumentParser:
         description="IntellWheels: a simulation service for intelligent wheelchairs.",
         epilog=(
             f"commands (each with its own --help):\n{lines}\n"
-            f"  iw {'list KIND':{width}}what is shipped: {', '.join(KINDS)}\n"
+            f"  iw {'list KIND':{width}}what is included: {', '.join(KINDS)}\n"
             f"  iw {'completion SHELL':{width}} completion for {', '.join(shtab.SUPPORTED_SHELLS)}\n\n"
             "examples:\n"
             "  iw run figure6 --view          three chairs, a table and a door, on a page in your browser\n"
@@ -106,11 +106,11 @@ def _loaded(name: str) -> Callable[[Sequence[str]], int] | None:
 
 
 def _list(words: Sequence[str]) -> int:
-    """Print what is shipped, one name a line, with its title where it has one."""
-    about = "List what is shipped, or the places of a map. The kind `floors` lists the maps."
+    """Print what is included, one name a line, with its title where it has one."""
+    about = "List what is included, or the places of a map. The kind `floors` lists the maps."
     wanted = argparse.ArgumentParser(prog="iw list", description=about)
     wanted.add_argument("kind", metavar="KIND", choices=KINDS, help=", ".join(KINDS))
-    wanted.add_argument("floor", metavar="MAP", nargs="?", help="for places: a shipped map, or a map file")
+    wanted.add_argument("floor", metavar="MAP", nargs="?", help="for places: an included map, or a map file")
     given = wanted.parse_args(words)
     if (given.kind == "places") != (given.floor is not None):
         expected = "expected a MAP after places" if given.floor is None else f"expected no MAP after {given.kind}"
@@ -177,7 +177,7 @@ def _completion(words: Sequence[str]) -> int:
             continue  # its extra is not installed
         name = point.name.removeprefix(_PREFIX)
         below.add_parser(name, parents=[found], add_help=False, help=COMMANDS.get(name, ""))
-    listing = below.add_parser("list", help="what is shipped")
+    listing = below.add_parser("list", help="what is included")
     listing.add_argument("kind", choices=KINDS)
     print(shtab.complete(whole, shell=shell))
     return 0

@@ -57,7 +57,9 @@ def parser() -> argparse.ArgumentParser:
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     add_version_option(found)
-    found.add_argument("scene", metavar="SCENE", help=f"a shipped scene ({', '.join(names('scenes'))}) or an XML file")
+    found.add_argument(
+        "scene", metavar="SCENE", help=f"an included scene ({', '.join(names('scenes'))}) or an XML file"
+    )
     found.add_argument(
         "--view", action="store_true",
         help="serve a page that shows and controls the run, until Ctrl-C; the default pace is then realtime",

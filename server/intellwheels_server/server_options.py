@@ -62,7 +62,7 @@ def _add_world_options(group: argparse._ArgumentGroup) -> None:
         help="take map, seed, period, pace, end condition, agents and speech options from a scene",
     )
     group.add_argument(
-        "--map", metavar="NAME|FILE", help=f"the map: a shipped one, or a file (default: {DEFAULT_FLOOR})"
+        "--map", metavar="NAME|FILE", help=f"the map: an included one, or a file (default: {DEFAULT_FLOOR})"
     )
     group.add_argument("--seed", metavar="TEXT", help=f"the seed of all noise (default: {defaults.SEED})")
     group.add_argument(

@@ -1,4 +1,4 @@
-"""What is shipped is whole: the wheel has what it needs, and runs a scene far from the checkout."""
+"""What is included is whole: the wheel has what it needs, and runs a scene far from the checkout."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The shipped floors have the dimensions that the scenes need. Shapely checks them, not the project's own geometry."""
+"""The included floors have the dimensions that the scenes need. Shapely checks them, not the project's own geometry."""
 
 from __future__ import annotations
 

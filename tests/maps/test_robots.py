@@ -1,4 +1,4 @@
-"""The shipped robots have the dimensions of the design: turning radii, heights, sensor positions."""
+"""The included robots have the dimensions of the design: turning radii, heights, sensor positions."""
 
 from __future__ import annotations
 

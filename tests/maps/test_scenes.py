@@ -1,4 +1,4 @@
-"""The shipped scenes are consistent: floor, robots, places, and the path through the door."""
+"""The included scenes are consistent: floor, robots, places, and the path through the door."""
 
 from __future__ import annotations
 

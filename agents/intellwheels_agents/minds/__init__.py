@@ -1,4 +1,4 @@
-"""The shipped minds, one file each. A file is a mind if it defines a class `Mind` or a function `make(context)`.
+"""The included minds, one file each. A file is a mind if it defines a class `Mind` or a function `make(context)`.
 
 It may also define `equip(robot, options)`, which returns the robot to join with, for example with a sensor that an
 option asks for.
@@ -36,7 +36,7 @@ class Source:
 
 
 def names() -> list[str]:
-    """Return the names of the shipped minds, sorted."""
+    """Return the names of the included minds, sorted."""
     entries = [entry.name for entry in files(__name__).iterdir()]
     return sorted(name[:-3] for name in entries if name.endswith(".py") and not name.startswith("_"))
 
@@ -45,7 +45,7 @@ def find(name_or_path: str) -> Source:
     """Return what the file of a mind provides.
 
     Args:
-        name_or_path: The name of a shipped mind, or the path of a Python file.
+        name_or_path: The name of an included mind, or the path of a Python file.
 
     Raises:
         OptionError: There is no such mind or file, or the file defines no mind. Exceptions of the file itself pass.

@@ -38,7 +38,7 @@ class Batch:
         subject: The agent that is measured.
         floor: The map.
         source: The scene's name or path, as the simulator gets it.
-        folder: Where relative paths in the scene start; None for a shipped scene.
+        folder: Where relative paths in the scene start; None for an included scene.
         out: The batch's folder.
         jobs: Number of workers at a time.
         timeout: Seconds of wall time that a run may take.

@@ -87,7 +87,7 @@ class WorkerSettings:
 
     Attributes:
         source: The scene's name or path, as the simulator gets it.
-        folder: Where relative paths in the scene start; None for a shipped scene.
+        folder: Where relative paths in the scene start; None for an included scene.
         logs: A folder for the logs of the processes.
         runs: A folder for the files that the simulators write of each run.
         timeout: Seconds of wall time that a run may take.

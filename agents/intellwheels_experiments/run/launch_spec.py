@@ -39,7 +39,7 @@ class LaunchSpec:
     Attributes:
         scene: The scene, with the pace and the seed of this run.
         source: The scene's name or path, as the simulator gets it.
-        folder: Where relative paths in the scene start; None for a shipped scene.
+        folder: Where relative paths in the scene start; None for an included scene.
         floor: The scene's map.
         world: The world's name.
         listen: Endpoints at which the simulator listens. The other processes connect to them.
@@ -223,7 +223,7 @@ def link_arguments(world: str, listen: Sequence[str] = (), connect: Sequence[str
 
 
 def resolved(name_or_path: str, folder: Path | None) -> str:
-    """Return a path as an absolute one that starts at `folder`, and the name of something shipped unchanged."""
+    """Return a path as an absolute one that starts at `folder`, and the name of something included unchanged."""
     return str((folder or Path()).absolute() / name_or_path) if is_path(name_or_path) else name_or_path
 
 

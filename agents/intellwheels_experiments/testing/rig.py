@@ -45,8 +45,8 @@ class Rig(ProcessGroup):
 
     Args:
         logs: The folder of the processes' logs. It is made if it does not exist.
-        floor: A shipped map or the path of one. Default: the scene's map, or `room`.
-        scene: A shipped scene or the path of one, for its map, seed, period and end. `cast` starts its agents.
+        floor: An included map or the path of one. Default: the scene's map, or `room`.
+        scene: An included scene or the path of one, for its map, seed, period and end. `cast` starts its agents.
         pace: `lockstep`, `realtime` or `free`. Default: the scene's pace, or `lockstep`.
         seed: The seed of all noise. Default: the scene's seed, or `1`.
         miss: What happens in lockstep if an answer does not come: `strict` ends the run, `elastic` continues without
@@ -148,10 +148,10 @@ class Rig(ProcessGroup):
 
         Args:
             name: Its name.
-            mind: A shipped mind, the path of a Python file, or the command of any program as a sequence of arguments.
+            mind: An included mind, the path of a Python file, or the command of any program as a sequence of arguments.
                 In a command `{endpoint}`, `{world}` and `{name}` are replaced. The program also finds them in its
                 environment, as IW_ENDPOINT, IW_WORLD and IW_NAME.
-            robot: Its body: a shipped robot or the path of one. Default: the mind's own. Not for a command.
+            robot: Its body: an included robot or the path of one. Default: the mind's own. Not for a command.
             place: The place of the map where it starts. Default: any free place. Not for a command.
             encoding: The encoding of its messages, `json` or `xml`. Not for a command.
             may_end: Whether the process may end with another code than 0. Otherwise that fails the test.

@@ -9,7 +9,7 @@ same states, to the bit, on every machine. The service, re-simulation and experi
 with these functions only.
 
 Example:
-    A shipped chair drives forward for a second.
+    An included chair drives forward for a second.
 
     >>> from intellwheels_maps import floor, robot
     >>> from intellwheels_schemas.messages import Actions

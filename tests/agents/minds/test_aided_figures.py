@@ -2,7 +2,7 @@
 
 The doorway of 0.813 m and the wall at 0.152 m are what Levine et al. (1999), The NavChair Assistive Wheelchair
 Navigation System, report; 0.104 m and 1.17 m/s are what this project asks for besides. The chairs are those that are
-shipped, 0.62 to 0.66 m wide.
+included, 0.62 to 0.66 m wide.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Shipped minds are found by name, a user's own by the path of a file."""
+"""Included minds are found by name, a user's own by the path of a file."""
 
 from __future__ import annotations
 
@@ -13,8 +13,8 @@ from tests.agents.kinematics import RUN, context
 
 
 def test_all_expected_minds_are_there() -> None:
-    shipped = {"aided", "avoid", "car", "door", "drive", "driver", "follow", "joystick", "person", "seek", "table"}
-    assert {*shipped, "waypoints"} == set(minds.names())
+    included = {"aided", "avoid", "car", "door", "drive", "driver", "follow", "joystick", "person", "seek", "table"}
+    assert {*included, "waypoints"} == set(minds.names())
     for name in minds.names():
         assert callable(minds.find(name).make)
 

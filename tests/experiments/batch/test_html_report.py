@@ -70,7 +70,7 @@ def test_page_has_rows_comparison_unfinished_runs_and_origin() -> None:
 
 
 def whole(name: str, succeeded: Callable[[str], bool]) -> str:
-    """Return the page of a shipped experiment, of one run a row."""
+    """Return the page of an included experiment, of one run a row."""
     document = scene(name)
     rows = rows_of(document)
     runs = [stored(row.name, "1", success=succeeded(row.name)) for row in rows]
