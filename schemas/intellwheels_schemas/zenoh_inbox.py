@@ -136,8 +136,3 @@ class Inbox:
         """Wait until something is there or the time is up; return whether something is there."""
         with self._some:
             return bool(self._kept) or self._some.wait(max(seconds, 0.0))
-
-    def wake(self) -> None:
-        """End a wait from another thread."""
-        with self._some:
-            self._some.notify_all()
