@@ -5,8 +5,6 @@ Bugs in this project are not errors of these kinds. They crash with a traceback.
 
 from __future__ import annotations
 
-from typing import Final
-
 from intellwheels_schemas.messages import ErrorCode, RefusedCode
 
 
@@ -38,18 +36,6 @@ class RequestRefusedError(ValueError):
         super().__init__(text)
         self.code: RefusedCode = code
         self.text = text
-
-
-REFUSED_FOR: Final[dict[ErrorCode, RefusedCode]] = {
-    "malformed": "value",
-    "encoding": "version",
-    "version": "version",
-    "field": "field",
-    "value": "value",
-    "too-long": "limit",
-    "too-many": "limit",
-}
-"""Code of the refusal for each code of an error in the bytes of a join."""
 
 
 def wrong_value(where: str, expected: str, got: object, code: ErrorCode = "value") -> WireError:

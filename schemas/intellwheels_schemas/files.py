@@ -40,26 +40,18 @@ class Lines:
             place = place.rpartition(".")[0]
         return max(self._lines.get(place, 1), 1)
 
-    def of(self, *path: str | int) -> int:
-        """Return the line of an element: `of("Wall", 3)`, `of("Grid", "Position", 0)`."""
-        root = next(iter(self._lines))
-        place = "".join(f"[{step}]" if isinstance(step, int) else f".{step}" for step in path)
-        return self.at(f"{root}{place}")
-
     def error(self, wrong: WireError) -> WireError:
         """Return the same error with file and line before its text."""
         place = f"{self.file}:{self.at(wrong.where)}"
         return WireError(wrong.code, f"{place}: {wrong.text}", place)
 
 
-def read_with_lines(cls: type[_M], file: str | Path | Traversable, *, with_rules: bool = True) -> tuple[_M, Lines]:
+def read_with_lines(cls: type[_M], file: str | Path | Traversable) -> tuple[_M, Lines]:
     """Return a document and the lines of its elements.
 
     Args:
         cls: The class of the document.
         file: Path, or a resource of a package.
-        with_rules: Whether the rules that span several fields are checked. They stop at the first error, so a caller
-            whose own checks find all errors passes False.
 
     Raises:
         WireError: The file is missing, too long or invalid; place and text start with file and line.
@@ -71,10 +63,10 @@ def read_with_lines(cls: type[_M], file: str | Path | Traversable, *, with_rules
         raise WireError("value", f"{path}: expected a file, got {error.strerror}", str(path)) from None
     if len(data) > MAX_FILE_BYTES:
         raise too_long(str(path), MAX_FILE_BYTES, "bytes", len(data))
-    return read_bytes(cls, data, str(path), with_rules=with_rules)
+    return read_bytes(cls, data, str(path))
 
 
-def read_bytes(cls: type[_M], data: bytes, name: str, *, with_rules: bool = True) -> tuple[_M, Lines]:
+def read_bytes(cls: type[_M], data: bytes, name: str) -> tuple[_M, Lines]:
     """Return a document from the bytes of an XML file, and the lines of its elements. Errors give the file as `name`.
 
     Raises:
@@ -96,20 +88,10 @@ def read_bytes(cls: type[_M], data: bytes, name: str, *, with_rules: bool = True
             message = msgspec.convert(plain, cls)
         except msgspec.ValidationError:
             message = from_plain(cls, plain)
-        if with_rules:
-            rules.check(message)
+        rules.check(message)
     except WireError as error:
         raise lines.error(error) from None
     return message, lines
-
-
-def read_file(cls: type[_M], file: str | Path | Traversable, *, with_rules: bool = True) -> _M:
-    """Return a document, as `read_with_lines` does.
-
-    Raises:
-        WireError: As for `read_with_lines`.
-    """
-    return read_with_lines(cls, file, with_rules=with_rules)[0]
 
 
 def write_file(message: Record) -> str:

@@ -1,4 +1,4 @@
-"""Generates files from the message classes, and checks that no released field changes."""
+"""Generates files from the message classes."""
 
 from __future__ import annotations
 
@@ -119,24 +119,3 @@ def fields() -> dict[str, dict[str, dict[str, Any]]]:
 def released_text() -> bytes:
     """Return the text of `released.json` for the current classes."""
     return _pretty(fields())
-
-
-def broken_promises(released: dict[str, dict[str, dict[str, Any]]]) -> list[str]:
-    """Return, in words, all changes that break programs of the released version.
-
-    New classes and new optional fields are allowed. Released ones must not be removed or changed.
-    """
-    now = fields()
-    broken = []
-    for name, members in released.items():
-        for wire, signature in members.items():
-            place = f"{name}.{wire}"
-            if name not in now or wire not in now[name]:
-                broken.append(f"{place}: expected to stay, it was removed")
-            elif now[name][wire] != signature:
-                broken.append(f"{place}: expected {signature}, got {now[name][wire]}")
-    for name, members in now.items():
-        for wire, signature in members.items():
-            if name in released and wire not in released[name] and signature["Required"]:
-                broken.append(f"{name}.{wire}: expected new fields to be optional, it is required")
-    return broken

@@ -1,11 +1,10 @@
-"""Rules that span several fields, one function per class. Pure. `decode` and `read_file` apply them.
+"""Rules that span several fields, one function per class. Pure. `decode` and `read_bytes` apply them.
 
 `messages` declares the bounds of each field; this module checks fields against each other.
 """
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Iterator
 from typing import Any, Final, NamedTuple, Protocol
 
@@ -131,14 +130,6 @@ def joins_barrier(robot: Robot) -> bool:
     if robot.barrier is not None:
         return robot.barrier
     return robot.role == "mind" or has_motors(robot)
-
-
-def radius_of(robot: Robot) -> float:
-    """Return the distance from the centre of movement to the farthest corner, in metres; 0 for a mind."""
-    return max(
-        (math.hypot(abs(part.x) + part.length / 2, abs(part.y) + part.width / 2) for part in parts_of(robot)),
-        default=0.0,
-    )
 
 
 def _check_form(robot: Robot, where: str) -> None:

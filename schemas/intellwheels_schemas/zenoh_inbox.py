@@ -148,8 +148,3 @@ class Inbox:
         """Wait for an arrival or the time-out; return whether there is an arrival."""
         with self._some:
             return bool(self._kept) or self._some.wait(max(seconds, 0.0))
-
-    def wake(self) -> None:
-        """End a wait from another thread."""
-        with self._some:
-            self._some.notify_all()

@@ -4,7 +4,6 @@ from typing import get_args
 
 from intellwheels_schemas import codes
 from intellwheels_schemas.channels import CHANNELS, VERB_CLASSES
-from intellwheels_schemas.errors import REFUSED_FOR
 from intellwheels_schemas.messages import ERROR_CODES, EVENT_CODES, REFUSED_CODES, RESULT_CODES, MotorState
 
 
@@ -20,8 +19,3 @@ def test_every_code_has_a_meaning() -> None:
 def test_every_verb_says_what_it_is_in_ros() -> None:
     assert codes.ROS_VERB.keys() == VERB_CLASSES.keys()
     assert codes.ROS_KEY.keys() <= CHANNELS.keys()
-
-
-def test_refusals_for_wrong_bytes_are_codes_of_refusals() -> None:
-    assert set(REFUSED_FOR.values()) <= set(REFUSED_CODES)
-    assert REFUSED_FOR.keys() <= set(ERROR_CODES)

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from intellwheels_schemas.errors import WireError
-from intellwheels_schemas.files import read_bytes, read_file, read_with_lines, write_file
+from intellwheels_schemas.files import read_bytes, read_with_lines, write_file
 from intellwheels_schemas.messages import Map, Record, Robot, Scene
 from intellwheels_schemas.vectors import DOOR, ROOM, VALID
 
@@ -32,19 +32,19 @@ def write(folder: Path, corner: str) -> Path:
 
 def refusal(path: Path, cls: type[Record] = Map) -> WireError:
     with pytest.raises(WireError) as caught:
-        read_file(cls, path)
+        read_with_lines(cls, path)
     return caught.value
 
 
 def test_file_is_read_and_its_elements_have_lines(tmp_path: Path) -> None:
     path = write(tmp_path, '<Corner X="2" Y="0"/>')
     floor, lines = read_with_lines(Map, path)
-    assert floor == read_file(Map, str(path))
+    assert floor == read_with_lines(Map, str(path))[0]
     assert floor.wall[1].corner[1].x == 2.0
-    assert lines.of("Wall", 0) == 4
-    assert lines.of("Wall", 0, "Corner", 2) == 6
-    assert lines.of("Wall", 1) == 8
-    assert lines.of("Wall", 7) == 3
+    assert lines.at("Map.Wall[0]") == 4
+    assert lines.at("Map.Wall[0].Corner[2]") == 6
+    assert lines.at("Map.Wall[1]") == 8
+    assert lines.at("Map.Wall[7]") == 3
     assert lines.at("Map.Wall[1].Corner[1].X") == 10
 
 
@@ -68,10 +68,6 @@ def test_error_has_file_line_and_element(tmp_path: Path, corner: str, line: int,
 def test_broken_xml_has_its_line(tmp_path: Path) -> None:
     path = write(tmp_path, '<Corner X="2" Y=0/>')
     assert refusal(path).text.startswith(f"{path}:10: Map: expected well-formed XML, got ")
-
-
-def test_rules_can_be_left_to_who_finds_more(tmp_path: Path) -> None:
-    assert len(read_file(Map, write(tmp_path, ""), with_rules=False).wall) == 2
 
 
 def test_file_that_is_not_there_or_is_something_else_is_told(tmp_path: Path) -> None:

@@ -1,7 +1,5 @@
 from __future__ import annotations
 
-import math
-
 import pytest
 
 from intellwheels_schemas.errors import WireError
@@ -25,7 +23,6 @@ from intellwheels_schemas.rules import (
     has_motors,
     joins_barrier,
     parts_of,
-    radius_of,
     sensors_of,
 )
 from intellwheels_schemas.vectors import CHAIR, DOOR, EVERY_SENSOR, VALID
@@ -48,16 +45,6 @@ def test_one_part_form_without_center_and_top_is_centred_and_as_high_as_a_seated
 def test_parts_are_themselves_and_a_mind_has_none() -> None:
     assert parts_of(CHAIR) == CHAIR.part
     assert parts_of(Robot(role="mind")) == ()
-    assert radius_of(Robot(role="mind")) == 0.0
-
-
-@pytest.mark.parametrize(
-    ("length", "width", "center", "radius"),
-    # The turning radii of MODEL.md, given there in whole millimetres.
-    [(1.1, 0.62, 0.227, 0.905), (1.15, 0.655, 0.5, 0.662), (1.1, 0.655, 0.72, 0.857), (1.2, 0.66, 0.42, 0.770)],
-)
-def test_radius_is_that_of_the_farthest_corner(length: float, width: float, center: float, radius: float) -> None:
-    assert math.isclose(radius_of(Robot(length=length, width=width, center=center)), radius, abs_tol=5e-4)
 
 
 def test_barrier_is_what_the_robot_says_else_whether_it_has_motors() -> None:

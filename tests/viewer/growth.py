@@ -1,7 +1,7 @@
-"""How a viewer grows: `python -m tests.viewer.growth UPDATES [reader|still]` prints figures as JSON.
+"""How a viewer grows, as a process of its own for `tests/e2e/test_viewer.py`. It prints figures as JSON.
 
 The real viewer with pages, fed by made-up updates as fast as it draws them: five chairs that go round, measures of
-all, events, words. One raw page is connected; `reader` reads what it is sent, `still` never does.
+all, events, words. A raw page reads what it is sent, in another process.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ import warnings
 from collections.abc import Collection, Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any, Final
+from typing import Final
 
 import msgspec
 import viser
@@ -90,7 +90,7 @@ def read(url: str) -> None:
 
 
 class MadeUp:
-    """Stands for the network: each `pour` is an update."""
+    """Stands for the network: each `update` is an update."""
 
     quiet = 0.0
 
@@ -111,11 +111,11 @@ class MadeUp:
             robot = library.robot(("rear-wheel", "mid-wheel", "intellwheels")[index % 3])
             store.on_body(Body(run=RUN, tick=0, robot=msgspec.structs.replace(robot, name=name), owner="0" * 32))
 
-    def pour(self) -> Snapshot:
+    def update(self) -> Snapshot:
         """Make one update and return what is known, when a page looks."""
         if self._viewer._pages:
             self._go_on()
-        return self._store.seen("live", "main", ("main",), "tcp/127.0.0.1:7447")
+        return self._store.snapshot("live", "main", ("main",), "tcp/127.0.0.1:7447")
 
     def _go_on(self) -> None:
         self._tick += 1
@@ -182,7 +182,7 @@ class MadeUp:
         """Nobody drives."""
 
 
-def main(updates: int, kind: str) -> None:
+def main(updates: int) -> None:
     """Run and print the figures: seconds, and at each look the update, resident bytes and viser's kept messages."""
     viewer_service.FRAME = 0.0  # type: ignore[misc]
     viewer_service.PANELS = 0.05  # type: ignore[misc]
@@ -194,22 +194,17 @@ def main(updates: int, kind: str) -> None:
     viewer._network = made_up  # type: ignore[assignment]
     url = f"http://127.0.0.1:{viewer.server.get_port()}"
     begun = time.monotonic()
-    if kind == "still":
-        with raw_page(url):
-            viewer.run()
-    else:
-        reader = subprocess.Popen([sys.executable, "-m", "tests.viewer.growth", url], stderr=subprocess.DEVNULL)
-        try:
-            viewer.run()
-        finally:
-            reader.kill()
-            reader.wait()
+    reader = subprocess.Popen([sys.executable, "-m", "tests.viewer.growth", url], stderr=subprocess.DEVNULL)
+    try:
+        viewer.run()
+    finally:
+        reader.kill()
+        reader.wait()
     print(json.dumps({"seconds": time.monotonic() - begun, "figures": made_up.figures}))
 
 
 if __name__ == "__main__":
-    words: list[Any] = sys.argv[1:]
-    if words[0].startswith("http"):
-        read(words[0])
+    if sys.argv[1].startswith("http"):
+        read(sys.argv[1])
     else:
-        main(int(words[0]), words[1] if len(words) > 1 else "reader")
+        main(int(sys.argv[1]))

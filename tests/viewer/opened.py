@@ -18,8 +18,8 @@ from tests.viewer.browser import Browser
 from tests.viewer.panels import made_up
 from tests.viewer.wire import body, entity, until
 
-SEEN = replace(
-    made_up.seen(), entities=(entity("a", 1.0, 1.0), entity("b", 4.0, 1.0)), bodies={"a": body("a"), "b": body("b")}
+SNAPSHOT = replace(
+    made_up.snapshot(), entities=(entity("a", 1.0, 1.0), entity("b", 4.0, 1.0)), bodies={"a": body("a"), "b": body("b")}
 )
 
 
@@ -63,7 +63,7 @@ class Opened:
         (client,) = until(lambda: list(server.get_clients().values()))
         self.client = client
         self.page = Page(client, cast(Any, self.network), Colours())
-        self.show(SEEN)
+        self.show(SNAPSHOT)
 
     def show(self, snapshot: Snapshot) -> None:
         self.page.draw(snapshot)
@@ -71,7 +71,7 @@ class Opened:
 
     def drag(self, name: str, *steps: tuple[str, tuple[float, float]]) -> None:
         """Drag a body from where it stands."""
-        stood = SEEN.entity(name)
+        stood = SNAPSHOT.entity(name)
         assert stood is not None
         for phase, (x, y) in steps:
             event = SimpleNamespace(phase=phase, start_position=(stood.x, stood.y, 0.0), end_position=(x, y, 0.0))

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import pytest
 
-from tests.viewer.opened import SEEN, Opened
+from tests.viewer.opened import SNAPSHOT, Opened
 
 pytestmark = pytest.mark.filterwarnings("ignore::DeprecationWarning")
 
@@ -18,13 +18,13 @@ def labels(here: Opened) -> list[str]:
 
 def test_a_playback_has_no_drive_and_no_place(here: Opened) -> None:
     here.browser.wait(lambda: "Drive" in labels(here) and "Place" in labels(here))
-    here.show(replace(SEEN, last_tick=3400))
+    here.show(replace(SNAPSHOT, last_tick=3400))
     here.browser.wait(lambda: "Drive" not in labels(here) and "Place" not in labels(here))
     assert "Agents" in labels(here)
     assert "Layers" in labels(here)
 
 
 def test_a_live_run_has_them_again(here: Opened) -> None:
-    here.show(replace(SEEN, last_tick=3400))
-    here.show(SEEN)
+    here.show(replace(SNAPSHOT, last_tick=3400))
+    here.show(SNAPSHOT)
     here.browser.wait(lambda: "Drive" in labels(here) and "Place" in labels(here))

@@ -8,7 +8,7 @@ from dataclasses import replace
 import pytest
 
 from intellwheels_schemas.messages import Delete, Teleport
-from tests.viewer.opened import SEEN, Opened
+from tests.viewer.opened import SNAPSHOT, Opened
 from tests.viewer.wire import until
 
 pytestmark = pytest.mark.filterwarnings("ignore::DeprecationWarning")
@@ -33,7 +33,7 @@ def test_a_body_that_was_hardly_pulled_stays(here: Opened) -> None:
 
 def test_a_body_that_vanishes_while_it_is_dragged_is_let_go(here: Opened) -> None:
     here.drag("a", ("start", (1.0, 1.0)), ("update", (2.0, 1.5)))
-    here.show(replace(SEEN, entities=(), bodies={}))
+    here.show(replace(SNAPSHOT, entities=(), bodies={}))
     here.drag("a", ("update", (2.5, 1.5)), ("end", (3.0, 2.0)))
     assert not here.ghost()
     assert here.network.asked == []
@@ -47,10 +47,10 @@ def test_a_drag_to_nowhere_moves_nothing(here: Opened, bad: float) -> None:
 
 def test_who_is_selected_is_turned_and_removed_and_nobody_else(here: Opened) -> None:
     for name in (None, "nobody"):
-        here.page._drag_move.turn(SEEN, name, 45.0)
+        here.page._drag_move.turn(SNAPSHOT, name, 45.0)
     here.page._drag_move.remove(None)
     assert here.network.asked == []
-    here.page._drag_move.turn(SEEN, "a", 45.0)
+    here.page._drag_move.turn(SNAPSHOT, "a", 45.0)
     request = here.network.wished()
     assert isinstance(request, Teleport)
     assert request.position.heading == pytest.approx(math.pi / 4)

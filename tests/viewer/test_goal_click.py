@@ -8,10 +8,10 @@ import pytest
 
 from intellwheels_schemas.messages import Take
 from intellwheels_viewer.goal_click import takes_goals
-from tests.viewer.opened import SEEN, Opened
+from tests.viewer.opened import SNAPSHOT, Opened
 from tests.viewer.wire import body, until
 
-TAKES = replace(SEEN, bodies={"a": body("a", user_input=("goal",)), "b": body("b")})
+TAKES = replace(SNAPSHOT, bodies={"a": body("a", user_input=("goal",)), "b": body("b")})
 
 pytestmark = pytest.mark.filterwarnings("ignore::DeprecationWarning")
 
@@ -22,7 +22,9 @@ def test_only_a_mind_that_takes_goals_is_offered_one(here: Opened) -> None:
     for name, shown in (("a", True), ("b", False), ("a", True), (None, False)):
         here.page.select(name)
         here.show(TAKES)
-        assert here.page._controls.offers_goal is shown
+        parts = here.page._controls._parts
+        assert parts is not None
+        assert parts.goal.visible is shown
 
 
 def test_a_click_for_nobody_or_for_a_mind_that_takes_none_sets_nothing(here: Opened) -> None:

@@ -11,7 +11,7 @@ from intellwheels_viewer.drawings.floor_heights import HALF_HEIGHT
 from intellwheels_viewer.layer_visibility import LAYERS_KEY
 from intellwheels_viewer.panels.layers_panel import Layers
 from tests.viewer.browser import opened
-from tests.viewer.opened import SEEN, Opened
+from tests.viewer.opened import SNAPSHOT, Opened
 from tests.viewer.wire import until
 
 pytestmark = pytest.mark.filterwarnings("ignore::DeprecationWarning")
@@ -44,10 +44,10 @@ def test_a_layer_is_kept_by_the_browser(here: Opened) -> None:
 
 def test_a_browser_that_once_had_full_walls_sees_those_of_another_floor(here: Opened) -> None:
     layering = here.page._layers
-    layering.draw_walls(SEEN, inside=True)
-    layering.draw_walls(SEEN, inside=False)
+    layering.draw_walls(SNAPSHOT, inside=True)
+    layering.draw_walls(SNAPSHOT, inside=False)
     drawn: list[object] = []
     assert layering._walls is not None
     layering._walls.show = lambda floor, height=None: drawn.append((floor, height))  # type: ignore[method-assign, assignment]
-    layering.draw_walls(replace(SEEN, revision=SEEN.revision + 1), inside=False)
-    assert drawn == [(SEEN.floor, HALF_HEIGHT)]
+    layering.draw_walls(replace(SNAPSHOT, revision=SNAPSHOT.revision + 1), inside=False)
+    assert drawn == [(SNAPSHOT.floor, HALF_HEIGHT)]

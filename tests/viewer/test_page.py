@@ -23,7 +23,7 @@ from intellwheels_schemas.messages import (
 from intellwheels_viewer.page import MODES
 from intellwheels_viewer.snapshot import Snapshot
 from tests.viewer.browser import opened
-from tests.viewer.opened import SEEN, Opened
+from tests.viewer.opened import SNAPSHOT, Opened
 from tests.viewer.panels import made_up
 from tests.viewer.wire import body, clock, entity, until
 
@@ -53,7 +53,7 @@ def test_every_way_to_look_is_in_the_list_and_all_modes_are_drawn(here: Opened) 
     for label, mode in MODES.items():
         here.browser.enter("Camera", label)
         until(lambda mode=mode: here.page.camera.mode == mode)  # type: ignore[misc]
-        here.show(SEEN)
+        here.show(SNAPSHOT)
 
 
 def test_a_way_to_look_that_there_is_not_is_free(here: Opened) -> None:
@@ -72,9 +72,9 @@ def test_what_decides_what_is_drawn_is_told(here: Opened) -> None:
 def test_a_selection_outlives_the_one_who_was_selected(here: Opened) -> None:
     here.page.select("a")
     here.page.look("first")
-    here.show(replace(SEEN, entities=(), bodies={}))
+    here.show(replace(SNAPSHOT, entities=(), bodies={}))
     here.show(Snapshot())
-    here.show(SEEN)
+    here.show(SNAPSHOT)
     assert here.page.selected == "a"
 
 
@@ -85,13 +85,13 @@ def test_the_mode_may_change_while_the_panels_are_filled(here: Opened) -> None:
     def choose() -> None:
         while not done.is_set():
             for mode in ("first", "free", "follow", "plan"):
-                here.page.camera.choose(cast(Any, mode), SEEN.entities[0])
+                here.page.camera.choose(cast(Any, mode), SNAPSHOT.entities[0])
 
     choosing = threading.Thread(target=choose)
     choosing.start()
     try:
         for _ in range(40):
-            here.show(SEEN)
+            here.show(SNAPSHOT)
     except Exception as fault:
         faults.append(fault)
     done.set()
@@ -120,7 +120,7 @@ def press(here: Opened, label: str) -> None:
 
 def test_space_pauses_resumes_and_runs_again(here: Opened) -> None:
     for state, message in (("running", Pause()), ("paused", Resume()), ("ended", Reset())):
-        here.show(replace(SEEN, clock=clock(state=state)))
+        here.show(replace(SNAPSHOT, clock=clock(state=state)))
         press(here, "Pause, resume or run again")
         until(lambda message=message: here.network.asked and here.network.asked[-1][1] == message)  # type: ignore[misc]
 
@@ -134,7 +134,7 @@ def test_escape_ends_placing_and_waiting_for_a_goal(here: Opened) -> None:
 
 
 def test_a_drop_is_undone(here: Opened) -> None:
-    here.show(SEEN)
+    here.show(SNAPSHOT)
     here.drag("a", ("start", (1.0, 1.0)), ("update", (2.0, 1.5)), ("end", (3.0, 2.0)))
     until(lambda: here.page._undo)
     press(here, "Undo the last move")
@@ -146,7 +146,7 @@ def test_a_drop_is_undone(here: Opened) -> None:
 
 
 def test_a_placed_body_is_undone(here: Opened) -> None:
-    here.show(SEEN)
+    here.show(SNAPSHOT)
     here.page._choose("Table")
     here.page._placing_click.put(2.0, 3.0)
     until(lambda: here.page._undo)
@@ -155,7 +155,7 @@ def test_a_placed_body_is_undone(here: Opened) -> None:
 
 
 def test_a_refused_drop_moves_nothing_and_cannot_be_undone(here: Opened) -> None:
-    here.show(SEEN)
+    here.show(SNAPSHOT)
     here.network.refuses = "overlaps a wall"
     here.drag("a", ("start", (1.0, 1.0)), ("update", (2.0, 1.5)), ("end", (3.0, 2.0)))
     until(lambda: here.network.asked)
@@ -173,14 +173,14 @@ def test_a_refusal_is_shown_once(here: Opened) -> None:
     here.browser.wait(lambda: any("Not paused" in str(message) for message in here.browser.heard))
     notices = [message for message in here.browser.heard if "Not stepped" in str(message)]
     assert len(notices) == 1
-    here.show(SEEN)
+    here.show(SNAPSHOT)
     assert "Not stepped" not in here.browser.text()
 
 
 def test_digits_select_in_natural_order(here: Opened) -> None:
     names = ("chair10", "chair2", "chair1")
     here.show(
-        replace(SEEN, entities=tuple(entity(name) for name in names), bodies={name: body(name) for name in names})
+        replace(SNAPSHOT, entities=tuple(entity(name) for name in names), bodies={name: body(name) for name in names})
     )
     press(here, "Select agent 2")
     until(lambda: here.page.selected == "chair2")
@@ -252,7 +252,7 @@ def test_a_page_that_has_left_can_still_be_drawn_to(pages: viser.ViserServer) ->
     with opened(pages.get_port()) as browser:
         made = Opened(pages, browser)
     until(lambda: not pages.get_clients())
-    made.show(replace(SEEN, tick=SEEN.tick + 1))
+    made.show(replace(SNAPSHOT, tick=SNAPSHOT.tick + 1))
     made.page.close()
     made.page.join(5.0)
-    made.show(SEEN)
+    made.show(SNAPSHOT)

@@ -8,17 +8,19 @@ import msgspec
 import pytest
 
 from intellwheels_viewer.page_title import script, title_of
-from tests.viewer.opened import SEEN, Opened
+from tests.viewer.opened import SNAPSHOT, Opened
 from tests.viewer.panels import made_up
 
 pytestmark = pytest.mark.filterwarnings("ignore::DeprecationWarning")
 
 
 def test_a_title_names_the_floor_and_the_world() -> None:
-    floor = made_up.seen().floor
+    floor = made_up.snapshot().floor
     assert floor is not None
-    assert title_of(made_up.seen()) == f"{floor.title} \u2013 main \u2013 IntellWheels"
-    assert title_of(replace(made_up.seen(), floor=msgspec.structs.replace(floor, title=None))).startswith(floor.name)
+    assert title_of(made_up.snapshot()) == f"{floor.title} \u2013 main \u2013 IntellWheels"
+    assert title_of(replace(made_up.snapshot(), floor=msgspec.structs.replace(floor, title=None))).startswith(
+        floor.name
+    )
     assert title_of(made_up.nothing("no-world")) == "IntellWheels"
 
 
@@ -29,5 +31,5 @@ def test_the_title_of_a_peer_is_text() -> None:
 
 
 def test_the_page_sets_its_title(here: Opened) -> None:
-    here.show(SEEN)
+    here.show(SNAPSHOT)
     here.browser.wait(lambda: "document.title=" in here.browser.text() and "IntellWheels" in here.browser.text())

@@ -9,12 +9,12 @@ import pytest
 from intellwheels_schemas.messages import Pause, Record, Reset, Resume, Seek
 from intellwheels_viewer.run_control import RunControl
 from intellwheels_viewer.snapshot import Snapshot
-from tests.viewer.opened import SEEN, Network
+from tests.viewer.opened import SNAPSHOT, Network
 from tests.viewer.panels.made_up import clock
 from tests.viewer.steering_queue import requests_of
 from tests.viewer.wire import RUN, event, until
 
-LOG = replace(SEEN, last_tick=3400, tick=100)
+LOG = replace(SNAPSHOT, last_tick=3400, tick=100)
 
 
 def sent(call: str, snapshot: Snapshot, count: int = 1) -> list[Record]:
@@ -29,7 +29,7 @@ def sent(call: str, snapshot: Snapshot, count: int = 1) -> list[Record]:
     ("state", "message"), [("running", Pause()), ("waiting", Pause()), ("paused", Resume()), ("ended", Reset())]
 )
 def test_the_main_key_does_what_the_state_of_the_run_asks_for(state: str, message: Record) -> None:
-    assert sent("toggle", replace(SEEN, clock=clock(state))) == [message]
+    assert sent("toggle", replace(SNAPSHOT, clock=clock(state))) == [message]
 
 
 def test_the_main_key_pauses_and_plays_a_log() -> None:
@@ -43,7 +43,7 @@ def test_play_at_the_end_of_a_log_starts_again() -> None:
         assert sent(call, at_end, 2) == [Seek(tick=0), Resume()]
 
 
-WAITING = replace(SEEN, tick=0, clock=clock("paused", tick=0, time=0.0), events=(event(0),), run=RUN)
+WAITING = replace(SNAPSHOT, tick=0, clock=clock("paused", tick=0, time=0.0), events=(event(0),), run=RUN)
 
 
 def started(*snapshots: Snapshot) -> list[Record]:

@@ -49,21 +49,21 @@ CROWD = Snapshot(
 @pytest.mark.parametrize(
     "snapshot",
     [
-        Snapshot(), Snapshot(floor=EMPTY, revision=0), made_up.seen(), made_up.hostile(), CROWD,
+        Snapshot(), Snapshot(floor=EMPTY, revision=0), made_up.snapshot(), made_up.hostile(), CROWD,
         # A mind's form of a robot says nothing of its body.
         Snapshot(
             entities=(entity("a"),), bodies={"a": body("a", length=None, width=None, center=None, top=None, part=())}
         ),
         Snapshot(entities=(entity("a"),)),
         Snapshot(bodies={"gone": body("gone")}),
-        replace(made_up.seen(), entities=()),
-        replace(made_up.seen(), bodies={}),
-        replace(made_up.seen(), measures={}), replace(made_up.seen(), tick=0, time=0.0),
+        replace(made_up.snapshot(), entities=()),
+        replace(made_up.snapshot(), bodies={}),
+        replace(made_up.snapshot(), measures={}), replace(made_up.snapshot(), tick=0, time=0.0),
     ],
 )  # fmt: skip
 def test_whatever_is_seen_is_drawn(stage: Stage, snapshot: Snapshot) -> None:
     stage.show(snapshot, ())
-    stage.show(made_up.seen(), {"chair1", "no such", ""})
+    stage.show(made_up.snapshot(), {"chair1", "no such", ""})
     stage.show(snapshot, {"chair1"})
 
 
@@ -108,7 +108,7 @@ def test_a_floor_is_drawn_once_and_another_one_anew(server: viser.ViserServer, s
         show(map)
 
     stage._floor.show = noted  # type: ignore[method-assign]
-    room = made_up.seen()
+    room = made_up.snapshot()
     for _ in range(3):
         stage.show(room, ())
     stage.show(replace(room, floor=EMPTY, revision=room.revision + 1), ())

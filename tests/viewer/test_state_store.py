@@ -9,13 +9,13 @@ from hypothesis import strategies as st
 
 from intellwheels_maps import library
 from intellwheels_schemas.messages import Events, Pose, Record, Robot
-from intellwheels_viewer.snapshot import EVENTS_KEPT, HISTORY, USER, Snapshot, Words
+from intellwheels_viewer.snapshot import EVENTS_KEPT, HISTORY, USER, Snapshot, Utterance
 from intellwheels_viewer.state_store import RETURNS, RUNS_KNOWN, StateStore
 from tests.viewer.wire import HASH, OTHER, RUN, body, clock, entity, event, info, measures, state
 
 
 def snapshot(store: StateStore) -> Snapshot:
-    return store.seen("live", "w", ("w",), "tcp/127.0.0.1:1")
+    return store.snapshot("live", "w", ("w",), "tcp/127.0.0.1:1")
 
 
 def names(store: StateStore) -> list[str]:
@@ -49,7 +49,7 @@ def test_another_run_makes_the_old_one_forgotten(store: StateStore) -> None:
     store.on_clock(clock(0, OTHER, stamp=100.1))
     now = snapshot(store)
     assert (now.run, now.tick, now.time) == (OTHER, 0, 0.0)
-    assert not any((now.entities, now.events, now.words, now.measures, now.history, now.bodies))
+    assert not any((now.entities, now.events, now.utterances, now.measures, now.history, now.bodies))
     assert store.wants_events_since == 0
 
 
@@ -144,7 +144,7 @@ def test_seeking_back_in_a_log_is_followed_and_the_future_forgotten(store: State
     now = snapshot(store)
     assert (now.tick, now.last_tick) == (10, 100)
     assert [sample.time for sample in now.history["a"]] == [pytest.approx(0.5)]
-    assert now.words == ()
+    assert now.utterances == ()
     assert now.measures["a"].tick == 10
 
 
@@ -206,7 +206,7 @@ def test_measures_are_the_newest_and_those_of_who_is_there(store: StateStore) ->
 def test_words_are_noted_once_while_they_sound_and_again_when_said_again(store: StateStore) -> None:
     for tick, text in ((1, "hi"), (2, "hi"), (3, None), (4, "hi"), (5, "bye")):
         store.on_state(state(tick, entity("a", say=text)))
-    assert [(words.text, words.time) for words in snapshot(store).words] == [
+    assert [(words.text, words.time) for words in snapshot(store).utterances] == [
         ("hi", 0.05), ("hi", pytest.approx(0.2)), ("bye", 0.25),
     ]  # fmt: skip
 
@@ -331,7 +331,7 @@ def test_what_a_user_says_is_kept_with_its_time_and_forgotten_with_the_run() -> 
     store.on_state(state(20, entity("a")))
     version = snapshot(store).version
     store.on_user_speech("hello", "a")
-    assert snapshot(store).words == (Words(USER, 1.0, "hello", "a"),)
+    assert snapshot(store).utterances == (Utterance(USER, 1.0, "hello", "a"),)
     assert snapshot(store).version > version
     store.on_state(state(0, entity("a"), run=OTHER))
-    assert snapshot(store).words == ()
+    assert snapshot(store).utterances == ()

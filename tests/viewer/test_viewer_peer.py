@@ -53,10 +53,10 @@ def watching(endpoint: str, world: str = "main", *, chosen: bool = False) -> Ite
 
 
 def sees(network: Network, there: Callable[[Snapshot], object], what: str = "what is to be seen") -> Snapshot:
-    """Pour until it is seen."""
+    """Update until the snapshot is so."""
 
     def look() -> Snapshot | None:
-        snapshot = network.pour()
+        snapshot = network.update()
         return snapshot if there(snapshot) else None
 
     found = until(look, what=what)
@@ -82,7 +82,7 @@ def world() -> Iterator[tuple[Simulator, Network]]:
 def test_nobody_at_the_endpoint_is_told_and_looked_for_again() -> None:
     endpoint = f"tcp/127.0.0.1:{free_port()}"
     with watching(endpoint) as network:
-        snapshot = network.pour()
+        snapshot = network.update()
         assert (snapshot.phase, snapshot.endpoint, snapshot.worlds) == ("no-router", endpoint, ())
         with pytest.raises(Refusal, match="No simulator at tcp/"):
             network.ask("pause", Pause())
@@ -104,7 +104,7 @@ def test_a_router_without_a_world_is_told() -> None:
 
 
 def test_the_only_world_is_watched_without_being_named(world: tuple[Simulator, Network]) -> None:
-    snapshot = world[1].pour()
+    snapshot = world[1].update()
     assert (snapshot.world, snapshot.worlds) == ("lab", ("lab",))
 
 
@@ -167,11 +167,11 @@ def test_reported_poses_are_heard_in_a_log_that_is_played(world: tuple[Simulator
 
     report(None)
     sees(network, lambda snapshot: snapshot.clock == made.clock)
-    assert network.pour().reported == {}
+    assert network.update().reported == {}
 
     def heard() -> bool:
         report(100)
-        return network.pour().reported == {"a": pose}
+        return network.update().reported == {"a": pose}
 
     until(heard)
 
@@ -185,7 +185,7 @@ def test_a_world_that_was_named_is_waited_for_though_another_is_there() -> None:
 def test_a_text_that_is_no_world_is_not_chosen(world: tuple[Simulator, Network]) -> None:
     for name in ("a/*", "**", "", "x" * 500):
         world[1].choose(name)
-        assert world[1].pour().world == "lab"
+        assert world[1].update().world == "lab"
 
 
 def test_a_simulator_that_goes_is_gone_and_comes_back(world: tuple[Simulator, Network]) -> None:
@@ -252,7 +252,7 @@ def test_measures_are_heard_of_whom_somebody_watches(world: tuple[Simulator, Net
 
     assert set(sees(network, told).measures) == {"a"}
     network.watch(())
-    assert network.pour().measures == {}
+    assert network.update().measures == {}
 
 
 def test_of_many_all_measures_are_heard_by_one_subscription(world: tuple[Simulator, Network]) -> None:
@@ -289,7 +289,7 @@ def test_hostile_bytes_on_every_key_never_stop_it(world: tuple[Simulator, Networ
     for key in every:
         for data in _HOSTILE:
             made.put(key, data, dice.choice(encodings))
-            network.pour()
+            network.update()
 
     def told(snapshot: Snapshot) -> bool:
         # Again and again: puts are dropped rather than waited for.
@@ -321,8 +321,8 @@ def test_hostile_answers_never_stop_it() -> None:
             made.bodies = [body("a")]
             made.run(1, entity("a"))
             sees(network, lambda snapshot: snapshot.entities)
-            until(lambda: (network.pour(), made.fetched)[1])
-            assert network.pour().floor is None
+            until(lambda: (network.update(), made.fetched)[1])
+            assert network.update().floor is None
         junk.undeclare()  # type: ignore[no-untyped-call]
 
 
@@ -438,7 +438,7 @@ def test_worlds_are_changed_while_pages_put_into_them() -> None:
                 putting.start()
                 for change in range(30):
                     network.choose("ward" if change % 2 else "lab")
-                    network.pour()
+                    network.update()
                 done.set()
                 putting.join(10.0)
                 assert faults == []

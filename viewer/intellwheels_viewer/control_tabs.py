@@ -58,11 +58,6 @@ class ControlTabs:
         """Whether the page has the tabs."""
         return self._parts is not None
 
-    @property
-    def offers_goal(self) -> bool:
-        """Whether the button `Set a goal` is visible."""
-        return self._parts is not None and self._parts.goal.visible
-
     def show(self, snapshot: Snapshot, choices: Choices) -> None:
         """Show what can be controlled; without tabs in a playback."""
         if (snapshot.last_tick is None) != self.are_there:

@@ -41,7 +41,7 @@ class Sample:
 
 
 @dataclass(frozen=True)
-class Words:
+class Utterance:
     """An utterance.
 
     Attributes:
@@ -73,7 +73,7 @@ class Snapshot:
         measures: By agent, for agents whose measures are subscribed.
         reported: In a playback, the poses that bridges reported for their real chairs at this tick, by agent. Empty
             otherwise.
-        words: Utterances of this run, newest last, at most `EVENTS_KEPT`.
+        utterances: What was said in this run, newest last, at most `EVENTS_KEPT`.
         history: Samples of the last `HISTORY` simulated seconds by agent, oldest first.
         last_tick: The last tick of the log in a playback; None in a live run.
         version: Changes whenever the scene must be redrawn: with states, bodies, maps and events. The tick cannot be
@@ -95,7 +95,7 @@ class Snapshot:
     events: tuple[Event, ...] = ()
     measures: Mapping[str, Measures] = field(default_factory=dict)
     reported: Mapping[str, Pose] = field(default_factory=dict)
-    words: tuple[Words, ...] = ()
+    utterances: tuple[Utterance, ...] = ()
     history: Mapping[str, tuple[Sample, ...]] = field(default_factory=dict)
     last_tick: int | None = None
     version: int = 0

@@ -102,7 +102,7 @@ class Stage:
             run, at = self._slow_at
             is_due = snapshot.run != run or not at <= snapshot.time < at + SLOW_EVERY
             if is_due or not many:
-                self._labels.show(snapshot.bodies, snapshot.entities, snapshot.words, snapshot.time, wanted)
+                self._labels.show(snapshot.bodies, snapshot.entities, snapshot.utterances, snapshot.time, wanted)
             if is_due:
                 self._slow_at = (snapshot.run, snapshot.time)
                 self._trails.show(snapshot.history, snapshot.time, self.colours)

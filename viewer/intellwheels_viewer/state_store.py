@@ -11,7 +11,7 @@ from collections.abc import Iterable, Mapping
 from typing import Final
 
 from intellwheels_schemas.messages import Body, Clock, Entity, Event, Events, Map, MapInfo, Measures, Pose, WorldState
-from intellwheels_viewer.snapshot import EVENTS_KEPT, HISTORY, USER, Phase, Sample, Snapshot, Words
+from intellwheels_viewer.snapshot import EVENTS_KEPT, HISTORY, USER, Phase, Sample, Snapshot, Utterance
 
 SAMPLES_A_SECOND: Final = 10
 """Samples kept of the history; more would not be visible."""
@@ -48,7 +48,7 @@ class StateStore:
         self._next_event = 0
         self._measures: dict[str, Measures] = {}
         self._reported: dict[str, Pose] = {}
-        self._words: deque[Words] = deque(maxlen=EVENTS_KEPT)
+        self._utterances: deque[Utterance] = deque(maxlen=EVENTS_KEPT)
         self._saying: dict[str, str] = {}
         self._history: dict[str, deque[Sample]] = {}
         self._history_cache: Mapping[str, tuple[Sample, ...]] | None = None  # valid until the state changes
@@ -157,7 +157,7 @@ class StateStore:
 
     def on_user_speech(self, text: str, to: str | None) -> None:
         """Take a message that a user sent from a page of this viewer. The state does not contain it."""
-        self._words.append(Words(USER, self._state_at[1], text, to))
+        self._utterances.append(Utterance(USER, self._state_at[1], text, to))
         self._version += 1
 
     @property
@@ -172,7 +172,7 @@ class StateStore:
 
     # ------------------------------------------------------------ snapshot out
 
-    def seen(self, phase: Phase, world: str, worlds: tuple[str, ...], endpoint: str) -> Snapshot:
+    def snapshot(self, phase: Phase, world: str, worlds: tuple[str, ...], endpoint: str) -> Snapshot:
         """Return the current snapshot."""
         here = {entity.name for entity in self._entities}
         return Snapshot(
@@ -191,7 +191,7 @@ class StateStore:
             events=tuple(self._events[number] for number in sorted(self._events)),
             measures={name: measures for name, measures in self._measures.items() if name in here},
             reported={name: pose for name, pose in self._reported.items() if name in here and self._is_near(pose)},
-            words=tuple(self._words),
+            utterances=tuple(self._utterances),
             history=self._histories(here),
             last_tick=self._last_tick(),
             version=self._version,
@@ -222,7 +222,7 @@ class StateStore:
         self._bodies, self._measures, self._history, self._saying = {}, {}, {}, {}
         self._history_cache = None
         self._events, self._next_event, self.wants_events_since = {}, 0, 0
-        self._words.clear()
+        self._utterances.clear()
         self._reported = {}
         self._info = None
         return True
@@ -242,7 +242,7 @@ class StateStore:
         self._history_cache = None
         if back:
             self._history.clear()
-            self._words.clear()
+            self._utterances.clear()
         for entity in self._entities:
             self._note_speech(entity, time)
             samples = self._history.setdefault(entity.name, deque())
@@ -259,7 +259,7 @@ class StateStore:
         """Record an utterance once; the state repeats it for as long as it lasts."""
         text = entity.say or ""
         if text and self._saying.get(entity.name) != text:
-            self._words.append(Words(entity.name, time, text))
+            self._utterances.append(Utterance(entity.name, time, text))
         self._saying[entity.name] = text
 
 

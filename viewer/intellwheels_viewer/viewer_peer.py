@@ -1,6 +1,6 @@
 """The viewer on the network. The only file of the viewer that uses Zenoh.
 
-Zenoh's threads put messages into an inbox; the drawing thread calls `pour`, which passes them to the state store.
+Zenoh's threads put messages into an inbox; the drawing thread calls `update`, which passes them to the state store.
 Queries block, so they run on other threads: a page's requests on the worker of that page, queries for missing data on a
 thread of this file.
 """
@@ -139,7 +139,7 @@ class Network:
 
     # ------------------------------------------------------------ messages in, on the drawing thread
 
-    def pour(self) -> Snapshot:
+    def update(self) -> Snapshot:
         """Take in all new messages, query missing data, and return the current snapshot."""
         now = time.monotonic()
         for arrival in self._presence.take():
@@ -155,7 +155,7 @@ class Network:
         self._store(world, now)
         self._hear_reports(world)
         self._fetch(world, now)
-        return world.store.seen(self._phase(worlds, now), world.name, worlds, self._link.where())
+        return world.store.snapshot(self._phase(worlds, now), world.name, worlds, self._link.where())
 
     def _hear_reports(self, world: _World) -> None:
         """In a playback, subscribe to the poses that bridges reported. In a live run the state already has them."""

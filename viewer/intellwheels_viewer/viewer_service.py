@@ -111,7 +111,7 @@ class Viewer:
         filled = 0.0
         try:
             while not self._stop.wait(FRAME):
-                snapshot = self._network.pour()
+                snapshot = self._network.update()
                 pages = self._open_pages()
                 outlooks = tuple((number, page.view_state) for number, page in pages.items())
                 state = (snapshot.world, snapshot.run, snapshot.version, snapshot.revision, snapshot.phase, outlooks)

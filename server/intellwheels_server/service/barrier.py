@@ -122,11 +122,6 @@ class Barrier:
         """The agents whose answer is missing, sorted."""
         return tuple(sorted({agent for agent, _ in self._awaited}))
 
-    @property
-    def rested(self) -> frozenset[str]:
-        """The bodies at rest."""
-        return frozenset(self._rested)
-
     # ------------------------------------------------------------ members that come and go
 
     def cancel(self, agent: str, kind: AnswerKind) -> None:

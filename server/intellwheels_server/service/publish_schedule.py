@@ -21,11 +21,6 @@ class PublishSchedule:
         self._last = float("-inf")
         self._changed = True
 
-    @property
-    def changed(self) -> bool:
-        """Whether something has changed since the last publication."""
-        return self._changed
-
     def mark_changed(self) -> None:
         """Note that something has changed."""
         self._changed = True

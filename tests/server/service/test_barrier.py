@@ -84,7 +84,8 @@ def test_answer_resets_the_count_of_misses() -> None:
             barrier.answer("two", "actions", b"x")
         else:
             barrier.missed(tick + 1.0)
-    assert barrier.rested == frozenset()
+    barrier.open([TWO], 9.0)
+    assert barrier.awaited == ("two",)  # it does not rest
 
 
 def at_rest() -> Barrier:

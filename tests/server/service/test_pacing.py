@@ -43,7 +43,8 @@ def test_new_run_waits_to_start_and_counts_no_late_ticks() -> None:
     pacing.waiting_to_start, pacing.barrier_open, pacing.metronome.late = False, True, 3
     pacing.begin_new_run(["chair1"])
     assert (pacing.waiting_to_start, pacing.barrier_open, pacing.metronome.late) == (True, False, 0)
-    assert pacing.barrier.rested == {"chair1"}
+    pacing.barrier.open([("chair1", "actions"), ("chair2", "actions")], 0.0)
+    assert pacing.barrier.awaited == ("chair2",)  # the body of chair1 rests
 
 
 def test_clock_that_starts_sets_the_next_deadline_one_interval_ahead() -> None:

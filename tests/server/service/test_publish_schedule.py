@@ -19,7 +19,7 @@ def test_last_change_is_always_published() -> None:
     assert not schedule.take_due(0.001)
     assert schedule.due() == MIN_INTERVAL
     assert schedule.take_due(MIN_INTERVAL)
-    assert not schedule.changed
+    assert schedule.due() == MIN_INTERVAL + IDLE_INTERVAL  # nothing is left to publish
 
 
 def test_without_changes_it_publishes_twice_a_second() -> None:

@@ -3,7 +3,7 @@ from __future__ import annotations
 import viser
 
 from intellwheels_viewer.drawings.labels import Labels, cut, name_of, tags
-from intellwheels_viewer.snapshot import USER, Words
+from intellwheels_viewer.snapshot import USER, Utterance
 from tests.viewer.drawings.cast import body, entity, node
 
 CAST = {"a": body("rear-wheel"), "table": body("table"), "door": body("door")}
@@ -28,7 +28,7 @@ def test_what_goes_has_a_label_above_it_and_furniture_has_not() -> None:
 
 
 def test_words_stand_over_the_name_for_three_seconds() -> None:
-    said = [Words("a", 10.0, "old"), Words("a", 11.0, "new"), Words("nobody", 11.0, "hm")]
+    said = [Utterance("a", 10.0, "old"), Utterance("a", 11.0, "new"), Utterance("nobody", 11.0, "hm")]
     now = [tags(CAST, [entity("a")], said, time, ())["a"].text for time in (9.0, 11.0, 13.9, 14.0)]
     assert now == ["a", "“new”\na", "“new”\na", "a"]
 
@@ -36,7 +36,7 @@ def test_words_stand_over_the_name_for_three_seconds() -> None:
 def test_above_thirty_bodies_only_the_wanted_and_the_speaking_have_names() -> None:
     many = {f"a{index}": CAST["a"] for index in range(31)}
     entities = [entity(name) for name in many]
-    assert set(tags(many, entities, [Words("a7", 1.0, "hi")], 1.0, {"a3"})) == {"a3", "a7"}
+    assert set(tags(many, entities, [Utterance("a7", 1.0, "hi")], 1.0, {"a3"})) == {"a3", "a7"}
     assert len(tags(many, entities[:30], (), 1.0, ())) == 30
 
 
@@ -55,9 +55,9 @@ def test_nodes_are_kept_and_hidden(scene: viser.SceneApi) -> None:
 def test_what_a_user_says_is_a_bubble_above_the_one_it_is_for_or_above_all() -> None:
     cast = {"a": body("rear-wheel"), "b": body("rear-wheel")}
     bodies = [entity("a"), entity("b", 3.0)]
-    shown = tags(cast, bodies, (Words(USER, 1.0, "hello", "a"),), 1.5, ())
+    shown = tags(cast, bodies, (Utterance(USER, 1.0, "hello", "a"),), 1.5, ())
     assert [shown[name].text for name in "ab"] == ["User: \u201chello\u201d\na", "b"]
-    both = (Words("b", 1.0, "hi"), Words(USER, 1.2, "hello"))
+    both = (Utterance("b", 1.0, "hi"), Utterance(USER, 1.2, "hello"))
     shown = tags(cast, bodies, both, 1.5, ())
     assert [shown[name].text.splitlines()[0] for name in "ab"] == ["User: \u201chello\u201d"] * 2
     assert "\u201chi\u201d" in shown["b"].text

@@ -12,6 +12,7 @@ from typing import Any
 import viser
 from playwright.sync_api import Page, sync_playwright
 
+from intellwheels_viewer.gallery import FLAGS
 from intellwheels_viewer.panels.agents import AgentsPanel
 from intellwheels_viewer.panels.choices import Choices
 from intellwheels_viewer.panels.clock import ClockPanel
@@ -26,10 +27,6 @@ from intellwheels_viewer.panels.selected import SelectedPanel
 from intellwheels_viewer.snapshot import Snapshot
 
 CHROMIUM = shutil.which("chromium")
-FLAGS = [
-    "--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader",
-    "--disable-dev-shm-usage", "--hide-scrollbars", "--force-color-profile=srgb",
-]  # fmt: skip
 
 
 class Board:

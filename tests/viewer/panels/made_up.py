@@ -29,7 +29,7 @@ from intellwheels_schemas.messages import (
     Sensors,
 )
 from intellwheels_viewer.panels.choices import Choices
-from intellwheels_viewer.snapshot import Sample, Snapshot, Words
+from intellwheels_viewer.snapshot import Sample, Snapshot, Utterance
 
 RUN = "9f3c21d4a0b1c2d3"
 PERIOD = 0.05
@@ -39,7 +39,7 @@ CHAIRS = ("chair1", "chair2", "chair3", "chair4", "chair5", "chair6", "iris-of-t
 LASER = LidarReading(
     id="laser", tick=TICK - 2, start_deg=-90.0, step_deg=90.0, ranges=(1.0, None, 2.5), statuses=("ok", "none", "ok")
 )
-THANKS = (Words("chair1", 83.2, "<b>thanks</b>"),)
+THANKS = (Utterance("chair1", 83.2, "<b>thanks</b>"),)
 SENSORS = ("front", "left", "right", "rear", "front-left", "front-right")
 
 
@@ -59,7 +59,7 @@ def replace_record(record: Robot, **changes: object) -> Robot:
 
 
 @cache
-def seen() -> Snapshot:
+def snapshot() -> Snapshot:
     floor = library.floor("ward")
     xs = [corner.x for wall in floor.wall for corner in wall.corner]
     ys = [corner.y for wall in floor.wall for corner in wall.corner]
@@ -91,7 +91,7 @@ def seen() -> Snapshot:
         phase="live", world="main", worlds=("lab", "main"), endpoint="tcp/127.0.0.1:7447", run=RUN, tick=TICK, time=NOW,
         clock=clock("running"), floor=floor, revision=1, bodies=bodies, entities=tuple(entities), events=events(),
         measures={"chair1": measures()}, history=history,
-        words=(Words("chair1", 80.1, "coming through"), Words("chair3", 81.0, "sorry"), *THANKS),
+        utterances=(Utterance("chair1", 80.1, "coming through"), Utterance("chair3", 81.0, "sorry"), *THANKS),
     )  # fmt: skip
 
 
@@ -173,7 +173,7 @@ def hostile() -> Snapshot:
     """A run all of whose texts are an attack, as if the wire's own patterns did not hold."""
     from intellwheels_schemas.messages import Map
 
-    base = seen()
+    base = snapshot()
     entity = Entity(name=ATTACK, x=1.0, y=1.0, heading=0.0, mode=ATTACK, say=ATTACK, contact=True)
     body = replace_record(robot("chair2"), name=ATTACK, kind=ATTACK)
     reading = Sensors(proximity=(ProximityReading(id=ATTACK, value=0.5),), ground=(GroundReading(id="g", zone=ATTACK),))
@@ -187,7 +187,7 @@ def hostile() -> Snapshot:
         entities=(entity,),
         bodies={ATTACK: Body(run=RUN, tick=0, robot=body)},
         events=(Event(run=RUN, tick=1, number=1, code="contact", agent=ATTACK, other=ATTACK, text=ATTACK),),
-        words=(Words(ATTACK, 1.0, ATTACK),),
+        utterances=(Utterance(ATTACK, 1.0, ATTACK),),
         measures={ATTACK: Measures(run=RUN, tick=1, time=0.05, sensors=reading)},
         history={ATTACK: base.history["chair1"]},
     )

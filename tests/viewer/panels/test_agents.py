@@ -23,7 +23,7 @@ def row(page: str, name: str) -> str:
 
 
 def test_a_row_has_all_that_is_known_of_an_agent() -> None:
-    page = agents_html(made_up.seen(), made_up.choices())
+    page = agents_html(made_up.snapshot(), made_up.choices())
     assert all(
         word in row(page, "chair2") for word in ("real", "follow-wall", "stale", ">0.72<", css(colour_of("chair2")))
     )
@@ -32,18 +32,18 @@ def test_a_row_has_all_that_is_known_of_an_agent() -> None:
 
 
 def test_the_selected_row_is_marked_and_no_other() -> None:
-    page = agents_html(made_up.seen(), made_up.choices())
+    page = agents_html(made_up.snapshot(), made_up.choices())
     assert page.count('class="chosen') == 1
     assert 'class="chosen' in row(page, "chair1")
 
 
 def test_agents_come_before_what_an_operator_put_there() -> None:
-    assert agents_first(made_up.seen())[-1].name == "table1"
-    assert words(agents_first(made_up.seen())[-1], made_up.seen().bodies["table1"]) == "table, placed"
+    assert agents_first(made_up.snapshot())[-1].name == "table1"
+    assert words(agents_first(made_up.snapshot())[-1], made_up.snapshot().bodies["table1"]) == "table, placed"
 
 
 def test_no_agents_are_said_in_words() -> None:
-    assert "No agents yet" in agents_html(replace(made_up.seen(), entities=()), Choices())
+    assert "No agents yet" in agents_html(replace(made_up.snapshot(), entities=()), Choices())
     assert "No agents yet" not in agents_html(made_up.nothing("no-router"), Choices())
 
 
@@ -55,7 +55,7 @@ def test_words_of_a_peer_are_text() -> None:
 
 def test_a_crowd_is_cut_but_the_selected_one_is_there() -> None:
     crowd = tuple(Entity(name=f"c{k}", x=0, y=0, heading=0) for k in range(300))
-    page = agents_html(replace(made_up.seen(), entities=crowd), Choices(selected="c299"))
+    page = agents_html(replace(made_up.snapshot(), entities=crowd), Choices(selected="c299"))
     assert page.count("<tr class") == ROWS + 1
     assert "and 259 more" in page
     assert 'data-agent="c299"' in page
@@ -63,7 +63,7 @@ def test_a_crowd_is_cut_but_the_selected_one_is_there() -> None:
 
 def test_list_and_table_select_who_is_there_only(gui: viser.GuiApi, calls: Calls) -> None:
     panel = AgentsPanel(gui, calls.to("select"))
-    panel.show(made_up.seen(), made_up.choices())
+    panel.show(made_up.snapshot(), made_up.choices())
     for name in ("chair2", "stranger", NOBODY):
         enter(panel._list, name)
     enter(panel._pick._field, "chair3")
@@ -73,16 +73,16 @@ def test_list_and_table_select_who_is_there_only(gui: viser.GuiApi, calls: Calls
 
 def test_the_list_follows_who_is_there_and_selected(gui: viser.GuiApi, calls: Calls) -> None:
     panel = AgentsPanel(gui, calls.to("select"))
-    panel.show(made_up.seen(), made_up.choices())
+    panel.show(made_up.snapshot(), made_up.choices())
     assert panel._list.options == (NOBODY, *made_up.CHAIRS, "table1")
     assert panel._list.value == "chair1"
-    panel.show(replace(made_up.seen(), entities=()), made_up.choices())
+    panel.show(replace(made_up.snapshot(), entities=()), made_up.choices())
     assert panel._list.value == NOBODY
     assert calls == []
 
 
 def test_in_a_log_that_is_played_who_joined_is_no_thing_that_was_placed() -> None:
-    snapshot = made_up.seen()
+    snapshot = made_up.snapshot()
     body = snapshot.bodies["chair1"]
     robot = msgspec.structs.replace(body.robot, instance="a" * 16)
     nobodys = msgspec.structs.replace(body, owner=None, robot=robot)
@@ -90,7 +90,7 @@ def test_in_a_log_that_is_played_who_joined_is_no_thing_that_was_placed() -> Non
 
 
 def test_agents_are_in_natural_order() -> None:
-    base = made_up.seen()
+    base = made_up.snapshot()
     entities = tuple(Entity(name=name, x=0.0, y=0.0, heading=0.0) for name in ("chair10", "chair2", "table1"))
     found = agents_first(replace(base, entities=entities))
     assert [entity.name for entity in found] == ["chair2", "chair10", "table1"]

@@ -15,7 +15,7 @@ from tests.viewer.panels.panel import Calls, enter, press
 
 
 def at(state: str, **changes: object) -> Snapshot:
-    return replace(made_up.seen(), clock=made_up.clock(state, **changes))
+    return replace(made_up.snapshot(), clock=made_up.clock(state, **changes))
 
 
 def panel(gui: viser.GuiApi, calls: Calls) -> ClockPanel:

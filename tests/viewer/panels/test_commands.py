@@ -12,8 +12,8 @@ from tests.viewer.panels import made_up
 
 
 def test_an_agent_is_told_only_what_is_not_the_default() -> None:
-    assert agent_command(made_up.seen()) == "iw-agent avoid --name chair1"
-    elsewhere = replace(made_up.seen(), endpoint="tcp/10.0.0.5:7448", world="ward")
+    assert agent_command(made_up.snapshot()) == "iw-agent avoid --name chair1"
+    elsewhere = replace(made_up.snapshot(), endpoint="tcp/10.0.0.5:7448", world="ward")
     assert agent_command(elsewhere) == "iw-agent avoid --name chair1 --connect tcp/10.0.0.5:7448 --world ward"
     assert agent_command(replace(elsewhere, endpoint="/my files/z.json5", world="main")) == (
         "iw-agent avoid --name chair1 --config '/my files/z.json5'"

@@ -54,13 +54,13 @@ def test_what_is_wrong_comes_with_what_to_do(phase: str, words: list[str]) -> No
 
 
 def test_who_may_only_look_is_told() -> None:
-    snapshot = made_up.seen()
+    snapshot = made_up.snapshot()
     assert "View only" in connection_html(snapshot, Choices(allowed=False))
     assert "View only" not in connection_html(snapshot, Choices())
 
 
 def test_a_run_that_is_over_and_whose_processes_have_ended_says_so() -> None:
-    over = replace(made_up.seen(), phase="gone", clock=made_up.clock("ended"))
+    over = replace(made_up.snapshot(), phase="gone", clock=made_up.clock("ended"))
     page = connection_html(over, Choices())
     assert "The run is over" in page
     assert "Its processes have ended" in page
@@ -74,12 +74,12 @@ def test_words_of_a_peer_are_text() -> None:
 
 def test_worlds_are_offered_where_there_are_several(gui: viser.GuiApi, calls: Calls) -> None:
     panel = ConnectionPanel(gui, calls.to("world"))
-    panel.show(replace(made_up.seen(), worlds=("main",)), Choices())
+    panel.show(replace(made_up.snapshot(), worlds=("main",)), Choices())
     assert not panel._worlds.visible
     panel.show(made_up.nothing("choose", worlds=("lab", "main")), Choices())
     assert panel._worlds.visible
     assert (panel._worlds.value, panel._worlds.options) == (NO_WORLD, (NO_WORLD, "lab", "main"))
-    panel.show(made_up.seen(), Choices())
+    panel.show(made_up.snapshot(), Choices())
     assert (panel._worlds.value, panel._worlds.options) == ("main", ("lab", "main"))
     assert calls == []
 
@@ -119,4 +119,4 @@ def test_an_empty_scene_says_why_and_one_with_a_floor_says_nothing() -> None:
         "Nothing at tcp/127.0.0.1:7447\nStart a scene:\niw-run figure6 --pace realtime --listen tcp/127.0.0.1:7447\n"
         "This page shows it as soon as it runs."
     )
-    assert empty_scene_text(made_up.seen(), Choices()) == ""
+    assert empty_scene_text(made_up.snapshot(), Choices()) == ""

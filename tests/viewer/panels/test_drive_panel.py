@@ -24,12 +24,12 @@ from tests.viewer.panels.panel import Calls, enter, hold, press
 
 def panel(gui: viser.GuiApi, calls: Calls, choices: Choices | None = None) -> DrivePanel:
     shown = DrivePanel(gui, on_stick=calls.to("stick"), on_say=calls.to("say"))
-    shown.show(made_up.seen(), choices or made_up.choices())
+    shown.show(made_up.snapshot(), choices or made_up.choices())
     return shown
 
 
 def test_who_is_driven_or_why_nobody_is_said() -> None:
-    snapshot = made_up.seen()
+    snapshot = made_up.snapshot()
     assert "You are driving chair1" in drive_html(snapshot, made_up.choices())
     assert "Nothing is selected" in drive_html(snapshot, Choices())
     assert "table1 has no motors" in drive_html(snapshot, Choices(selected="table1"))
@@ -38,10 +38,10 @@ def test_who_is_driven_or_why_nobody_is_said() -> None:
 
 
 def test_the_page_sends_nothing_while_nobody_can_be_driven() -> None:
-    assert "iw-drive-off" not in drive_html(made_up.seen(), made_up.choices())
+    assert "iw-drive-off" not in drive_html(made_up.snapshot(), made_up.choices())
     for choices in (Choices(), Choices(selected="table1"), Choices(selected="chair1", allowed=False)):
-        assert "iw-drive-off" in drive_html(made_up.seen(), choices)
-        assert not can_drive(made_up.seen(), choices)
+        assert "iw-drive-off" in drive_html(made_up.snapshot(), choices)
+        assert not can_drive(made_up.snapshot(), choices)
 
 
 def test_words_of_a_peer_are_text() -> None:
@@ -59,7 +59,7 @@ def test_each_message_is_passed_on_once_with_a_growing_count(gui: viser.GuiApi, 
     shown = panel(gui, calls)
     enter(shown._value, (0.5, -0.25, 1.0))
     enter(shown._value, (0.5, -0.25, 2.0))
-    shown.show(made_up.seen(), made_up.choices())
+    shown.show(made_up.snapshot(), made_up.choices())
     enter(shown._value, (0.0, 0.0, 3.0))
     assert calls == [("stick", 0.5, -0.25, 1), ("stick", 0.5, -0.25, 2), ("stick", 0.0, 0.0, 3)]
 
@@ -115,7 +115,7 @@ def test_words_go_to_everybody_or_to_the_selected_one(gui: viser.GuiApi, calls: 
 def test_words_meant_for_one_do_not_go_to_the_next_selected(gui: viser.GuiApi, calls: Calls) -> None:
     shown = panel(gui, calls)
     enter(shown._to, "chair1")
-    shown.show(made_up.seen(), replace(made_up.choices(), selected="chair2"))
+    shown.show(made_up.snapshot(), replace(made_up.choices(), selected="chair2"))
     assert shown._to.options == (EVERYBODY, "chair2")
     assert shown._to.value == EVERYBODY
 
@@ -130,7 +130,7 @@ def test_words_longer_than_the_wire_takes_are_cut(gui: viser.GuiApi, calls: Call
 def test_a_key_held_while_another_is_selected_does_not_drive_that_one(gui: viser.GuiApi, calls: Calls) -> None:
     shown = panel(gui, calls)
     enter(shown._value, (1.0, 0.0, 1.0))
-    shown.show(made_up.seen(), replace(made_up.choices(), selected="chair2"))
+    shown.show(made_up.snapshot(), replace(made_up.choices(), selected="chair2"))
     enter(shown._value, (1.0, 0.0, 2.0))
     enter(shown._value, (0.0, 0.0, 3.0))
     assert calls == [("stick", 1.0, 0.0, 1)]

@@ -29,7 +29,7 @@ def test_angle_is_in_whole_degrees() -> None:
 
 
 def test_time_of_a_tick_follows_the_clock() -> None:
-    assert number_format.moment(20, made_up.seen()) == "1.00"
+    assert number_format.moment(20, made_up.snapshot()) == "1.00"
 
 
 def test_time_of_a_tick_is_unknown_before_the_first_but_for_the_start() -> None:

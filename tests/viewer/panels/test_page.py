@@ -19,13 +19,13 @@ TABS = ("Agents", "Drive", "Place", "Layers", "Events", "Selected")
 
 @pytest.fixture(scope="module")
 def shown(chromium: Any) -> Iterator[tuple[Page, Board]]:
-    with served(made_up.seen(), made_up.choices()) as (server, boards):
+    with served(made_up.snapshot(), made_up.choices()) as (server, boards):
         yield opened(chromium, server), boards[0]
 
 
 @pytest.fixture
 def board(shown: tuple[Page, Board]) -> Board:
-    shown[1].show(made_up.seen(), made_up.choices())
+    shown[1].show(made_up.snapshot(), made_up.choices())
     shown[1].calls.clear()
     return shown[1]
 
@@ -50,7 +50,7 @@ def released(calls: list[tuple[Any, ...]]) -> bool:
 
 @pytest.mark.parametrize("theme", ["light", "dark"])
 def test_no_text_is_small_or_cut(chromium: Any, theme: str) -> None:
-    with served(made_up.seen(), made_up.choices(), dark=theme == "dark") as (server, _):
+    with served(made_up.snapshot(), made_up.choices(), dark=theme == "dark") as (server, _):
         page = opened(chromium, server)
         for tab in TABS:
             page.get_by_role("tab", name=tab).click()
@@ -136,7 +136,7 @@ def test_keys_drive_while_another_tab_is_open(page: Page, board: Board) -> None:
 
 
 def test_a_key_is_dead_while_nobody_is_selected(page: Page, board: Board) -> None:
-    board.show(made_up.seen(), replace(made_up.choices(), selected=None))
+    board.show(made_up.snapshot(), replace(made_up.choices(), selected=None))
     page.wait_for_selector("#iw-drive-off", state="attached")
     page.keyboard.press("i")
     page.get_by_role("button", name="Pause").click()
@@ -150,7 +150,7 @@ def test_a_row_selects_while_the_table_is_rewritten(page: Page, board: Board) ->
     assert row is not None
     page.mouse.move(row["x"] + 60, row["y"] + 10)
     page.mouse.down()
-    board.show(replace(made_up.seen(), entities=made_up.seen().entities[:5]), made_up.choices())
+    board.show(replace(made_up.snapshot(), entities=made_up.snapshot().entities[:5]), made_up.choices())
     page.wait_for_selector("[data-testid=agent-chair6]", state="detached")
     page.mouse.up()
     board.wait(lambda calls: ("select", "chair3") in calls)
@@ -163,12 +163,12 @@ def test_a_body_in_the_plan_selects(page: Page, board: Board) -> None:
 
 
 def test_disabled_groups_cannot_be_pressed(page: Page, board: Board) -> None:
-    board.show(made_up.seen(), replace(made_up.choices(), allowed=False))
+    board.show(made_up.snapshot(), replace(made_up.choices(), allowed=False))
     page.wait_for_function("[...document.querySelectorAll('button')].find(b => b.innerText === 'Reset').disabled")
 
 
 def test_a_closed_page_sends_a_last_zero_and_then_nothing(chromium: Any) -> None:
-    with served(made_up.seen(), made_up.choices()) as (server, boards):
+    with served(made_up.snapshot(), made_up.choices()) as (server, boards):
         page = opened(chromium, server)
         page.get_by_role("tab", name="Drive").click()
         page.wait_for_function("window.__iwDrive")

@@ -27,7 +27,7 @@ def test_what_can_be_placed_is_in_the_library(robot: str) -> None:
 
 
 def test_what_to_do_next_is_said() -> None:
-    snapshot = made_up.seen()
+    snapshot = made_up.snapshot()
     assert "Choose a thing to place" in place_html(snapshot, Choices())
     assert "Click the floor to place the table" in place_html(snapshot, Choices(placing="Table"))
     assert "View only" in place_html(snapshot, Choices(allowed=False))
@@ -35,7 +35,7 @@ def test_what_to_do_next_is_said() -> None:
 
 
 def test_words_of_a_peer_are_text() -> None:
-    assert "<img" not in place_html(made_up.seen(), made_up.attacked())
+    assert "<img" not in place_html(made_up.snapshot(), made_up.attacked())
 
 
 def test_wishes_are_called(gui: viser.GuiApi, calls: Calls) -> None:
@@ -58,11 +58,11 @@ def test_a_turn_that_no_slider_has_is_bounded(gui: viser.GuiApi, calls: Calls) -
 
 def test_what_cannot_act_is_disabled(gui: viser.GuiApi, calls: Calls) -> None:
     shown = panel(gui, calls)
-    shown.show(made_up.seen(), replace(made_up.choices(), placing="Table"))
+    shown.show(made_up.snapshot(), replace(made_up.choices(), placing="Table"))
     assert shown._done.visible
     assert not shown._turn.disabled
     assert (shown._remove.label, shown._remove.disabled) == ("Remove chair1", False)
-    shown.show(made_up.seen(), Choices(selected="ghost"))
+    shown.show(made_up.snapshot(), Choices(selected="ghost"))
     assert (shown._remove.label, shown._remove.disabled) == ("Remove", True)
-    shown.show(made_up.seen(), replace(made_up.choices(), allowed=False))
+    shown.show(made_up.snapshot(), replace(made_up.choices(), allowed=False))
     assert shown._remove.disabled

@@ -41,24 +41,24 @@ def test_scale_is_a_round_length_of_at_most_a_quarter() -> None:
 
 
 def test_both_drawings_are_well_formed_and_have_one_view_box() -> None:
-    floor = made_up.seen().floor
+    floor = made_up.snapshot().floor
     assert floor is not None
-    drawn = [floor_svg(floor), bodies_svg(made_up.seen(), made_up.choices())]
+    drawn = [floor_svg(floor), bodies_svg(made_up.snapshot(), made_up.choices())]
     for one in drawn:
         ElementTree.fromstring(one)
     assert len({match[1] for one in drawn if (match := re.search(r'viewBox="([^"]*)"', one))}) == 1
 
 
 def test_the_drawing_has_no_text_that_shrinks_with_it() -> None:
-    assert "<text" not in bodies_svg(made_up.seen(), made_up.choices())
+    assert "<text" not in bodies_svg(made_up.snapshot(), made_up.choices())
 
 
 def test_a_body_stands_where_the_state_says_in_its_colour() -> None:
-    page = bodies_svg(made_up.seen(), made_up.choices())
+    page = bodies_svg(made_up.snapshot(), made_up.choices())
     group = re.search(r'<g data-agent="chair4".*?</g>', page)
     assert group is not None
     points = re.findall(r"(-?[\d.]+),(-?[\d.]+)", group[0].split("</polygon>")[0].split("/>")[0])
-    entity = made_up.seen().entity("chair4")
+    entity = made_up.snapshot().entity("chair4")
     assert entity is not None
     # The centre of movement of this chair is 0.42 of its length from the rear.
     rear = [(float(x), -float(y)) for x, y in (points[0], points[3])]
@@ -70,21 +70,21 @@ def test_a_body_stands_where_the_state_says_in_its_colour() -> None:
 
 
 def test_only_the_selected_one_has_a_ring() -> None:
-    page = bodies_svg(made_up.seen(), made_up.choices())
+    page = bodies_svg(made_up.snapshot(), made_up.choices())
     assert page.count("iw-ring") == 1
     assert page.index("iw-ring") > page.index('data-agent="chair2"')
-    assert "iw-ring" not in bodies_svg(made_up.seen(), replace(made_up.choices(), selected=None))
+    assert "iw-ring" not in bodies_svg(made_up.snapshot(), replace(made_up.choices(), selected=None))
 
 
 def test_a_body_that_touches_is_edged_in_red_and_a_stale_one_is_faded() -> None:
-    page = bodies_svg(made_up.seen(), made_up.choices())
+    page = bodies_svg(made_up.snapshot(), made_up.choices())
     assert page.count('stroke="var(--iw-red)"') == 1
     assert page.count('opacity=".4"') == 1
 
 
 def test_a_trail_is_twenty_seconds_long_and_its_corners_stay() -> None:
     history = tuple(Sample(k / 20, k / 20, 0.0, 0.0, 1.0) for k in range(601))
-    snapshot = replace(made_up.seen(), history={"chair1": history}, time=30.0)
+    snapshot = replace(made_up.snapshot(), history={"chair1": history}, time=30.0)
     later = replace(snapshot, history={"chair1": history[:-3]}, time=history[-4].time)
     lines = [re.search(r'polyline points="([^"]*)"', bodies_svg(one, made_up.choices())) for one in (snapshot, later)]
     points = [line[1].split() for line in lines if line]
@@ -93,7 +93,7 @@ def test_a_trail_is_twenty_seconds_long_and_its_corners_stay() -> None:
 
 
 def test_a_crowd_is_few_paths_and_the_selected_one() -> None:
-    base = made_up.seen()
+    base = made_up.snapshot()
     names = [f"c{k}" for k in range(1000)]
     crowd = replace(
         base,
@@ -115,13 +115,13 @@ def test_the_floor_is_sent_once_and_a_press_selects_who_is_there(gui: viser.GuiA
     panel = PlanPanel(gui, calls.to("select"))
     panel.show(made_up.nothing("no-router"), made_up.choices())
     assert not panel._floor.visible
-    panel.show(made_up.seen(), made_up.choices())
+    panel.show(made_up.snapshot(), made_up.choices())
     assert panel._floor.visible
     drawn = panel._floor.content
-    panel.show(made_up.seen(), replace(made_up.choices(), selected=None))
+    panel.show(made_up.snapshot(), replace(made_up.choices(), selected=None))
     assert panel._floor.content is drawn
     enter(panel._pick._field, "chair2")
     enter(panel._pick._field, "stranger")
     assert calls == [("select", "chair2")]
-    panel.show(made_up.seen(), made_up.choices(), visible=False)
+    panel.show(made_up.snapshot(), made_up.choices(), visible=False)
     assert not panel._bodies.visible

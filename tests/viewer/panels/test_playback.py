@@ -31,7 +31,7 @@ def panel(gui: viser.GuiApi, calls: Calls, wall: Wall) -> PlaybackPanel:
     )  # fmt: skip
 
 
-LOG = replace(made_up.seen(), last_tick=3400)
+LOG = replace(made_up.snapshot(), last_tick=3400)
 
 
 def test_how_far_the_log_is() -> None:
@@ -40,8 +40,8 @@ def test_how_far_the_log_is() -> None:
 
 def test_a_simulated_world_has_no_time_line(gui: viser.GuiApi, calls: Calls) -> None:
     shown = panel(gui, calls, Wall())
-    shown.show(made_up.seen(), Choices())
-    assert playback_html(made_up.seen()) == ""
+    shown.show(made_up.snapshot(), Choices())
+    assert playback_html(made_up.snapshot()) == ""
     assert not any(one.visible for one in (shown._words, shown._line, shown._pause, shown._resume, shown._speed))
 
 

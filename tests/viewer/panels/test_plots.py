@@ -12,8 +12,8 @@ from intellwheels_viewer.panels import plots
 from intellwheels_viewer.snapshot import Sample
 from tests.viewer.panels import made_up
 
-BODY = made_up.seen().bodies["chair1"]
-HISTORY = made_up.seen().history["chair1"]
+BODY = made_up.snapshot().bodies["chair1"]
+HISTORY = made_up.snapshot().history["chair1"]
 
 
 def sample(time: float, *ranges: float | None, speed: float = 0.0) -> Sample:
@@ -52,7 +52,7 @@ def test_a_line_has_the_tone_of_its_newest_value() -> None:
 
 def test_there_is_no_plot_of_one_sample_or_without_a_sensor() -> None:
     assert plots.distances([sample(0, 1.0)], BODY) is None
-    assert plots.distances(HISTORY, made_up.seen().bodies["table1"]) is None
+    assert plots.distances(HISTORY, made_up.snapshot().bodies["table1"]) is None
     assert plots.speeds([], None) is None
 
 

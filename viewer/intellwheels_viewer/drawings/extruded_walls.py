@@ -97,9 +97,3 @@ class Walls:
                 )
             elif name in self._nodes:
                 self._nodes[name].visible = False
-
-    def hide(self) -> None:
-        """Remove them. In the scene of one browser this makes the shared walls visible again."""
-        for node in self._nodes.values():
-            node.remove()
-        self._nodes.clear()

@@ -88,12 +88,6 @@ class InstanceBatch:
         self._assign("batched_scales", sizes)
         self._assign("batched_opacities", shares)
 
-    def hide(self) -> None:
-        """Hide all instances."""
-        self.names = ()
-        if self.handle is not None:
-            self._see(False)
-
     def _see(self, visible: bool) -> None:
         if self.handle is not None and visible != self._visible:
             self.handle.visible = self._visible = visible

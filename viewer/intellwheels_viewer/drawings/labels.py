@@ -15,7 +15,7 @@ import viser
 from intellwheels_schemas.messages import Body, Entity
 from intellwheels_schemas.rules import is_mobile, parts_of
 from intellwheels_viewer.drawings.body_look import extent
-from intellwheels_viewer.snapshot import USER, Words
+from intellwheels_viewer.snapshot import USER, Utterance
 
 MANY: Final = 30
 """Above this many bodies only wanted ones have labels."""
@@ -64,18 +64,22 @@ def named(bodies: Mapping[str, Body], entities: Sequence[Entity], wanted: Collec
 
 
 def tags(
-    bodies: Mapping[str, Body], entities: Sequence[Entity], words: Iterable[Words], now: float, wanted: Collection[str]
+    bodies: Mapping[str, Body],
+    entities: Sequence[Entity],
+    utterances: Iterable[Utterance],
+    now: float,
+    wanted: Collection[str],
 ) -> dict[str, Tag]:
     """Return the labels by agent: the name, and above it the newest message of the agent or of a user to the agent.
 
     Args:
         bodies: Documents by agent.
         entities: States.
-        words: Utterances, newest last. The newest of each agent is shown, however many bodies there are.
+        utterances: What was said, newest last. The newest of each agent is shown, however many bodies there are.
         now: The simulated time, in seconds.
         wanted: Agents that have a label however many bodies there are.
     """
-    recent = [each for each in words if 0.0 <= now - each.time < SPOKEN and cut(each.text)]
+    recent = [each for each in utterances if 0.0 <= now - each.time < SPOKEN and cut(each.text)]
     spoken = {each.speaker: f"\u201c{cut(each.text)}\u201d" for each in recent if each.speaker != USER}
     told = {each.to: f"User: \u201c{cut(each.text)}\u201d" for each in recent if each.speaker == USER}
     shown = named(bodies, entities, {*wanted, *spoken, *(agent for agent in told if agent is not None)})
@@ -106,12 +110,12 @@ class Labels:
         self,
         bodies: Mapping[str, Body],
         entities: Sequence[Entity],
-        words: Iterable[Words],
+        utterances: Iterable[Utterance],
         now: float,
         wanted: Collection[str] = frozenset(),
     ) -> None:
         """Show the labels; the arguments are those of `tags`."""
-        shown = tags(bodies, entities, words, now, wanted)
+        shown = tags(bodies, entities, utterances, now, wanted)
         for name in self._shown.keys() - shown.keys():
             self._nodes[name].visible = False
         for name, tag in shown.items():

@@ -12,14 +12,14 @@ from intellwheels_schemas.messages import Event
 from intellwheels_viewer.panels import number_format
 from intellwheels_viewer.panels.sentences import sentence
 from intellwheels_viewer.panels.style_sheet import STYLE_SHEET, block
-from intellwheels_viewer.snapshot import USER, Snapshot, Words
+from intellwheels_viewer.snapshot import USER, Snapshot, Utterance
 
 SHOWN: Final = 100
 
 
 def events_html(snapshot: Snapshot) -> str:
     """Return the newest events as a list."""
-    speech = [words for words in snapshot.words if words.speaker == USER]
+    speech = [each for each in snapshot.utterances if each.speaker == USER]
     if not snapshot.events and not speech:
         return block("events", '<span class="iw-soft">Nothing has happened yet.</span>')
     newest = snapshot.events[::-1][:SHOWN]
@@ -43,14 +43,14 @@ def event_item(snapshot: Snapshot, event: Event) -> str:
     )
 
 
-def speech_item(words: Words) -> str:
+def speech_item(utterance: Utterance) -> str:
     """Return what a user said as a list item: its time and a sentence."""
-    to = "everybody" if words.to is None else words.to
-    sentence = html.escape(f"A user said to {to}: \u201c{words.text}\u201d")
-    return f'<li data-code="said"><span>{number_format.decimal(words.time)}</span><span>{sentence}</span></li>'
+    to = "everybody" if utterance.to is None else utterance.to
+    sentence = html.escape(f"A user said to {to}: \u201c{utterance.text}\u201d")
+    return f'<li data-code="said"><span>{number_format.decimal(utterance.time)}</span><span>{sentence}</span></li>'
 
 
-def _items(snapshot: Snapshot, newest: Iterable[Event], speech: Sequence[Words]) -> Iterable[str]:
+def _items(snapshot: Snapshot, newest: Iterable[Event], speech: Sequence[Utterance]) -> Iterable[str]:
     run, period, waiting = None, snapshot.period or 0.0, list(speech)
     for event in newest:
         while waiting and (event.run != snapshot.run or waiting[0].time >= event.tick * period):
@@ -59,7 +59,7 @@ def _items(snapshot: Snapshot, newest: Iterable[Event], speech: Sequence[Words])
             yield '<li class="break">previous run</li>'
         run = event.run
         yield event_item(snapshot, event)
-    yield from (speech_item(words) for words in waiting)
+    yield from (speech_item(utterance) for utterance in waiting)
 
 
 class EventsPanel:

@@ -9,7 +9,7 @@ from typing import Final
 import msgspec
 import viser
 
-from intellwheels_viewer.panels.callbacks import assign, updated
+from intellwheels_viewer.panels.callbacks import updated
 from intellwheels_viewer.panels.style_sheet import STYLE_SHEET
 
 
@@ -86,17 +86,6 @@ class LayersPanel:
         for name, box in self._boxes.items():
             self._listen(name, box)
         self._legend = gui.add_html(legend)
-
-    @property
-    def layers(self) -> Layers:
-        """The layers that are shown."""
-        return self._layers
-
-    def show(self, layers: Layers) -> None:
-        """Tick the boxes of these layers."""
-        self._layers = layers
-        for name, box in self._boxes.items():
-            assign(box, getattr(layers, name))
 
     def _listen(self, name: str, box: viser.GuiCheckboxHandle) -> None:
         def change(value: bool) -> None:

@@ -34,8 +34,6 @@ LIST_LIMIT: Final = 6
 """Values of a list that a generic row shows; of a longer list it shows the length."""
 _COMMON: Final = frozenset({"id", "tick", "stamp", "status"})
 """Fields of any reading that are not measured values."""
-_UNITS: Final = {"rad": "\u00b0", "deg": "\u00b0", "1": "", "m/s2": "m/s\u00b2", "rad/s": "\u00b0/s"}
-"""How units of the contract are shown; others are shown as they are. Angles are converted to degrees."""
 
 
 class Row(NamedTuple):

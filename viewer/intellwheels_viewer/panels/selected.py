@@ -63,7 +63,7 @@ def log_html(snapshot: Snapshot, name: str) -> str:
     lines = [
         (one.tick * length, event_item(snapshot, one)) for one in snapshot.events if name in {one.agent, one.other}
     ]
-    lines += [(said.time, _said(said.time, said.text)) for said in snapshot.words if said.speaker == name]
+    lines += [(said.time, _said(said.time, said.text)) for said in snapshot.utterances if said.speaker == name]
     if not lines:
         return block("selected-log", f'<span class="iw-soft">No messages or events of {html.escape(name)} yet.</span>')
     newest = sorted(lines, key=lambda line: line[0], reverse=True)[:LOG]

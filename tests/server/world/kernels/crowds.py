@@ -1,14 +1,8 @@
-"""Bodies on a floor for the tests of contact, and crowds of them at random.
-
-`python -m tests.server.world.kernels.crowds 3000` looks for an order of bodies that changes one of 3,000 scenes,
-and prints a digest of all of them: it must be the same with NUMBA_CPU_NAME=generic.
-"""
+"""Bodies on a floor for the tests of contact, and crowds of them at random."""
 
 from __future__ import annotations
 
-import hashlib
 import math
-import sys
 from collections.abc import Sequence
 from typing import Any
 
@@ -205,24 +199,3 @@ def _pairs(floor: Floor, order: Ints | None) -> set[tuple[object, ...]]:
             who = ((who & 1) << 1) | (who >> 1)
         found.add((i, j, wall, part, other_part, who, x, y, nx + 0.0, ny + 0.0, depth, round(closing, 12)))
     return found
-
-
-def digest_of(scenes: int, ticks: int = 40) -> str:
-    """Return a digest of how so many random crowds come out."""
-    digest = hashlib.blake2b(digest_size=8)
-    for seed in range(scenes):
-        rng = np.random.default_rng(seed)
-        floor = random_floor(rng, int(rng.integers(4, 40)))
-        for _ in range(ticks):
-            steer(floor, rng)
-            floor.tick()
-            digest.update((floor.outcome + 0.0).tobytes())
-    return digest.hexdigest()
-
-
-if __name__ == "__main__":
-    scenes = int(sys.argv[1]) if len(sys.argv) > 1 else 3000
-    wrong = [seed for seed in range(scenes) if order_matters(seed)]
-    print(f"{len(wrong)} of {scenes} scenes depend on the order of bodies: {wrong[:10]}")
-    print(f"digest {digest_of(scenes)}")
-    sys.exit(1 if wrong else 0)
