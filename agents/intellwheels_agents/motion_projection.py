@@ -21,8 +21,9 @@ CLEARANCE_SHARE: Final = 0.1
 """Where the clearance is already below the margin, a motion may use up this share of it. A chair that rests beside a
 wall can then drive along it, and never touches it."""
 
-WatchedPoint = tuple[float, float, float, float]
-"""x and y of a point, and its least clearances (m): to the footprint, and to the lengthened footprint."""
+WatchedPoint = tuple[float, float, float, float, float]
+"""How far the body can move before the point can come too near (m), x and y of the point, and its least clearances (m):
+to the footprint, and to the lengthened footprint."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -104,7 +105,8 @@ class MotionProjection:
             if lengthened - margin <= longest:
                 clearance = self.clearance(x, y, 0.0)
                 spent = CLEARANCE_SHARE * max(0.0, clearance)
-                found.append((x, y, min(margin, clearance - spent), min(margin, lengthened - spent)))
+                least, least_long = min(margin, clearance - spent), min(margin, lengthened - spent)
+                found.append((min(clearance - least, lengthened - least_long), x, y, least, least_long))
         return found
 
     def is_free(
@@ -119,11 +121,14 @@ class MotionProjection:
         """
         body = self.outline
         middle, half, side = (body.front - body.back) / 2.0, (body.front + body.back) / 2.0, body.side
-        # A point with some clearance to spare is next checked when the body has moved that far: until then it cannot
-        # have come too near. The heap has the point first that is due first.
-        due = [(0.0, *point) for point in watched]
+        # No point can have come too near before the body has moved as far as the point has to spare. The heap has the
+        # point first that is to be checked first; points beyond the whole motion are never checked.
+        due = [point for point in watched if point[0] <= poses[-1][3]] if poses else []
+        heapq.heapify(due)
         for px, py, heading, moved in poses:
-            if not due or due[0][0] > moved:
+            if not due:
+                break
+            if due[0][0] > moved:
                 continue
             c, s = math.cos(heading), math.sin(heading)
             while due[0][0] <= moved:

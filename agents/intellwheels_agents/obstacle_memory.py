@@ -90,7 +90,10 @@ class ObstacleMemory:
         self._travel = 0.0
         self._step = 0.0
         self._looked_at = -math.inf
+        # When each cell was seen free. What is older than `FREE_TIME` at a look does not count, and is dropped later.
         self._free: dict[Cell, float] = {}
+        self._looked_time = -math.inf
+        self._free_limit = 1000
         self._last: dict[str, float] = {}
         self._covered = _lattice_of(self._outline, cell)
         self._ring = sorted(self._beams, key=lambda name: math.remainder(self._beams[name].bearing, math.tau))
@@ -113,7 +116,10 @@ class ObstacleMemory:
         looks = self._travel - self._looked_at >= LOOK_INTERVAL
         if looks:
             self._looked_at = self._travel
-            self._free = {cell: time for cell, time in self._free.items() if measures.time - time <= FREE_TIME}
+            self._looked_time = measures.time
+            if len(self._free) > self._free_limit:
+                self._free = {cell: time for cell, time in self._free.items() if measures.time - time <= FREE_TIME}
+                self._free_limit = 2 * len(self._free) + 1000
             self._set_free(pose, self._covered, measures.time)
             self._drop_lone(local)
         ranges: dict[str, float] = {}
@@ -194,9 +200,9 @@ class ObstacleMemory:
     def _set_free(self, pose: Pose, places: Iterable[Point], time: float) -> None:
         px, py, heading = pose
         c, s = math.cos(heading), math.sin(heading)
+        cell, free, floor = self._cell, self._free, math.floor
         for x, y in places:
-            at = math.floor((px + c * x - s * y) / self._cell), math.floor((py + s * x + c * y) / self._cell)
-            self._free[at] = time
+            free[floor((px + c * x - s * y) / cell), floor((py + s * x + c * y) / cell)] = time
 
     def _mark(
         self,
@@ -226,7 +232,8 @@ class ObstacleMemory:
             here = c * dx + s * dy, c * dy - s * dx
             if not _within(self._outline, *here):
                 arc.append(((math.floor(wx / self._cell), math.floor(wy / self._cell)), (wx, wy), here))
-        possible = arc if appeared else [entry for entry in arc if entry[0] not in self._free]
+        free, looked, never = self._free, self._looked_time, -math.inf
+        possible = arc if appeared else [entry for entry in arc if looked - free.get(entry[0], never) > FREE_TIME]
         for cell, (wx, wy), here in possible or arc:
             self._cells[cell] = (wx, wy, self._travel)
             local[cell] = here
