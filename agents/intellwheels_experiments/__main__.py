@@ -3,18 +3,20 @@
 from __future__ import annotations
 
 import argparse
+import dataclasses
 import math
 import shutil
 import sys
 import tempfile
 from collections.abc import Sequence
 from pathlib import Path
-from typing import get_args
+from typing import Final, get_args
 
 import msgspec
 from rich.console import Console
 
 from intellwheels_experiments.batch.experiment_rows import Row, rows_of
+from intellwheels_experiments.run.cast_changes import with_changes
 from intellwheels_experiments.run.endpoints import free_endpoint
 from intellwheels_experiments.run.launch_spec import WALL_LIMIT, LaunchSpec, resolved, wall_limit
 from intellwheels_experiments.run.progress import Progress
@@ -28,6 +30,7 @@ from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.link import Link
 from intellwheels_schemas.messages import Map, Pace, Scene
 from intellwheels_schemas.names import check_name
+from intellwheels_schemas.output_paths import check_output_file, check_output_folder
 from intellwheels_schemas.process import stop_on_signals
 from intellwheels_schemas.version import add_version_option
 
@@ -81,6 +84,14 @@ def parser() -> argparse.ArgumentParser:
     )
     found.add_argument("--seed", metavar="TEXT", help="seed of all noise (default: the scene's)")
     found.add_argument(
+        "--mind", action="append", default=[], metavar="AGENT=MIND",
+        help="give an agent another mind: its name, or a Python file; may be repeated",
+    )  # fmt: skip
+    found.add_argument(
+        "--option", action="append", default=[], metavar="AGENT.NAME=VALUE",
+        help="change an option of a mind, or a field of a robot except in a branch; may be repeated",
+    )  # fmt: skip
+    found.add_argument(
         "--encoding", choices=("json", "xml"), default="json", help="encoding of the agents' messages (default: json)"
     )
     found.add_argument(
@@ -124,16 +135,6 @@ def parser() -> argparse.ArgumentParser:
     branch.add_argument(
         "--at", type=_tick, metavar="TICK", default=0, help="tick up to which the log is followed (default: 0)"
     )
-    branch.add_argument(
-        "--mind", action="append", default=[], metavar="AGENT=MIND", help="use another mind; may be repeated"
-    )
-    branch.add_argument(
-        "--option",
-        action="append",
-        default=[],
-        metavar="AGENT.NAME=VALUE",
-        help="change an option of a mind; may be repeated",
-    )
     link = found.add_argument_group("connection", "by default the simulator listens at a free port of this machine")
     link.add_argument(
         "--world",
@@ -152,11 +153,15 @@ def parser() -> argparse.ArgumentParser:
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command and return its exit code."""
-    options = parser().parse_args(arguments)
+    grammar = parser()
+    options = grammar.parse_args(arguments)
     try:
+        _check_together(grammar, options)
         chosen = scene(options.scene)
         folder = folder_of(options.scene)
         chosen_floor = floor(chosen.map, beside=folder)
+        if options.branch is None:
+            chosen = with_changes(chosen, options.mind, options.option)
     except WireError as error:
         print(f"iw-run: {error.text}", file=sys.stderr)
         return 2
@@ -205,7 +210,7 @@ def _batch(options: argparse.Namespace, chosen: Scene, chosen_floor: Map, folder
         from intellwheels_experiments.batch.batch_command import OtherBatchError, perform_batch  # noqa: PLC0415
         from intellwheels_experiments.batch.batch_command import show as show_batch  # noqa: PLC0415
         from intellwheels_experiments.batch.run_batch import Batch  # noqa: PLC0415
-        from intellwheels_experiments.batch.what_if import BranchError, perform_branch, with_changes  # noqa: PLC0415
+        from intellwheels_experiments.batch.what_if import BranchError, perform_branch  # noqa: PLC0415
     except ModuleNotFoundError as error:
         print(f"iw-run: --seeds: needs {error.name}; pip install 'intellwheels[experiments]'", file=sys.stderr)
         return 2
@@ -225,7 +230,8 @@ def _batch(options: argparse.Namespace, chosen: Scene, chosen_floor: Map, folder
         )
         stop = stop_on_signals()
         if options.branch is not None:
-            changed = with_changes(rows[0], options.mind, options.option)
+            cast = with_changes(rows[0].scene, options.mind, options.option, robot_fields=False)
+            changed = dataclasses.replace(rows[0], scene=cast)
             summary = perform_branch(batch, chosen, changed, options.branch, options.at, stop)
         else:
             summary = perform_batch(batch, chosen, Console(stderr=True), stop)
@@ -241,6 +247,40 @@ def _batch(options: argparse.Namespace, chosen: Scene, chosen_floor: Map, folder
     show_batch(summary, Console(), chosen.experiment)
     print(f"report={batch.out / 'report.html'} csv={batch.out / 'batch.csv'}")
     return 1 if stop.is_set() or any(row.died for row in summary.lines) else 0
+
+
+_BATCH_ONLY: Final = ("jobs", "row", "out")
+_BRANCH_ONLY: Final = ("at",)
+_SINGLE_ONLY: Final = (
+    "view", "view_port", "pace", "speed", "seed", "encoding", "json", "log", "logs", "world", "listen", "connect",
+    "config",
+)  # fmt: skip
+
+
+def _check_together(grammar: argparse.ArgumentParser, options: argparse.Namespace) -> None:
+    """Check that no option is given that the wanted kind of run would ignore, and that all outputs can be written.
+
+    Raises:
+        WireError: One is, or one cannot.
+    """
+    given = {name for name, value in vars(options).items() if value != grammar.get_default(name)}
+    rules: list[tuple[tuple[str, ...], str]] = []
+    if options.seeds is None and options.branch is None:
+        rules += [(_BATCH_ONLY, "expected with --seeds or --branch, got a single run")]
+    else:
+        rules += [(_SINGLE_ONLY, "expected with a single run, got a batch or a branch, which decides it")]
+    if options.branch is None:
+        rules += [(_BRANCH_ONLY, "expected with --branch, got none")]
+    else:
+        rules += [(("seeds", "jobs"), "expected without --branch, which repeats one run")]
+    for group, text in rules:
+        for name in given.intersection(group):
+            option = f"--{name.replace('_', '-')}"
+            raise WireError("value", f"{option}: {text}", option)
+    for name in ("json", "log"):
+        check_output_file(getattr(options, name), f"--{name}")
+    for name in ("logs", "out"):
+        check_output_folder(getattr(options, name), f"--{name}")
 
 
 def _rows(rows: tuple[Row, ...], names: Sequence[str] | None) -> tuple[Row, ...]:

@@ -13,6 +13,42 @@ def test_unknown_scene_is_wrong_usage_and_the_known_are_named(capsys: pytest.Cap
 
 
 @pytest.mark.parametrize(
+    ("words", "error"),
+    [
+        (["--row", "x"], "--row: expected with --seeds or --branch, got a single run"),
+        (["--jobs", "2"], "--jobs: expected with --seeds or --branch, got a single run"),
+        (["--out", "x"], "--out: expected with --seeds or --branch, got a single run"),
+        (["--at", "5"], "--at: expected with --branch, got none"),
+        (["--seeds", "2", "--at", "5"], "--at: expected with --branch, got none"),
+        (["--seeds", "2", "--view"], "--view: expected with a single run"),
+        (["--seeds", "2", "--pace", "free"], "--pace: expected with a single run"),
+        (["--seeds", "2", "--speed", "3"], "--speed: expected with a single run"),
+        (["--seeds", "2", "--seed", "3"], "--seed: expected with a single run"),
+        (["--seeds", "2", "--json", "x"], "--json: expected with a single run"),
+        (["--seeds", "2", "--connect", "tcp/127.0.0.1:1"], "--connect: expected with a single run"),
+        (["--branch", "x.jsonl", "--log", "y"], "--log: expected with a single run"),
+        (["--branch", "x.jsonl", "--seeds", "2"], "--seeds: expected without --branch"),
+        (["--mind", "nobody=drive"], "--mind: expected AGENT=MIND, with an agent of the scene (chair1, "),
+        (["--mind", "chair1"], "--mind: expected AGENT=MIND"),
+        (["--option", "chair1.speed"], "--option: expected AGENT.NAME=VALUE"),
+        (["--json", "nowhere/result.json"], "--json: expected a folder that exists, got nowhere"),
+        (["--log", "nowhere/run.jsonl"], "--log: expected a folder that exists, got nowhere"),
+        (["--log", "/"], "--log: expected a file, got the folder /"),
+        (["--logs", "/dev/null/x"], "--logs: expected a folder, got the file /dev/null"),
+        (["--seeds", "2", "--out", "/dev/null"], "--out: expected a folder, got the file /dev/null"),
+    ],
+)
+def test_nothing_given_is_ignored_and_outputs_are_checked_first(
+    words: list[str], error: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["figure6", *words]) == 2
+    printed = capsys.readouterr()
+    assert printed.err.startswith(f"iw-run: {error}")
+    assert printed.err.count("\n") == 1
+    assert printed.out == ""
+
+
+@pytest.mark.parametrize(
     "words", [["figure6", "--world", "A b"], ["figure6", "--speed", "0"], ["figure6", "--pace", "x"]]
 )
 def test_wrong_option_is_wrong_usage(words: list[str], capsys: pytest.CaptureFixture[str]) -> None:

@@ -11,7 +11,6 @@ import dataclasses
 import shutil
 import tempfile
 import threading
-from collections.abc import Sequence
 from pathlib import Path
 from typing import Final
 
@@ -26,9 +25,8 @@ from intellwheels_experiments.batch.run_worker import Branch, RunWorker, RunWork
 from intellwheels_experiments.batch.summary import Summary
 from intellwheels_experiments.batch.trace_reader import Trace, read_trace
 from intellwheels_experiments.run.child_processes import ChildProcesses, WaitError
-from intellwheels_experiments.run.launch_spec import is_robot_field
 from intellwheels_schemas.errors import WireError
-from intellwheels_schemas.messages import Cast, Compare, Experiment, Option, Scene, Varied
+from intellwheels_schemas.messages import Cast, Compare, Experiment, Scene, Varied
 
 PARENT: Final = "parent"
 """The report's row of the recorded run."""
@@ -40,34 +38,6 @@ LIMIT: Final = 300.0
 
 class BranchError(RuntimeError):
     """A run cannot be branched; the text says why."""
-
-
-def with_changes(row: Row, minds: Sequence[str], options: Sequence[str]) -> Row:
-    """Return a row with other minds and options.
-
-    Args:
-        row: The row.
-        minds: Each `AGENT=MIND`.
-        options: Each `AGENT.NAME=VALUE`.
-
-    Raises:
-        WireError: One does not have that form, its agent is not in the cast, or its option is a field of a robot.
-    """
-    cast = {one.name: one for one in row.scene.cast}
-    for text in minds:
-        agent, equals, mind = text.partition("=")
-        _check(agent in cast and bool(equals and mind), "--mind", "AGENT=MIND", cast, text)
-        # The options of the old mind are not for the new one. The fields of the robot stay.
-        fields = tuple(option for option in cast[agent].option if is_robot_field(option.name))
-        cast[agent] = msgspec.structs.replace(cast[agent], mind=mind, option=fields)
-    for text in options:
-        name, equals, value = text.partition("=")
-        agent, dot, option = name.partition(".")
-        fits = agent in cast and bool(equals and dot and option) and not is_robot_field(option)
-        _check(fits, "--option", "AGENT.NAME=VALUE with an option of a mind", cast, text)
-        others = tuple(one for one in cast[agent].option if one.name != option)
-        cast[agent] = msgspec.structs.replace(cast[agent], option=(*others, Option(name=option, value=value)))
-    return dataclasses.replace(row, scene=msgspec.structs.replace(row.scene, cast=tuple(cast.values())))
 
 
 def perform_branch(batch: Batch, scene: Scene, changed: Row, log: Path, at: int, stop: threading.Event) -> Summary:
@@ -165,8 +135,3 @@ def _change(old: Cast, new: Cast) -> str:
     changes = [f"{new.name} with {new.mind}"] if new.mind != old.mind else []
     changes += [f"{new.name}.{option.name}={option.value}" for option in new.option if option not in old.option]
     return ", ".join(changes)
-
-
-def _check(fits: bool, option: str, expected: str, cast: dict[str, Cast], got: str) -> None:
-    if not fits:
-        raise WireError("value", f"{option}: expected {expected}, AGENT of {', '.join(cast)}, got {got!r}", option)

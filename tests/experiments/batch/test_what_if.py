@@ -1,35 +1,22 @@
 from __future__ import annotations
 
+import dataclasses
 import threading
 from pathlib import Path
 
 import pytest
 
-from intellwheels_experiments.batch.experiment_rows import rows_of
+from intellwheels_experiments.batch.experiment_rows import Row, rows_of
 from intellwheels_experiments.batch.run_batch import Batch, read_batch, run_batch
 from intellwheels_experiments.batch.run_store import StoredRun, read_tum, run_folder
-from intellwheels_experiments.batch.what_if import BranchError, perform_branch, with_changes
+from intellwheels_experiments.batch.what_if import BranchError, perform_branch
+from intellwheels_experiments.run.cast_changes import with_changes
 from intellwheels_maps import floor, scene
-from intellwheels_schemas.errors import WireError
 from tests.experiments.scenes import write_scene
 
 
-def test_changed_mind_and_options_are_in_the_cast() -> None:
-    row = rows_of(scene("table1"))[2]
-    changed = with_changes(row, ["chair=driver"], ["chair.to=goal", "chair.speed=0.3"])
-    (cast,) = changed.scene.cast
-    assert cast.mind == "driver"
-    own, body = ({one.name for one in cast.option if one.name[0].isupper() is upper} for upper in (False, True))
-    assert own == {"to", "speed"}
-    assert body == {"MotorNoise", "Proximity.Model", "WheelRatio", "Encoders.Drift"}
-
-
-@pytest.mark.parametrize(
-    ("minds", "options"), [(["nobody=drive"], []), (["chair"], []), ([], ["chair.WheelRatio=1"]), ([], ["chair=1"])]
-)
-def test_what_a_branch_cannot_change_is_refused(minds: list[str], options: list[str]) -> None:
-    with pytest.raises(WireError, match="expected AGENT"):
-        with_changes(rows_of(scene("table1"))[2], minds, options)
+def with_option(row: Row, option: str) -> Row:
+    return dataclasses.replace(row, scene=with_changes(row.scene, [], [option]))
 
 
 @pytest.fixture
@@ -50,7 +37,7 @@ def parent(tmp_path: Path) -> tuple[Batch, Path]:
 @pytest.mark.process
 def test_branch_equals_its_parent_up_to_the_tick_and_differs_after_it(parent: tuple[Batch, Path]) -> None:
     batch, log = parent
-    changed = with_changes(batch.rows[0], [], ["chair.left=0.1"])
+    changed = with_option(batch.rows[0], "chair.left=0.1")
     summary = perform_branch(batch, scene(batch.source), changed, log, 20, threading.Event())
     assert [line.title for line in summary.lines] == ["equal: as recorded", "equal: chair.left=0.1 from tick 20 on"]
     was, branch = (read_tum(run_folder(batch.out, name, "2") / "true.tum") for name in ("parent", "branch"))
@@ -85,7 +72,7 @@ def test_branch_of_a_chair_in_a_laboratory_equals_its_parent_in_both_worlds_up_t
     runs: list[StoredRun] = []
     run_batch(batch, runs.append, threading.Event())
     log = run_folder(out, "real", "1") / "input.jsonl"
-    perform_branch(batch, scene(batch.source), with_changes(row, [], ["chair.left=0.1"]), log, 10, threading.Event())
+    perform_branch(batch, scene(batch.source), with_option(row, "chair.left=0.1"), log, 10, threading.Event())
     for name in ("true", "reported"):
         was, branch = (read_tum(run_folder(out, run, "1") / f"{name}.tum") for run in ("parent", "branch"))
         assert was is not None
