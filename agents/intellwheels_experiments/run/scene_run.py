@@ -104,6 +104,13 @@ def perform(
         # The agents first: each says that it leaves, and the simulator must still be there to hear it.
         children.end([child for child in children.running if child not in (SERVER, LABORATORY, VIEWER)])
         children.end(children.running, grace=5.0)
+        if finish.how == "ended":
+            # A simulator that could not write the last of its log says so when it ends.
+            children.receive()
+            for server in (SERVER, LABORATORY):
+                exited = children.exited(server)
+                if exited is not None and exited.code != 0:
+                    finish = _died(children, exited)
     return _result(spec, record, finish, stopwatch.seconds)
 
 
