@@ -17,6 +17,8 @@ from intellwheels_maps.crossing import Point, find_crossing
 from intellwheels_schemas.codec import VERSION
 from intellwheels_schemas.messages import Corner, Doorway, Map, Robot, Scene, Wall
 
+# m: contact cannot tell corners apart that are closer.
+_SHORTEST = 1e-9
 # m: doorways and walls are drawn by hand, and drawings are accurate to a centimetre.
 _WIDTH_TOLERANCE = 0.01
 # m: a wall farther away than this belongs to another opening.
@@ -108,9 +110,9 @@ def opening(document: Map, doorway: Doorway) -> tuple[float, float]:
 
 def wall_pieces(wall: Wall) -> list[list[Point]]:
     """Return the polygons of a wall: the polygon itself, or for a line one rectangle with flat ends per segment."""
-    corners = points_of(wall.corner)
     if wall.thickness is None:
-        return [corners]
+        return [ring_of(wall.corner)]
+    corners = points_of(wall.corner)
     half = wall.thickness / 2
     pieces = []
     for (ax, ay), (bx, by) in pairwise(corners):
@@ -125,12 +127,21 @@ def points_of(corners: Iterable[Corner]) -> list[Point]:
     return [(corner.x, corner.y) for corner in corners]
 
 
+def ring_of(corners: Iterable[Corner]) -> list[Point]:
+    """Return the corners of a polygon as points, in metres, without a last one that repeats the first."""
+    points = points_of(corners)
+    return points[:-1] if len(points) > 3 and points[0] == points[-1] else points
+
+
 # ---------------------------------------------------------------- parts of the checks
 
 
 def _check_shapes(document: Map) -> Iterator[Finding]:
     for index, wall in enumerate(document.wall):
         yield from _check_corners(f"Map.Wall[{index}]", "wall", wall.corner, closed=wall.thickness is None)
+        if wall.thickness is not None and wall.thickness < _SHORTEST:
+            text = f"wall: expected a Thickness of at least {_SHORTEST} m, got {_plain(wall.thickness)}"
+            yield Finding(f"Map.Wall[{index}]", text)
     for index, obstacle in enumerate(document.obstacle):
         yield from _check_corners(f"Map.Obstacle[{index}]", f"obstacle {obstacle.name!r}", obstacle.corner, closed=True)
     for index, zone in enumerate(document.zone):
@@ -138,11 +149,12 @@ def _check_shapes(document: Map) -> Iterator[Finding]:
 
 
 def _check_corners(element: str, what: str, corners: Sequence[Corner], *, closed: bool) -> Iterator[Finding]:
-    points = points_of(corners)
+    points = ring_of(corners) if closed else points_of(corners)
     for index, (one, other) in enumerate(_edges(points) if closed else pairwise(points)):
-        if one == other:
-            text = f"{what} has the same corner twice in a row, X {_plain(one[0])} Y {_plain(one[1])}"
-            yield Finding(f"{element}.Corner[{(index + 1) % len(points)}]", text)
+        if math.dist(one, other) < _SHORTEST:
+            place = f"X {_plain(one[0])} Y {_plain(one[1])}"
+            fault = "the same corner twice in a row" if one == other else f"corners less than {_SHORTEST} m apart"
+            yield Finding(f"{element}.Corner[{(index + 1) % len(points)}]", f"{what} has {fault}, {place}")
             return
     if closed and (crossing := find_crossing(points)):
         yield Finding(element, f"{what} crosses itself: edges {crossing[0]} and {crossing[1]}, counted from 0")
@@ -179,7 +191,7 @@ def _check_doorways(document: Map) -> Iterator[Finding]:
 
 def _check_places(document: Map) -> Iterator[Finding]:
     walls = [(f"Wall[{index}]", piece) for index, wall in enumerate(document.wall) for piece in wall_pieces(wall)]
-    walls += [(f"obstacle {obstacle.name!r}", points_of(obstacle.corner)) for obstacle in document.obstacle]
+    walls += [(f"obstacle {obstacle.name!r}", ring_of(obstacle.corner)) for obstacle in document.obstacle]
     for index, place in enumerate(document.grid.position if document.grid else ()):
         for what, piece in walls:
             if _inside((place.x, place.y), piece):

@@ -73,6 +73,7 @@ def read_bytes(cls: type[_M], data: bytes, name: str) -> tuple[_M, Lines]:
         WireError: As for `read_with_lines`.
     """
     root = root_of(cls)
+    _check_encoding(data, name)
     try:
         element = elements.parse(data, root)
     except WireError as error:
@@ -92,6 +93,17 @@ def read_bytes(cls: type[_M], data: bytes, name: str) -> tuple[_M, Lines]:
     except WireError as error:
         raise lines.error(error) from None
     return message, lines
+
+
+def _check_encoding(data: bytes, name: str) -> None:
+    """Check that a file is UTF-8, whatever encoding it declares."""
+    try:
+        data.decode()
+    except UnicodeDecodeError as error:
+        line = data.count(b"\n", 0, error.start) + 1
+        place = f"{name}:{line}"
+        text = f"{place}: expected text in UTF-8, got the byte 0x{data[error.start]:02x}; save the file as UTF-8"
+        raise WireError("malformed", text, place) from None
 
 
 def write_file(message: Record) -> str:

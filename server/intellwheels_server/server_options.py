@@ -10,6 +10,7 @@ import msgspec
 from intellwheels_maps import floor, scene
 from intellwheels_maps.library import folder_of
 from intellwheels_schemas import defaults
+from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.link import Link, add_link_options, link_of
 from intellwheels_schemas.messages import Map, Scene
 from intellwheels_schemas.names import check_name
@@ -209,6 +210,7 @@ def options_of(given: argparse.Namespace) -> tuple[Options, Link]:
         end=written.end if written else None,
         strict=strict,
     )
+    check_walls(setup.floor)
     setup = _with_speech_rules(setup, given, written)
     branch = None if given.branch is None else read_branch(given.branch, given.at)
     if branch is not None:
@@ -241,6 +243,20 @@ def _with_speech_rules(setup: Setup, given: argparse.Namespace, written: Scene |
     sources = [source for source in (written, given) if source is not None]
     changes = {name: getattr(source, name) for source in sources for name in names if getattr(source, name) is not None}
     return msgspec.structs.replace(setup, **changes)
+
+
+def check_walls(floor: Map) -> None:
+    """Check that the world can use the walls of a map.
+
+    Raises:
+        WireError: It cannot; the text says why.
+    """
+    from intellwheels_server.world.map_geometry import walls_of  # noqa: PLC0415 - numba, which `--help` need not wait for
+
+    try:
+        walls_of(floor)
+    except ValueError as error:
+        raise WireError("value", f"--map: {floor.name}: {error}", "--map") from None
 
 
 def _floor(given: argparse.Namespace, written: Scene | None) -> Map:

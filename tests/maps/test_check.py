@@ -1,8 +1,9 @@
 from __future__ import annotations
 
+import msgspec
 import pytest
 
-from intellwheels_maps.check import Finding, check_map, check_robot, check_scene, opening
+from intellwheels_maps.check import Finding, check_map, check_robot, check_scene, opening, wall_pieces
 from intellwheels_schemas.messages import (
     Cast,
     Corner,
@@ -61,7 +62,8 @@ def test_valid_floor_has_no_findings() -> None:
         ([(0, 0), (2, 0), (2, 2), (1, 0), (0, 2)], "zone 'z' crosses itself: edges 0 and 3, counted from 0"),
         ([(0, 0), (1, 0), (2, 0)], "zone 'z' has no area: its corners are on one line"),
         ([(0, 0), (1, 0), (1, 0), (0, 1)], "zone 'z' has the same corner twice in a row, X 1.0 Y 0.0"),
-        ([(0, 0), (1, 0), (0, 1), (0, 0)], "zone 'z' has the same corner twice in a row, X 0.0 Y 0.0"),
+        ([(0, 0), (0, 0), (0, 1), (1, 1)], "zone 'z' has the same corner twice in a row, X 0.0 Y 0.0"),
+        ([(0, 0), (1, 0), (1, 1e-10), (1, 1)], "zone 'z' has corners less than 1e-09 m apart, X 1.0 Y 0.0"),
     ],
 )
 def test_invalid_polygon_is_found(points: list[tuple[float, float]], text: str) -> None:
@@ -74,12 +76,22 @@ def test_invalid_polygon_is_found(points: list[tuple[float, float]], text: str) 
         [(0, 0), (1, 0), (1, 1)],
         [(0, 0), (4, 0), (4, 3), (2, 1), (0, 3)],
         [(0, 0), (1, 0), (2, 0), (2, 2)],
+        [(0, 0), (1, 0), (0, 1), (0, 0)],
     ],
 )
 def test_concave_and_straight_cornered_polygons_are_valid(points: list[tuple[float, float]]) -> None:
     ring = corners(*points)
     assert check_map(floor(zone=(Zone(name="z", corner=ring),))) == []
     assert check_map(floor(zone=(Zone(name="z", corner=ring[::-1]),))) == []
+
+
+def test_closed_ring_is_the_polygon_without_its_last_corner() -> None:
+    assert wall_pieces(Wall(corner=corners((0, 0), (1, 0), (0, 1), (0, 0)))) == [[(0, 0), (1, 0), (0, 1)]]
+
+
+def test_line_of_no_thickness_is_found() -> None:
+    wall = msgspec.structs.replace(line((0, 0), (1, 0)), thickness=1e-10)
+    assert texts(check_map(floor(wall=(wall,)))) == ["wall: expected a Thickness of at least 1e-09 m, got 1e-10"]
 
 
 def test_line_wall_may_return_to_its_first_corner() -> None:

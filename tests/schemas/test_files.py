@@ -88,3 +88,12 @@ def test_written_file_has_an_element_a_line() -> None:
         '<Robot Format="iw.v1" Length="1.0" Width="0.5"/>\n'
     )
     assert write_file(DOOR).splitlines()[1].startswith('  <Proximity Id="in-left"')
+
+
+def test_text_that_is_not_utf_8_is_named_with_its_line(tmp_path: Path) -> None:
+    path = tmp_path / "map.xml"
+    path.write_bytes(b'<Map Format="iw.v1"\nName="a" Title="caf\xe9"/>')
+    error = refusal(path)
+    assert error.text == f"{path}:2: expected text in UTF-8, got the byte 0xe9; save the file as UTF-8"
+    path.write_bytes('<?xml version="1.0" encoding="UTF-16"?><Map Format="iw.v1" Name="a"/>'.encode("utf-16"))
+    assert refusal(path).text == f"{path}:1: expected text in UTF-8, got the byte 0xff; save the file as UTF-8"

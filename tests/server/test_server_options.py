@@ -6,8 +6,10 @@ from pathlib import Path
 
 import pytest
 
+from intellwheels_schemas.errors import WireError
+from intellwheels_schemas.messages import Corner, Map, Wall
 from intellwheels_server.__main__ import main
-from intellwheels_server.server_options import options_of, parser
+from intellwheels_server.server_options import check_walls, options_of, parser
 
 
 def test_rules_of_speech_are_options_without_a_default_of_their_own() -> None:
@@ -43,3 +45,10 @@ def test_command_line_overrides_the_rules_of_speech_of_a_scene(tmp_path: Path) -
     ):
         setup = options_of(parser().parse_args(["--world", "main", *words]))[0].setup
         assert (setup.say_range, setup.say_walls, setup.say_loss, setup.say_delay) == wanted
+
+
+def test_walls_that_the_world_cannot_take_are_refused_before_anything_starts() -> None:
+    """A check of its own, as the map of a scene or a log may not have been checked."""
+    wall = Wall(height=2.0, thickness=1e-10, corner=(Corner(x=0.0, y=0.0), Corner(x=1.0, y=0.0)))
+    with pytest.raises(WireError, match=r"^--map: made: wall 0: expected a thickness of at least 1e-09 m, got 1e-10$"):
+        check_walls(Map(format="iw.v1", name="made", wall=(wall,)))
