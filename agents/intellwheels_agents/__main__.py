@@ -27,11 +27,11 @@ examples:
       iw-agent waypoints --name chair1 --robot rear-wheel --option to=goal1
   a chair with scripted motor powers: straight on, a turn to the left, a stop
       iw-agent drive --name chair1 --option script="0:0.5,0.5; 2:0.1,0.4; 4:0,0"
-  an automatic door with a noisy compass; a name with a capital letter sets a field of the robot document
+  an automatic door with a noisy compass; a name that begins with a capital letter sets a field of the robot
       iw-agent door --name door --robot door --place hinge --option swing=right --option Compass.NoiseDeg=1
   your own mind, a Python file with a class Mind, for a body that another process provides
       iw-agent ./my_mind.py --name chair1 --role mind
-  a folder to start your own project from: a mind, a robot, a scene and a test, ready to run
+  a folder to start your own project from: a mind, a robot, a scene and tests, ready to run
       iw-agent new my-chair
 
 The options of a mind are in its docstring: python -m pydoc intellwheels_agents.minds.waypoints
@@ -87,7 +87,7 @@ def parser() -> argparse.ArgumentParser:
         action="append",
         default=[],
         metavar="NAME=VALUE",
-        help="an option of the mind or, with a capital letter, a field of the robot document; may be repeated",
+        help="an option of the mind or, if NAME begins with a capital letter, a field of the robot; may be repeated",
     )
     result.add_argument(
         "--encoding", choices=("json", "xml"), default="json", help="the encoding of messages (default: json)"
@@ -147,7 +147,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def _write_starter(words: list[str]) -> int:
     new_parser = argparse.ArgumentParser(
-        prog="iw-agent new", description="Write a mind, a robot, a scene and a test that are ready to run."
+        prog="iw-agent new", description="Write a mind, a robot, a scene and tests that are ready to run."
     )
     new_parser.add_argument("folder", type=Path, metavar="DIR", help="the folder to write to; created if needed")
     folder: Path = new_parser.parse_args(words).folder

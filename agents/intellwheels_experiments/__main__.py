@@ -104,14 +104,15 @@ def parser() -> argparse.ArgumentParser:
         "--log",
         type=Path,
         metavar="FILE",
-        help="write the input log, for iw-server --resimulate and --play; the name of a laboratory's log ends in -lab",
+        help="write the input log, for iw-server --resimulate and --play; with FILE run.jsonl, the log of a laboratory "
+        "is run-lab.jsonl",
     )
     found.add_argument("--logs", type=Path, metavar="DIR", help="keep the logs of the processes in this folder")
     found.add_argument(
         "--timeout",
         type=_factor,
         metavar="S",
-        help=f"seconds of wall time after which the run is aborted (default: {WALL_LIMIT:g}, more at a slow pace)",
+        help=f"seconds of wall time after which the run is aborted (default: {WALL_LIMIT:g}, more in real time)",
     )
     batch = found.add_argument_group(
         "batch", "run every row of the scene's experiment with every seed; needs the extra `experiments`"

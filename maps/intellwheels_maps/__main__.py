@@ -29,15 +29,15 @@ def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(prog="python -m intellwheels_maps", description=__doc__)
     commands = parser.add_subparsers(required=True, metavar="COMMAND")
 
-    listing = commands.add_parser("list", help="print the included floors (the maps), robots and scenes")
+    listing = commands.add_parser("list", help="print the included maps (as `floors`), robots and scenes")
     listing.set_defaults(run=_list)
 
     checking = commands.add_parser("check", help="check a map, robot or scene file, and print each fault with its line")
-    checking.add_argument("file", metavar="FILE", type=Path)
+    checking.add_argument("file", metavar="FILE", type=Path, help="a map, robot or scene file")
     checking.set_defaults(run=_check)
 
     drawing = commands.add_parser("draw", help="draw the plan of a map as SVG")
-    drawing.add_argument("floor", metavar="FLOOR", help="the name of an included map, a path, or `hospital`")
+    drawing.add_argument("floor", metavar="MAP", help="an included map, a map file, or `hospital` for a generated one")
     drawing.add_argument("file", metavar="FILE.svg", type=Path, help="where to write the plan")
     drawing.set_defaults(run=_draw)
 

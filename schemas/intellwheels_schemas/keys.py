@@ -70,10 +70,10 @@ class Keys:
         world: Name of the world.
         prefix: Start of all keys of the world, with the last slash.
         map, event, clock, alive: The keys without a name in them.
-        every_join, every_leave, every_in, every_user, every_ctl, every_crew_actions: Key expressions for the simulator.
+        every_join, every_leave, every_in, every_user, every_ctl: Key expressions for the simulator.
         every_claim: Key expression for the liveliness tokens of the simulators that claim the world.
         every_token: Key expression for the liveliness tokens of all agents.
-        every_out, every_body, every_state: Key expressions for recorders and viewers.
+        every_body, every_state: Key expressions for recorders and viewers.
 
     Raises:
         WireError: `value`, if the name of the world is invalid.

@@ -21,6 +21,7 @@ from intellwheels_schemas.messages import (
     Record,
     Robot,
     Scene,
+    Spawn,
     UserInput,
 )
 from intellwheels_schemas.names import EXPECTED, RESERVED
@@ -40,7 +41,7 @@ Every key starts with `iw/v1/<world>/`. Each of `<world>`, `<agent>` and `<crew>
 
 Units are SI. Angles are in radians, and in degrees where a name ends in `Deg`. Two frames are used:
 
-- The *map frame* has the origin and axes of the loaded map; headings count anticlockwise from its x axis.
+- The *map frame* has the origin and axes of the loaded map. Headings count anticlockwise from its x axis.
 - The *body frame* has its origin at the centre of movement, with x forward and y to the left.
 
 Terms:
@@ -49,8 +50,10 @@ Terms:
 - A process joins as the *body* of an agent, as its *mind*, which controls the body, or as *both*.
 - In *lockstep*, a step waits for the answers of all members of the *barrier*. `Barrier` in `Robot` makes an agent a
   member.
-- A *crew* is a group of agents in one process. They share one key for actions and one for measures.
-- A *lease* allows an operator to steer a body instead of its mind, for a limited time.
+- A *crew* is a group of agents in one process. They share one key for actions and one for measures. The simulator does
+  not support crews yet, and refuses a `Robot` with `Crew`.
+- An *operator* is a person or a program that controls the run or steers bodies. A *lease* allows an operator to steer a
+  body instead of its mind, for a limited time.
 
 ## Keys
 """
@@ -71,8 +74,9 @@ _NOTES = """
 - To follow `state/*`, subscribe first and then `get` the same keys. Drop each message that is older than the newest one
   you have.
 - To find worlds, query the liveliness tokens `iw/v1/*/alive`.
-- A simulator also claims its world with the token `alive/<since>/<instance>`. `since` is its start in nanoseconds of
-  Unix time, as 16 hex digits. If two simulators start together, the earlier claim wins and the other simulator ends.
+- A simulator also claims its world with the token `alive/<since>/<instance>`. `since` is when the claim began, in
+  nanoseconds of Unix time, as 16 hex digits. If two simulators start together, the earlier claim wins and the other
+  simulator ends.
 - A `Say` may also be put as `text/plain`.
 
 ## Encodings
@@ -141,13 +145,13 @@ def _row(channel: Channel) -> tuple[str, ...]:
 
 
 def _limits() -> str:
-    rows = [(f"bytes of {_name(cls)}", f"{LIMITS[cls]:,}") for cls in (Robot, Pose, UserInput, Load)]
-    rows[2] = (f"bytes of Actions, {_name(UserInput)}, Say, Leave and the other verbs", f"{LIMITS[UserInput]:,}")
+    rows = [(f"bytes of {_name(cls)}", f"{LIMITS[cls]:,}") for cls in (Robot, Spawn, Pose, UserInput, Load)]
+    rows[3] = (f"bytes of Actions, {_name(UserInput)}, Say, Leave and any other control verb", f"{LIMITS[UserInput]:,}")
     rows += [
         ("bytes of anything else", f"{MAX_BYTES:,}"),
         ("characters of a name or an id", "32"),
         ("characters of a word or a seed", "64"),
-        ("characters of text", "1,000; the `SayLimit` of a simulation is lower"),
+        ("characters of text", "1,000; the `SayLimit` of a simulation may be lower"),
         ("parts of a robot", str(rules.MAX_PARTS)),
         ("sensors of a robot", str(rules.MAX_SENSORS)),
         ("rays of a lidar", f"{rules.MAX_RAYS:,}"),

@@ -873,7 +873,10 @@ class Heard(Record, frozen=True, kw_only=True):
 
 
 class UserInput(Record, frozen=True, kw_only=True):
-    """The input of a person who steers a robot. The robot stops if no input arrives for 0.3 s of wall time."""
+    """The input of a person who steers a robot.
+
+    The robot stops if no input arrives for 0.3 s of wall time, or of simulated time in strict lockstep.
+    """
 
     lease: Hex | None = None
     """Lease from the Result of take; required while the robot is taken, absent otherwise."""

@@ -79,7 +79,7 @@ def _add_world_options(group: argparse._ArgumentGroup) -> None:
     )
     group.add_argument(
         "--say-limit", type=_count, default=defaults.SAY_LIMIT, metavar="N",
-        help="largest number of characters in a message that an agent says (default: %(default)s)",
+        help="largest number of characters in a message between agents (default: %(default)s)",
     )  # fmt: skip
     group.add_argument(
         "--say-range", type=_positive, metavar="M",
@@ -126,7 +126,7 @@ def _add_time_options(group: argparse._ArgumentGroup) -> None:
     )
     group.add_argument(
         "--open-loop", action="store_true",
-        help="at pace free, also accept agents that need the simulator to wait for their answers; it will not wait",
+        help="at pace free, also accept agents that ask the simulator to wait for them; the simulator does not wait",
     )  # fmt: skip
     group.add_argument(
         "--deadline", type=_positive, metavar="S",
@@ -161,14 +161,14 @@ def _add_run_options(group: argparse._ArgumentGroup) -> None:
     )
     group.add_argument(
         "--play", type=Path, metavar="FILE",
-        help="show an input log on the network, as a world of its own "
-        f"(default name: that of the log, followed by {PLAY_SUFFIX}); "
-        "it waits until a page opens or somebody resumes it, except with --quit-at-end",
+        help="show an input log on the network, as a world of its own: --world, or by default the name in the log with "
+        f"{PLAY_SUFFIX} added; the playback starts when a page opens or somebody resumes it, or at once with "
+        "--quit-at-end",
     )  # fmt: skip
     group.add_argument(
         "--reported", type=Path, metavar="FILE",
         help="with --play of the log of a laboratory: also show the poses that the chairs reported; FILE is the log of "
-        "the world that they joined, and runs and ticks of the two logs are paired in order",
+        "the world that they joined; the runs and ticks of the two logs are paired in order",
     )  # fmt: skip
     group.add_argument("--quit-at-end", action="store_true", help="exit when the end condition is met")
 

@@ -252,7 +252,7 @@ def _fields(option: str, given: Sequence[str]) -> dict[str, str]:
     for text in given:
         name, equals, value = text.partition("=")
         if not equals or not name[:1].isupper() or name in pairs:
-            raise OptionError(f"{option}: expected FIELD=VALUE, each field of the robot document once, got {text!r}")
+            raise OptionError(f"{option}: expected FIELD=VALUE, each field of the robot once, got {text!r}")
         pairs[name] = value
     return pairs
 

@@ -40,7 +40,8 @@ examples:
   play a script: on each line seconds, forward, turn, and optionally buttons and a word
       iw-joystick chair1 --source script --script drive.txt
 
-Use it with worlds in real time. Each input counts for 0.3 s. A run at full speed simulates 0.3 s in an instant.
+Use it with worlds in real time. Nobody can steer by hand in a run that is as fast as possible.
+Each input is valid for 0.3 s.
 Standard output has the lines `ready agent=...`, `taken agent=...`, `released agent=...`, `ended agent=...`.
 Exit codes: 0 done, 1 refused or failed, 2 wrong usage.
 """
@@ -59,8 +60,8 @@ def parser() -> argparse.ArgumentParser:
         "--source",
         choices=("auto", "keyboard", "terminal", "gamepad", "script", "words"),
         default="auto",
-        help="input device; auto is a gamepad if one is connected, otherwise the keyboard, in a window or, without a "
-        "display, in this terminal (default: auto)",
+        help="input device; auto chooses a gamepad if one is connected, else the keyboard. The keyboard is read in a "
+        "window, or in this terminal if there is no display (default: auto)",
     )
     result.add_argument("--script", type=Path, metavar="FILE", help="the file for --source script")
     result.add_argument(
