@@ -415,7 +415,7 @@ def test_without_the_right_to_steer_every_control_says_so(tmp_path: Path, chromi
 
             def told(what: str, act: Callable[[], object]) -> None:
                 act()
-                screen.says(f"{what}: View only")
+                screen.says(f"{what}\nView only: ")
 
             for what, button in (
                 ("Not paused", "Pause"), ("Not stepped", "10"), ("Speed not changed", "5"), ("Not reset", "Reset"),

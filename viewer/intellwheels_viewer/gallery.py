@@ -35,7 +35,7 @@ SLOW: Final = ("--speed", "0.1")
 """The run begins when the page opens, which may need many seconds more until it can be paused."""
 FLAGS: Final = (
     "--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader",
-    "--disable-dev-shm-usage", "--hide-scrollbars", "--force-color-profile=srgb",
+    "--disable-dev-shm-usage", "--hide-scrollbars", "--force-color-profile=srgb", "--disable-gpu-rasterization",
 )  # fmt: skip
 """Arguments with which Chromium draws without a graphics card, and with the same colours everywhere."""
 IN_ROOM: Final = 150
