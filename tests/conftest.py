@@ -82,7 +82,7 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
         if in_folder or fixtures & FIXTURES or any(item.get_closest_marker(mark) for mark in MARKS):
             item.add_marker("process")
         if any(definition.scope == "module" for definition in _definitions(item)):
-            item.add_marker(pytest.mark.xdist_group(str(item.path)))
+            item.add_marker(pytest.mark.xdist_group(item.nodeid.partition("::")[0]))
     result = yield
     if hasattr(config, "workerinput"):
         # Long tests first: the short ones fill what is left of the last minute. `sort` keeps the order otherwise.
