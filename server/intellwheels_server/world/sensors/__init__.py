@@ -9,7 +9,7 @@ A new kind of sensor is one file in this package: `catalogue` finds it.
 
 from __future__ import annotations
 
-from collections.abc import Sequence, Set
+from collections.abc import Callable, Sequence, Set
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -50,13 +50,13 @@ def check_sensors(robot: Robot, floor: Map, *, truth: bool) -> None:
 
 
 class _Place(NamedTuple):
-    """A sensor, and where its samples are among those of its body."""
+    """A sensor, how its samples become a reading, and where they are among those of its body."""
 
-    kind: Kind
+    reading: Callable[[Fitted, int | None, Sequence[float]], Record]
     sensor: Fitted
     first: int
-    depth: int
     width: int
+    depth: int
     every: int
     latency: int
     phase: int
@@ -64,14 +64,14 @@ class _Place(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class _Fitting:
-    """The sensors of one body. Its samples are contiguous."""
+    """The sensors of one body, by the field that lists them. Its samples are contiguous."""
 
     robot: Robot
     start: Position
     joined: int
     begin: int
     end: int
-    places: tuple[_Place, ...]
+    fields: tuple[tuple[str, tuple[_Place, ...]], ...]
 
 
 @dataclass(frozen=True)
@@ -125,7 +125,7 @@ def plan_sensors(
         stays = old is not None and old.robot == robot and old.start == start
         joined = old.joined if old is not None and stays else tick
         begin = size
-        places = []
+        fields: dict[str, list[_Place]] = {}
         for _, _, declaration in sensors_of(robot):
             if declaration.source == "real":
                 continue
@@ -133,14 +133,16 @@ def plan_sensors(
             sensor = Fitted(body, robot, start, declaration, floor)
             every, latency, phase = declaration.every, declaration.latency, kind.phase(declaration)
             depth, width = sample_schedule.depth(every, latency), kind.width(declaration)
-            places.append(_Place(kind, sensor, size - begin, depth, width, every, latency, phase))
+            place = _Place(kind.reading, sensor, size - begin, width, depth, every, latency, phase)
+            fields.setdefault(kind.field, []).append(place)
             key = noise_key(seed, str(robot.name), kind.stream(sensor))
             row = _row(body, declaration, joined + phase, size, depth, key)
             fitted.setdefault(kind, []).append((sensor, row))
             size += depth * width
             remembered.extend(range(size, size + kind.memory(declaration)))
             size += kind.memory(declaration)
-        fittings.append(_Fitting(robot, start, joined, begin, size, tuple(places)))
+        listed = tuple((field, tuple(places)) for field, places in fields.items())
+        fittings.append(_Fitting(robot, start, joined, begin, size, listed))
         if old is not None and stays:
             kept.append((old, fittings[-1]))
     samples = np.zeros(size)
@@ -207,26 +209,23 @@ def readings(plan: SensorPlan, samples: Floats, tick: int, body: int) -> Sensors
         None if there is no reading: the body has no sensors, or none has a reading yet.
     """
     fitting = plan.fittings[body]
-    if not fitting.places:
+    if not fitting.fields:
         return None
     values = samples[fitting.begin : fitting.end].tolist()
-    found: dict[str, list[Record]] = {}
-    for kind, sensor, first, depth, width, every, latency, phase in fitting.places:
-        at, sampled = first, None
-        if depth > 1 or every > 1:
+    found: dict[str, tuple[Record, ...]] = {}
+    for field, places in fitting.fields:
+        listed = []
+        for reading, sensor, first, width, depth, every, latency, phase in places:
+            if depth == 1 and every == 1:
+                listed.append(reading(sensor, None, values[first : first + width]))
+                continue
             age = tick - latency - fitting.joined - phase
             if age < 0:
                 continue
             number, rest = divmod(age, every)
-            at += number % depth * width
-            late = latency + rest
-            sampled = tick - late if late else None
-        reading = kind.reading(sensor, sampled, values[at : at + width])
-        if kind.field in found:
-            found[kind.field].append(reading)
-        else:
-            found[kind.field] = [reading]
-    if not found:
-        return None
+            at, late = first + number % depth * width, latency + rest
+            listed.append(reading(sensor, tick - late if late else None, values[at : at + width]))
+        if listed:
+            found[field] = tuple(listed)
     # Each kind makes readings of its own class.
-    return Sensors(**{field: tuple(listed) for field, listed in found.items()})  # type: ignore[arg-type]
+    return Sensors(**found) if found else None  # type: ignore[arg-type]
