@@ -21,7 +21,7 @@ import pytest
 
 from tests.e2e.stage import Stage, free_port
 
-EXAMPLES = Path(__file__).parents[2] / "agents" / "examples" / "08_another_language"
+EXAMPLES = Path(__file__).parents[2] / "agents" / "examples" / "other_languages"
 CACHE = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "intellwheels-build"
 REQUIRED = os.environ.get("REQUIRE_LANGUAGES") == "1"
 BUILD_LIMIT = 3600.0 if REQUIRED else 120.0

@@ -29,7 +29,7 @@ points (the situation: what the program must do):
 
 examples:
   a program that takes its name and the endpoint as arguments
-      iw-check-agent -- python agents/examples/08_another_language/python/avoid.py {{name}} {{endpoint}}
+      iw-check-agent -- python agents/examples/other_languages/python/avoid.py {{name}} {{endpoint}}
   your own mind
       iw-check-agent -- iw-agent ./my_mind.py --name {{name}} --connect {{endpoint}}
   a program that reaches port 7447 through your own bridge or router

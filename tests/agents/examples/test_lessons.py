@@ -34,7 +34,7 @@ def lesson(number: int) -> Path:
 def commands(number: int) -> list[str]:
     """Return the commands in the head of a lesson."""
     text = lesson(number).read_text(encoding="utf-8")
-    return re.findall(r"(?:^ {4}|^# {5}|<\?command )((?:iw-|pytest |sh ).*?)(?:\?>)?$", text, re.MULTILINE)
+    return re.findall(r"(?:^ {4}|^# {5}|<\?command )((?:iw-|pytest |python |sh ).*?)(?:\?>)?$", text, re.MULTILINE)
 
 
 @pytest.fixture
@@ -73,8 +73,7 @@ def test_lesson_is_short_and_listed(path: Path) -> None:
 
 
 def test_every_lesson_is_there() -> None:
-    assert [int(path.name[:2]) for path in LESSONS] == [1, 2, 3, 4, 5, 6, 7]
-    assert (EXAMPLES / "08_another_language").is_dir()
+    assert [int(path.name[:2]) for path in LESSONS] == [1, 2, 3, 4, 5, 6, 7, 8]
 
 
 def test_lesson_1_drives_and_stops(stage: Stage) -> None:
@@ -129,3 +128,15 @@ def test_lesson_7_moves_the_chair_and_stops_it(stage: Stage) -> None:
     child = start(stage, "script", commands(7)[0], stage.endpoint)
     stage.line(child, "moving")
     stage.line(child, "stopped")
+
+
+def test_lesson_8_drives_and_turns_with_zenoh_alone(stage: Stage) -> None:
+    server, agent = commands(8)
+    stage.simulator = start(stage, "server", server, "--listen", stage.endpoint)
+    stage.line(stage.simulator, "ready")
+    start(stage, "agent", agent, stage.endpoint)
+    with stage.peer() as peer:
+        begin = peer.entity("chair1", lambda _: True)
+        peer.entity("chair1", lambda now: abs(now["X"] - begin["X"]) + abs(now["Y"] - begin["Y"]) > 0.5)
+        peer.entity("chair1", lambda now: abs(now["Heading"] - begin["Heading"]) > 0.5)
+        assert peer.entities()["chair1"].get("Contacts", 0) == 0

@@ -13,7 +13,7 @@ from tests.e2e.stage import DEADLINE, Stage
 
 pytestmark = pytest.mark.process
 
-EXAMPLE = Path(__file__).parents[3] / "agents" / "examples" / "08_another_language" / "python" / "avoid.py"
+EXAMPLE = Path(__file__).parents[3] / "agents" / "examples" / "other_languages" / "python" / "avoid.py"
 
 
 @pytest.fixture

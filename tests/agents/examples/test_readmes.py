@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-EXAMPLES = Path(__file__).parents[3] / "agents" / "examples" / "08_another_language"
+EXAMPLES = Path(__file__).parents[3] / "agents" / "examples" / "other_languages"
 
 
 @pytest.mark.parametrize("language", sorted(path.name for path in EXAMPLES.iterdir()))

@@ -18,7 +18,7 @@ from intellwheels_schemas.messages import Result
 
 pytestmark = pytest.mark.process
 
-AVOID = Path(__file__).parents[3] / "agents" / "examples" / "08_another_language" / "python" / "avoid.py"
+AVOID = Path(__file__).parents[3] / "agents" / "examples" / "other_languages" / "python" / "avoid.py"
 AHEAD: dict[str, Any] = {"left": 0.3, "right": 0.3}
 
 DIES = """
