@@ -11,6 +11,7 @@ from pathlib import Path
 from intellwheels_agents import minds, starter
 from intellwheels_agents.agent_peer import run_agent
 from intellwheels_agents.harness import NAME_TAKEN, PLACE_TAKEN
+from intellwheels_agents.mind_error import MindError
 from intellwheels_agents.options import OptionError, Options
 from intellwheels_agents.robot_document import equipped, joining, split_options
 from intellwheels_maps import robot as robot_file
@@ -140,7 +141,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except (OptionError, WireError) as error:
         print(f"iw-agent: {error}", file=sys.stderr)
         return 2
-    except ConnectionError as error:
+    except (ConnectionError, MindError) as error:
         print(f"iw-agent: {error}", file=sys.stderr)
         return 1
 

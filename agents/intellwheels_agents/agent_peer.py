@@ -9,6 +9,7 @@ instead of 152 µs, echo of measures on loopback), and in lockstep every tick wa
 
 from __future__ import annotations
 
+import math
 import queue
 import sys
 import threading
@@ -29,6 +30,7 @@ from intellwheels_agents.harness import (
     RequestLeave,
 )
 from intellwheels_agents.mind import Make
+from intellwheels_agents.mind_error import place_in
 from intellwheels_schemas import link, zenoh_inbox
 from intellwheels_schemas.channels import CHANNELS
 from intellwheels_schemas.codec import Encoding, decode, encoding_of
@@ -44,6 +46,10 @@ LEAVE_TIMEOUT = 2.0
 """Seconds to wait for the reply to a leave. Without a reply, the simulator still sees the liveliness token go."""
 QUEUE_LIMIT = 1024
 """Arrivals that may wait while the mind computes: a minute at 20 Hz."""
+SLOW_DECISION = 3.0
+"""Seconds that a mind decides before it is reported."""
+WATCH_PERIOD = 0.5
+"""Seconds between two looks at a mind that decides."""
 ARRIVAL_LIMIT = 1 << 18
 """Largest arrival that is accepted, in bytes: four times the contract's limit for one message."""
 
@@ -121,6 +127,7 @@ class _AgentPeer:
         self._exit: int | None = None
         self._arrivals: queue.SimpleQueue[zenoh.Sample | zenoh_inbox.Presence | list[link.Answer]] = queue.SimpleQueue()
         self._dropped = 0
+        self._deciding_since = math.inf
         self._harness = Harness(
             robot,
             make,
@@ -143,6 +150,10 @@ class _AgentPeer:
         """Run until `stop` is set or the harness ends, and return the exit code."""
         harness = self._harness
         failed = True
+        over = threading.Event()
+        threading.Thread(
+            target=self._watch_decisions, args=(over, threading.get_ident()), name="watch-decisions", daemon=True
+        ).start()
         # Closed here and in order: a subscriber that is still open when Python exits makes it hang.
         with self._publisher, self._token, self._subscriber, self._simulator_token:
             try:
@@ -151,6 +162,7 @@ class _AgentPeer:
                     self._turn()
                 failed = False
             finally:
+                over.set()
                 outputs = harness.stop()
                 if failed:
                     # Remove the body at once instead of after the timeout, but print no "left" line: this is a crash.
@@ -163,8 +175,11 @@ class _AgentPeer:
     def _store(self, sample: zenoh.Sample) -> None:
         if self._arrivals.qsize() < QUEUE_LIMIT and len(sample.payload) <= ARRIVAL_LIMIT:
             self._arrivals.put(sample)
-        else:
-            self._dropped += 1
+            return
+        if self._dropped == 0:
+            why = f"{len(sample.payload)} bytes, {self._arrivals.qsize()} waiting"
+            _log(f"dropped key={sample.key_expr} why='{why}; expected at most {ARRIVAL_LIMIT} and {QUEUE_LIMIT}'")
+        self._dropped += 1
 
     def _notice(self, token: zenoh.Sample) -> None:
         self._arrivals.put(zenoh_inbox.Presence(str(token.key_expr), token.kind == zenoh.SampleKind.PUT))
@@ -194,7 +209,19 @@ class _AgentPeer:
         except queue.Empty:
             pass
         if batch:
+            self._deciding_since = time.monotonic()
             self._do(harness.measured(batch))
+            self._deciding_since = math.inf
+
+    def _watch_decisions(self, over: threading.Event, thread: int) -> None:
+        """Report, once, a mind that decides for long: it may be in an endless loop."""
+        reported = -math.inf
+        while not over.wait(WATCH_PERIOD):
+            since = self._deciding_since
+            if since != reported and time.monotonic() - since > SLOW_DECISION:
+                reported = since
+                frame = sys._current_frames().get(thread)
+                _log(f"slow decide={SLOW_DECISION:g}s at={place_in(frame)}")
 
     def _take(self, sample: zenoh.Sample, batch: list[Payload]) -> None:
         """Handle a sample; append `Measures` to `batch`, since only the newest of those waiting is answered."""

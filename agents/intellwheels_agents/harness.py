@@ -25,6 +25,7 @@ from enum import Enum, auto
 from typing import Final, TypeAlias
 
 from intellwheels_agents.mind import Context, Make
+from intellwheels_agents.mind_error import USER_ERRORS, failed
 from intellwheels_agents.mind_run import MindRun
 from intellwheels_agents.options import Options
 from intellwheels_schemas.codec import Encoding, decode, encode
@@ -296,8 +297,14 @@ class Harness:
         self._run = run
         options = Options(self._options)
         context = Context(self._agent, joined.robot, joined.position, joined.parameters, options, self._fetch_map, run)
+        try:
+            mind = self._make(context)
+        except USER_ERRORS:
+            raise
+        except Exception as error:
+            raise failed(self._make, error) from error
         self._current = MindRun(
-            self._make(context),
+            mind,
             run=run,
             session=joined.session,
             encoding=self._encoding,

@@ -13,6 +13,7 @@ from typing import NamedTuple
 import msgspec
 
 from intellwheels_agents.mind import Bridge, Mind
+from intellwheels_agents.mind_error import USER_ERRORS, failed, wrong_answer
 from intellwheels_schemas.codec import Encoding, encode
 from intellwheels_schemas.messages import TEXT_PATTERN, Actions, Measures, Pose
 
@@ -89,13 +90,19 @@ class MindRun:
             payload: The bytes of the newest.
 
         Raises:
-            ValueError: The mind returned a power that is not a number, or text with control characters.
+            MindError: The mind raised an exception, or returned something else than actions that can be sent.
         """
         measures = batch[-1] if len(batch) == 1 else self._merged(batch)
         self.tick = measures.tick
         self.payload = payload
         self.last = Answer(b"")
-        self.last = self._encoded(self.mind.decide(measures), measures.tick)
+        try:
+            decision = self.mind.decide(measures)
+        except USER_ERRORS:
+            raise
+        except Exception as error:
+            raise failed(self.mind, error) from error
+        self.last = self._encoded(decision, measures.tick)
         return self.last
 
     def _merged(self, batch: Sequence[Measures]) -> Measures:
@@ -114,34 +121,49 @@ class MindRun:
         if isinstance(decision, Pose):
             pose = msgspec.structs.replace(decision, run=self.run, session=self._session, tick=tick, seq=seq)
             return Answer(encode(pose, self._encoding))
+        if decision is not None and not isinstance(decision, Actions):
+            raise wrong_answer(self.mind, "Actions", decision)
+        if decision is None and self._publishes_actions:
+            raise wrong_answer(self.mind, "Actions", None)
         if decision is None or not self._publishes_actions:
             # The mind of a simulated body is another process, and the simulator waits for that one's actions.
             return Answer(b"")
         if decision == _NOTHING and not self._awaited:
             # Nobody waits for it, so it could only arrive late.
             return Answer(b"")
-        left, right, say = decision.left_motor, decision.right_motor, decision.say
+        say = decision.say
         actions = Actions(
             run=self.run,
             session=self._session,
             tick=tick,
             seq=seq,
-            left_motor=left if left is None or -1.0 <= left <= 1.0 else _clamped(left),
-            right_motor=right if right is None or -1.0 <= right <= 1.0 else _clamped(right),
+            left_motor=self._power("left_motor", decision.left_motor),
+            right_motor=self._power("right_motor", decision.right_motor),
             mode=decision.mode,
             leave=decision.leave,
             goal=decision.goal,
             say=say if say is None else self._shortened(say),
         )
-        return Answer(encode(actions, self._encoding), leaves=decision.leave)
+        try:
+            return Answer(encode(actions, self._encoding), leaves=decision.leave)
+        except (TypeError, ValueError) as error:
+            raise wrong_answer(self.mind, f"Actions that can be sent ({error})", decision) from error
+
+    def _power(self, field: str, power: float | None) -> float | None:
+        """Return a power in [-1, 1]; numbers of other libraries, such as numpy's, become plain ones."""
+        if power is None:
+            return None
+        try:
+            value = float(power)
+        except (TypeError, ValueError):
+            value = math.nan
+        if math.isnan(value) or isinstance(power, str):
+            raise wrong_answer(self.mind, f"a number for {field}", power)
+        return min(max(value, -1.0), 1.0)
 
     def _shortened(self, text: str) -> str:
+        if not isinstance(text, str):
+            raise wrong_answer(self.mind, "text for say", text)
         if _TEXT.match(text) is None:
-            raise ValueError(f"say: expected text without control characters, got {text!r}")
+            raise wrong_answer(self.mind, "text without control characters for say", text)
         return text[: self._say_limit]
-
-
-def _clamped(power: float) -> float:
-    if math.isnan(power):
-        raise ValueError("a mind's power: expected a number, got nan")
-    return 1.0 if power > 0.0 else -1.0

@@ -2,8 +2,13 @@
 
 from __future__ import annotations
 
+from fractions import Fraction
+from typing import Any
+
+import numpy as np
 import pytest
 
+from intellwheels_agents.mind_error import MindError
 from intellwheels_agents.mind_run import Answer, MindRun
 from intellwheels_schemas.codec import Encoding, decode
 from intellwheels_schemas.messages import Actions, Heard, Measures, Pose
@@ -63,7 +68,7 @@ def test_skipped_ticks_are_counted_from_the_first_answer_on() -> None:
 
 @pytest.mark.parametrize(
     ("answer", "publishes_actions", "awaited"),
-    [(None, True, True), (Actions(left_motor=0.1), False, True), (Actions(), True, False)],
+    [(None, False, True), (Actions(left_motor=0.1), False, True), (Actions(), True, False)],
 )
 def test_nothing_is_sent_without_an_answer_a_mind_or_a_waiting_lockstep(
     answer: Actions | None, publishes_actions: bool, awaited: bool
@@ -77,5 +82,38 @@ def test_leaving_is_part_of_the_answer() -> None:
 
 
 def test_text_with_control_characters_is_a_bug_of_the_mind() -> None:
-    with pytest.raises(ValueError, match="expected text without control characters"):
+    with pytest.raises(MindError, match="expected text without control characters"):
         started(Fixed(Actions(say="a\x07b"))).answer([measures(0)], b"")
+
+
+@pytest.mark.parametrize("number", [np.float64(0.25), np.float32(0.25), np.int64(0), True, Fraction(1, 4)])
+def test_numbers_of_other_libraries_are_numbers(number: Any) -> None:
+    answer = started(Fixed(Actions(left_motor=number, right_motor=np.clip(2.0, -1.0, 1.0)))).answer([measures(0)], b"")
+    sent = decode(Actions, answer.payload)
+    assert (sent.left_motor, sent.right_motor) == (float(number), 1.0)
+
+
+@pytest.mark.parametrize(
+    ("answer", "words"),
+    [
+        (None, "expected Actions, got None; is a `return` missing?"),
+        (5, r"expected Actions, got 5 \(int\)"),
+        (Actions(left_motor="fast"), r"expected a number for left_motor, got 'fast' \(str\)"),  # type: ignore[arg-type]
+        (Actions(right_motor=(1, 2)), "expected a number for right_motor"),  # type: ignore[arg-type]
+        (Actions(say=5), r"expected text for say, got 5 \(int\)"),  # type: ignore[arg-type]
+        (Actions(mode=object()), r"expected Actions that can be sent \("),  # type: ignore[arg-type]
+    ],
+)
+def test_wrong_answer_is_named_with_its_place(answer: Any, words: str) -> None:
+    line = Fixed.decide.__code__.co_firstlineno
+    with pytest.raises(MindError, match=rf"^\S*test_mind_run\.py:{line}: decide: {words}"):
+        started(Fixed(answer)).answer([measures(0)], b"")
+
+
+def test_exception_of_a_mind_is_named_with_its_line() -> None:
+    class Fails:
+        def decide(self, measures: Measures) -> Actions:
+            return Actions(left_motor=1.0 / measures.tick)
+
+    with pytest.raises(MindError, match=r"test_mind_run\.py:\d+: decide: ZeroDivisionError: float division by zero$"):
+        started(Fails()).answer([measures(0)], b"")  # type: ignore[arg-type]

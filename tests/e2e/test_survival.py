@@ -380,3 +380,41 @@ def test_iw_run_of_no_scene_is_wrong_usage(stage: Stage) -> None:
     )  # fmt: skip
     assert done.returncode == 2
     assert "figure6" in done.stderr
+
+
+# ---------------------------------------------------------------- a mind's mistakes
+
+MIND = """class Mind:
+    def __init__(self, context):
+        pass
+
+    def decide(self, measures):
+"""
+
+
+@pytest.mark.parametrize(
+    ("body", "words"),
+    [
+        ("pass\n", "dies.py:5: decide: expected Actions, got None; is a `return` missing?"),
+        ("return 5\n", "dies.py:5: decide: expected Actions, got 5 (int)"),
+        ("return 1 / 0\n", "dies.py:6: decide: ZeroDivisionError: division by zero"),
+    ],
+)
+def test_mistake_of_a_mind_is_named_at_once_and_in_one_line(stage: Stage, body: str, words: str) -> None:
+    stage.server(*REALTIME)
+    mind = stage.folder / "dies.py"
+    mind.write_text(f"{MIND}        {body}")
+    child = stage.agent("chair1", str(mind), joined=False)
+    assert stage.exit(child) == 1
+    assert words in stage.log(child)
+    assert "Traceback" not in stage.log(child)
+
+
+def test_endless_loop_of_a_mind_is_named_with_its_line(stage: Stage) -> None:
+    stage.server(*REALTIME)
+    mind = stage.folder / "loops.py"
+    mind.write_text(f"{MIND}        while True:\n            pass\n")
+    child = stage.agent("chair1", str(mind), joined=False)
+    stage.wait(lambda: True if "slow decide=3s at=" in stage.log(child) else None, "the report of the loop", 5.0 * 3.0)
+    assert "loops.py:" in stage.log(child)
+    stage.signal(child, signal.SIGKILL)
