@@ -197,6 +197,7 @@ class _AgentPeer:
         batch: list[Payload] = []
         try:
             arrival = self._arrivals.get(timeout=pause)
+            self._deciding_since = time.monotonic()
             while True:
                 if isinstance(arrival, zenoh.Sample):
                     self._take(arrival, batch)
@@ -209,9 +210,8 @@ class _AgentPeer:
         except queue.Empty:
             pass
         if batch:
-            self._deciding_since = time.monotonic()
             self._do(harness.measured(batch))
-            self._deciding_since = math.inf
+        self._deciding_since = math.inf
 
     def _watch_decisions(self, over: threading.Event, thread: int) -> None:
         """Report, once, a mind that decides for long: it may be in an endless loop."""
