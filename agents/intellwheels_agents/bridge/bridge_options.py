@@ -30,7 +30,7 @@ Standard output has lines that begin with one of these words:
     joined, run, left               the bridge joined the simulation, a new run began, the bridge left
     lab-joined, lab-run, lab-left   the same in the laboratory
     held, ready, resumed            with --resume confirm: the motors are off, Enter is awaited, the chair drives on
-    bridged                         the bridge has ended; the line has counts
+    bridged                         the bridge has ended; the line counts poses, readings and losses
     simulator-gone, simulator-back, removed, replaced, taken, released, mind-joined, mind-left, mind-lost,
     mind-returned, body-lost, body-returned
                                     events of the chair
