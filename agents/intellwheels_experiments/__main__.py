@@ -46,7 +46,8 @@ examples:
       --option chair.speed=0.3 --out what-if
       what if: repeat that run, but slower from tick 200 on
 
-exit codes: 0 all conditions of the scene held or, in a batch, every run reached its end; 1 otherwise; 2 wrong usage
+exit codes: 0 all conditions of the scene held or, in a batch or branch, every run reached its end; 1 otherwise;
+2 wrong usage
 """
 
 
