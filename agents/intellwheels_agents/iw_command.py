@@ -56,6 +56,7 @@ def parser() -> argparse.ArgumentParser:
             f"  iw {'completion SHELL':{width}} print the completion script of {', '.join(shtab.SUPPORTED_SHELLS)}\n\n"
             "examples:\n"
             "  iw run figure6 --view          three chairs, a table and a door, on a page in your browser\n"
+            "  iw list floors                 the included maps\n"
             "  iw list places ward            the places where an agent can start, or drive to\n"
             '  eval "$(iw completion bash)"   completion in this shell'
         ),

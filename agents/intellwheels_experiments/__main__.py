@@ -46,7 +46,8 @@ examples:
       --option chair.speed=0.3 --out what-if
       what if: repeat that run, but slower from tick 200 on
 
-exit codes: 0 all conditions of the scene held or, in a batch, every run reached its end; 1 otherwise; 2 wrong usage
+exit codes: 0 all conditions of the scene held or, in a batch or branch, every run reached its end; 1 otherwise;
+2 wrong usage
 """
 
 
@@ -89,7 +90,7 @@ def parser() -> argparse.ArgumentParser:
     )  # fmt: skip
     found.add_argument(
         "--option", action="append", default=[], metavar="AGENT.NAME=VALUE",
-        help="change an option of a mind, or a field of a robot except in a branch; may be repeated",
+        help="change an option of a mind or, without --branch, a field of a robot; may be repeated",
     )  # fmt: skip
     found.add_argument(
         "--encoding", choices=("json", "xml"), default="json", help="encoding of the agents' messages (default: json)"
@@ -112,7 +113,8 @@ def parser() -> argparse.ArgumentParser:
         "--timeout",
         type=_factor,
         metavar="S",
-        help=f"seconds of wall time after which the run is aborted (default: {WALL_LIMIT:g}, more in real time)",
+        help=f"seconds of wall time after which the run is aborted (default: {WALL_LIMIT:g}, plus the scene's time "
+        "limit at pace realtime; none with --view)",
     )
     batch = found.add_argument_group(
         "batch", "run every row of the scene's experiment with every seed; needs the extra `experiments`"
@@ -124,14 +126,14 @@ def parser() -> argparse.ArgumentParser:
         "--out",
         type=Path,
         metavar="DIR",
-        help="folder of the batch; runs finished there are not repeated (default: SCENE-runs)",
+        help="folder of the runs and the report; a batch does not repeat runs finished there (default: SCENE-runs)",
     )
     branch = found.add_argument_group(
         "branch",
         "what if: repeat a recorded run up to a tick, continue with changes, and write a report of both runs to --out",
     )
     branch.add_argument(
-        "--branch", type=Path, metavar="LOG", help="input log of a run of this scene, and of --row if given"
+        "--branch", type=Path, metavar="LOG", help="input log of a run of this scene; with --row, of a run of that row"
     )
     branch.add_argument(
         "--at", type=_tick, metavar="TICK", default=0, help="tick up to which the log is followed (default: 0)"

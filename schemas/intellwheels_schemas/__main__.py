@@ -20,7 +20,7 @@ _SCHEMAS = Path(__file__).resolve().parents[1]
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
         prog="python -m intellwheels_schemas",
-        description="Generate KEYS.md, xsd/, json/ and vectors/ beside the package in a checkout, or check a document.",
+        description="Without COMMAND, generate KEYS.md, xsd/, json/ and vectors/ in the folder schemas of a checkout.",
     )
     parser.add_argument(
         "--release",

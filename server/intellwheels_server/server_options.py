@@ -95,7 +95,7 @@ def _add_world_options(group: argparse._ArgumentGroup) -> None:
     )  # fmt: skip
     group.add_argument(
         "--say-delay", type=_seconds, metavar="S",
-        help="simulated seconds of delay of a message, beyond the next tick "
+        help="simulated seconds by which a message is delayed, in addition to one tick "
         f"(default: the scene's, or {defaults.SAY_DELAY:g})",
     )  # fmt: skip
     group.add_argument(
@@ -168,7 +168,8 @@ def _add_run_options(group: argparse._ArgumentGroup) -> None:
     group.add_argument(
         "--reported", type=Path, metavar="FILE",
         help="with --play of the log of a laboratory: also show the poses that the chairs reported; FILE is the log of "
-        "the world that they joined; the runs and ticks of the two logs are paired in order",
+        "the world that they joined; both logs must be of a lockstep run, because their runs and ticks are paired "
+        "in order",
     )  # fmt: skip
     group.add_argument("--quit-at-end", action="store_true", help="exit when the end condition is met")
 

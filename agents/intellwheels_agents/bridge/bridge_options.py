@@ -30,7 +30,7 @@ Standard output has lines that begin with one of these words:
     joined, run, left               the bridge joined the simulation, a new run began, the bridge left
     lab-joined, lab-run, lab-left   the same in the laboratory
     held, ready, resumed            with --resume confirm: the motors are off, Enter is awaited, the chair drives on
-    bridged                         the bridge has ended; the line has counts
+    bridged                         the bridge has ended; the line counts poses, readings and losses
     simulator-gone, simulator-back, removed, replaced, taken, released, mind-joined, mind-left, mind-lost,
     mind-returned, body-lost, body-returned
                                     events of the chair
@@ -75,7 +75,7 @@ def parser() -> argparse.ArgumentParser:
         "--sensors", choices=SENSORS, default="virtual", help="which sensors the mind gets: the virtual"
         " ones, the real sonars of the chair, or both; with both, a real sonar is named real-ID (default: virtual)",
     )  # fmt: skip
-    chair = result.add_argument_group("the chair as built")
+    chair = result.add_argument_group("the chair")
     chair.add_argument(
         "--chair",
         metavar="NAME|FILE",
@@ -127,6 +127,10 @@ def _add_pose_options(result: argparse.ArgumentParser) -> None:
         "--fix-noise", type=_not_negative, default=0.05, metavar="M",
         help="driver world: standard deviation of a fix on each axis (default: 0.05)",
     )  # fmt: skip
+    pose.add_argument(
+        "--clock-offset", type=_finite, default=0.0, metavar="S",
+        help="seconds added to the time stamps of poses: the simulator's clock minus this machine's (default: 0)",
+    )  # fmt: skip
 
 
 def _add_line_options(result: argparse.ArgumentParser) -> None:
@@ -161,10 +165,6 @@ def _add_line_options(result: argparse.ArgumentParser) -> None:
     )
     faults.add_argument("--loss", type=_share, default=0.0, metavar="SHARE", help="share of messages lost (default: 0)")
     faults.add_argument("--seed", default="1", metavar="TEXT", help="seed of the faults (default: 1)")
-    faults.add_argument(
-        "--clock-offset", type=_finite, default=0.0, metavar="S",
-        help="seconds added to time stamps: the simulator's clock minus this machine's (default: 0)",
-    )  # fmt: skip
 
 
 def _number(expected: str, fits: Callable[[float], bool]) -> Callable[[str], float]:

@@ -6,9 +6,7 @@
 It sends telemetry 50 times a second and obeys motor powers. Its own watchdog stops the motors 0.2 s after the last
 valid power, by its own clock, and trusts neither the line nor the bridge. `PROTOCOL.md` describes the lines.
 
-Faults are commanded on standard input or a named pipe, one a line: `cut S` (no data passes for S seconds), `noise S`
-(garbage in both directions), `unplug S` (the terminal disappears), `boot` (the controller restarts), `stick F T`
-(joystick, thousandths), `fix X Y SD` (position, mm).
+Faults and other events are commanded on standard input or a named pipe; `FAULTS` lists them.
 Standard output has `ready port=...`, `powered ms=...` at the first valid power since the start, `moving ms=...`, and
 `stopped ms=... silence=...` when the motors stop: silence is -1 after a command, or the milliseconds since the last
 valid power when the watchdog stopped them.
@@ -48,6 +46,18 @@ MAX_STEP: Final = 0.02
 TELEMETRY_PERIOD: Final = 0.02
 MOTOR_LAG: Final = 0.1
 """Seconds in which a wheel comes within 1/e of the commanded speed."""
+FAULTS: Final = """\
+faults and other events, one a line:
+  cut S        no data passes for S seconds
+  noise S      garbage passes in both directions for S seconds
+  unplug S     the pseudo-terminal disappears for S seconds
+  boot         the controller restarts
+  stick F T    the joystick is at forward F and turn T, in thousandths
+  fix X Y SD   the controller sends a position and its standard deviation, in mm
+
+Standard output has `ready port=...`, `powered ms=...` at the first valid power, `moving ms=...` when the motors start,
+and `stopped ms=... silence=...` when they stop.
+"""
 
 
 class Controller:
@@ -249,10 +259,15 @@ class FaultyController:
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the stand-in and return its exit code."""
-    parser = argparse.ArgumentParser(prog="firmware", description="A stand-in for a chair's controller.")
-    parser.add_argument("--link", type=Path, metavar="PATH", help="symbolic link to make for the terminal")
+    parser = argparse.ArgumentParser(
+        prog="python -m intellwheels_agents.bridge.firmware_stand_in",
+        description="Play the controller of a chair on a pseudo-terminal, to which iw-bridge serial connects.",
+        epilog=FAULTS,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    parser.add_argument("--link", type=Path, metavar="PATH", help="make this symbolic link to the pseudo-terminal")
     parser.add_argument(
-        "--ask", type=Path, metavar="PIPE", help="read the commands for faults here (default: standard input)"
+        "--ask", type=Path, metavar="PIPE", help="named pipe to read faults from (default: standard input)"
     )
     parser.add_argument("--sonars", type=int, default=8, metavar="N", help="number of sonars (default: 8)")
     parser.add_argument(

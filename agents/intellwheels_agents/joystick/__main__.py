@@ -33,7 +33,7 @@ examples:
       iw-agent aided --name chair1 &  iw-joystick chair1
   take a chair from any mind, and give it back at the end
       iw-joystick chair1 --take
-  drive by voice, with a recogniser that prints forward, back, left, right, stop and other words
+  drive by voice, with a recogniser that prints forward, back, left, right or stop; the mind also gets other words
       recogniser | iw-joystick chair1 --source words
   drive over ssh, with the keys of the terminal; releasing them stops the chair within 0.3 s
       iw-joystick chair1 --source terminal
@@ -51,7 +51,7 @@ def parser() -> argparse.ArgumentParser:
     """Return the command line."""
     result = argparse.ArgumentParser(
         prog="iw-joystick",
-        description="Drive a chair by hand: send the input of a person to user/AGENT.",
+        description="Drive a chair by hand: send the input of a person to the key user/AGENT.",
         epilog=EXAMPLES,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
