@@ -107,13 +107,15 @@ def test_memory_does_not_grow_with_messages_of_strangers(stage: Stage) -> None:
     chance = random.Random(2)
     sizes = []
     with stage.peer() as peer:
-        for _ in range(5):
+        for _ in range(10):
             flood(peer, ROUND, chance)
             peer.ticks_on(5)
             sizes.append(resident(stage.pid(server)))
     assert "Traceback" not in stage.log(server)
-    # What grows with messages grows in every round; the allocator grows in steps, so the mean is looked at.
-    grown = (sizes[-1] - sizes[0]) / (len(sizes) - 1)
+    # What grows with messages grows in every round; the allocator grows in steps, most of them in the first rounds. So
+    # the mean of the later rounds is looked at.
+    later = sizes[4:]
+    grown = (later[-1] - later[0]) / (len(later) - 1)
     assert grown < ALLOWED, [size / ALLOWED for size in sizes]
 
 

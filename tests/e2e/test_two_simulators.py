@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import signal
+from collections.abc import Callable
 
 import pytest
+import zenoh
 
-from intellwheels_schemas.present import main as present
 from tests.e2e.stage import Stage
 
 SERVER = "intellwheels_server"
@@ -20,6 +21,16 @@ def router(stage: Stage) -> None:
 def simulator(stage: Stage) -> str:
     """Start a simulator that joins the router, and do not wait for it."""
     return stage.start("server", SERVER, "--connect", stage.endpoint, "--world", stage.world, "--pace", "realtime")
+
+
+def on_gone(gone: list[str]) -> Callable[[zenoh.Sample], None]:
+    """Return a callback that notes the tokens that disappear."""
+
+    def note(sample: zenoh.Sample) -> None:
+        if sample.kind == zenoh.SampleKind.DELETE:
+            gone.append(str(sample.key_expr))
+
+    return note
 
 
 def one_serves_of_two_started_together(stage: Stage) -> None:
@@ -42,10 +53,12 @@ def one_serves_of_two_started_together(stage: Stage) -> None:
 def the_successor_of_a_suspended_simulator_serves_on(stage: Stage) -> None:
     first = simulator(stage)
     stage.line(first, "ready")
-    stage.signal(first, signal.SIGSTOP)
-    # The router drops the session of a stopped process after 10 s.
-    words = ["--connect", stage.endpoint, "--world", stage.world]
-    stage.wait(lambda: True if present(words) == 1 else None, "end of the stopped simulator's token", 5.0 * 10.0)
+    with stage.peer() as peer:
+        gone: list[str] = []
+        with peer.session.liveliness().declare_subscriber(f"{peer.prefix}alive/**", on_gone(gone), history=True):
+            stage.signal(first, signal.SIGSTOP)
+            # The router drops the session of a stopped process after 10 s: its token and its claim.
+            stage.wait(lambda: True if len(gone) == 2 else None, "end of the stopped simulator's tokens", 5.0 * 10.0)
     second = simulator(stage)
     stage.simulator = second
     stage.line(second, "ready")

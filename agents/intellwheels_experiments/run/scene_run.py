@@ -109,7 +109,7 @@ def perform(
             children.receive()
             for server in (SERVER, LABORATORY):
                 exited = children.exited(server)
-                if exited is not None and exited.code != 0:
+                if exited is not None and exited.code > 0:
                     finish = _died(children, exited)
     return _result(spec, record, finish, stopwatch.seconds)
 
