@@ -127,7 +127,7 @@ def test_errors_are_lines_too_when_merged(children: ChildProcesses) -> None:
 
 def test_log_holds_output_and_errors_and_its_tail_is_short(children: ChildProcesses) -> None:
     child = launch(
-        children, "a", "import sys; print('out', flush=True); [print(i, file=sys.stderr) for i in range(99)]"
+        children, "a", "import sys; print('out', flush=True); [sys.stderr.write(f'{i}\\n') for i in range(99)]"
     )
     children.exit(child, DEADLINE)
     assert "out" in children.log(child).splitlines()
