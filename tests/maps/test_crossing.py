@@ -51,19 +51,19 @@ def test_answer_is_that_of_comparing_every_pair(size: int) -> None:
     """On a coarse lattice, where corners lie on edges and edges on each other all the time, and on a fine one."""
     chance = random.Random(size)
     found = 0
-    for _ in range(1500):
+    for _ in range(700):
         points = [(float(chance.randint(0, size)), float(chance.randint(0, size))) for _ in range(chance.randint(4, 8))]
         if any(a == b for a, b in pairwise([*points, points[0]])):
             continue
         pair = find_crossing(points)
         assert (pair is not None) == crosses(points), points
         found += pair is None
-    assert found > 8
+    assert found > 3
 
 
 def test_edges_that_are_named_do_touch() -> None:
     chance = random.Random(1)
-    for _ in range(300):
+    for _ in range(150):
         points = [(chance.random(), chance.random()) for _ in range(chance.randint(4, 30))]
         pair = find_crossing(points)
         assert (pair is not None) == crosses(points)

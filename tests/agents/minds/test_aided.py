@@ -58,8 +58,9 @@ def would_touch(arena: Arena, left: float, right: float, ticks: int) -> bool:
     return False
 
 
-@pytest.mark.parametrize("start", range(len(STARTS)))
-@pytest.mark.parametrize("chair", CHAIRS)
+@pytest.mark.parametrize(
+    ("start", "chair"), [(start, CHAIRS[(start + turn) % 4]) for start in range(len(STARTS)) for turn in (0, 2)]
+)
 def test_random_drives_touch_nothing(start: int, chair: str) -> None:
     floor, place = STARTS[start]
     arena = Arena(floor)
@@ -126,7 +127,7 @@ def test_chair_held_against_a_wall_still_turns() -> None:
     assert arena.contacts() == []
 
 
-@pytest.mark.parametrize("seeds", [(0, 1), pytest.param(tuple(range(2, 9)), marks=pytest.mark.soak)])
+@pytest.mark.parametrize("seeds", [(0,), pytest.param(tuple(range(1, 9)), marks=pytest.mark.soak)])
 @pytest.mark.parametrize("chair", CHAIRS)
 def test_chair_can_always_return_to_free_space(chair: str, seeds: tuple[int, ...]) -> None:
     asked = answered = 0
