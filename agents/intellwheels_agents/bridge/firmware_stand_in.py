@@ -173,8 +173,10 @@ class Terminal:
             self._link.symlink_to(self.name)
 
     def unplug(self) -> None:
-        """Remove the terminal."""
+        """Remove the terminal and its link. The system may give its number to another terminal at once."""
         if self.is_plugged:
+            if self._link is not None:
+                self._link.unlink(missing_ok=True)
             os.close(self._master)
             os.close(self._slave)
             self._master = self._slave = -1
