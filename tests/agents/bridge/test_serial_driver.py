@@ -165,8 +165,8 @@ def test_a_lost_line_is_opened_again(line: Line) -> None:
     line.terminal.unplug()
     line.driver.write(0.5, 0.5)
     line.terminal.plug()
+    line.until(lambda: line.driver.faults()["reopened"] == 1, "the line opened again")
     line.told(1, "a reading on the new line")
-    assert line.driver.faults()["reopened"] == 1
 
 
 def test_the_last_power_written_is_zero(line: Line) -> None:

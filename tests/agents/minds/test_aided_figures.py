@@ -92,7 +92,7 @@ def approaches() -> Iterator[Any]:
             yield pytest.param(chair, y, heading_deg, marks=() if short else pytest.mark.soak)
 
 
-@pytest.mark.parametrize(("chair", "y", "heading_deg"), approaches())
+@pytest.mark.parametrize(("chair", "y", "heading_deg"), list(approaches()))
 def test_chair_passes_a_doorway_of_0_813_m_without_stopping(
     request: pytest.FixtureRequest, chair: str, y: float, heading_deg: float
 ) -> None:
