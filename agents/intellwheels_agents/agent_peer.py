@@ -64,6 +64,7 @@ def run_agent(
     retry_for: float,
     stop: threading.Event,
     tell: Callable[[str], None] | None = None,
+    on_presence: Callable[[bool], None] | None = None,
 ) -> int:
     """Join, run the mind until `stop` is set, leave, and return the exit code.
 
@@ -76,6 +77,7 @@ def run_agent(
         retry_for: Seconds to look for a simulator before giving up; may be infinite.
         stop: Set when the process must end.
         tell: Prints the lines that scripts wait for; default: to standard output.
+        on_presence: Called in the calling thread when the simulator appears (True) or disappears (False).
 
     Raises:
         OptionError: The mind does not accept an option.
@@ -96,7 +98,9 @@ def run_agent(
         return 0
     with session:
         remaining = max(0.0, retry_for - (time.monotonic() - started))
-        return _AgentPeer(session, robot, make, options, where, encoding, remaining, tell or _print).run(stop)
+        return _AgentPeer(
+            session, robot, make, options, where, encoding, remaining, tell or _print, on_presence or _ignore
+        ).run(stop)
 
 
 class _AgentPeer:
@@ -112,11 +116,13 @@ class _AgentPeer:
         encoding: Encoding,
         retry_for: float,
         tell: Callable[[str], None],
+        on_presence: Callable[[bool], None],
     ) -> None:
         agent = robot.name or ""
         keys = Keys(where.world)
         self._session = session
         self._tell = tell
+        self._on_presence = on_presence
         self._encoding = encoding
         self._map_key = keys.map
         self._join_key = keys.join(agent)
@@ -203,6 +209,7 @@ class _AgentPeer:
                     self._take(arrival, batch)
                 elif isinstance(arrival, zenoh_inbox.Presence):
                     now = time.monotonic()
+                    self._on_presence(arrival.alive)
                     self._do(harness.present(now) if arrival.alive else harness.absent(now))
                 else:
                     self._do(self._replied(arrival, time.monotonic()))
@@ -288,6 +295,10 @@ class _AgentPeer:
         if not answer.ok:
             raise ConnectionError(f"map: expected the simulator's map, got an error: {answer.data[:200]!r}")
         return decode(Map, answer.data, encoding_of(answer.encoding, answer.data), strict=False)
+
+
+def _ignore(_alive: bool) -> None:
+    """Do nothing: nobody asked about the simulator's presence."""
 
 
 def _print(line: str) -> None:

@@ -31,11 +31,11 @@ from intellwheels_maps import robot as robot_file
 from intellwheels_schemas.codec import Encoding, decode, encoding_of
 from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.keys import Keys
-from intellwheels_schemas.link import Link, add_link_options, link_of, open_session, watch_tokens
+from intellwheels_schemas.link import Link, add_link_options, link_of, open_session
 from intellwheels_schemas.messages import Body, Event, Robot
 from intellwheels_schemas.names import check_agent, check_name, new_hex
 from intellwheels_schemas.process import SLICE, add_process_options, stop_on_signals
-from intellwheels_schemas.zenoh_inbox import Arrival, Inbox, Presence, Put
+from intellwheels_schemas.zenoh_inbox import Arrival, Inbox, Put
 
 
 def parser() -> argparse.ArgumentParser:
@@ -117,7 +117,7 @@ class _BridgeProcess:
                 thread.start()
             code = run_agent(
                 self._body, self._chair.begin, {}, where=self._where, encoding=self._encoding,
-                retry_for=given.retry_for, stop=stop, tell=self._tell,
+                retry_for=given.retry_for, stop=stop, tell=self._tell, on_presence=self._on_presence,
             )  # fmt: skip
             return 1 if self._driver.failure else code
         finally:
@@ -153,13 +153,25 @@ class _BridgeProcess:
             self._gate.joined()
         _print(line)
 
+    def _on_presence(self, alive: bool) -> None:
+        """Print the simulator's going or return, and close the gate when it goes.
+
+        The session of the chair tells it. The session of the events may not have heard of a simulator that ends soon
+        after the join.
+        """
+        if not alive:
+            self._gate.interrupted("simulator-gone")
+        line = self._notices.presence(alive)
+        if line is not None:
+            _print(line)
+
     def _read_confirmations(self) -> None:
         read_lines(sys.stdin.fileno(), self._gate.confirmed, self._stop)
         if not self._stop.is_set():
             _log("standard input is closed: after an interruption restart iw-bridge, or start it with --resume auto")
 
     def _watch_events(self) -> None:
-        """Print what happens to the chair, and close the gate when the simulator goes."""
+        """Print what happens to the chair."""
         try:
             session = open_session(self._second_link(), self._stop)
         except ConnectionError as error:
@@ -172,7 +184,6 @@ class _BridgeProcess:
             session,
             session.declare_subscriber(keys.event, inbox.on_sample),
             session.declare_subscriber(keys.body(self._agent), inbox.on_sample),
-            watch_tokens(session, keys.alive, inbox),
         ):
             while not self._stop.is_set():
                 inbox.wait(SLICE)
@@ -182,10 +193,6 @@ class _BridgeProcess:
                         _print(line)
 
     def _notice(self, arrival: Arrival, keys: Keys) -> str | None:
-        if isinstance(arrival, Presence):
-            if not arrival.alive:
-                self._gate.interrupted("simulator-gone")
-            return self._notices.presence(arrival.alive)
         if not isinstance(arrival, Put):
             return None
         try:
