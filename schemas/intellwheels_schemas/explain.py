@@ -143,8 +143,23 @@ def check_scalar(scalar: Scalar, value: object, where: str) -> None:
         raise _wrong_scalar(scalar, value, where)
 
 
+def _other_form(shape: Shape, member: Member) -> str:
+    """Return how a field is written in XML, for one that was written in another form."""
+    root, wire = shape.root, member.wire
+    if member.form in {Form.ATTRIBUTE, Form.LIST}:
+        example = member.scalar.words[0] if member.scalar is not None and member.scalar.words else "..."
+        return f'expected an attribute, as in <{root} {wire}="{example}">, got an element'
+    if member.form is Form.CONTENT:
+        return f"expected the text of the element, as in <{root}>...</{root}>, got {wire}"
+    example = f"<{wire}>...</{wire}>" if member.form is Form.ELEMENT else f"<{wire} .../>"
+    return f"expected an element, as in <{root}>{example}</{root}>, got an attribute"
+
+
 def unknown_field(shape: Shape, name: str, where: str) -> WireError:
     """Return the error for a field that the class does not have, with the name of its most similar field."""
+    known = shape.by_wire.get(name)
+    if known is not None:
+        return WireError("field", f"{where}.{name}: {_other_form(shape, known)}", f"{where}.{name}")
     hint = _HEIGHT_HINTS.get(shape.cls.__name__, "") if name == "Height" else ""
     if not hint:
         near = difflib.get_close_matches(name, list(shape.by_wire), n=1)

@@ -69,7 +69,7 @@ EXAMPLES: list[FileRecord] = [
 def test_line_is_valid_and_read_as_it_was_written(line: FileRecord) -> None:
     data = msgspec.json.encode(line)
     assert msgspec.json.decode(data, type=type(line)) == line
-    schema = json.loads((SCHEMAS / "json" / f"{type(line).__name__}.json").read_bytes())
+    schema = json.loads((SCHEMAS / "json" / "reader" / f"{type(line).__name__}.json").read_bytes())
     jsonschema.Draft202012Validator.check_schema(schema)
     assert [error.message for error in jsonschema.Draft202012Validator(schema).iter_errors(json.loads(data))] == []
 
@@ -79,7 +79,7 @@ def test_every_kind_of_line_has_an_example() -> None:
 
 
 def test_line_with_a_wrong_command_is_not_valid() -> None:
-    schema = json.loads((SCHEMAS / "json" / "InputTick.json").read_bytes())
+    schema = json.loads((SCHEMAS / "json" / "reader" / "InputTick.json").read_bytes())
     validator = jsonschema.Draft202012Validator(schema)
     wrong = {"Tick": 3, "Inputs": {"Actions": {"chair1": {"LeftMotor": 2.0}}}, "Hash": HASH}
     assert not validator.is_valid(wrong)

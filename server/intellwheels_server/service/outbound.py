@@ -136,7 +136,7 @@ def _state_parts(state: State, publisher: Publisher) -> list[WorldState]:
     """Return the state in parts that each fit into a message; none if the truth is hidden."""
     if publisher.hide_truth:
         return []
-    return split_state(state.run, state.tick, state.time, world.entities(state))
+    return split_state(state.run, state.tick, state.shown_time, world.entities(state))
 
 
 def _clock(service: ServiceState, now: float) -> Clock:
@@ -144,11 +144,11 @@ def _clock(service: ServiceState, now: float) -> Clock:
     return Clock(
         run=state.run,
         tick=state.tick,
-        time=state.time,
+        time=state.shown_time,
         state=_clock_state(service, now),
         pace=pacing.pace,
         speed=pacing.metronome.speed,
-        factor=pacing.real_time_factor.value(now),
+        factor=round(pacing.real_time_factor.value(now), 6),
         late=pacing.metronome.late,
         hash=service.run.digest(),
         stamp=service.publisher.unix_time(),

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from typing import Any, Final
 
@@ -13,6 +12,7 @@ from intellwheels_schemas.rules import SENSOR_KINDS
 from intellwheels_server.world.hearing import heard_by
 from intellwheels_server.world.kernels import rows
 from intellwheels_server.world.sensors import readings
+from intellwheels_server.world.sensors.angles import written_heading
 from intellwheels_server.world.state import BodyStatus, State
 
 SAY_SHOWN: Final = 3.0
@@ -37,7 +37,7 @@ def measures(state: State, agent: str) -> Measures:
     return Measures(
         run=state.run,
         tick=state.tick,
-        time=state.time,
+        time=state.shown_time,
         collision=bool(flags[rows.COLLISION]),
         contact=bool(state.numbers[rows.TOUCHING, i]),
         state=_motor_state(flags),
@@ -70,7 +70,7 @@ def _unstamped(reading: Any, tick: int) -> Any:
 
 def entities(state: State) -> tuple[Entity, ...]:
     """Return the true state of every body, sorted by name; all numbers are rounded to 1e-6."""
-    numbers = state.numbers.round(6)
+    numbers = state.numbers.round(6) + 0.0  # -0.0 becomes 0.0
     x, y, heading = numbers[rows.X].tolist(), numbers[rows.Y].tolist(), numbers[rows.HEADING].tolist()
     speed, turn_rate = numbers[rows.SPEED].tolist(), numbers[rows.TURN_RATE].tolist()
     touching = state.numbers[rows.TOUCHING].tolist()
@@ -84,7 +84,7 @@ def entities(state: State) -> tuple[Entity, ...]:
                 name=name,
                 x=x[i],
                 y=y[i],
-                heading=_shown_heading(heading[i]),
+                heading=written_heading(heading[i]),
                 speed=speed[i],
                 turn_rate=turn_rate[i],
                 collision=bool(flags[i][rows.COLLISION]),
@@ -97,11 +97,6 @@ def entities(state: State) -> tuple[Entity, ...]:
             )
         )
     return tuple(found)
-
-
-def _shown_heading(rounded: float) -> float:
-    """Return a rounded heading, moved back to (-pi, pi] if rounding took it out by less than 1e-6."""
-    return rounded if -math.pi < rounded <= math.pi else math.pi
 
 
 def power_in_force(state: State, agent: str) -> PowerInForce:

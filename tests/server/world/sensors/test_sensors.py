@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Iterator
 from typing import Any
 
+import msgspec
 import pytest
 
-from intellwheels_schemas.codec import decode, encode
+from intellwheels_maps import floor
+from intellwheels_schemas.codec import Encoding, decode, encode
 from intellwheels_schemas.errors import RequestRefusedError
 from intellwheels_schemas.file_records import Depart, Join
 from intellwheels_schemas.messages import (
@@ -26,6 +30,7 @@ from intellwheels_schemas.messages import (
 )
 from intellwheels_server.world import State, digest, measures
 from intellwheels_server.world.sensors import check_sensors
+from intellwheels_server.world.sensors.catalogue import example_sensors
 from tests.server.worlds import box_wall, cart, do, floor_of, run, world
 
 
@@ -221,3 +226,48 @@ def test_real_sensor_of_any_kind_and_model_is_let_in_since_its_bridge_reads_it()
         id="s", x=0.0, y=0.0, z=0.4, direction_deg=0.0, cone_deg=30.0, max_range=4.0, source="real", model="sonar"
     )
     check_sensors(Robot(type="real", gps=(GPS(id="g", source="real"),), proximity=(sonar,)), floor_of(), truth=False)
+
+
+def _numbers(plain: Any) -> Iterator[float]:
+    if isinstance(plain, dict | list | tuple):
+        for one in plain.values() if isinstance(plain, dict) else plain:
+            yield from _numbers(one)
+    elif isinstance(plain, float):
+        yield plain
+
+
+def test_readings_have_six_decimals_at_most_and_what_sensors_remember_has_all() -> None:
+    sensors: dict[str, Any] = dict(example_sensors(floor("room")))
+    state = world({"a": cart(2.1, 2.3, 0.7, **sensors)}, truth=True, floor=floor("room"))
+    state, _ = run(state, 7, {"a": (0.3, 0.7)})
+    found = measures(state, "a").sensors
+    assert found is not None
+    declared = {"Lidar": ["StartDeg", "StepDeg"]}
+    plain = msgspec.to_builtins(found)
+    for kind, fields in declared.items():
+        for reading in plain[kind]:
+            for name in fields:
+                del reading[name]
+    numbers = list(_numbers(plain))
+    assert len(numbers) > 20
+    assert [number for number in numbers if number != round(number, 6)] == []
+    assert [number for number in numbers if number == 0.0 and math.copysign(1.0, number) < 0.0] == []
+    remembered = state.samples[state.body_set.plan.memory]
+    assert (remembered != remembered.round(6)).any()
+
+
+def test_heading_that_rounding_takes_out_is_moved_back() -> None:
+    state = world({"a": cart(heading=-math.pi + 1e-9, compass=(Compass(id="c"),))})
+    found = measures(state, "a").sensors
+    assert found is not None
+    assert found.compass[0].value == math.pi
+
+
+@pytest.mark.parametrize("encoding", list(Encoding)[:2])
+def test_scan_of_180_rays_fits_the_fragments_of_a_small_controller(encoding: Encoding) -> None:
+    lidar = Lidar(id="l", x=0.3, y=0.0, z=0.4, direction_deg=0.0, fov_deg=270.0, rays=180, max_range=30.0, noise=0.01)
+    state = world({"a": cart(10.0, 5.0, 0.3, lidar=(lidar,))}, floor=floor("ward"))
+    state, _ = run(state, 202, {"a": (0.2, 0.3)})
+    message = measures(state, "a")
+    assert message.time == 10.1
+    assert len(encode(message, encoding)) < 3000
