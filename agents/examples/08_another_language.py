@@ -16,7 +16,7 @@ import sys
 
 import zenoh
 
-KEY, JSON = "iw/v1/main", "application/json;iw.v1"
+KEY, JSON = "iw/v1/main", "application/json"
 INSTANCE = secrets.token_hex(8)  # new in each process
 EYE = {"Id": "front", "X": 0.6, "Y": 0.0, "Z": 0.4, "DirectionDeg": 0.0, "ConeDeg": 40.0, "MaxRange": 3.0}
 BODY = {"Length": 1.1, "Width": 0.6, "Center": 0.4, "TopSpeed": 1.0, "Track": 0.57}

@@ -24,8 +24,8 @@ from intellwheels_experiments.run.endpoints import free_port
 
 __all__ = ["DEADLINE", "JSON", "XML", "Peer", "Stage", "children_of", "free_port", "is_gone", "resident", "run"]
 
-JSON = "application/json;iw.v1"
-XML = "application/xml;iw.v1"
+JSON = "application/json"
+XML = "application/xml"
 
 
 def is_gone(pid: int, within: float = 0.0) -> bool:

@@ -13,7 +13,7 @@ from typing import Any
 import zenoh
 
 FAULT, NAME, ENDPOINT = sys.argv[1:4]
-KEY, JSON, INSTANCE = "iw/v1/main", "application/json;iw.v1", secrets.token_hex(8)
+KEY, JSON, INSTANCE = "iw/v1/main", "application/json", secrets.token_hex(8)
 ROBOT = {"Instance": INSTANCE, "TopSpeed": 1.0, "Length": 1.0, "Width": 0.6, "Encoders": [{"Id": "wheels"}]}
 KNOWN = {"Run", "Tick", "Time", "Collision", "Contact", "Sensors", "Message", "UserInput"}
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import signal
 import socket
@@ -214,6 +215,23 @@ def test_queries_are_answered_in_their_own_encoding() -> None:
         refused = ask(session, KEYS.ctl("speed"), b"<Speed/>", Encoding.XML)
         assert not refused.ok
         assert decode(Result, refused.data, Encoding.XML).code == "failed"
+
+
+def test_shared_messages_have_an_encoding_that_the_tools_of_zenoh_print() -> None:
+    with serving() as server, connected(server) as session:
+        inbox = zenoh_inbox.Inbox()
+        found: dict[str, str] = {}
+        with contextlib.ExitStack() as stack:
+            for key in (KEYS.clock, KEYS.event, KEYS.every_body, KEYS.every_state, KEYS.map):
+                stack.enter_context(session.declare_subscriber(key, inbox.on_sample))
+            Client(session).join()
+            assert ask(session, KEYS.ctl("load"), b'{"Name":"room"}').ok
+            deadline = time.monotonic() + DEADLINE
+            while len(found) < 5 and time.monotonic() < deadline:
+                inbox.wait(0.2)
+                found |= {put.key: put.encoding for put in inbox.take() if isinstance(put, zenoh_inbox.Put)}
+        keys = (KEYS.body("chair1"), KEYS.clock, KEYS.event, KEYS.map, KEYS.state(0))
+        assert found == dict.fromkeys(keys, "application/json")
 
 
 def test_world_has_one_simulator() -> None:
