@@ -27,7 +27,7 @@ ERROR: Final[dict[ErrorCode, str]] = {
     "malformed": "bytes that are not JSON or XML, the wrong root element, or a name that occurs twice",
     "encoding": "an unknown encoding",
     "version": "a version that is not iw.v1",
-    "field": "an unknown, missing or misplaced field",
+    "field": "an unknown, missing or misplaced field, or an unknown key",
     "value": "a value outside its type or range",
     "too-long": "more bytes or characters than the limit",
     "too-many": "more items than the limit, or more messages than the simulator accepts",

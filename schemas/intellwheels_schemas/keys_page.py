@@ -66,8 +66,11 @@ Terms:
 _NOTES = """
 - Every put is sent with congestion control *drop*. A slow reader delays no other process, and loses messages instead.
   Gaps in `Tick` and `Seq` show the loss.
-- A refused query gets an error reply with the message in the last column. If a query gets no reply at all, no simulator
-  is running or access is not allowed.
+- A query that fails, for whatever reason, gets an error reply with the message in the last column. A `Result` in an
+  ordinary reply therefore always has the code `ok`. If a query gets no reply at all, no simulator is running or access
+  is not allowed.
+- A `get` may have wildcards, as in `iw/v1/*/clock` or `iw/v1/main/*`. It brings a reply on each key that it matches and
+  that has `get` in its row. A control verb, a join and a leave need their own key.
 - Messages are ordered by (`Run`, `Tick`). A start, reset, load or restore gives a new `Run`. All messages of an earlier
   `Run` are then invalid.
 - `join` takes `?session=S`, the `Session` of the last join. With it, a process gets its body back even while the token
@@ -75,7 +78,11 @@ _NOTES = """
 - An agent can send one message to other agents per tick. If `Actions` and a `Say` both have one for the same tick, the
   simulator drops the `Say` and the sender gets an Error `too-many`.
 - `event` takes `?since=N`, and replies with the events from number N on. `Oldest` in the reply is the number of the
-  oldest event that is kept.
+  oldest event that is kept. A `since` that is no number gets an error reply.
+- A message on an unknown key below `in/<agent>/` or `user/<agent>` is dropped, and `out/<agent>/error` gets an Error
+  `field` with the key. `UserInput` for an agent that has no `UserInput` in its `Robot` and is not taken is dropped, and
+  `out/<agent>/error` gets an Error `role`; for an agent that is not there, `not-joined`. These errors come at most once
+  in 5 s for an agent, after the first two. Who steers an agent should subscribe to that key.
 - To follow `state/*`, subscribe first and then `get` the same keys. Drop each message that is older than the newest one
   you have.
 - To find worlds, query the liveliness tokens `iw/v1/*/alive`.

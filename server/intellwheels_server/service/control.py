@@ -63,6 +63,9 @@ def handle_control(service: ServiceState, query: Query, now: float) -> None:
 def read_message(service: ServiceState, query: Query) -> Record | None:
     """Return the control message of a query. If it cannot be read, send an error reply and return None."""
     cls = VERB_CLASSES.get(query.name)
+    if cls is None and query.has_wildcards:  # it asks for whatever there is, and a verb is nothing to get
+        query.close()
+        return None
     if cls is None:
         query.refuse(service.result("unsupported", "no such verb"))
         return None

@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+import difflib
+
 import msgspec
 
 from intellwheels_schemas.codec import Encoding, decode, encoding_of
 from intellwheels_schemas.errors import WireError
+from intellwheels_schemas.explain import shown
+from intellwheels_schemas.keys import IN_KINDS
 from intellwheels_schemas.messages import (
     Actions,
     Error,
@@ -32,6 +36,9 @@ TEXT_LIMIT = 1000
 def take_put(service: ServiceState, put: Put, now: float) -> None:
     """Take a message on a key of an agent; the agent gets an error if something is wrong with it."""
     agent, kind, pacing = put.agent, put.kind, service.pacing
+    if kind == "stray":
+        _report_stray(service, put, now)
+        return
     if kind in ("actions", "pose") and pacing.barrier_open and pacing.barrier.repeats(agent, kind, put.data):
         return
     # A user who floods must not use up what the agent itself may send. No agent's name has a slash.
@@ -142,8 +149,15 @@ def _too_long(state: State, where: str, text: str, seq: int | None) -> Fault:
 
 
 def _take_user_input(service: ServiceState, agent: str, user: UserInput, now: float) -> Fault | None:
-    if agent not in service.run.state.body_set.models:
-        return None  # there is no body to steer, and no agent that could get an error
+    model = service.run.state.body_set.models.get(agent)
+    if model is None:
+        text = f"UserInput: expected the name of an agent that is here, got '{agent}'"
+        _report_unasked(service, agent, Fault("not-joined", text, "UserInput", user.seq), now)
+        return None
+    if not model.wants_user and user.lease is None and service.agents.leases.active(agent) is None:
+        text = f"UserInput: expected an agent whose Robot has UserInput, or a lease of ctl/take, got '{agent}'"
+        _report_unasked(service, agent, Fault("role", text, "UserInput", user.seq), now)
+        return None
     checked = service.agents.leases.check_input(agent, user, now)
     if isinstance(checked, Fault):
         return checked._replace(seq=user.seq)
@@ -152,10 +166,32 @@ def _take_user_input(service: ServiceState, agent: str, user: UserInput, now: fl
     return None
 
 
+def _report_stray(service: ServiceState, put: Put, now: float) -> None:
+    """Report a message on a key that nobody reads: to the agent in it, or in the log if there is no such name."""
+    head = put.key.partition("/")[0]
+    valid = [f"user/{put.agent}"] if head == "user" else [f"in/{put.agent}/{kind}" for kind in IN_KINDS]
+    near = difflib.get_close_matches(put.key, valid, n=1) if put.agent else []
+    hint = f"; did you mean {near[0]}?" if near else ""
+    pattern = "user/<agent>" if head == "user" else f"in/<agent>/ and one of {', '.join(IN_KINDS)}"
+    text = f"key: expected {pattern}, got {shown(put.key)}{hint}"
+    if put.agent:
+        _report_unasked(service, put.agent, Fault("field", text, put.key), now)
+    elif service.unasked_limit.admit("", False, now) is not None:
+        service.publisher.outlet.log_line(f"dropped why={text!r}")
+
+
+def _report_unasked(service: ServiceState, agent: str, fault: Fault, now: float) -> None:
+    """Send an error about a message that the agent's own program may not have sent, so send it seldom."""
+    _send_error(service, agent, fault, service.unasked_limit.admit(agent, agent in service.agents.roster, now))
+
+
 def send_error(service: ServiceState, agent: str, fault: Fault, now: float) -> None:
     """Send an agent an error about one of its messages, unless it got too many errors recently."""
+    _send_error(service, agent, fault, service.error_limit.admit(agent, agent in service.agents.roster, now))
+
+
+def _send_error(service: ServiceState, agent: str, fault: Fault, suppressed: int | None) -> None:
     roster, state = service.agents.roster, service.run.state
-    suppressed = service.error_limit.admit(agent, agent in roster, now)
     if suppressed is None:
         return
     member = roster.mind(agent) or roster.body(agent)

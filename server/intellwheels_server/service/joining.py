@@ -363,6 +363,7 @@ def _update_members(service: ServiceState, agent: str) -> None:
     if reader is None:
         agents.encodings.pop(agent, None)
         service.error_limit.forget(agent)
+        service.unasked_limit.forget(agent)
         outlet.undeclare_agent(agent)
     else:
         agents.encodings[agent] = reader.encoding

@@ -83,8 +83,7 @@ class LiveRun:
         if self._may_start():
             self._start(now)
         self._move(now)
-        if service.publisher.schedule.take_due(now):
-            outbound.publish(service, now)
+        outbound.publish_due(service, now)
         outbound.put_idle_powers(service, now)
 
     def due(self, now: float) -> float:

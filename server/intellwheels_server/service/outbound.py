@@ -93,9 +93,28 @@ def publish(service: ServiceState, now: float) -> None:
     """Put the state and the clock."""
     publisher = service.publisher
     publisher.schedule.mark_published(now)
-    for part in _state_parts(service.run.state, publisher):
-        publisher.outlet.state(part)
-    publisher.outlet.clock(_clock(service, now))
+    parts = _state_parts(service.run.state, publisher)
+    publisher.schedule.mark_state(_shown(service, parts), now)
+    _put_state_and_clock(service, parts, now)
+
+
+def publish_due(service: ServiceState, now: float) -> None:
+    """Put the clock if it is due, and the state with it unless it was published and nothing has moved since."""
+    publisher = service.publisher
+    if publisher.schedule.take_due(now):
+        parts = _state_parts(service.run.state, publisher)
+        due = publisher.schedule.take_state(_shown(service, parts), now)
+        _put_state_and_clock(service, parts if due else [], now)
+
+
+def _shown(service: ServiceState, parts: list[WorldState]) -> object:
+    return service.run.state.run, [part.entity for part in parts]
+
+
+def _put_state_and_clock(service: ServiceState, parts: list[WorldState], now: float) -> None:
+    for part in parts:
+        service.publisher.outlet.state(part)
+    service.publisher.outlet.clock(_clock(service, now))
 
 
 def publish_map(run: RunState, publisher: Publisher) -> None:

@@ -15,7 +15,7 @@ from intellwheels_schemas.messages import Load, Map, Pace, Result, ResultCode
 from intellwheels_server import world
 from intellwheels_server.log.branch import Branch
 from intellwheels_server.service.connected_agents import ConnectedAgents
-from intellwheels_server.service.error_replies import ErrorLimit, MessageLimit
+from intellwheels_server.service.error_replies import UNASKED_BURST, UNASKED_RATE, ErrorLimit, MessageLimit
 from intellwheels_server.service.input_latch import InputLatch
 from intellwheels_server.service.pacing import Pacing
 from intellwheels_server.service.publisher import Outlet, Publisher
@@ -77,6 +77,7 @@ class ServiceState:
         latch: The messages of agents that act on the next step.
         message_limit: How many messages of a sender are read.
         error_limit: How many error replies a sender gets.
+        unasked_limit: How many reports there are about input that nobody asked for, and about unknown keys.
         publisher: The outgoing side.
         load_floor: Returns the map that a `load` asks for, or raises `WireError`.
         playback: How far the playback is; None in a live run.
@@ -109,6 +110,7 @@ class ServiceState:
         self.latch = InputLatch()
         self.message_limit = MessageLimit()
         self.error_limit = ErrorLimit()
+        self.unasked_limit = ErrorLimit(UNASKED_RATE, UNASKED_BURST)
         self.publisher = Publisher(outlet, unix_time, hide_truth=options.hide_truth)
         self.load_floor = load_floor
         self.playback: PlaybackProgress | None = None

@@ -305,12 +305,12 @@ def _serve(
     with contextlib.ExitStack() as stack:
         claim = stack.enter_context(contextlib.closing(ClaimWatch(session, keys)))
         service.begin()
-        for key in (keys.every_in, keys.every_user):
+        for key in keys.every_put:
             stack.enter_context(session.declare_subscriber(key, inbox.on_sample))
         stack.enter_context(link.watch_tokens(session, keys.every_token, inbox))
         for key in (keys.every_join, keys.every_leave, keys.every_ctl, keys.every_body, keys.every_state, keys.map,
                     keys.event, keys.clock):  # fmt: skip
-            stack.enter_context(session.declare_queryable(key, inbox.on_query))
+            stack.enter_context(session.declare_queryable(key, inbox.queries_of(key)))
         token: Any = link.declare_token(session, keys.alive)
         floor_name = service.state.setup.floor.name
         console.log_line(f"serving world={options.world} pace={options.pace} map={floor_name} at={route.where()}")

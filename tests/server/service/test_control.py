@@ -255,3 +255,27 @@ def test_every_control_message_has_one_handler() -> None:
     queued = change.registry.keys() - {object, Record}
     assert set(VERB_CLASSES.values()) == at_once | queued
     assert at_once & queued == set()
+
+
+@pytest.mark.parametrize(
+    ("verb", "message", "code"),
+    [
+        ("fly", b"", "unsupported"),
+        ("seek", b'{"Tick":1}', "unsupported"),
+        ("speed", b"{}", "failed"),
+        ("delete", b'{"Agent":"ghost"}', "not-found"),
+        ("take", b'{"Agent":"ghost"}', "not-found"),
+        ("step", b'{"Count":1}', "incorrect-state"),
+        ("pause", b"", "ok"),
+    ],
+)
+def test_every_failure_is_an_error_reply(verb: str, message: bytes, code: str) -> None:
+    ((reply, ok),) = Stage(pace="realtime").ask("ctl", verb, message)
+    assert isinstance(reply, Result)
+    assert (reply.code, ok) == (code, code == "ok")
+
+
+def test_query_with_wildcards_gets_no_verb_and_no_refusal() -> None:
+    stage = Stage(pace="realtime")
+    assert stage.ask("ctl", "", has_wildcards=True) == []
+    assert stage.events() == []

@@ -234,6 +234,28 @@ def test_shared_messages_have_an_encoding_that_the_tools_of_zenoh_print() -> Non
         assert found == dict.fromkeys(keys, "application/json")
 
 
+def test_gets_with_wildcards_bring_every_key_and_a_mistyped_key_is_told() -> None:
+    with serving() as server, connected(server) as session:
+        client = Client(session)
+        client.join()
+        single = {KEYS.clock, KEYS.event, KEYS.map}
+        for selector, keys in (
+            ("iw/v1/main/*", single),
+            ("iw/v1/*/clock", {KEYS.clock}),
+            ("iw/v1/main/**", {*single, KEYS.body("chair1"), KEYS.state(0)}),
+        ):
+            answers = link.query(session, selector)
+            assert sorted(answer.key for answer in answers) == sorted(keys), selector
+        refused = link.query(session, f"{KEYS.event}?since=abc")[0]
+        assert not refused.ok
+        assert decode(Result, refused.data).text == "event?since: expected a number, got 'abc'"
+        session.put(f"{KEYS.prefix}in/chair1/action", b"{}")
+        deadline = time.monotonic() + DEADLINE
+        while not client.errors and time.monotonic() < deadline:
+            client.measures()
+        assert [error.where for error in client.errors] == ["in/chair1/action"]
+
+
 def test_world_has_one_simulator() -> None:
     with serving() as server:
         second = Server(connect=server.endpoint)
