@@ -31,6 +31,12 @@ _HEIGHT_HINTS: Final = {
 }
 
 
+# Why a value is refused that a reader of the paper may expect to pass, by the end of its place.
+_VALUE_HINTS: Final = {
+    (".AccelerationCurve", 1.0): "with 1 the motors would keep their last power for ever and never move: write 0.999",
+}
+
+
 class Repeated(dict[str, Any]):
     """An object in which a name occurs twice; `name` is the first such name."""
 
@@ -121,7 +127,11 @@ def _wrong_scalar(scalar: Scalar, value: object, where: str) -> WireError:
                 "value", f"{where}: expected XML 1.0 characters except carriage return, got {bad!r}", where
             )
     code: Any = "version" if scalar.words == ("iw.v1",) and isinstance(value, str) else "value"
-    return WireError(code, f"{where}: expected {expected(scalar)}, got {shown(value)}", where)
+    text = f"{where}: expected {expected(scalar)}, got {shown(value)}"
+    for (place, refused), hint in _VALUE_HINTS.items():
+        if where.endswith(place) and value == refused:
+            text = f"{text}; {hint}"
+    return WireError(code, text, where)
 
 
 def too_long(where: str, most: int, things: str, got: int) -> WireError:

@@ -542,7 +542,7 @@ class Robot(Record, frozen=True, kw_only=True):
     top_speed: TopSpeed = 0.0
     """Speed of a wheel's rim at power 1; 0 means that the body has no motors."""
     acceleration_curve: Inertia = 0.0
-    """Inertia of the motors: share of the last power that is kept after 50 ms; 0 means no inertia."""
+    """Inertia of the motors: share of the last power that is kept after 50 ms; 0 means none, 1 would never move."""
     track: Size = 0.6
     """Nominal distance between the left and the right wheel."""
     wheel_diameter: Size = 0.35
@@ -991,9 +991,13 @@ class Entity(Record, frozen=True, kw_only=True):
     y: MapY
     heading: MapHeading
     speed: Velocity = 0.0
-    """Speed of the centre of movement, forward positive."""
+    """Speed of the centre of movement, forward positive: the mean over the last tick."""
     turn_rate: TurnRate = 0.0
-    """Rate of turn, positive anticlockwise."""
+    """Rate of turn, positive anticlockwise: the mean over the last tick."""
+    left_output: Power = 0.0
+    """Output of the left motor at the end of the last tick, formula (1) of the paper, positive forward."""
+    right_output: Power = 0.0
+    """Output of the right motor at the end of the last tick, formula (1) of the paper, positive forward."""
     collision: bool = False
     """Whether an obstacle prevented the commanded motion in the last step."""
     contact: bool = False

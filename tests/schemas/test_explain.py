@@ -78,3 +78,12 @@ def test_field_in_another_form_of_xml_is_told_how_to_write_it(text: str, words: 
     with pytest.raises(WireError) as caught:
         decode(NAMES[root], text.encode(), Encoding.XML)
     assert (caught.value.code, caught.value.text) == ("field", words)
+
+
+def test_curve_of_one_is_refused_with_the_reason() -> None:
+    with pytest.raises(WireError) as caught:
+        decode(NAMES["Robot"], b'{"Length":1.0,"Width":1.0,"AccelerationCurve":1.0}')
+    assert caught.value.text == (
+        "Robot.AccelerationCurve: expected a number in [0, 1), got 1; "
+        "with 1 the motors would keep their last power for ever and never move: write 0.999"
+    )
