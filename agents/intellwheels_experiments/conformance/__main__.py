@@ -108,12 +108,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def _show(outcome: Outcome) -> None:
     if outcome.passed:
-        print(f"passed  {outcome.point:<8} {outcome.expected}", flush=True)
+        print(f"passed  {outcome.point:<10} {outcome.expected}", flush=True)
         return
     how = "skipped" if outcome.passed is None else "FAILED "
-    print(f"{how} {outcome.point:<8} expected {outcome.expected}\n{'':17}got {outcome.got}")
+    print(f"{how} {outcome.point:<10} expected {outcome.expected}\n{'':19}got {outcome.got}")
     for line in outcome.output.splitlines()[-10:]:
-        print(f"{'':17}| {line}")
+        print(f"{'':19}| {line}")
     sys.stdout.flush()
 
 
