@@ -101,7 +101,7 @@ def page_text(checkout: Path) -> str:
             text = browser.text()
         os.killpg(process.pid, signal.SIGINT)
         rest, _ = process.communicate()
-        assert process.returncode == 0, "".join(printed) + rest
+        assert "finish=interrupted" in rest, "".join(printed) + rest
         return text
     finally:
         watchdog.cancel()
