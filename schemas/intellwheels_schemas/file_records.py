@@ -27,6 +27,7 @@ from intellwheels_schemas.messages import (
     Position,
     Robot,
     UserInput,
+    Word,
 )
 
 FORMAT: Final = "iw.v1"
@@ -56,6 +57,8 @@ class Join(FileRecord, frozen=True, kw_only=True, tag="Join", tag_field="Do"):
     agent: AgentName
     robot: Robot
     """Robot that the agent requested."""
+    reserved: tuple[Word, ...] = ()
+    """Places of the map that are kept for other agents."""
 
 
 class Depart(FileRecord, frozen=True, kw_only=True, tag="Depart", tag_field="Do"):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import shlex
 from collections.abc import Iterator
 from typing import Final, Literal, TypeAlias
 
@@ -93,7 +94,9 @@ def show(result: Result, console: Console) -> None:
 def lines(result: Result) -> Iterator[str]:
     """Return the result as lines for a script: the verb first, then `name=value`."""
     for agent in result.agents:
-        yield "agent " + " ".join(f"{head}={value}" for head, value in zip(_KEYS, _cells(agent), strict=True))
+        # A command line has spaces.
+        cells = [shlex.quote(cell) for cell in _cells(agent)]
+        yield "agent " + " ".join(f"{head}={value}" for head, value in zip(_KEYS, cells, strict=True))
     yield _figures(result)
     yield from (f"failed {sentence}" for sentence in result.failed)
     yield _headline(result)
@@ -111,7 +114,7 @@ def _cells(agent: AgentResult) -> tuple[str, ...]:
     return (
         agent.name,
         agent.mind,
-        agent.robot,
+        agent.robot or "-",
         agent.place or "-",
         {True: "yes", False: "no", None: "-"}[agent.reached],
         "-" if agent.distance is None else f"{agent.distance:.3f}m",

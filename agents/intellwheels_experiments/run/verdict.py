@@ -18,7 +18,7 @@ class AgentResult(Struct, frozen=True, kw_only=True):
 
     Attributes:
         name: The agent.
-        mind: Its mind, as the scene names it.
+        mind: Its mind or command, as the scene has it.
         robot: Its body, as the scene names it.
         place: The place that it had to reach; None without one.
         distance: From its centre of movement to that place when last seen, in m; None if there is no place, or if the
@@ -99,7 +99,7 @@ def _agents(scene: Scene, floor: Map, record: RunRecord) -> tuple[AgentResult, .
         agents.append(
             AgentResult(
                 name=cast.name,
-                mind=cast.mind,
+                mind=cast.command or cast.mind,
                 robot=cast.robot,
                 place=reach.place if reach else None,
                 distance=distance,

@@ -232,7 +232,7 @@ def _give_body(service: ServiceState, member: Member, current: Member | None, ke
             forget_body(service, agent)
         else:
             service.latch.forget(agent)
-    outcome = service.apply(Join(agent=agent, robot=_named(member.robot, agent)))
+    outcome = service.apply(_body_join(service, member))
     if outcome.code != "ok":
         if current is not None:
             remove_member(service, current)
@@ -240,6 +240,21 @@ def _give_body(service: ServiceState, member: Member, current: Member | None, ke
     for mind in other_minds:  # they join the new body
         service.apply(Join(agent=agent, robot=_named(mind.robot, agent)))
     return outcome.position or position_of(service.run.state, agent)
+
+
+def _body_join(service: ServiceState, member: Member) -> Join:
+    """Return the change by which a member joins with its body: at its place in the scene, or out of the way of others.
+
+    A place that this map does not have, after a `load`, is nobody's.
+    """
+    reserved, robot = service.options.reserved, member.robot
+    grid = service.run.state.setup.floor.grid
+    known = {spot.name for spot in grid.position} if grid is not None else set()
+    own = reserved.get(member.agent)
+    if own in known and member.has_body and robot.place is None and robot.position is None:
+        robot = msgspec.structs.replace(robot, place=own)
+    others = tuple(sorted(place for agent, place in reserved.items() if agent != member.agent and place in known))
+    return Join(agent=member.agent, robot=_named(robot, member.agent), reserved=others if member.has_body else ())
 
 
 def is_unowned(service: ServiceState, agent: str) -> bool:

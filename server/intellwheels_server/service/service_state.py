@@ -6,8 +6,8 @@ publishes, and `live_run` moves the world.
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
 
 from intellwheels_schemas import defaults
 from intellwheels_schemas.file_records import Change
@@ -41,6 +41,7 @@ class Options:
         await_page: Whether the run starts paused, until a page opens or somebody resumes it.
         branch: The run that this one repeats at first, if any.
         hide_truth: Whether true poses stay off the network: the world is a laboratory (`truth_filter`).
+        reserved: The place that is kept for each agent of the scene.
     """
 
     world: str
@@ -55,6 +56,7 @@ class Options:
     await_page: bool = False
     branch: Branch | None = None
     hide_truth: bool = False
+    reserved: Mapping[str, str] = field(default_factory=dict)
 
 
 @dataclass(slots=True)
