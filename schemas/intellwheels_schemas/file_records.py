@@ -78,6 +78,8 @@ class SpawnBody(FileRecord, frozen=True, kw_only=True, tag="Spawn", tag_field="D
     """Body to add; its Name is the name of the new agent."""
     position: Position | None = None
     """Start pose; absent means the robot's Place or Position, or the first free place for its Kind."""
+    reserved: tuple[Word, ...] = ()
+    """Places of the map that are kept for agents."""
 
 
 class DeleteBody(FileRecord, frozen=True, kw_only=True, tag="Delete", tag_field="Do"):

@@ -213,7 +213,10 @@ def _spawn(message: Spawn, service: ServiceState, query: Query, _now: float) -> 
     if name == OPERATOR:
         query.reply(service.result("failed", f"Spawn.Robot.Name: the name '{OPERATOR}' is reserved for people"))
         return
-    outcome = service.apply(SpawnBody(robot=message.robot, position=message.position))
+    # An operator may put a body anywhere. One that goes to any place leaves those of the scene's agents free.
+    anywhere = message.position is None and message.robot.position is None and message.robot.place is None
+    reserved = joining.reserved_places(service) if anywhere else ()
+    outcome = service.apply(SpawnBody(robot=message.robot, position=message.position, reserved=reserved))
     if outcome.code == "ok" and name is not None:
         outbound.publish_body(service, name)
     _reply(service, query, outcome)

@@ -243,18 +243,23 @@ def _give_body(service: ServiceState, member: Member, current: Member | None, ke
 
 
 def _body_join(service: ServiceState, member: Member) -> Join:
-    """Return the change by which a member joins with its body: at its place in the scene, or out of the way of others.
+    """Return the change by which a member joins: its body at its place in the scene, and at nobody else's."""
+    agent, robot = member.agent, member.robot
+    if not member.has_body:
+        return Join(agent=agent, robot=_named(robot, agent))
+    others = reserved_places(service, besides=agent)
+    own = service.options.reserved.get(agent)
+    if own in reserved_places(service) and robot.place is None and robot.position is None:
+        robot = msgspec.structs.replace(robot, place=own)
+    return Join(agent=agent, robot=_named(robot, agent), reserved=others)
 
-    A place that this map does not have, after a `load`, is nobody's.
-    """
-    reserved, robot = service.options.reserved, member.robot
+
+def reserved_places(service: ServiceState, besides: str = "") -> tuple[str, ...]:
+    """Return the places that are kept for agents, sorted. A place that this map does not have is nobody's."""
     grid = service.run.state.setup.floor.grid
     known = {spot.name for spot in grid.position} if grid is not None else set()
-    own = reserved.get(member.agent)
-    if own in known and member.has_body and robot.place is None and robot.position is None:
-        robot = msgspec.structs.replace(robot, place=own)
-    others = tuple(sorted(place for agent, place in reserved.items() if agent != member.agent and place in known))
-    return Join(agent=member.agent, robot=_named(robot, member.agent), reserved=others if member.has_body else ())
+    reserved = service.options.reserved.items()
+    return tuple(sorted(place for agent, place in reserved if agent != besides and place in known))
 
 
 def is_unowned(service: ServiceState, agent: str) -> bool:

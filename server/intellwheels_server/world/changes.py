@@ -143,7 +143,7 @@ def _spawn(one: do.SpawnBody, draft: Draft) -> Outcome:
     robot = one.robot
     if one.position is not None:
         robot = msgspec.structs.replace(robot, position=one.position, place=None)
-    outcome = _place_robot(name, robot, draft)
+    outcome = _place_robot(name, robot, draft, one.reserved)
     draft.event("spawned", name)
     return outcome
 
