@@ -7,7 +7,7 @@ from typing import Any
 
 from msgspec import NODEFAULT, inspect
 
-from intellwheels_schemas import codes, file_records, rules
+from intellwheels_schemas import codes, defaults, file_records, rules
 from intellwheels_schemas.channels import CHANNELS, VERB_CLASSES, Channel
 from intellwheels_schemas.codec import LIMITS, MAX_BYTES
 from intellwheels_schemas.explain import expected
@@ -67,6 +67,9 @@ _NOTES = """
   `Run` are then invalid.
 - `join` takes `?session=S`, the `Session` of the last join. With it, a process gets its body back even while the token
   of its old instance exists. Without it, the reply is `already-here` until that token has disappeared.
+- In a run that does not wait for answers (`realtime`, `free`), `Actions` with the present `Run` count even if they are
+  late, by at most <late> s of simulated time. They act on the current tick, unless newer ones have acted. Others are
+  dropped with the Error `late`. In lockstep, only answers to the current tick count.
 - An agent can send one message to other agents per tick. If `Actions` and a `Say` both have one for the same tick, the
   simulator drops the `Say` and the sender gets an Error `too-many`.
 - `event` takes `?since=N`, and replies with the events from number N on. `Oldest` in the reply is the number of the
@@ -296,7 +299,7 @@ def keys_page() -> str:
         map(_row, CHANNELS.values()),
     )
     parts = [
-        head, "\n", keys, _NOTES, "\n", _limits(),
+        head, "\n", keys, _NOTES.replace("<late>", f"{defaults.LATE_COMMAND:g}"), "\n", _limits(),
         "\n## Codes\n\n### Codes of Refused\n\n", _codes({str(code): text for code, text in codes.REFUSED.items()}),
         "\n### Codes of Error\n\n", _codes({str(code): text for code, text in codes.ERROR.items()}),
         "\n### Codes of Event\n\n", _codes({str(code): text for code, text in codes.EVENT.items()}),

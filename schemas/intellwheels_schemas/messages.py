@@ -1018,6 +1018,8 @@ class Entity(Record, frozen=True, kw_only=True):
     """Where the mind says it is going, from its Actions."""
     say: ElementText | None = None
     """Last message that the agent sent, shown for 3 s of simulated time."""
+    command_age: Seconds = 0.0
+    """Mean age of its commands in this run: simulated time from the Measures that they answer to their effect."""
 
 
 class WorldState(Record, frozen=True, kw_only=True):

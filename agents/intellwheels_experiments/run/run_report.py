@@ -19,7 +19,7 @@ from intellwheels_schemas.version import UNKNOWN, versions_of
 Finish: TypeAlias = Literal["ended", "missed", "died", "interrupted", "overtime"]
 
 _DISTRIBUTIONS: Final = ("intellwheels", "eclipse-zenoh", "msgspec", "numpy", "numba")
-_HEADS: Final = ("agent", "mind", "robot", "place", "reached", "distance", "contacts", "path", "turned")
+_HEADS: Final = ("agent", "mind", "robot", "place", "reached", "distance", "contacts", "path", "age", "turned")
 
 
 class Result(msgspec.Struct, frozen=True, kw_only=True):
@@ -107,7 +107,7 @@ def versions() -> dict[str, str]:
     return {name: version for name, version in versions_of(*_DISTRIBUTIONS).items() if version != UNKNOWN}
 
 
-_KEYS: Final = ("name", "mind", "robot", "place", "reached", "distance", "contacts", "path", "turned_deg")
+_KEYS: Final = ("name", "mind", "robot", "place", "reached", "distance", "contacts", "path", "age", "turned_deg")
 
 
 def _cells(agent: AgentResult) -> tuple[str, ...]:
@@ -120,6 +120,7 @@ def _cells(agent: AgentResult) -> tuple[str, ...]:
         "-" if agent.distance is None else f"{agent.distance:.3f}m",
         str(agent.contacts),
         f"{agent.path:.2f}m",
+        f"{agent.command_age:.3f}s",
         f"{math.degrees(agent.turned):.0f}",
     )
 

@@ -68,6 +68,8 @@ def _take_actions(service: ServiceState, agent: str, actions: Actions, data: byt
             if barrier.repeats_late(agent, "actions", data):
                 return None
             barrier.revive(agent)
+            if not service.pacing.lockstep:
+                fault = service.command_ages.check_late(agent, actions, state.run, state.tick)
     if fault is not None or member is None:
         return fault._replace(seq=actions.seq) if fault else None
     fault = _answer(service.pacing, state.tick, agent, "actions", data, "Actions")
@@ -76,6 +78,8 @@ def _take_actions(service: ServiceState, agent: str, actions: Actions, data: byt
     if actions.say is not None and len(actions.say) > state.setup.say_limit:
         send_error(service, agent, _too_long(state, "Actions.Say", actions.say, actions.seq), now)
         actions = msgspec.structs.replace(actions, say=None)
+    if not service.pacing.lockstep:
+        service.command_ages.take(agent, actions, state.tick)
     replaced_say = service.latch.act(agent, actions)
     if actions.leave:
         joining.queue_leave(service, member)

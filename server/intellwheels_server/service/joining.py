@@ -370,6 +370,7 @@ def forget_body(service: ServiceState, agent: str) -> None:
     """Drop everything that belonged to a body which is gone."""
     service.pacing.barrier.forget(agent)
     service.latch.forget(agent)
+    service.command_ages.forget(agent)
     service.agents.leases.forget(agent)
     service.agents.bridges.pop(agent, None)
 

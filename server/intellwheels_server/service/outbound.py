@@ -93,7 +93,7 @@ def publish(service: ServiceState, now: float) -> None:
     """Put the state and the clock."""
     publisher = service.publisher
     publisher.schedule.mark_published(now)
-    for part in _state_parts(service.run.state, publisher):
+    for part in _state_parts(service):
         publisher.outlet.state(part)
     publisher.outlet.clock(_clock(service, now))
 
@@ -132,11 +132,18 @@ def body_of(service: ServiceState, agent: str) -> Body:
     )
 
 
-def _state_parts(state: State, publisher: Publisher) -> list[WorldState]:
+def _state_parts(service: ServiceState) -> list[WorldState]:
     """Return the state in parts that each fit into a message; none if the truth is hidden."""
-    if publisher.hide_truth:
+    if service.publisher.hide_truth:
         return []
-    return split_state(state.run, state.tick, state.time, world.entities(state))
+    state, ages = service.run.state, service.command_ages.means()
+    entities = world.entities(state)
+    if ages:
+        entities = tuple(
+            msgspec.structs.replace(entity, command_age=ages[entity.name]) if entity.name in ages else entity
+            for entity in entities
+        )
+    return split_state(state.run, state.tick, state.time, entities)
 
 
 def _clock(service: ServiceState, now: float) -> Clock:
@@ -195,7 +202,7 @@ def answer_query(service: ServiceState, query: Query, now: float) -> None:
         case "body":
             query.reply_each({name: body_of(service, name) for name in run.state.names if query.matches(name)})
         case "state":
-            parts = {str(part.part): part for part in _state_parts(run.state, publisher)}
+            parts = {str(part.part): part for part in _state_parts(service)}
             query.reply_each({name: part for name, part in parts.items() if query.matches(name)})
 
 

@@ -14,6 +14,7 @@ from intellwheels_schemas.file_records import Change
 from intellwheels_schemas.messages import Load, Map, Pace, Result, ResultCode
 from intellwheels_server import world
 from intellwheels_server.log.branch import Branch
+from intellwheels_server.service.command_ages import CommandAges
 from intellwheels_server.service.connected_agents import ConnectedAgents
 from intellwheels_server.service.error_replies import ErrorLimit, MessageLimit
 from intellwheels_server.service.input_latch import InputLatch
@@ -77,6 +78,7 @@ class ServiceState:
         pacing: When ticks begin.
         agents: The agents that have joined.
         latch: The messages of agents that act on the next step.
+        command_ages: How late the commands of agents are, in a run that does not wait for them.
         message_limit: How many messages of a sender are read.
         error_limit: How many error replies a sender gets.
         publisher: The outgoing side.
@@ -109,6 +111,7 @@ class ServiceState:
         self.pacing = Pacing(options.pace, options.setup, speed=options.speed, deadline=options.deadline)
         self.agents = ConnectedAgents()
         self.latch = InputLatch()
+        self.command_ages = CommandAges(options.setup.period)
         self.message_limit = MessageLimit()
         self.error_limit = ErrorLimit()
         self.publisher = Publisher(outlet, unix_time, hide_truth=options.hide_truth)
