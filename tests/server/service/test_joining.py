@@ -4,6 +4,7 @@ import msgspec
 import pytest
 
 from intellwheels_maps import floor, robot
+from intellwheels_schemas import defaults
 from intellwheels_schemas.codec import Encoding
 from intellwheels_schemas.messages import (
     Actions,
@@ -153,6 +154,19 @@ def test_token_that_returns_within_the_grace_time_changes_nothing() -> None:
     stage.work(5.0)
     assert stage.live_run.state.names == ("chair1",)
     assert "returned" in stage.events()
+
+
+def test_body_stays_while_a_router_is_away_for_a_restart() -> None:
+    stage = Stage(strict=False, pace="realtime", grace=defaults.GRACE)
+    stage.join("chair1")
+    for seconds in (3.0, 14.5):
+        stage.token("chair1", present=False)
+        stage.work(seconds)
+        stage.token("chair1")
+    assert "left" not in stage.events()
+    stage.token("chair1", present=False)
+    stage.work(15.1)
+    assert stage.events()[-1] == "left"
 
 
 def test_member_lost_for_the_grace_time_ends_a_strict_run() -> None:
