@@ -38,6 +38,7 @@ ERROR: Final[dict[ErrorCode, str]] = {
     "lease": "user input without the current lease; the message was dropped",
     "not-joined": "the sender has not joined; the message was dropped",
     "role": "this role may not send that; the message was dropped",
+    "deleted": "an operator deleted the body of the agent, which must not join again by itself",
 }
 
 EVENT: Final[dict[EventCode, str]] = {

@@ -206,7 +206,7 @@ RefusedCode = Literal[
 ]  # fmt: skip
 ErrorCode = Literal[
     "malformed", "encoding", "version", "field", "value", "too-long", "too-many", "late", "early", "answered",
-    "session", "lease", "not-joined", "role",
+    "session", "lease", "not-joined", "role", "deleted",
 ]  # fmt: skip
 EventCode = Literal[
     "joined", "left", "lost", "returned", "contact", "parted", "stale", "fresh", "late", "rested", "back", "timeout",

@@ -43,6 +43,7 @@ from intellwheels_schemas.messages import (
 )
 from intellwheels_server.service import joining, outbound, saved_states
 from intellwheels_server.service.arrival import Query
+from intellwheels_server.service.error_replies import DELETED
 from intellwheels_server.service.new_run import begin_new_run
 from intellwheels_server.service.pacing import PendingSteps
 from intellwheels_server.service.roster import OPERATOR, new_hex
@@ -223,13 +224,16 @@ def _spawn(message: Spawn, service: ServiceState, query: Query, _now: float) -> 
 
 
 @change.register
-def _delete(message: Delete, service: ServiceState, query: Query, _now: float) -> None:
+def _delete(message: Delete, service: ServiceState, query: Query, now: float) -> None:
     agent = message.agent
     outcome = service.apply(DeleteBody(agent=agent))
     if outcome.code == "ok":
         members = service.agents.roster.members(agent)
         joining.forget_body(service, agent)
         if members:
+            outbound.send_error(service, agent, DELETED, now)
+            mind = service.agents.roster.mind(agent)
+            service.agents.deleted[agent] = (mind or members[0]).session
             joining.remove_member(service, members[0])
         else:
             service.publisher.outlet.undeclare_agent(agent)

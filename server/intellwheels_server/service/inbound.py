@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import msgspec
 
-from intellwheels_schemas.codec import Encoding, decode, encoding_of
+from intellwheels_schemas.codec import decode, encoding_of
 from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.messages import (
     Actions,
-    Error,
     Pose,
     Say,
     UserInput,
@@ -16,17 +15,13 @@ from intellwheels_schemas.messages import (
 from intellwheels_server.service import joining
 from intellwheels_server.service.arrival import Put
 from intellwheels_server.service.barrier import AnswerKind
-from intellwheels_server.service.error_replies import Fault
+from intellwheels_server.service.error_replies import DELETED, Fault
 from intellwheels_server.service.input_latch import check_time
+from intellwheels_server.service.outbound import send_error
 from intellwheels_server.service.pacing import Pacing
-from intellwheels_server.service.roster import check_session
+from intellwheels_server.service.roster import Member, check_session
 from intellwheels_server.service.service_state import ServiceState
 from intellwheels_server.world import State
-
-WHERE_LIMIT = 200
-"""Characters of the place in an error."""
-TEXT_LIMIT = 1000
-"""Characters of the text of an error."""
 
 
 def take_put(service: ServiceState, put: Put, now: float) -> None:
@@ -61,7 +56,7 @@ def take_put(service: ServiceState, put: Put, now: float) -> None:
 def _take_actions(service: ServiceState, agent: str, actions: Actions, data: bytes, now: float) -> Fault | None:
     roster, state, barrier = service.agents.roster, service.run.state, service.pacing.barrier
     member = roster.mind(agent)
-    fault = check_session(member, roster.members(agent), actions.session, "Actions")
+    fault = _check_session(service, agent, member, actions.session, "Actions")
     if fault is None:
         fault = check_time(actions.run, actions.tick, state.run, state.tick, "Actions")
         if fault is not None and fault.code == "late" and actions.run in (None, state.run):
@@ -89,7 +84,7 @@ def _take_actions(service: ServiceState, agent: str, actions: Actions, data: byt
 def _take_pose(service: ServiceState, agent: str, pose: Pose, data: bytes, now: float) -> Fault | None:
     roster, state, pacing = service.agents.roster, service.run.state, service.pacing
     member = roster.body(agent)
-    fault = check_session(member, roster.members(agent), pose.session, "Pose")
+    fault = _check_session(service, agent, member, pose.session, "Pose")
     if fault is None and member is not None and not member.real:
         fault = Fault("role", "Pose: expected a robot of Type real, got a simulated one", "Pose")
     if fault is None:
@@ -111,6 +106,16 @@ def _take_pose(service: ServiceState, agent: str, pose: Pose, data: bytes, now: 
     if bridge is not None:
         bridge.reported_at = now
     return None
+
+
+def _check_session(
+    service: ServiceState, agent: str, member: Member | None, session: str | None, where: str
+) -> Fault | None:
+    """Return what is wrong with the session of a message, or None. An agent that was deleted is told so."""
+    fault = check_session(member, service.agents.roster.members(agent), session, where)
+    if fault is not None and session is not None and service.agents.deleted.get(agent) == session:
+        return DELETED
+    return fault
 
 
 def _answer(pacing: Pacing, tick: int, agent: str, kind: AnswerKind, data: bytes, where: str) -> Fault | None:
@@ -154,22 +159,3 @@ def _take_user_input(service: ServiceState, agent: str, user: UserInput, now: fl
     if checked:
         service.latch.set_user_input(agent, user)
     return None
-
-
-def send_error(service: ServiceState, agent: str, fault: Fault, now: float) -> None:
-    """Send an agent an error about one of its messages, unless it got too many errors recently."""
-    roster, state = service.agents.roster, service.run.state
-    suppressed = service.error_limit.admit(agent, agent in roster, now)
-    if suppressed is None:
-        return
-    member = roster.mind(agent) or roster.body(agent)
-    error = Error(
-        run=state.run,
-        tick=state.tick,
-        code=fault.code,
-        where=fault.where[:WHERE_LIMIT] if fault.where else None,
-        seq=fault.seq,
-        suppressed=suppressed,
-        text=fault.text[:TEXT_LIMIT],
-    )
-    service.publisher.outlet.agent(agent, "error", error, member.encoding if member else Encoding.JSON)

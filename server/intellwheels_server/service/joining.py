@@ -24,6 +24,7 @@ from intellwheels_schemas.rules import has_motors
 from intellwheels_server.service import outbound
 from intellwheels_server.service.arrival import Query, Token
 from intellwheels_server.service.connected_agents import BridgeStatus, WaitingJoin
+from intellwheels_server.service.error_replies import Fault
 from intellwheels_server.service.roster import Member, Roster, new_hex, same_body
 from intellwheels_server.service.service_state import ServiceState
 from intellwheels_server.service.truth_filter import nominal
@@ -192,6 +193,7 @@ def _admit(
     )
     position = _give_body(service, member, current, keeps_body)
     agents.roster.add(member)
+    agents.deleted.pop(agent, None)
     pacing.barrier.reset_member(agent)
     if member.real and member.has_body:
         # The entry of a body that stays is kept: it records what the world knows, such as that the pose is old.
@@ -344,8 +346,11 @@ def queue_leave(service: ServiceState, member: Member, query: Query | None = Non
     service.queue_change(partial(_leave, service, member, query))
 
 
-def _leave(service: ServiceState, member: Member, query: Query | None, _now: float) -> None:
+def _leave(service: ServiceState, member: Member, query: Query | None, now: float) -> None:
     if member in service.agents.roster.members(member.agent):
+        if member.role == "body" and service.agents.roster.mind(member.agent) is not None:
+            fault = Fault("not-joined", f"agent '{member.agent}' has no body any more, so its mind has left too")
+            outbound.send_error(service, member.agent, fault, now)
         service.apply(Depart(agent=member.agent, role=member.role))
         remove_member(service, member)
     if query is not None:

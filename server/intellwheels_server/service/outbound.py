@@ -6,10 +6,12 @@ from typing import Final
 
 import msgspec
 
+from intellwheels_schemas.codec import Encoding
 from intellwheels_schemas.messages import (
     Body,
     Clock,
     ClockState,
+    Error,
     MapInfo,
     PowerInForce,
     Role,
@@ -17,6 +19,7 @@ from intellwheels_schemas.messages import (
 )
 from intellwheels_server import world
 from intellwheels_server.service.arrival import Query
+from intellwheels_server.service.error_replies import Fault
 from intellwheels_server.service.publisher import Publisher
 from intellwheels_server.service.roster import Roster
 from intellwheels_server.service.run_state import RunState
@@ -25,6 +28,10 @@ from intellwheels_server.service.state_parts import split_state
 from intellwheels_server.service.truth_filter import nominal
 from intellwheels_server.world import State
 
+WHERE_LIMIT: Final = 200
+"""Characters of the place in an error."""
+TEXT_LIMIT: Final = 1000
+"""Characters of the text of an error."""
 IDLE_POWER_INTERVAL: Final = 0.1
 """Seconds between two powers to a real chair while the run is stopped."""
 
@@ -44,6 +51,25 @@ def put_all_measures(service: ServiceState) -> None:
     state, put = service.run.state, service.publisher.outlet.agent
     for agent, encoding in service.agents.encodings.items():
         put(agent, "measures", world.measures(state, agent), encoding)
+
+
+def send_error(service: ServiceState, agent: str, fault: Fault, now: float) -> None:
+    """Send an agent an error about one of its messages, unless it got too many errors recently."""
+    roster, state = service.agents.roster, service.run.state
+    suppressed = service.error_limit.admit(agent, agent in roster, now)
+    if suppressed is None:
+        return
+    member = roster.mind(agent) or roster.body(agent)
+    error = Error(
+        run=state.run,
+        tick=state.tick,
+        code=fault.code,
+        where=fault.where[:WHERE_LIMIT] if fault.where else None,
+        seq=fault.seq,
+        suppressed=suppressed,
+        text=fault.text[:TEXT_LIMIT],
+    )
+    service.publisher.outlet.agent(agent, "error", error, member.encoding if member else Encoding.JSON)
 
 
 def put_powers(service: ServiceState, tick: int) -> None:

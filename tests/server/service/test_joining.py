@@ -195,6 +195,28 @@ def test_mind_joins_the_body_of_another_process() -> None:
     assert stage.tick == 1
 
 
+@pytest.mark.parametrize("how", ["leaves", "is lost"])
+def test_mind_whose_body_goes_is_told(how: str) -> None:
+    stage = Stage(pace="realtime")
+    body = stage.join("chair1", msgspec.structs.replace(robot("rear-wheel"), role="body"))
+    stage.join("chair1", Robot(role="mind"), "b" * 16)
+    if how == "leaves":
+        stage.ask("leave", "chair1", Leave(session=body.session))
+    else:
+        stage.token("chair1", "body", present=False)
+        stage.work(3.1)
+    (error,) = stage.errors("chair1")
+    assert (error.code, error.text) == ("not-joined", "agent 'chair1' has no body any more, so its mind has left too")
+
+
+def test_body_whose_mind_leaves_is_not_told_that_it_left() -> None:
+    stage = Stage(pace="realtime")
+    stage.join("chair1", msgspec.structs.replace(robot("rear-wheel"), role="body"))
+    mind = stage.join("chair1", Robot(role="mind"), "b" * 16)
+    stage.ask("leave", "chair1", Leave(session=mind.session))
+    assert stage.errors("chair1") == []
+
+
 def test_reserved_name_and_crews_are_refused() -> None:
     stage = Stage()
     for agent, more, code in (("operator", {}, "name"), ("chair1", {"crew": "many"}, "value")):
