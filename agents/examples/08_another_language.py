@@ -5,6 +5,10 @@ Run each command in a terminal of its own:
     iw-server --map room
     python 08_another_language.py
 
+To let it play a chair of a scene:
+
+    iw-run figure6 --view --command chair1="python 08_another_language.py {endpoint}"
+
 The chair drives, and turns where something is near. The agent uses Zenoh and JSON only. `schemas/KEYS.md` describes
 every key and field. The folder `other_languages` has complete agents, which also survive a restart of the simulator.
 """

@@ -92,7 +92,8 @@ def scene(name_or_path: str | Path, *, beside: Path | None = None) -> Scene:
         findings = check_scene(document, floor(document.map, beside=folder))
         for index, cast in enumerate(document.cast):
             try:
-                robot(cast.robot, beside=folder)
+                if cast.robot:
+                    robot(cast.robot, beside=folder)
             except WireError as error:
                 findings.append(Finding(f"Scene.Cast[{index}]", f"agent {cast.name!r}: {error.text}"))
         for where, bridge in _bridges(document):

@@ -10,8 +10,8 @@ REFUSED: Final[dict[RefusedCode, str]] = {
     "already-here": "another process has this role (its token exists), and the query did not give its Session",
     "no-token": "the liveliness token of this instance was not found: declare it first, or try again after a moment",
     "no-body": "a mind joined before its body did: try again every second",
-    "no-place": "the map has no such place, or no free place for this Kind",
-    "overlaps": "the body would overlap something at that place",
+    "no-place": "the map has no such place, or no free place for this Kind that is not kept for another agent",
+    "overlaps": "the body would overlap something there, or a place that is kept for another agent",
     "name": "the name is invalid, reserved, or not the one in the key",
     "field": "an unknown, missing or misplaced field",
     "value": "a value outside its type or range, or bytes that cannot be read",
@@ -31,13 +31,14 @@ ERROR: Final[dict[ErrorCode, str]] = {
     "value": "a value outside its type or range",
     "too-long": "more bytes or characters than the limit",
     "too-many": "more items than the limit, or more messages than the simulator accepts",
-    "late": "the tick is already over; the message was dropped",
+    "late": "the tick is over for too long; the message was dropped",
     "early": "the tick has not started yet; the message was dropped",
     "answered": "a member of the barrier sent two different answers to one tick; the second one was dropped",
     "session": "the Session is old or belongs to another process; the message was dropped",
     "lease": "user input without the current lease; the message was dropped",
     "not-joined": "the sender has not joined; the message was dropped",
     "role": "this role may not send that; the message was dropped",
+    "deleted": "an operator deleted the body of the agent, which must not join again by itself",
 }
 
 EVENT: Final[dict[EventCode, str]] = {

@@ -27,8 +27,10 @@ SAY_DELAY: Final = 0.0
 """Delay of a message in addition to one tick, s."""
 COMMAND_TIMEOUT: Final = 0.5
 """Simulated time after which a motor command is no longer valid, s."""
-GRACE: Final = 3.0
-"""Wall time from the loss of an agent's token to its removal, s."""
+LATE_COMMAND: Final = 0.3
+"""Simulated time by which a command may be late and still counts, in runs that do not wait for answers, s."""
+GRACE: Final = 15.0
+"""Wall time from the loss of an agent's token to its removal, s. A router that restarts takes all tokens with it."""
 STRICT_DEADLINE: Final = 10.0
 """Wall time for which strict lockstep waits for an answer, s."""
 ELASTIC_DEADLINE: Final = 1.0

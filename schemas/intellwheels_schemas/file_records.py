@@ -27,6 +27,7 @@ from intellwheels_schemas.messages import (
     Position,
     Robot,
     UserInput,
+    Word,
 )
 
 FORMAT: Final = "iw.v1"
@@ -56,6 +57,8 @@ class Join(FileRecord, frozen=True, kw_only=True, tag="Join", tag_field="Do"):
     agent: AgentName
     robot: Robot
     """Robot that the agent requested."""
+    reserved: tuple[Word, ...] = ()
+    """Places of the map that are kept for other agents."""
 
 
 class Depart(FileRecord, frozen=True, kw_only=True, tag="Depart", tag_field="Do"):
@@ -75,6 +78,8 @@ class SpawnBody(FileRecord, frozen=True, kw_only=True, tag="Spawn", tag_field="D
     """Body to add; its Name is the name of the new agent."""
     position: Position | None = None
     """Start pose; absent means the robot's Place or Position, or the first free place for its Kind."""
+    reserved: tuple[Word, ...] = ()
+    """Places of the map that are kept for agents."""
 
 
 class DeleteBody(FileRecord, frozen=True, kw_only=True, tag="Delete", tag_field="Do"):

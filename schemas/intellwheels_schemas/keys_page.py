@@ -7,7 +7,7 @@ from typing import Any
 
 from msgspec import NODEFAULT, inspect
 
-from intellwheels_schemas import codes, file_records, rules
+from intellwheels_schemas import codes, defaults, file_records, rules
 from intellwheels_schemas.channels import CHANNELS, VERB_CLASSES, Channel
 from intellwheels_schemas.codec import LIMITS, MAX_BYTES, Encoding, encode
 from intellwheels_schemas.explain import expected
@@ -75,6 +75,9 @@ _NOTES = """
   `Run` are then invalid.
 - `join` takes `?session=S`, the `Session` of the last join. With it, a process gets its body back even while the token
   of its old instance exists. Without it, the reply is `already-here` until that token has disappeared.
+- In a run that does not wait for answers (`realtime`, `free`), `Actions` with the present `Run` count even if they are
+  late, by at most <late> s of simulated time. They act on the current tick, unless newer ones have acted. Others are
+  dropped with the Error `late`. In lockstep, only answers to the current tick count.
 - An agent can send one message to other agents per tick. If `Actions` and a `Say` both have one for the same tick, the
   simulator drops the `Say` and the sender gets an Error `too-many`.
 - `event` takes `?since=N`, and replies with the events from number N on. `Oldest` in the reply is the number of the
@@ -190,7 +193,8 @@ def _notes() -> str:
     )  # fmt: skip
     message = Measures(run=RUN, tick=_MANY_TICKS, time=100000.123456, sensors=Sensors(lidar=(scan,)))
     sizes = (len(encode(message, encoding)) for encoding in (Encoding.JSON, Encoding.XML))
-    return _NOTES.replace("{scan_json:,}", f"{next(sizes):,}").replace("{scan_xml:,}", f"{next(sizes):,}")
+    notes = _NOTES.replace("<late>", f"{defaults.LATE_COMMAND:g}")
+    return notes.replace("{scan_json:,}", f"{next(sizes):,}").replace("{scan_xml:,}", f"{next(sizes):,}")
 
 
 def _schemas() -> str:

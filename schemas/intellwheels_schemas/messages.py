@@ -96,6 +96,15 @@ OptionalText = Annotated[
 ContentText = Annotated[str, Meta(pattern=TEXT_PATTERN, description="text", max_length=1000, extra=_CONTENT)]
 OptionValue = Annotated[str, Meta(pattern=TEXT_PATTERN, description="Value of the option, as text.", max_length=1000)]
 
+CommandLine = Annotated[
+    str,
+    Meta(
+        pattern=TEXT_PATTERN,
+        description="Words of a command line, in the quotes of a shell; {name}, {endpoint} and {world} are replaced.",
+        max_length=1000,
+    ),
+]
+
 # Whole numbers.
 Tick = Annotated[int, Meta(ge=0, le=MAX_INTEGER, description="a tick")]
 Count = Annotated[int, Meta(ge=0, le=MAX_INTEGER, description="a count")]
@@ -189,6 +198,7 @@ MotorState = Literal["drive", "timeout", "rested", "paused", "taken", "stale"]
 ClockState = Literal["waiting", "running", "paused", "ended"]
 Pace = Literal["realtime", "free", "lockstep"]
 Miss = Literal["strict", "elastic"]
+NewRun = Literal["follow", "restart"]
 FormatTag = Literal["iw.v1"]
 RefusedCode = Literal[
     "already-here", "no-token", "no-body", "no-place", "overlaps", "name", "field", "value", "limit", "version",
@@ -196,7 +206,7 @@ RefusedCode = Literal[
 ]  # fmt: skip
 ErrorCode = Literal[
     "malformed", "encoding", "version", "field", "value", "too-long", "too-many", "late", "early", "answered",
-    "session", "lease", "not-joined", "role",
+    "session", "lease", "not-joined", "role", "deleted",
 ]  # fmt: skip
 EventCode = Literal[
     "joined", "left", "lost", "returned", "contact", "parted", "stale", "fresh", "late", "rested", "back", "timeout",
@@ -1012,6 +1022,8 @@ class Entity(Record, frozen=True, kw_only=True):
     """Where the mind says it is going, from its Actions."""
     say: ElementText | None = None
     """Last message that the agent sent, shown for 3 s of simulated time."""
+    command_age: Seconds = 0.0
+    """Mean age of its commands in this run: simulated time from the Measures that they answer to their effect."""
 
 
 class WorldState(Record, frozen=True, kw_only=True):
@@ -1384,14 +1396,20 @@ class Cast(Record, frozen=True, kw_only=True):
     """An agent of a scene: its name, body, mind and start."""
 
     name: AgentName
-    robot: Title
-    """Body of the agent: the name of an included robot, or the path of a robot file."""
-    mind: Title
+    robot: Title = ""
+    """Body of the agent: the name of an included robot, or the path of a robot file; empty means the mind's own."""
+    mind: Title = ""
     """Mind of the agent: the name of an included mind, or the path of a Python file."""
     place: Word | None = None
     """Place on the map to start at; absent means the first free place for its Kind."""
     option: tuple[Option, ...] = ()
     """Options of the mind; an option with a capital first letter sets a field of the robot."""
+    command: CommandLine | None = None
+    """Command line of any program that plays the agent, in place of a Mind; the program brings its own body."""
+    folder: Title | None = None
+    """Folder where the program of Command starts; absent means the folder of the scene."""
+    new_run: NewRun = "follow"
+    """What a program does when a new run begins: it follows the new Run, or it is ended and started again."""
 
 
 class Hold(Record, frozen=True, kw_only=True):

@@ -387,7 +387,10 @@ VALID: Final[dict[str, Record]] = {
     "Scene-options": Scene(
         format="iw.v1", name="other", map="floors/own.xml", seed="a b", period=0.1, pace="realtime", miss="elastic",
         truth=True, say_range=4.0, say_walls=True, say_loss=0.1, say_delay=0.2,
-        cast=(Cast(name="a", robot="r", mind="m"),),
+        cast=(
+            Cast(name="a", robot="r", mind="m"),
+            Cast(name="b", place="p", command="./mine {name} {endpoint}", folder="own", new_run="restart"),
+        ),
         bridge=(Bridge(agent="a", option=(Option(name="pose", value="raw"),)),),
     ),
     "Scene-experiment": Scene(
@@ -663,6 +666,11 @@ REFUSED: Final = (
     Wrong("Scene-cast-twice.xml",
           b'<Scene Format="iw.v1" Name="s" Map="m"><Cast Name="a" Robot="r" Mind="m"/>'
           b'<Cast Name="a" Robot="r" Mind="m"/></Scene>', "value", "Scene.Cast[1].Name"),
+    Wrong("Scene-cast-mindless.xml",
+          b'<Scene Format="iw.v1" Name="s" Map="m"><Cast Name="a" Robot="r"/></Scene>', "value", "Scene.Cast[0]"),
+    Wrong("Scene-command-placeholder.xml",
+          b'<Scene Format="iw.v1" Name="s" Map="m"><Cast Name="a" Command="./mine {nmae}"/></Scene>', "value",
+          "Scene.Cast[0].Command"),
     Wrong("Scene-experiment-on-nobody.xml",
           b'<Scene Format="iw.v1" Name="s" Map="m"><Experiment Subject="a"/></Scene>', "value",
           "Scene.Experiment.Subject"),

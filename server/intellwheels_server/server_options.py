@@ -8,12 +8,13 @@ from pathlib import Path
 import msgspec
 
 from intellwheels_maps import floor, scene
+from intellwheels_maps.cast_places import cast_places
 from intellwheels_maps.library import folder_of
 from intellwheels_schemas import defaults
 from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.link import Link, add_link_options, link_of
 from intellwheels_schemas.messages import Map, Scene
-from intellwheels_schemas.names import check_name
+from intellwheels_schemas.names import check_agent, check_name
 from intellwheels_schemas.process import add_process_options
 from intellwheels_server.log.branch import read_branch
 from intellwheels_server.service.service_state import Options
@@ -119,6 +120,10 @@ def _add_time_options(group: argparse._ArgumentGroup) -> None:
         help="what lockstep does when an answer is missing: end the run, or keep the last command (default: strict)",
     )  # fmt: skip
     group.add_argument("--expect", metavar="A,B,C", help="wait at tick 0 until these agents have joined")
+    group.add_argument(
+        "--reserve", action="append", metavar="AGENT=PLACE",
+        help="keep a place of the map for an agent; may be repeated (default: the places of the scene's agents)",
+    )  # fmt: skip
     group.add_argument(
         "--await-page",
         action="store_true",
@@ -234,8 +239,25 @@ def options_of(given: argparse.Namespace) -> tuple[Options, Link]:
         await_page=given.await_page,
         branch=branch,
         hide_truth=bool(given.hide_truth),
+        reserved=_reserved(given, written, setup.floor),
     )
     return options, link_of(given)
+
+
+def _reserved(given: argparse.Namespace, written: Scene | None, floor: Map) -> dict[str, str]:
+    """Return the place that is kept for each agent."""
+    if given.reserve is None:
+        return cast_places(written.cast, floor, beside=folder_of(given.scene)) if written else {}
+    known = [spot.name for spot in floor.grid.position] if floor.grid is not None else []
+    found = {}
+    for text in given.reserve:
+        agent, _, place = text.partition("=")
+        check_agent(agent, "--reserve")
+        if place not in known:
+            places = ", ".join(known) or "none"
+            raise ValueError(f"--reserve: expected AGENT=PLACE with a place of the map ({places}), got {text!r}")
+        found[agent] = place
+    return found
 
 
 def _with_speech_rules(setup: Setup, given: argparse.Namespace, written: Scene | None) -> Setup:

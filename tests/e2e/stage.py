@@ -88,7 +88,9 @@ class Stage(ChildProcesses):
 
     def server(self, *words: str, ready: bool = True) -> str:
         """Start a simulator, and wait until it is ready."""
-        child = self.start("server", "intellwheels_server", "--listen", self.endpoint, "--world", self.world, *words)
+        link = ["--listen", self.endpoint, "--world", self.world]
+        # A shorter grace time than the default, for the sake of the tests that wait for its end.
+        child = self.start("server", "intellwheels_server", *link, "--grace", "3", *words)
         self.simulator = child
         if ready:
             self.line(child, "ready")

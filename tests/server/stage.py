@@ -50,6 +50,7 @@ class Stage:
         strict = pace == "lockstep" if strict is None else strict
         setup = world.Setup(floor=floor("room"), strict=strict, end=end, truth=True)
         options.setdefault("deadline", 10.0 if strict else 1.0)
+        options.setdefault("grace", 3.0)
         self.now = 100.0
         self.sent: list[tuple[str, str, Record, Encoding]] = []
         self.lines: list[str] = []

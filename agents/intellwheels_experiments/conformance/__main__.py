@@ -11,9 +11,9 @@ from intellwheels_experiments.conformance.agent_session import Patience
 from intellwheels_experiments.conformance.contract_points import Outcome, check, described
 from intellwheels_experiments.conformance.scripted_simulator import NetworkProbe
 from intellwheels_experiments.run.endpoints import free_endpoint
-from intellwheels_experiments.run.launch_spec import filled
 from intellwheels_maps import floor, robot
 from intellwheels_schemas import defaults
+from intellwheels_schemas.command_line import check_placeholders, filled
 from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.link import Link
 from intellwheels_schemas.names import check_agent, check_name
@@ -80,6 +80,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         agent = check_agent(options.name, "--name")
         world = check_name(options.world, "--world")
+        check_placeholders(options.command, "COMMAND")
     except WireError as error:
         print(f"iw-check-agent: {error}", file=sys.stderr)
         return 2

@@ -43,6 +43,7 @@ from intellwheels_schemas.messages import (
 )
 from intellwheels_server.service import joining, outbound, saved_states
 from intellwheels_server.service.arrival import Query
+from intellwheels_server.service.error_replies import DELETED
 from intellwheels_server.service.new_run import begin_new_run
 from intellwheels_server.service.pacing import PendingSteps
 from intellwheels_server.service.roster import OPERATOR, new_hex
@@ -216,20 +217,26 @@ def _spawn(message: Spawn, service: ServiceState, query: Query, _now: float) -> 
     if name == OPERATOR:
         query.reply(service.result("failed", f"Spawn.Robot.Name: the name '{OPERATOR}' is reserved for people"))
         return
-    outcome = service.apply(SpawnBody(robot=message.robot, position=message.position))
+    # An operator may put a body anywhere. One that goes to any place leaves those of the scene's agents free.
+    anywhere = message.position is None and message.robot.position is None and message.robot.place is None
+    reserved = joining.reserved_places(service) if anywhere else ()
+    outcome = service.apply(SpawnBody(robot=message.robot, position=message.position, reserved=reserved))
     if outcome.code == "ok" and name is not None:
         outbound.publish_body(service, name)
     _reply(service, query, outcome)
 
 
 @change.register
-def _delete(message: Delete, service: ServiceState, query: Query, _now: float) -> None:
+def _delete(message: Delete, service: ServiceState, query: Query, now: float) -> None:
     agent = message.agent
     outcome = service.apply(DeleteBody(agent=agent))
     if outcome.code == "ok":
         members = service.agents.roster.members(agent)
         joining.forget_body(service, agent)
         if members:
+            outbound.send_error(service, agent, DELETED, now)
+            mind = service.agents.roster.mind(agent)
+            service.agents.deleted[agent] = (mind or members[0]).session
             joining.remove_member(service, members[0])
         else:
             service.publisher.outlet.undeclare_agent(agent)

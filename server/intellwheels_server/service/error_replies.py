@@ -42,6 +42,10 @@ class Fault(NamedTuple):
     seq: int | None = None
 
 
+DELETED: Final = Fault("deleted", "an operator deleted the body of this agent; to join again, start its program again")
+"""What an agent is told when its body was deleted, and when it goes on sending."""
+
+
 class Bucket:
     """A token bucket.
 

@@ -14,7 +14,7 @@ from intellwheels_schemas.codec import Encoding
 from intellwheels_schemas.messages import Load, Pause, Quit, Record, Refused, Resume, Seek, Speed, Step
 from intellwheels_server.log.reported_poses import ReportedPoses
 from intellwheels_server.log.seekable_log import Place, SeekableLog
-from intellwheels_server.service import control, inbound, outbound
+from intellwheels_server.service import control, outbound
 from intellwheels_server.service.arrival import Arrival, Put, Query, Token
 from intellwheels_server.service.error_replies import Fault
 from intellwheels_server.service.event_buffer import EventBuffer
@@ -87,7 +87,7 @@ class Playback:
                 return  # the playback puts these poses itself, and receives them too
             fault = Fault("not-joined", f"{arrival.kind}: {READ_ONLY}")
             if service.message_limit.admit(arrival.agent, service.run.state.tick, now):
-                inbound.send_error(service, arrival.agent, fault, now)
+                outbound.send_error(service, arrival.agent, fault, now)
         elif not isinstance(arrival, Token):
             self._take_query(arrival, now)
 

@@ -6,14 +6,15 @@ publishes, and `live_run` moves the world.
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
 
 from intellwheels_schemas import defaults
 from intellwheels_schemas.file_records import Change
 from intellwheels_schemas.messages import Load, Map, Pace, Result, ResultCode
 from intellwheels_server import world
 from intellwheels_server.log.branch import Branch
+from intellwheels_server.service.command_ages import CommandAges
 from intellwheels_server.service.connected_agents import ConnectedAgents
 from intellwheels_server.service.error_replies import UNASKED_BURST, UNASKED_RATE, ErrorLimit, MessageLimit
 from intellwheels_server.service.input_latch import InputLatch
@@ -41,6 +42,7 @@ class Options:
         await_page: Whether the run starts paused, until a page opens or somebody resumes it.
         branch: The run that this one repeats at first, if any.
         hide_truth: Whether true poses stay off the network: the world is a laboratory (`truth_filter`).
+        reserved: The place that is kept for each agent of the scene.
     """
 
     world: str
@@ -55,6 +57,7 @@ class Options:
     await_page: bool = False
     branch: Branch | None = None
     hide_truth: bool = False
+    reserved: Mapping[str, str] = field(default_factory=dict)
 
 
 @dataclass(slots=True)
@@ -75,6 +78,7 @@ class ServiceState:
         pacing: When ticks begin.
         agents: The agents that have joined.
         latch: The messages of agents that act on the next step.
+        command_ages: How late the commands of agents are, in a run that does not wait for them.
         message_limit: How many messages of a sender are read.
         error_limit: How many error replies a sender gets.
         unasked_limit: How many reports there are about input that nobody asked for, and about unknown keys.
@@ -108,6 +112,7 @@ class ServiceState:
         self.pacing = Pacing(options.pace, options.setup, speed=options.speed, deadline=options.deadline)
         self.agents = ConnectedAgents()
         self.latch = InputLatch()
+        self.command_ages = CommandAges(options.setup.period)
         self.message_limit = MessageLimit()
         self.error_limit = ErrorLimit()
         self.unasked_limit = ErrorLimit(UNASKED_RATE, UNASKED_BURST)

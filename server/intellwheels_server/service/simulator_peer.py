@@ -200,15 +200,16 @@ def serve(
     with session:
         _check_free(session, keys, route)
         outlet = ZenohOutlet(session, keys)
+        unix_time = steady_unix_time(time.time, _boot_time)
         if recording is not None:
             poses = None if reported is None else ReportedPoses(recording.runs, reported)
-            return _serve(options, route, session, keys, stop, Playback(options, outlet, time.time, recording, poses))
+            return _serve(options, route, session, keys, stop, Playback(options, outlet, unix_time, recording, poses))
         run = new_hex()
         log = Log(log_file, options.setup, run, options.world) if log_file is not None else None
         files = None if runs is None else RunFiles(runs, options.world, lambda: live_run.state)
         try:
             record = _recorder(log, files)
-            live_run = LiveRun(options, outlet, load_floor, time.time, record=record, run=run)
+            live_run = LiveRun(options, outlet, load_floor, unix_time, record=record, run=run)
             if files is not None:
                 live_run.observe_events(files.add_event)
             return _serve(options, route, session, keys, stop, live_run)
@@ -286,6 +287,17 @@ class ClaimWatch:
             self._claim.add(claim, _boot_time())
         else:
             self._claim.remove(claim)
+
+
+def steady_unix_time(wall: Callable[[], float], steady: Callable[[], float]) -> Callable[[], float]:
+    """Return a clock of Unix time in seconds that never goes back, as stamps order messages.
+
+    Args:
+        wall: The wall clock, which may be set at any time. It is read once.
+        steady: Seconds of a clock that cannot be set.
+    """
+    offset = wall() - steady()
+    return lambda: offset + steady()
 
 
 def _boot_time() -> float:

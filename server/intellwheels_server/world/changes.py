@@ -91,7 +91,7 @@ def _join(one: do.Join, draft: Draft) -> Outcome:
         return _join_mind(one, draft)
     if one.agent in draft.models:
         raise RequestRefusedError("already-here", f"agent '{one.agent}' is already here")
-    outcome = _place_robot(one.agent, one.robot, draft)
+    outcome = _place_robot(one.agent, one.robot, draft, one.reserved)
     draft.event("joined", one.agent)
     return outcome
 
@@ -109,10 +109,10 @@ def _join_mind(one: do.Join, draft: Draft) -> Outcome:
     )
 
 
-def _place_robot(name: str, robot: Robot, draft: Draft) -> Outcome:
+def _place_robot(name: str, robot: Robot, draft: Draft, reserved: Sequence[str] = ()) -> Outcome:
     """Check a robot and put it at its place."""
     model = body_model_of(name, robot, draft.state.setup)
-    position = place(model, draft.state.setup.floor, draft.space)
+    position = place(model, draft.state.setup.floor, draft.space, reserved)
     model = msgspec.structs.replace(model, start=position)
     draft.put(name, model, position)
     if model.externally_posed:  # a real chair is accepted at any pose, so what it overlaps it may keep overlapping
@@ -143,7 +143,7 @@ def _spawn(one: do.SpawnBody, draft: Draft) -> Outcome:
     robot = one.robot
     if one.position is not None:
         robot = msgspec.structs.replace(robot, position=one.position, place=None)
-    outcome = _place_robot(name, robot, draft)
+    outcome = _place_robot(name, robot, draft, one.reserved)
     draft.event("spawned", name)
     return outcome
 

@@ -78,6 +78,11 @@ def test_program_that_never_asks_fails_the_first_point_and_the_rest_is_skipped()
         ((), 2, "COMMAND"),
         (("--name", "Chair 1", "--", "true"), 2, "--name: expected a name"),
         (("--listen", "tcp/127.0.0.1:1", "--connect", "tcp/127.0.0.1:1", "--", "true"), 2, "got both"),
+        (
+            ("--", "true", "{nmae}"),
+            2,
+            "COMMAND: expected the placeholders {name}, {endpoint}, {world}, got {nmae}; did you",
+        ),
         (("--", "/no/such/program"), 1, "/no/such/program"),
         (("--answer-within", "0", "--", "true"), 2, "expected seconds above 0, got '0'"),
     ],

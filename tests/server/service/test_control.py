@@ -6,6 +6,7 @@ import pytest
 from intellwheels_maps import robot
 from intellwheels_schemas.channels import VERB_CLASSES
 from intellwheels_schemas.messages import (
+    Actions,
     Delete,
     Load,
     Map,
@@ -167,6 +168,28 @@ def test_bodies_are_spawned_teleported_and_deleted() -> None:
     assert stage.result("teleport", teleport).code == "ok"
     assert stage.result("delete", b'{"Agent":"table9"}').code == "ok"
     assert stage.result("delete", b'{"Agent":"table9"}').code == "not-found"
+
+
+def test_agent_whose_body_is_deleted_is_told_at_once_and_when_it_goes_on_sending() -> None:
+    stage = Stage(pace="realtime")
+    stage.join("chair1")
+    assert stage.result("delete", Delete(agent="chair1")).code == "ok"
+    assert [error.code for error in stage.errors("chair1")] == ["deleted"]
+    stage.act("chair1", 0.5, 0.5)
+    stage.put("chair1", Actions(session="f" * 16, left_motor=0.5))
+    assert [error.code for error in stage.errors("chair1")] == ["deleted", "deleted", "not-joined"]
+    # Whoever starts it again wants it back.
+    old = stage.sessions["chair1"]
+    stage.join("chair1", instance="b" * 16)
+    stage.put("chair1", Actions(session=old, left_motor=0.5))
+    assert stage.errors("chair1")[-1].code == "session"
+
+
+def test_deleted_body_that_an_operator_placed_tells_nobody() -> None:
+    stage = Stage(pace="realtime")
+    stage.result("spawn", Spawn(robot=msgspec.structs.replace(robot("table"), name="table9", format=None)))
+    stage.result("delete", Delete(agent="table9"))
+    assert stage.errors("table9") == []
 
 
 def test_live_run_refuses_to_seek() -> None:

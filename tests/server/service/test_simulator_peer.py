@@ -37,6 +37,7 @@ from intellwheels_schemas.messages import (
     Take,
     WorldState,
 )
+from intellwheels_server.service.simulator_peer import steady_unix_time
 
 pytestmark = pytest.mark.process
 
@@ -367,3 +368,11 @@ def test_help_has_examples(capsys: pytest.CaptureFixture[str]) -> None:
     shown = capsys.readouterr().out
     assert "iw-server --scene figure6 --log run.jsonl" in shown
     assert "--resimulate" in shown
+
+
+def test_stamps_do_not_go_back_with_the_wall_clock() -> None:
+    wall, steady = [7200.0], [50.0]
+    now = steady_unix_time(lambda: wall[0], lambda: steady[0])
+    assert now() == 7200.0
+    wall[0], steady[0] = 3600.0, 51.0
+    assert now() == 7201.0
