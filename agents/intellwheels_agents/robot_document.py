@@ -13,7 +13,7 @@ from typing import Any
 import msgspec
 
 from intellwheels_agents.options import OptionError
-from intellwheels_schemas.messages import Robot, Role
+from intellwheels_schemas.messages import Position, Robot, Role
 from intellwheels_schemas.rules import check_robot
 
 _NUMBER = re.compile(r"-?\d+(\.\d+)?([eE][-+]?\d+)?")
@@ -62,7 +62,16 @@ def _plain(text: str) -> Any:
     return text
 
 
-def joining(robot: Robot, *, agent: str, role: Role, instance: str, place: str | None, barrier: bool | None) -> Robot:
+def joining(
+    robot: Robot,
+    *,
+    agent: str,
+    role: Role,
+    instance: str,
+    place: str | None,
+    barrier: bool | None,
+    position: Position | None = None,
+) -> Robot:
     """Return the document that an agent joins with.
 
     Args:
@@ -72,6 +81,7 @@ def joining(robot: Robot, *, agent: str, role: Role, instance: str, place: str |
         instance: 16 hex digits, new for each process.
         place: A place of the map to start at; None leaves the choice to the simulator.
         barrier: Whether a lockstep waits for this agent; None keeps the robot's own value.
+        position: The pose to start at instead of a place.
     """
     awaited = robot.barrier if barrier is None else barrier
     if role == "mind":
@@ -85,5 +95,6 @@ def joining(robot: Robot, *, agent: str, role: Role, instance: str, place: str |
         role=role,
         instance=instance,
         place=robot.place if place is None else place,
+        position=robot.position if position is None else position,
         barrier=awaited,
     )

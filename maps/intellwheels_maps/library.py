@@ -14,6 +14,7 @@ from typing import Final, Literal, TypeAlias, TypeVar, get_args
 
 from intellwheels_maps.check import Finding, check_map, check_robot, check_scene
 from intellwheels_schemas.errors import WireError
+from intellwheels_schemas.explain import did_you_mean
 from intellwheels_schemas.files import read_with_lines
 from intellwheels_schemas.messages import Bridge, Map, Record, Robot, Scene
 
@@ -127,7 +128,7 @@ def _find(shelf: Shelf, name_or_path: str | Path, beside: Path | None) -> Path |
     if text not in known:
         kind = "maps" if shelf == "floors" else shelf
         expected = f"expected one of the {kind} ({', '.join(known)}) or a path ending in .xml"
-        raise WireError("value", f"{expected}, got {text!r}", shelf)
+        raise WireError("value", f"{expected}, got {text!r}{did_you_mean(text, known)}", shelf)
     return _shelf(shelf).joinpath(f"{text}.xml")
 
 
