@@ -22,6 +22,7 @@ from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.link import add_link_options, link_of
 from intellwheels_schemas.messages import Position, Robot
 from intellwheels_schemas.names import check_agent, check_word, new_hex
+from intellwheels_schemas.output_paths import check_output_folder
 from intellwheels_schemas.process import add_process_options, stop_on_signals
 
 EXAMPLES = """\
@@ -174,7 +175,11 @@ def _write_starter(words: list[str]) -> int:
     new_parser.add_argument("folder", type=Path, metavar="DIR", help="the folder to write to; created if needed")
     folder: Path = new_parser.parse_args(words).folder
     try:
+        check_output_folder(folder, "DIR")
         written = starter.write(folder)
+    except WireError as error:
+        print(f"iw-agent new: {error}", file=sys.stderr)
+        return 2
     except OSError as error:
         print(f"iw-agent new: {error}", file=sys.stderr)
         return 1

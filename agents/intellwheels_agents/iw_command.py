@@ -165,7 +165,9 @@ def _parser_of(module: str) -> argparse.ArgumentParser:
 def _completion(words: Sequence[str]) -> int:
     """Print a completion script for all commands."""
     wanted = CommandParser(prog="iw completion", description="Print a completion script for a shell.")
-    wanted.add_argument("shell", choices=shtab.SUPPORTED_SHELLS)
+    wanted.add_argument(
+        "shell", metavar="SHELL", choices=shtab.SUPPORTED_SHELLS, help=", ".join(shtab.SUPPORTED_SHELLS)
+    )
     shell = wanted.parse_args(words).shell
     whole = argparse.ArgumentParser(prog="iw")
     below = whole.add_subparsers()

@@ -13,8 +13,11 @@ from typing import Any
 import msgspec
 
 from intellwheels_agents.options import OptionError
+from intellwheels_schemas.errors import WireError
+from intellwheels_schemas.explain import check_plain
 from intellwheels_schemas.messages import Position, Robot, Role
 from intellwheels_schemas.rules import check_robot
+from intellwheels_schemas.shapes import shape_of
 
 _NUMBER = re.compile(r"-?\d+(\.\d+)?([eE][-+]?\d+)?")
 
@@ -49,9 +52,18 @@ def equipped(robot: Robot, changes: Mapping[str, str]) -> Robot:
         try:
             robot = msgspec.convert(plain, Robot)
         except msgspec.ValidationError as error:
-            raise OptionError(f"option {name}: expected a value of the robot document, got {text!r}: {error}") from None
+            raise OptionError(f"option {name}: {_explained(plain, text, error)}") from None
     check_robot(robot)
     return robot
+
+
+def _explained(plain: dict[str, Any], text: str, error: Exception) -> str:
+    """Return what is wrong with a robot document: what was expected and what came, without the place."""
+    try:
+        check_plain(shape_of(Robot), plain, "Robot", strict=True)
+    except WireError as wrong:
+        return wrong.text.partition(": ")[2]
+    return f"expected a value of the robot document, got {text!r}: {error}"
 
 
 def _plain(text: str) -> Any:

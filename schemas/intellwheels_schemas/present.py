@@ -19,15 +19,20 @@ TIMEOUT = 3.0
 """Seconds to wait for the endpoint to answer."""
 
 
-def main(arguments: Sequence[str] | None = None) -> int:
-    """Check once and return the exit code."""
-    parser = CommandParser(prog="python -m intellwheels_schemas.present", description=__doc__)
-    parser.add_argument(
+def parser() -> CommandParser:
+    """Return the command line."""
+    result = CommandParser(prog="python -m intellwheels_schemas.present", description=__doc__)
+    result.add_argument(
         "--agent", metavar="NAME", help="check for this agent (default: for the simulator of the world)"
     )
-    parser.add_argument("--router", action="store_true", help="only check whether the endpoint answers")
-    link.add_link_options(parser)
-    options = parser.parse_args(arguments)
+    result.add_argument("--router", action="store_true", help="only check whether the endpoint answers")
+    link.add_link_options(result)
+    return result
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Check once and return the exit code."""
+    options = parser().parse_args(arguments)
     try:
         route = link.link_of(options)
         keys = Keys(route.world)

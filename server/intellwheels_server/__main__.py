@@ -43,7 +43,7 @@ def main(arguments: list[str] | None = None) -> int:
                 option = f"--{name.replace('_', '-')}"
                 grammar.error(f"{option}: expected a live run, got --play, whose log decides it")
         return _play(given)
-    given.world = given.world or defaults.WORLD
+    given.world = defaults.WORLD if given.world is None else given.world
     try:
         options, route = options_of(given)
     except WireError as error:
@@ -84,7 +84,9 @@ def _play(given: argparse.Namespace) -> int:
         if given.reported is not None:
             with given.reported.open("rb") as file:
                 read_header(file, str(given.reported))
-        given.world = check_name(given.world or f"{world[:PLAY_NAME_LENGTH]}{PLAY_SUFFIX}", "--world")
+        if given.world is None:
+            given.world = f"{world[:PLAY_NAME_LENGTH]}{PLAY_SUFFIX}"
+        check_name(given.world, "--world")
         route = link_of(given)
         check_free(route.listen)
     except ConnectionError as error:

@@ -12,6 +12,7 @@ from intellwheels_schemas.command_line import CommandParser, number, port
 from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.link import add_link_options, link_of
 from intellwheels_schemas.process import add_process_options, stop_on_signals
+from intellwheels_viewer.page_hosts import check_page_hosts
 
 LONGEST: Final = 600.0
 """Longest recording, in seconds: a browser takes minutes to open a longer one."""
@@ -68,9 +69,10 @@ def main(arguments: list[str] | None = None) -> int:
     """Run the command and return its exit code."""
     given = parser().parse_args(arguments)
     chosen = given.world is not None
-    given.world = given.world or defaults.WORLD
+    given.world = given.world if chosen else defaults.WORLD
     try:
         link = link_of(given)
+        check_page_hosts(given.host, given.allow_host)
     except WireError as error:
         print(f"iw-viewer: {error.text}", file=sys.stderr)
         return 2

@@ -38,9 +38,16 @@ Standard output has lines that begin with one of these words:
 Exit codes: 0 done, 1 refused or failed, 2 wrong usage.
 """
 DEFAULT_ROBOT: Final = "intellwheels"
+OTHER_DRIVER: Final = {
+    "serial": ("--lab-world", "--lab-connect", "--lab-place", "--lab-role", "--fix-every", "--fix-noise"),
+    "world": ("--baud",),
+}
+"""Options of the other driver, which a driver refuses."""
 MAX_COUNT: Final = 2**31 - 1
 """Largest value of --baud and --fix-every."""
-_AT_LEAST_0 = number("a number", 0.0)
+MAX_OFFSET: Final = 1e12
+"""Largest clock offset, s: the largest time stamp."""
+_DELAY = number("seconds", 0.0, 3600.0)
 
 
 def parser() -> argparse.ArgumentParser:
@@ -124,7 +131,7 @@ def _add_pose_options(result: argparse.ArgumentParser) -> None:
             help=f"calibration: {meaning} (default: 1)",
         )
     pose.add_argument(
-        "--drift", type=_AT_LEAST_0, default=DRIFT, metavar="K",
+        "--drift", type=like_field(messages.WayVariance), default=DRIFT, metavar="K",
         help=f"variance of the travel of a wheel, in m2 per metre, for the covariance (default: {DRIFT:g})",
     )  # fmt: skip
     pose.add_argument(
@@ -132,11 +139,11 @@ def _add_pose_options(result: argparse.ArgumentParser) -> None:
         help="driver world: ticks between position fixes, for a chair without a GPS of its own (default: 20)",
     )  # fmt: skip
     pose.add_argument(
-        "--fix-noise", type=_AT_LEAST_0, default=0.05, metavar="M",
+        "--fix-noise", type=like_field(messages.Length), default=0.05, metavar="M",
         help="driver world: standard deviation of a fix on each axis (default: 0.05)",
     )  # fmt: skip
     pose.add_argument(
-        "--clock-offset", type=number("seconds"), default=0.0, metavar="S",
+        "--clock-offset", type=number("seconds", -MAX_OFFSET, MAX_OFFSET), default=0.0, metavar="S",
         help="seconds added to the time stamps of poses: the simulator's clock minus this machine's (default: 0)",
     )  # fmt: skip
 
@@ -165,13 +172,15 @@ def _add_line_options(result: argparse.ArgumentParser) -> None:
     faults = result.add_argument_group(
         "faults for experiments, on the line between chair and bridge, in both directions"
     )
-    faults.add_argument("--delay", type=_AT_LEAST_0, default=0.0, metavar="S", help="delay in seconds (default: 0)")
+    faults.add_argument("--delay", type=_DELAY, default=0.0, metavar="S", help="delay in seconds (default: 0)")
     faults.add_argument(
         "--jitter",
-        type=_AT_LEAST_0,
+        type=_DELAY,
         default=0.0,
         metavar="S",
         help="largest additional delay in seconds (default: 0)",
     )
     faults.add_argument("--loss", type=share, default=0.0, metavar="SHARE", help="share of messages lost (default: 0)")
-    faults.add_argument("--seed", default="1", metavar="TEXT", help="seed of the faults (default: 1)")
+    faults.add_argument(
+        "--seed", type=like_field(messages.Seed), default="1", metavar="TEXT", help="seed of the faults (default: 1)"
+    )

@@ -267,31 +267,36 @@ class FaultyController:
         return noise + self._random.randbytes(self._random.randrange(4))
 
 
-def main(arguments: Sequence[str] | None = None) -> int:
-    """Run the stand-in and return its exit code."""
-    parser = CommandParser(
+def parser() -> CommandParser:
+    """Return the command line."""
+    result = CommandParser(
         prog=PROGRAM,
         description="Play the controller of a chair on a pseudo-terminal, to which iw-bridge serial connects.",
         epilog=FAULTS,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
-    parser.add_argument("--link", type=Path, metavar="PATH", help="make this symbolic link to the pseudo-terminal")
-    parser.add_argument(
+    result.add_argument("--link", type=Path, metavar="PATH", help="make this symbolic link to the pseudo-terminal")
+    result.add_argument(
         "--ask", type=readable_file, metavar="PIPE", help="named pipe to read faults from (default: standard input)"
     )
-    parser.add_argument("--sonars", type=whole(0, 64), default=8, metavar="N", help="number of sonars (default: 8)")
-    parser.add_argument(
+    result.add_argument("--sonars", type=whole(0, 64), default=8, metavar="N", help="number of sonars (default: 8)")
+    result.add_argument(
         "--counts", type=number("a number", 0.0, 1e6, low_open=True), default=1730.0, metavar="N",
         help="encoder counts a second at full power (default: 1730, which is 1 m/s on 0.368 m wheels with 2000 a turn)",
     )  # fmt: skip
-    parser.add_argument(
+    result.add_argument(
         "--wrap-in",
         type=number("seconds", 0.0, 1e6),
         metavar="S",
         help="start with counters that all wrap within S seconds at half power",
     )
-    add_process_options(parser)
-    given = parser.parse_args(arguments)
+    add_process_options(result)
+    return result
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the stand-in and return its exit code."""
+    given = parser().parse_args(arguments)
     try:
         _check_link(given.link)
     except WireError as error:
