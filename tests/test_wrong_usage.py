@@ -28,7 +28,7 @@ from intellwheels_experiments.conformance import __main__ as check_agent
 from intellwheels_maps import __main__ as maps
 from intellwheels_schemas import __main__ as schemas
 from intellwheels_schemas import present
-from intellwheels_schemas.command_line import CommandParser
+from intellwheels_schemas.command_parser import CommandParser
 from intellwheels_server import __main__ as server
 from intellwheels_server import server_options
 from intellwheels_server.service import router

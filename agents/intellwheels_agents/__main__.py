@@ -17,7 +17,7 @@ from intellwheels_agents.options import OptionError, Options
 from intellwheels_agents.robot_document import equipped, joining, split_options
 from intellwheels_maps import robot as robot_file
 from intellwheels_schemas.codec import Encoding
-from intellwheels_schemas.command_line import CommandParser, naming, positive_seconds
+from intellwheels_schemas.command_parser import CommandParser, naming, positive_seconds
 from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.link import add_link_options, link_of
 from intellwheels_schemas.messages import Position, Robot

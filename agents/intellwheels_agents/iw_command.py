@@ -18,7 +18,7 @@ import shtab
 
 from intellwheels_agents import minds
 from intellwheels_maps import floor, names, robot, scene
-from intellwheels_schemas.command_line import CommandParser
+from intellwheels_schemas.command_parser import CommandParser
 from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.explain import did_you_mean
 from intellwheels_schemas.messages import Place

@@ -25,8 +25,8 @@ from intellwheels_experiments.run.scene_run import perform
 from intellwheels_experiments.run.world_watch import watching
 from intellwheels_maps import floor, names, scene
 from intellwheels_maps.library import folder_of
-from intellwheels_schemas import command_line, defaults, messages
-from intellwheels_schemas.command_line import CommandParser, like_field, naming, readable_file, whole
+from intellwheels_schemas import command_parser, defaults, messages
+from intellwheels_schemas.command_parser import CommandParser, like_field, naming, readable_file, whole
 from intellwheels_schemas.endpoint_form import check_free, is_free
 from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.link import Link, check_link
@@ -75,7 +75,7 @@ def parser() -> argparse.ArgumentParser:
     )  # fmt: skip
     found.add_argument(
         "--view-port",
-        type=command_line.port,
+        type=command_parser.port,
         metavar="N",
         default=8080,
         help="port of the page; 0 picks a free one (default: 8080)",
@@ -118,7 +118,7 @@ def parser() -> argparse.ArgumentParser:
     found.add_argument("--logs", type=Path, metavar="DIR", help="keep the logs of the processes in this folder")
     found.add_argument(
         "--timeout",
-        type=command_line.positive_seconds,
+        type=command_parser.positive_seconds,
         metavar="S",
         help=f"seconds of wall time after which the run is aborted (default: {WALL_LIMIT:g}, plus the scene's time "
         "limit at pace realtime; none with --view)",

@@ -11,7 +11,7 @@ from intellwheels_maps import floor, names, robot, scene
 from intellwheels_maps.draw import draw
 from intellwheels_maps.hospital import hospital
 from intellwheels_maps.library import is_path
-from intellwheels_schemas.command_line import CommandParser, naming, readable_file, whole
+from intellwheels_schemas.command_parser import CommandParser, naming, readable_file, whole
 from intellwheels_schemas.elements import parse
 from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.files import write_file

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from intellwheels_schemas import elements, generate, rules
 from intellwheels_schemas.codec import LIMITS, Encoding, decode, encoding_of
-from intellwheels_schemas.command_line import CommandParser
+from intellwheels_schemas.command_parser import CommandParser
 from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.explain import too_long
 from intellwheels_schemas.files import read_bytes

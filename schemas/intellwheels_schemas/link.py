@@ -21,7 +21,7 @@ import zenoh
 from intellwheels_schemas import defaults
 from intellwheels_schemas.channels import Channel
 from intellwheels_schemas.codec import MAX_BYTES, Encoding
-from intellwheels_schemas.command_line import readable_file
+from intellwheels_schemas.command_parser import readable_file
 from intellwheels_schemas.endpoint_form import cannot_listen, check_endpoint, config_reason, zenoh_reason
 from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.names import check_name

@@ -10,7 +10,7 @@ import threading
 from collections.abc import Sequence
 
 from intellwheels_schemas import link
-from intellwheels_schemas.command_line import CommandParser
+from intellwheels_schemas.command_parser import CommandParser
 from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.keys import Keys
 from intellwheels_schemas.names import check_name

@@ -15,7 +15,7 @@ import threading
 import time
 from types import FrameType
 
-from intellwheels_schemas.command_line import open_descriptor
+from intellwheels_schemas.command_parser import open_descriptor
 from intellwheels_schemas.version import add_version_option
 
 SLICE = 0.2

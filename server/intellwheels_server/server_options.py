@@ -10,7 +10,7 @@ import msgspec
 from intellwheels_maps import floor, scene
 from intellwheels_maps.library import folder_of
 from intellwheels_schemas import defaults, messages
-from intellwheels_schemas.command_line import (
+from intellwheels_schemas.command_parser import (
     CommandParser,
     like_field,
     naming,

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Final
 
 from intellwheels_schemas import defaults
-from intellwheels_schemas.command_line import CommandParser, number, port
+from intellwheels_schemas.command_parser import CommandParser, number, port
 from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.link import add_link_options, link_of
 from intellwheels_schemas.process import add_process_options, stop_on_signals

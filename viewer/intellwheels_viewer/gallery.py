@@ -22,7 +22,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
-from intellwheels_schemas.command_line import CommandParser
+from intellwheels_schemas.command_parser import CommandParser
 
 if TYPE_CHECKING:
     from playwright.sync_api import Browser, Page

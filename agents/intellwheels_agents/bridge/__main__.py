@@ -29,7 +29,7 @@ from intellwheels_agents.options import OptionError
 from intellwheels_agents.robot_document import equipped, joining
 from intellwheels_maps import robot as robot_file
 from intellwheels_schemas.codec import Encoding, decode, encoding_of
-from intellwheels_schemas.command_line import naming
+from intellwheels_schemas.command_parser import naming
 from intellwheels_schemas.endpoint_form import check_endpoint
 from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.keys import Keys

@@ -9,7 +9,7 @@ from typing import Final
 from intellwheels_agents.bridge.pose_source import DRIFT, POSE_SOURCES
 from intellwheels_agents.bridge.sensor_merge import SENSORS
 from intellwheels_schemas import messages
-from intellwheels_schemas.command_line import CommandParser, like_field, number, positive_seconds, share, whole
+from intellwheels_schemas.command_parser import CommandParser, like_field, number, positive_seconds, share, whole
 
 EXAMPLES = """\
 examples:

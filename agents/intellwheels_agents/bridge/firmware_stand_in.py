@@ -36,7 +36,7 @@ from intellwheels_agents.bridge.line_protocol import (
 )
 from intellwheels_agents.bridge.timeouts import CONTROLLER_WATCHDOG
 from intellwheels_agents.bridge.wrapping_counter import MAX_SIGNED, MODULUS, to_signed, to_unsigned
-from intellwheels_schemas.command_line import CommandParser, number, readable_file, whole
+from intellwheels_schemas.command_parser import CommandParser, number, readable_file, whole
 from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.output_paths import check_output_file
 from intellwheels_schemas.process import add_process_options, stop_on_signals

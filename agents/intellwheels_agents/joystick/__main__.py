@@ -20,7 +20,7 @@ from intellwheels_agents.joystick.pygame_source import (
 from intellwheels_agents.joystick.script_source import ScriptError, ScriptSource, read
 from intellwheels_agents.joystick.terminal_source import TerminalSource
 from intellwheels_agents.joystick.words_source import SpokenWords, WordsSource
-from intellwheels_schemas.command_line import CommandParser, positive_seconds, readable_file, share
+from intellwheels_schemas.command_parser import CommandParser, positive_seconds, readable_file, share
 from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.link import add_link_options, link_of
 from intellwheels_schemas.names import check_agent

@@ -15,7 +15,7 @@ from intellwheels_experiments.run.endpoints import free_endpoint
 from intellwheels_experiments.run.launch_spec import filled
 from intellwheels_maps import floor, robot
 from intellwheels_schemas import defaults
-from intellwheels_schemas.command_line import CommandParser, positive_seconds
+from intellwheels_schemas.command_parser import CommandParser, positive_seconds
 from intellwheels_schemas.endpoint_form import check_free
 from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.link import Link, check_link

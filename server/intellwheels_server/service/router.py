@@ -10,7 +10,7 @@ import sys
 from collections.abc import Sequence
 
 from intellwheels_schemas import defaults, link
-from intellwheels_schemas.command_line import CommandParser
+from intellwheels_schemas.command_parser import CommandParser
 from intellwheels_schemas.endpoint_form import check_endpoint
 from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.process import SLICE, add_process_options, stop_on_signals

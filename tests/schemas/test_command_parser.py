@@ -9,8 +9,8 @@ from typing import Any
 
 import pytest
 
-from intellwheels_schemas import command_line, messages
-from intellwheels_schemas.command_line import (
+from intellwheels_schemas import command_parser, messages
+from intellwheels_schemas.command_parser import (
     CommandParser,
     like_field,
     naming,
@@ -82,10 +82,10 @@ def test_the_option_is_named_before_the_text_of_an_error() -> None:
         (number("a number"), ["1", "-2.5", "1e3"], ["", "x", "nan", "inf", "-inf", "1e400", "1,5"], "a number"),
         (number("a number", 0.0), ["0", "1e300"], ["-1e-300"], "a number of at least 0"),
         (number("a number", 0.0, low_open=True), ["1e-300"], ["0", "-0.0"], "a number above 0"),
-        (command_line.share, ["0", "1"], ["-0.1", "1.0001"], "a share in [0, 1]"),
-        (command_line.positive_seconds, ["0.1"], ["0", "2e9"], "seconds in (0, 1e+09]"),
+        (command_parser.share, ["0", "1"], ["-0.1", "1.0001"], "a share in [0, 1]"),
+        (command_parser.positive_seconds, ["0.1"], ["0", "2e9"], "seconds in (0, 1e+09]"),
         (whole(1, 100), ["1", "100"], ["0", "101", "1.0", "-1", "²", "9" * 5000, ""], "a whole number in [1, 100]"),
-        (command_line.port, ["0", "65535"], ["65536", "http"], "a port in [0, 65535]"),
+        (command_parser.port, ["0", "65535"], ["65536", "http"], "a port in [0, 65535]"),
         (like_field(messages.Factor), ["1000", "0.001"], ["0", "1001", "nan", "x"], "a number in (0, 1000]"),
         (like_field(messages.Period), ["0.001", "1"], ["0", "1.1"], "seconds in [0.001, 1]"),
         (like_field(messages.SayRange), ["20000"], ["0", "20001", "1e300"], "metres in (0, 20000]"),
