@@ -14,7 +14,7 @@ from intellwheels_agents.harness import NAME_TAKEN, PLACE_TAKEN
 from intellwheels_agents.mind_error import USER_ERRORS, MindError, failed
 from intellwheels_agents.mind_trial import check_mind_options
 from intellwheels_agents.options import OptionError, Options
-from intellwheels_agents.robot_document import equipped, joining, split_options
+from intellwheels_agents.robot_document import DEFAULT_ROBOT, default_robot, equipped, joining, split_options
 from intellwheels_maps import robot as robot_file
 from intellwheels_schemas.codec import Encoding
 from intellwheels_schemas.command_parser import CommandParser, naming, positive_seconds
@@ -45,8 +45,6 @@ The options of a mind are in its docstring: python -m pydoc intellwheels_agents.
 On standard output: `joined agent=chair1 run=... tick=...`; `run agent=chair1 run=...` when a new run begins;
 `left agent=chair1`. Exit codes: 0 done, 1 refused or failed, 2 wrong usage.
 """
-DEFAULT_ROBOTS = {"door": "door", "table": "table"}
-DEFAULT_ROBOT = "intellwheels"
 FARTHEST = 10_000.0
 """Largest coordinate of --position, m; as in the contract."""
 NUMBERED_COPIES = 99
@@ -208,7 +206,7 @@ def _body(
 
 def _robot(options: argparse.Namespace) -> Robot:
     """Return the robot that is asked for, or the default one of the mind."""
-    name = DEFAULT_ROBOTS.get(options.mind, DEFAULT_ROBOT) if options.robot is None else options.robot
+    name = default_robot(options.mind) if options.robot is None else options.robot
     with naming("--robot"):
         return robot_file(name)
 

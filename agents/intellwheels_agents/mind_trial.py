@@ -5,7 +5,9 @@ Only included minds are tried: they are pure. The file of a user may open a devi
 
 from __future__ import annotations
 
+import ast
 from collections.abc import Callable, Mapping
+from pathlib import Path
 
 from intellwheels_agents.mind import Context
 from intellwheels_agents.minds import Source
@@ -67,6 +69,31 @@ def check_mind_options(
         names_option = any(f"option {name}:" in str(error) for name in options)
         if own_body or names_option:
             raise
+
+
+def check_mind_file(path: Path) -> None:
+    """Check that the file of a user's mind is there, is Python and seems to define a mind. It is not run.
+
+    Raises:
+        OptionError: It is not.
+    """
+    try:
+        tree = ast.parse(path.read_bytes(), str(path))
+    except OSError as error:
+        raise OptionError(f"{path}: expected a Python file, got {error.strerror}") from None
+    except (SyntaxError, ValueError) as error:
+        place = f"{path}:{getattr(error, 'lineno', None) or 1}"
+        raise OptionError(f"{place}: expected Python, got a syntax error: {error}") from None
+    names: set[str] = set()
+    for node in tree.body:
+        if isinstance(node, (ast.ClassDef, ast.FunctionDef)):
+            names.add(node.name)
+        elif isinstance(node, (ast.Import, ast.ImportFrom)):
+            names |= {alias.asname or alias.name for alias in node.names}
+        else:
+            names |= {part.id for part in ast.walk(node) if isinstance(part, ast.Name)}
+    if not names & {"Mind", "make", "*"}:
+        raise OptionError(f"{path}: expected make(context) or a class Mind, got neither")
 
 
 def _no_map() -> Map:

@@ -19,7 +19,15 @@ from intellwheels_schemas.messages import Position, Robot, Role
 from intellwheels_schemas.rules import check_robot
 from intellwheels_schemas.shapes import shape_of
 
+DEFAULT_ROBOT = "intellwheels"
+"""The robot of a mind that has none of its own."""
+_OWN_ROBOTS = {"door": "door", "table": "table"}
 _NUMBER = re.compile(r"-?\d+(\.\d+)?([eE][-+]?\d+)?")
+
+
+def default_robot(mind: str) -> str:
+    """Return the name of the included robot that a mind drives if no robot is given."""
+    return _OWN_ROBOTS.get(mind, DEFAULT_ROBOT)
 
 
 def split_options(given: Mapping[str, str]) -> tuple[dict[str, str], dict[str, str]]:

@@ -78,16 +78,30 @@ def _overlap(one: Box, other: Box) -> bool:
     (corners, bottom, top), (others, low, high) = one, other
     if top <= low or high <= bottom:
         return False
-    for axis in (0, 1):
-        if max(p[axis] for p in corners) < min(p[axis] for p in others):
-            return False
-        if max(p[axis] for p in others) < min(p[axis] for p in corners):
-            return False
+    if any(_apart(corners, others, axis) for axis in ((1.0, 0.0), (0.0, 1.0))):
+        return False
+    if _is_convex(corners) and _is_convex(others):
+        # Two convex shapes are apart if they are apart along the normal of one of their edges.
+        edges = [*_edges(corners), *_edges(others)]
+        return not any(_apart(corners, others, (a[1] - b[1], b[0] - a[0])) for a, b in edges)
     return (
         _contains(corners, others[0])
         or _contains(others, corners[0])
         or any(_cross(a, b, c, d) for a, b in _edges(corners) for c, d in _edges(others))
     )
+
+
+def _apart(ring: Sequence[Point], other: Sequence[Point], axis: Point) -> bool:
+    """Return whether two shapes are apart along an axis, or only touch."""
+    mine = [x * axis[0] + y * axis[1] for x, y in ring]
+    its = [x * axis[0] + y * axis[1] for x, y in other]
+    return max(mine) <= min(its) or max(its) <= min(mine)
+
+
+def _is_convex(ring: Sequence[Point]) -> bool:
+    corners = zip(ring, [*ring[1:], ring[0]], [*ring[2:], *ring[:2]], strict=True)
+    turns = [_side(a, b, c) for a, b, c in corners]
+    return min(turns) >= 0.0 or max(turns) <= 0.0
 
 
 def _edges(ring: Sequence[Point]) -> Iterator[tuple[Point, Point]]:
