@@ -17,6 +17,7 @@ from rich.console import Console
 
 from intellwheels_experiments.batch.experiment_rows import Row, rows_of
 from intellwheels_experiments.run.cast_changes import with_changes
+from intellwheels_experiments.run.cast_trial import check_cast
 from intellwheels_experiments.run.endpoints import free_endpoint
 from intellwheels_experiments.run.foreign_program import check_programs
 from intellwheels_experiments.run.launch_spec import WALL_LIMIT, LaunchSpec, resolved, wall_limit
@@ -25,15 +26,20 @@ from intellwheels_experiments.run.run_report import show, to_json
 from intellwheels_experiments.run.scene_run import perform
 from intellwheels_experiments.run.world_watch import watching
 from intellwheels_maps import floor, names, scene
-from intellwheels_maps.library import folder_of
-from intellwheels_schemas import defaults
+from intellwheels_maps.library import folder_of, is_path
+from intellwheels_schemas import command_parser, defaults, messages
+from intellwheels_schemas.command_parser import CommandParser, like_field, naming, readable_file, whole
+from intellwheels_schemas.endpoint_form import check_free, is_free
 from intellwheels_schemas.errors import WireError
-from intellwheels_schemas.link import Link
+from intellwheels_schemas.link import Link, check_link
 from intellwheels_schemas.messages import Map, Pace, Scene
 from intellwheels_schemas.names import check_name
 from intellwheels_schemas.output_paths import check_output_file, check_output_folder
 from intellwheels_schemas.process import stop_on_signals
 from intellwheels_schemas.version import add_version_option
+
+MOST_RUNS: Final = 100_000
+"""Largest number of --seeds and --jobs."""
 
 _EPILOG = """\
 examples:
@@ -56,7 +62,7 @@ exit codes: 0 all conditions of the scene held or, in a batch or branch, every r
 
 def parser() -> argparse.ArgumentParser:
     """Return the parser of the command line."""
-    found = argparse.ArgumentParser(
+    found = CommandParser(
         prog="iw-run",
         description="Run a scene: start the simulator and all agents of the scene, show the progress, end all\n"
         "processes, and report whether the conditions of the scene held.",
@@ -73,7 +79,7 @@ def parser() -> argparse.ArgumentParser:
     )  # fmt: skip
     found.add_argument(
         "--view-port",
-        type=_port,
+        type=command_parser.port,
         metavar="N",
         default=8080,
         help="port of the page; 0 picks a free one (default: 8080)",
@@ -81,12 +87,14 @@ def parser() -> argparse.ArgumentParser:
     found.add_argument("--pace", choices=get_args(Pace), help="pace of the run (default: the scene's)")
     found.add_argument(
         "--speed",
-        type=_factor,
+        type=like_field(messages.Factor),
         metavar="F",
         default=1.0,
         help="simulated time over real time, at pace realtime (default: 1)",
     )
-    found.add_argument("--seed", metavar="TEXT", help="seed of all noise (default: the scene's)")
+    found.add_argument(
+        "--seed", type=like_field(messages.Seed), metavar="TEXT", help="seed of all noise (default: the scene's)"
+    )
     found.add_argument(
         "--mind", action="append", default=[], metavar="AGENT=MIND",
         help="give an agent another mind: its name, or a Python file; may be repeated",
@@ -119,7 +127,7 @@ def parser() -> argparse.ArgumentParser:
     found.add_argument("--logs", type=Path, metavar="DIR", help="keep the logs of the processes in this folder")
     found.add_argument(
         "--timeout",
-        type=_factor,
+        type=command_parser.positive_seconds,
         metavar="S",
         help=f"seconds of wall time after which the run is aborted (default: {WALL_LIMIT:g}, plus the scene's time "
         "limit at pace realtime; none with --view)",
@@ -127,8 +135,12 @@ def parser() -> argparse.ArgumentParser:
     batch = found.add_argument_group(
         "batch", "run every row of the scene's experiment with every seed; needs the extra `experiments`"
     )
-    batch.add_argument("--seeds", type=_count, metavar="N", help="run with the seeds 1 to N and write a report")
-    batch.add_argument("--jobs", type=_count, metavar="N", default=1, help="number of runs at a time (default: 1)")
+    batch.add_argument(
+        "--seeds", type=whole(1, MOST_RUNS), metavar="N", help="run with the seeds 1 to N and write a report"
+    )
+    batch.add_argument(
+        "--jobs", type=whole(1, MOST_RUNS), metavar="N", default=1, help="number of runs at a time (default: 1)"
+    )
     batch.add_argument("--row", metavar="ROW", action="append", help="run only this row; may be repeated")
     batch.add_argument(
         "--out",
@@ -141,10 +153,17 @@ def parser() -> argparse.ArgumentParser:
         "what if: repeat a recorded run up to a tick, continue with changes, and write a report of both runs to --out",
     )
     branch.add_argument(
-        "--branch", type=Path, metavar="LOG", help="input log of a run of this scene; with --row, of a run of that row"
+        "--branch",
+        type=readable_file,
+        metavar="LOG",
+        help="input log of a run of this scene; with --row, of a run of that row",
     )
     branch.add_argument(
-        "--at", type=_tick, metavar="TICK", default=0, help="tick up to which the log is followed (default: 0)"
+        "--at",
+        type=whole(0, messages.MAX_INTEGER, "a tick"),
+        metavar="TICK",
+        default=0,
+        help="tick up to which the log is followed (default: 0)",
     )
     link = found.add_argument_group("connection", "by default the simulator listens at a free port of this machine")
     link.add_argument(
@@ -158,7 +177,9 @@ def parser() -> argparse.ArgumentParser:
     link.add_argument(
         "--connect", action="append", default=[], metavar="ENDPOINT", help="router to which all processes connect"
     )
-    link.add_argument("--config", type=Path, metavar="FILE", help="Zenoh configuration (JSON5) of all processes")
+    link.add_argument(
+        "--config", type=readable_file, metavar="FILE", help="Zenoh configuration (JSON5) of all processes"
+    )
     return found
 
 
@@ -168,15 +189,18 @@ def main(arguments: Sequence[str] | None = None) -> int:
     options = grammar.parse_args(arguments)
     try:
         _check_together(grammar, options)
-        chosen = scene(options.scene)
-        folder = folder_of(options.scene)
-        chosen_floor = floor(chosen.map, beside=folder)
+        _check_link(options)
+        with naming("SCENE"):
+            chosen = scene(options.scene)
+            folder = folder_of(options.scene)
+            chosen_floor = floor(chosen.map, beside=folder)
         if options.branch is None:
             chosen = with_changes(chosen, options.mind, options.option, options.command)
             if options.seeds is None:
                 check_programs(chosen.cast, folder, _meeting(options))
-    except WireError as error:
-        print(f"iw-run: {error.text}", file=sys.stderr)
+                _check_cast([chosen], folder, options)
+    except (WireError, ConnectionError) as error:
+        print(f"iw-run: {error}", file=sys.stderr)
         return 2
     if options.seeds is not None or options.branch is not None:
         return _batch(options, chosen, chosen_floor, folder)
@@ -218,6 +242,23 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _batch(options: argparse.Namespace, chosen: Scene, chosen_floor: Map, folder: Path | None) -> int:
+    out = options.out or Path(f"{chosen.name}-runs")
+    try:
+        rows = _rows(rows_of(chosen), options.row)
+        subject = chosen.experiment.subject if chosen.experiment else _first(chosen)
+        check_output_folder(out, "--out")
+        if options.branch is not None:
+            cast = with_changes(rows[0].scene, options.mind, options.option, options.command, robot_fields=False)
+            changed = dataclasses.replace(rows[0], scene=cast)
+            scenes = [cast]
+        else:
+            scenes = [row.scene for row in rows]
+        for one in scenes:
+            check_programs(one.cast, folder)
+        _check_cast(scenes, folder, options)
+    except WireError as error:
+        print(f"iw-run: {error.text}", file=sys.stderr)
+        return 2
     try:
         # These import numpy, scipy, shapely and matplotlib: a single run needs none of them.
         from intellwheels_experiments.batch.batch_command import OtherBatchError, perform_batch  # noqa: PLC0415
@@ -227,29 +268,22 @@ def _batch(options: argparse.Namespace, chosen: Scene, chosen_floor: Map, folder
     except ModuleNotFoundError as error:
         print(f"iw-run: --seeds: needs {error.name}; pip install 'intellwheels[experiments]'", file=sys.stderr)
         return 2
-    subject = chosen.experiment.subject if chosen.experiment else chosen.cast[0].name
+    batch = Batch(
+        rows=rows,
+        seeds=tuple(str(seed) for seed in range(1, (options.seeds or 1) + 1)),
+        subject=subject,
+        floor=chosen_floor,
+        source=resolved(options.scene, None),
+        folder=folder,
+        out=out,
+        jobs=options.jobs,
+        timeout=options.timeout or WALL_LIMIT,
+    )
+    stop = stop_on_signals()
     try:
-        rows = _rows(rows_of(chosen), options.row)
-        batch = Batch(
-            rows=rows,
-            seeds=tuple(str(seed) for seed in range(1, (options.seeds or 1) + 1)),
-            subject=subject,
-            floor=chosen_floor,
-            source=resolved(options.scene, None),
-            folder=folder,
-            out=options.out or Path(f"{chosen.name}-runs"),
-            jobs=options.jobs,
-            timeout=options.timeout or WALL_LIMIT,
-        )
-        stop = stop_on_signals()
         if options.branch is not None:
-            cast = with_changes(rows[0].scene, options.mind, options.option, options.command, robot_fields=False)
-            changed = dataclasses.replace(rows[0], scene=cast)
-            check_programs(cast.cast, folder)
             summary = perform_branch(batch, chosen, changed, options.branch, options.at, stop)
         else:
-            for row in rows:
-                check_programs(row.scene.cast, folder)
             summary = perform_batch(batch, chosen, Console(stderr=True), stop)
     except WireError as error:
         print(f"iw-run: {error.text}", file=sys.stderr)
@@ -305,40 +339,48 @@ def _check_together(grammar: argparse.ArgumentParser, options: argparse.Namespac
         check_output_folder(getattr(options, name), f"--{name}")
 
 
+def _check_link(options: argparse.Namespace) -> None:
+    """Check the endpoints, the configuration and the ports that this command would use.
+
+    Raises:
+        WireError: One cannot be used.
+        ConnectionError: A port is in use.
+    """
+    check_link(Link(options.world, tuple(options.listen), tuple(options.connect), options.config))
+    check_free(options.listen)
+    if options.view and not is_free("127.0.0.1", options.view_port):
+        got = f"{options.view_port}, which is in use, perhaps by another viewer"
+        raise WireError("value", f"--view-port: expected a free port, got {got}", "--view-port")
+
+
+def _check_cast(scenes: Sequence[Scene], folder: Path | None, options: argparse.Namespace) -> None:
+    """Check that all agents can start. Included scenes can, unless an option changes them.
+
+    Raises:
+        WireError: One cannot.
+    """
+    given = [f"--{name}" for name in ("mind", "option", "command") if getattr(options, name)]
+    if given or is_path(options.scene):
+        check_cast(scenes, folder, " or ".join(given) or "SCENE")
+
+
+def _first(chosen: Scene) -> str:
+    """Return the first agent of a scene.
+
+    Raises:
+        WireError: There is none.
+    """
+    if not chosen.cast:
+        raise WireError("value", f"SCENE: {chosen.name}: expected a Cast, got none", "SCENE")
+    return chosen.cast[0].name
+
+
 def _rows(rows: tuple[Row, ...], names: Sequence[str] | None) -> tuple[Row, ...]:
     known = [row.name for row in rows]
     for name in names or ():
         if name not in known:
             raise WireError("value", f"--row: expected a row ({', '.join(known)}), got {name!r}", "--row")
     return tuple(row for row in rows if not names or row.name in names)
-
-
-def _factor(text: str) -> float:
-    try:
-        value = float(text)
-    except ValueError:
-        value = 0.0
-    if not 0.0 < value < 1e6:
-        raise argparse.ArgumentTypeError(f"expected a number above 0, got {text!r}")
-    return value
-
-
-def _port(text: str) -> int:
-    if not text.isdecimal() or int(text) > 65535:  # the last port there is
-        raise argparse.ArgumentTypeError(f"expected a port, 0 to 65535, got {text!r}")
-    return int(text)
-
-
-def _tick(text: str) -> int:
-    if not text.isdecimal():
-        raise argparse.ArgumentTypeError(f"expected a tick, got {text!r}")
-    return int(text)
-
-
-def _count(text: str) -> int:
-    if not text.isdecimal() or not 1 <= int(text) <= 100_000:
-        raise argparse.ArgumentTypeError(f"expected a whole number from 1 to 100000, got {text!r}")
-    return int(text)
 
 
 def _world(text: str) -> str:

@@ -15,6 +15,7 @@ from typing import NamedTuple
 
 from intellwheels_maps.crossing import Point, find_crossing
 from intellwheels_schemas.codec import VERSION
+from intellwheels_schemas.explain import did_you_mean
 from intellwheels_schemas.messages import Corner, Doorway, Map, Robot, Scene, Wall
 
 # m: contact cannot tell corners apart that are closer.
@@ -80,14 +81,18 @@ def check_scene(document: Scene, floor: Map) -> list[Finding]:
         if cast.place is None:
             continue
         if cast.place not in known:
-            findings.append(Finding(element, f"{expected}, got {cast.place!r}"))
+            findings.append(Finding(element, f"{expected}, got {cast.place!r}{did_you_mean(cast.place, known)}"))
         elif cast.place in taken:
             findings.append(Finding(element, f"place {cast.place!r} is already taken by agent {taken[cast.place]!r}"))
         taken.setdefault(cast.place, cast.name)
     reaches = document.end.reach if document.end else ()
     for index, reach in enumerate(reaches):
         if reach.place not in known:
-            findings.append(Finding(f"Scene.End.Reach[{index}]", f"{expected}, got {reach.place!r}"))
+            findings.append(
+                Finding(
+                    f"Scene.End.Reach[{index}]", f"{expected}, got {reach.place!r}{did_you_mean(reach.place, known)}"
+                )
+            )
     if document.hold and document.hold.reached and not reaches:
         findings.append(Finding("Scene.Hold", "Reached: expected a Reach in End, got none"))
     return findings

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import difflib
 import math
+from collections.abc import Iterable
 from typing import Any, Final
 
 from intellwheels_schemas.errors import WireError
@@ -71,6 +72,12 @@ def shown(value: object) -> str:
     if isinstance(value, str):
         return repr(value) if len(value) <= 40 else f"{value[:37]!r} and {len(value) - 37} characters more"
     return "a list" if isinstance(value, list) else "an object"
+
+
+def did_you_mean(got: str, known: Iterable[str]) -> str:
+    """Return `; did you mean 'ward'?` if a known word is similar to what came, else nothing."""
+    near = difflib.get_close_matches(got, list(known), n=1)
+    return f"; did you mean {near[0]!r}?" if near else ""
 
 
 def _bound(value: float | None, none: str) -> str:

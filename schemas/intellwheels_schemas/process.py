@@ -15,6 +15,7 @@ import threading
 import time
 from types import FrameType
 
+from intellwheels_schemas.command_parser import open_descriptor
 from intellwheels_schemas.version import add_version_option
 
 SLICE = 0.2
@@ -29,7 +30,7 @@ def add_process_options(parser: argparse.ArgumentParser) -> None:
     add_version_option(parser)
     parser.add_argument(
         "--lifeline",
-        type=int,
+        type=open_descriptor,
         metavar="FD",
         help="stop when a pipe closes; FD is the inherited file descriptor of its read end",
     )

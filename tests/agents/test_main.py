@@ -38,7 +38,7 @@ def test_help_shows_examples_and_minds() -> None:
     [
         (
             ["dance"],
-            "mind: expected one of aided, avoid, car, door, drive, driver, follow, joystick, person, seek, table, "
+            "MIND: expected one of aided, avoid, car, door, drive, driver, follow, joystick, person, seek, table, "
             "waypoints or a Python file",
         ),
         (["drive", "--name", "Chair 1"], "--name: expected a name"),

@@ -167,7 +167,9 @@ def scene(*cast: Cast, **fields: object) -> Scene:
 def test_unknown_place_of_a_scene_is_found_with_the_known_ones() -> None:
     document = scene(Cast(name="a", robot="r", mind="m", place="bed9"))
     assert check_scene(document, PLACES) == [
-        Finding("Scene.Cast[0]", "expected one of the places of 'floor' (bed1, goal1), got 'bed9'")
+        Finding(
+            "Scene.Cast[0]", "expected one of the places of 'floor' (bed1, goal1), got 'bed9'; did you mean 'bed1'?"
+        )
     ]
 
 
@@ -181,7 +183,10 @@ def test_two_agents_at_one_place_are_found() -> None:
 def test_reach_of_an_unknown_place_is_found() -> None:
     end = End(reach=(Reach(agent="a", place="goal9", within=0.3),))
     assert check_scene(scene(Cast(name="a", robot="r", mind="m"), end=end), PLACES) == [
-        Finding("Scene.End.Reach[0]", "expected one of the places of 'floor' (bed1, goal1), got 'goal9'")
+        Finding(
+            "Scene.End.Reach[0]",
+            "expected one of the places of 'floor' (bed1, goal1), got 'goal9'; did you mean 'goal1'?",
+        )
     ]
 
 

@@ -71,17 +71,35 @@ def parsed(*arguments: str, listens: bool = False) -> Link:
 # ---------------------------------------------------------------- options
 
 
-def test_simulator_listens_and_others_connect_where_nothing_is_said() -> None:
+def test_simulator_listens_and_others_connect_where_nothing_is_said(tmp_path: Path) -> None:
+    config = tmp_path / "z.json5"
+    config.write_text("{}")
     assert parsed(listens=True) == Link(listen=(defaults.ENDPOINT,))
     assert parsed() == Link(connect=(defaults.ENDPOINT,))
     assert parsed("--connect", "tcp/10.0.0.5:1", listens=True) == Link(connect=("tcp/10.0.0.5:1",))
-    assert parsed("--config", "z.json5", "--world", "lab") == Link(world="lab", config=Path("z.json5"))
+    assert parsed("--config", str(config), "--world", "lab") == Link(world="lab", config=config)
     assert parsed("--connect", "tcp/a:1", "--connect", "tcp/b:1").connect == ("tcp/a:1", "tcp/b:1")
 
 
 def test_world_that_is_no_name_is_refused() -> None:
     with pytest.raises(WireError, match=r"--world: expected a name"):
         parsed("--world", "*")
+
+
+def test_endpoints_and_the_configuration_are_checked_before_zenoh_sees_them(tmp_path: Path) -> None:
+    with pytest.raises(WireError, match=r"^--connect: expected an endpoint .* did you mean tcp/10\.0\.0\.5:7447\?$"):
+        parsed("--connect", "http://10.0.0.5")
+    with pytest.raises(WireError, match=r"^--listen: expected an endpoint such as tcp/127\.0\.0\.1:7447, got ''$"):
+        parsed("--listen", "")
+    config = tmp_path / "z.json5"
+    config.write_text("{\n mode: 'boss' }")
+    with pytest.raises(
+        WireError, match=r"^--config: .*, got in line 2: unknown variant `boss`, expected one of"
+    ) as wrong:
+        parsed("--config", str(config))
+    assert "zenoh-config" not in wrong.value.text
+    with pytest.raises(SystemExit):
+        parsed("--config", str(tmp_path / "none"))
 
 
 def test_configuration_finds_nobody_by_itself_and_bounds_what_comes() -> None:

@@ -21,11 +21,14 @@ def test_rules_of_speech_are_options_without_a_default_of_their_own() -> None:
 
 @pytest.mark.parametrize(
     ("option", "text"),
-    [("--say-loss", "expected a number in [0, 1], got 1.5"), ("--say-delay", "expected seconds in [0, 3600], got 1e9")],
+    [
+        ("--say-loss", "expected a share in [0, 1], got '1.5'"),
+        ("--say-delay", "expected seconds in [0, 3600], got '1e9'"),
+    ],
 )
 def test_share_or_time_out_of_range_is_wrong_usage(option: str, text: str, capsys: pytest.CaptureFixture[str]) -> None:
     with pytest.raises(SystemExit) as left:
-        main([option, text.rsplit(" ", 1)[1]])
+        main([option, text.rsplit(" ", 1)[1].strip("'")])
     assert left.value.code == 2
     assert text in capsys.readouterr().err
 

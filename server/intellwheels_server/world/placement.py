@@ -10,6 +10,7 @@ import msgspec
 import numpy as np
 
 from intellwheels_schemas.errors import RequestRefusedError
+from intellwheels_schemas.explain import did_you_mean
 from intellwheels_schemas.messages import Map, Place, Position
 from intellwheels_server.world.kernels.arrays import Floats, Ints, Walls, part_rows, radius_of
 from intellwheels_server.world.kernels.elementary import wrap
@@ -160,8 +161,9 @@ def place_named(floor: Map, name: str) -> Place:
     for spot in spots:
         if spot.name == name:
             return spot
-    known = ", ".join(spot.name for spot in spots) or "none"
-    raise RequestRefusedError("no-place", f"no place '{name}' on map '{floor.name}': expected one of {known}")
+    known = [spot.name for spot in spots]
+    expected = f"expected one of {', '.join(known) or 'none'}{did_you_mean(name, known)}"
+    raise RequestRefusedError("no-place", f"no place '{name}' on map '{floor.name}': {expected}")
 
 
 def places_for(floor: Map, kind: str) -> list[Place]:
