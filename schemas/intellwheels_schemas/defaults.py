@@ -33,3 +33,5 @@ STRICT_DEADLINE: Final = 10.0
 """Wall time for which strict lockstep waits for an answer, s."""
 ELASTIC_DEADLINE: Final = 1.0
 """Wall time for which elastic lockstep waits for an answer, s."""
+LOAD_TIME: Final = 5.0
+"""Wall time in which a request to load a map is answered, s."""

@@ -10,6 +10,7 @@ import contextlib
 import threading
 import time
 from collections.abc import Callable
+from contextlib import closing
 from pathlib import Path
 from typing import Any, Final, Protocol
 
@@ -35,6 +36,7 @@ from intellwheels_server.service.log_playback import Playback
 from intellwheels_server.service.roster import new_hex
 from intellwheels_server.service.run_state import Recorder
 from intellwheels_server.service.service_state import Options
+from intellwheels_server.service.side_process import SideProcess
 from intellwheels_server.service.world_claim import WorldClaim
 from intellwheels_server.world import State
 
@@ -194,10 +196,13 @@ def serve(
         OSError: The log cannot be written.
     """
     keys = Keys(options.world)
-    session = link.open_session(route, stop, waiting=lambda why: console.log_line(f"waiting why={why!r}"))
-    if session is None:
-        return 0
-    with session:
+    with contextlib.ExitStack() as stack:
+        # Before the session is opened: a process with a session must not fork.
+        floors = stack.enter_context(closing(SideProcess(load_floor)))
+        session = link.open_session(route, stop, waiting=lambda why: console.log_line(f"waiting why={why!r}"))
+        if session is None:
+            return 0
+        stack.enter_context(session)
         _check_free(session, keys, route)
         outlet = ZenohOutlet(session, keys)
         if recording is not None:
@@ -206,16 +211,13 @@ def serve(
         run = new_hex()
         log = Log(log_file, options.setup, run, options.world) if log_file is not None else None
         files = None if runs is None else RunFiles(runs, options.world, lambda: live_run.state)
-        try:
-            record = _recorder(log, files)
-            live_run = LiveRun(options, outlet, load_floor, time.time, record=record, run=run)
-            if files is not None:
-                live_run.observe_events(files.add_event)
-            return _serve(options, route, session, keys, stop, live_run)
-        finally:
-            for each in (log, files):
-                if each is not None:
-                    each.close()
+        for each in (log, files):
+            if each is not None:
+                stack.enter_context(closing(each))
+        live_run = LiveRun(options, outlet, floors, time.time, record=_recorder(log, files), run=run)
+        if files is not None:
+            live_run.observe_events(files.add_event)
+        return _serve(options, route, session, keys, stop, live_run)
 
 
 def _check_free(session: zenoh.Session, keys: Keys, route: link.Link) -> None:
@@ -303,7 +305,7 @@ def _serve(
 ) -> int:
     inbox = zenoh_inbox.Inbox()
     with contextlib.ExitStack() as stack:
-        claim = stack.enter_context(contextlib.closing(ClaimWatch(session, keys)))
+        claim = stack.enter_context(closing(ClaimWatch(session, keys)))
         service.begin()
         for key in (keys.every_in, keys.every_user):
             stack.enter_context(session.declare_subscriber(key, inbox.on_sample))
