@@ -16,6 +16,8 @@ from intellwheels_server.service.load_floor import FloorWorker, LoadedFloor, Loa
 
 POLL_INTERVAL: Final = 0.01
 """Seconds between two looks at the side process."""
+WORK_SHARE: Final = 0.9
+"""Share of the time for an answer after which the work is given up, so that the answer still comes in time."""
 MAX_LOADS: Final = 8
 """Loads that may wait. Further ones are refused at once; they can be asked for again."""
 
@@ -43,7 +45,7 @@ class FloorQueue:
 
     def __init__(self, worker: FloorWorker, limit: float = defaults.LOAD_TIME) -> None:
         self._worker = worker
-        self._limit = limit
+        self._limit = WORK_SHARE * limit
         self._waiting: deque[_Load | Request] = deque()
         self._loading: _Load | None = None
         # Whether the worker still owes an outcome.

@@ -3,12 +3,12 @@ from __future__ import annotations
 from intellwheels_maps import floor
 from intellwheels_schemas.codec import encode
 from intellwheels_schemas.messages import Load
-from intellwheels_server.service.floor_queue import MAX_LOADS, POLL_INTERVAL, FloorQueue
+from intellwheels_server.service.floor_queue import MAX_LOADS, POLL_INTERVAL, WORK_SHARE, FloorQueue
 from intellwheels_server.service.load_floor import LoadedFloor, LoadFault, LoadRequest, PackedFloor
 from intellwheels_server.service.side_process import Outcome
 from tests.server.stage import FloorsAtOnce
 
-LIMIT = 5.0
+LIMIT = 4.5
 
 
 class Answers:
@@ -17,7 +17,7 @@ class Answers:
     def __init__(self) -> None:
         self.worker = FloorsAtOnce()
         self.worker.holds = True
-        self.queue = FloorQueue(self.worker, LIMIT)
+        self.queue = FloorQueue(self.worker, LIMIT / WORK_SHARE)
         self.found: list[LoadedFloor | LoadFault | str] = []
 
     def load(self, now: float = 0.0) -> bool:
@@ -74,7 +74,7 @@ def test_load_that_takes_too_long_is_answered_in_time_even_if_its_worker_is_sile
     assert answers.worker.begun[0][1] == LIMIT - 0.5
     assert answers.work(1.0 + LIMIT - 0.001) == 0
     assert answers.work(1.0 + LIMIT) == 1
-    assert answers.fault() == "Load: expected a map that is ready within 5 s, got one that takes longer"
+    assert answers.fault() == "Load: expected a map that is ready within 4.5 s, got one that takes longer"
 
 
 def test_worker_says_late_or_crashed() -> None:
