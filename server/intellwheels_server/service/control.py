@@ -12,7 +12,7 @@ import msgspec
 
 from intellwheels_schemas.channels import VERB_CLASSES
 from intellwheels_schemas.codec import Encoding, decode, encoding_of
-from intellwheels_schemas.errors import WireError
+from intellwheels_schemas.errors import RequestRefusedError, WireError
 from intellwheels_schemas.file_records import (
     DeleteBody,
     GoOn,
@@ -47,6 +47,7 @@ from intellwheels_server.service.load_floor import LoadedFloor, LoadFault, LoadR
 from intellwheels_server.service.new_run import begin_new_run
 from intellwheels_server.service.pacing import PendingSteps
 from intellwheels_server.service.roster import OPERATOR, new_hex
+from intellwheels_server.service.sensor_budget import check_sensor_budget
 from intellwheels_server.service.service_state import ServiceState
 from intellwheels_server.world import Outcome, Walls
 
@@ -223,6 +224,11 @@ def _spawn(message: Spawn, service: ServiceState, query: Query, _now: float) -> 
     name = message.robot.name
     if name == OPERATOR:
         query.reply(service.result("failed", f"Spawn.Robot.Name: the name '{OPERATOR}' is reserved for people"))
+        return
+    try:
+        check_sensor_budget(service, name or "", message.robot)
+    except RequestRefusedError as refusal:
+        query.reply(service.result("failed", f"Spawn.{refusal.text}"))
         return
     outcome = service.apply(SpawnBody(robot=message.robot, position=message.position))
     if outcome.code == "ok" and name is not None:

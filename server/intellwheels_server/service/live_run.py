@@ -115,6 +115,10 @@ class LiveRun:
                 return now
         return min(times)
 
+    def spend(self, seconds: float, now: float) -> None:
+        """Note that the work of this run has taken so many seconds of wall time until now."""
+        self._service.pacing.busy_share.spend(seconds, now)
+
     def finish(self, now: float) -> None:
         """Publish and record what is left before the service ends."""
         service = self._service

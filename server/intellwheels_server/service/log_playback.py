@@ -111,6 +111,10 @@ class Playback:
         due = self._service.publisher.schedule.due()
         return min(due, max(self._service.pacing.metronome.due(), now)) if self._moves() else due
 
+    def spend(self, seconds: float, now: float) -> None:
+        """Note that the work of this playback has taken so many seconds of wall time until now."""
+        self._service.pacing.busy_share.spend(seconds, now)
+
     def finish(self, now: float) -> None:
         """Publish what is left before the service ends."""
         self._service.answer_steps("failed", "the player ends")

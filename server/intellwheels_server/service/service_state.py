@@ -38,6 +38,8 @@ class Options:
         expect: Agents whose minds must have joined before tick 0 is left.
         open_loop: Whether, at pace `free`, agents may join that want the simulator to wait for their answers.
         grace: Seconds until an agent whose token is gone is removed.
+        agent_rays: Rays per second that the sensors of an agent may cast in real time.
+        world_rays: Rays per second that all sensors together may cast in real time.
         deadline: Seconds lockstep waits for an answer.
         quit_at_end: Whether the service ends when the run ends.
         await_page: Whether the run starts paused, until a page opens or somebody resumes it.
@@ -52,6 +54,8 @@ class Options:
     expect: tuple[str, ...] = ()
     open_loop: bool = False
     grace: float = defaults.GRACE
+    agent_rays: int = defaults.AGENT_RAYS
+    world_rays: int = defaults.WORLD_RAYS
     deadline: float = defaults.ELASTIC_DEADLINE
     quit_at_end: bool = False
     await_page: bool = False

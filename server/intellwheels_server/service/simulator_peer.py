@@ -166,6 +166,9 @@ class Service(Protocol):
     def due(self, now: float) -> float:
         """Return when to call `work` next if nothing arrives."""
 
+    def spend(self, seconds: float, now: float) -> None:
+        """Note that its work has taken so many seconds until now."""
+
     def finish(self, now: float) -> None:
         """Publish what is left before the service ends."""
 
@@ -362,6 +365,8 @@ def _loop(
             if arrival is not None:
                 service.take(arrival, now)
         service.work(now)
+        done = time.monotonic()
+        service.spend(done - now, done)
         if inbox.dropped != dropped:
             console.log_line(f"dropped arrivals={inbox.dropped - dropped} why='more than can be read'")
             dropped = inbox.dropped

@@ -19,7 +19,7 @@ from intellwheels_server.world.kernels.arrays import Bodies, Box, Floats, Ints, 
 from intellwheels_server.world.kernels.motor_model import MOTOR_ROWS, motor_figures
 from intellwheels_server.world.kernels.noise import noise_key
 from intellwheels_server.world.kernels.wheel_slip import FLAW_ROWS, slip_figures
-from intellwheels_server.world.sensors import SensorPlan, check_sensors, plan_sensors
+from intellwheels_server.world.sensors import SensorPlan, check_sensors, plan_sensors, rays_of
 
 if TYPE_CHECKING:
     from intellwheels_server.world.state import Setup, State
@@ -39,6 +39,7 @@ class BodyModel(msgspec.Struct, frozen=True, kw_only=True):
         externally_posed: Whether it is a real chair, whose pose only its bridge sets.
         timeout: Steps after which a command no longer counts.
         start: Where it joined.
+        rays: Rays per tick that its sensors cost.
         mind_input: The user input that a mind in a process of its own declared.
     """
 
@@ -49,6 +50,7 @@ class BodyModel(msgspec.Struct, frozen=True, kw_only=True):
     externally_posed: bool
     timeout: int
     start: Position
+    rays: float = 0.0
     mind_input: tuple[str, ...] = ()
 
     @property
@@ -117,6 +119,7 @@ def body_model_of(name: str, robot: Robot, setup: Setup) -> BodyModel:
         externally_posed=externally_posed,
         timeout=math.ceil(timeout / setup.period - 1e-9),
         start=Position(x=0.0, y=0.0, heading=0.0),
+        rays=rays_of(robot),
     )
 
 
