@@ -875,7 +875,7 @@ class Heard(Record, frozen=True, kw_only=True):
 class UserInput(Record, frozen=True, kw_only=True):
     """The input of a person who steers a robot.
 
-    The robot stops if no input arrives for 0.3 s of wall time, or of simulated time in strict lockstep.
+    The motors get power 0 if no input arrives for 0.3 s of wall time, or of simulated time in strict lockstep.
     """
 
     lease: Hex | None = None
