@@ -35,3 +35,9 @@ STRICT_DEADLINE: Final = 10.0
 """Wall time for which strict lockstep waits for an answer, s."""
 ELASTIC_DEADLINE: Final = 1.0
 """Wall time for which elastic lockstep waits for an answer, s."""
+AGENT_RAYS: Final = 400_000
+"""Rays per second that the sensors of one agent may cast in real time."""
+WORLD_RAYS: Final = 1_000_000
+"""Rays per second that the sensors of all agents may cast in real time."""
+LOAD_TIME: Final = 5.0
+"""Wall time in which a request to load a map is answered, s."""

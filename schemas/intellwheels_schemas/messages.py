@@ -885,7 +885,7 @@ class Heard(Record, frozen=True, kw_only=True):
 class UserInput(Record, frozen=True, kw_only=True):
     """The input of a person who steers a robot.
 
-    The robot stops if no input arrives for 0.3 s of wall time, or of simulated time in strict lockstep.
+    The motors get power 0 if no input arrives for 0.3 s of wall time, or of simulated time in strict lockstep.
     """
 
     lease: Hex | None = None
@@ -1110,6 +1110,12 @@ class Clock(Record, frozen=True, kw_only=True):
     """Measured speed: simulated time divided by wall time; 0 if unknown."""
     late: Count = 0
     """Number of ticks of this run that started after their deadline."""
+    load: Ratio = 0.0
+    """Share of the last second of wall time in which the simulator was busy; ticks are late when it nears 1."""
+    rays: Count = 0
+    """Rays per tick of the sensors of all bodies; a cone counts as several rays."""
+    costliest: Name | None = None
+    """Agent whose sensors cast the most rays; absent if no sensor casts any."""
     hash: Kept
     stamp: Stamp
     """Unix time at which the message was written."""

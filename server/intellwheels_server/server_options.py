@@ -156,6 +156,15 @@ def _add_time_options(group: argparse._ArgumentGroup) -> None:
         f"(default: strict {defaults.STRICT_DEADLINE:g}, elastic {defaults.ELASTIC_DEADLINE:g})",
     )  # fmt: skip
     group.add_argument(
+        "--agent-rays", type=whole(0, 10**12, "rays per second"), default=defaults.AGENT_RAYS, metavar="N",
+        help="rays per second that the sensors of an agent may cast in real time; an agent with more is refused "
+        "(default: %(default)s)",
+    )  # fmt: skip
+    group.add_argument(
+        "--world-rays", type=whole(0, 10**12, "rays per second"), default=defaults.WORLD_RAYS, metavar="N",
+        help="rays per second that the sensors of all agents may cast in real time (default: %(default)s)",
+    )  # fmt: skip
+    group.add_argument(
         "--grace", type=positive_seconds, default=defaults.GRACE, metavar="S",
         help="seconds after which an agent that vanished is removed (default: %(default)g)",
     )  # fmt: skip
@@ -251,6 +260,8 @@ def options_of(given: argparse.Namespace) -> tuple[Options, Link]:
         expect=expect,
         open_loop=given.open_loop,
         grace=given.grace,
+        agent_rays=given.agent_rays,
+        world_rays=given.world_rays,
         deadline=given.deadline or (defaults.STRICT_DEADLINE if strict else defaults.ELASTIC_DEADLINE),
         quit_at_end=given.quit_at_end,
         await_page=given.await_page,

@@ -26,6 +26,7 @@ from intellwheels_server.service.arrival import Query, Token
 from intellwheels_server.service.connected_agents import BridgeStatus, WaitingJoin
 from intellwheels_server.service.error_replies import Fault
 from intellwheels_server.service.roster import Member, Roster, new_hex, same_body
+from intellwheels_server.service.sensor_budget import check_sensor_budget
 from intellwheels_server.service.service_state import ServiceState
 from intellwheels_server.service.truth_filter import nominal
 from intellwheels_server.world import State
@@ -174,6 +175,7 @@ def _admit(
     else:
         body = robot
         _check_real(service, robot)
+        check_sensor_budget(service, agent, robot)
     barrier = robot.barrier if robot.barrier is not None else has_motors(body)
     if barrier and pacing.pace == "free" and not service.options.open_loop:
         raise RequestRefusedError(

@@ -23,6 +23,7 @@ from intellwheels_server.service.error_replies import Fault
 from intellwheels_server.service.publisher import Publisher
 from intellwheels_server.service.roster import Roster
 from intellwheels_server.service.run_state import RunState
+from intellwheels_server.service.sensor_budget import costliest, total_rays
 from intellwheels_server.service.service_state import ServiceState
 from intellwheels_server.service.state_parts import split_state
 from intellwheels_server.service.truth_filter import nominal
@@ -210,6 +211,9 @@ def _clock(service: ServiceState, now: float) -> Clock:
         speed=pacing.metronome.speed,
         factor=round(pacing.real_time_factor.value(now), 6),
         late=pacing.metronome.late,
+        load=round(pacing.busy_share.value(now), 3),
+        rays=total_rays(state),
+        costliest=costliest(state),
         hash=service.run.digest(),
         stamp=service.publisher.unix_time(),
         waiting=_awaited_agents(service, now),

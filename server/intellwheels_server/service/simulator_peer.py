@@ -10,6 +10,7 @@ import contextlib
 import threading
 import time
 from collections.abc import Callable
+from contextlib import closing
 from pathlib import Path
 from typing import Any, Final, Protocol
 
@@ -35,6 +36,7 @@ from intellwheels_server.service.log_playback import Playback
 from intellwheels_server.service.roster import new_hex
 from intellwheels_server.service.run_state import Recorder
 from intellwheels_server.service.service_state import Options
+from intellwheels_server.service.side_process import SideProcess
 from intellwheels_server.service.world_claim import WorldClaim
 from intellwheels_server.world import State
 
@@ -164,6 +166,9 @@ class Service(Protocol):
     def due(self, now: float) -> float:
         """Return when to call `work` next if nothing arrives."""
 
+    def spend(self, seconds: float, now: float) -> None:
+        """Note that its work has taken so many seconds until now."""
+
     def finish(self, now: float) -> None:
         """Publish what is left before the service ends."""
 
@@ -194,10 +199,13 @@ def serve(
         OSError: The log cannot be written.
     """
     keys = Keys(options.world)
-    session = link.open_session(route, stop, waiting=lambda why: console.log_line(f"waiting why={why!r}"))
-    if session is None:
-        return 0
-    with session:
+    with contextlib.ExitStack() as stack:
+        # Before the session is opened: a process with a session must not fork.
+        floors = stack.enter_context(closing(SideProcess(load_floor)))
+        session = link.open_session(route, stop, waiting=lambda why: console.log_line(f"waiting why={why!r}"))
+        if session is None:
+            return 0
+        stack.enter_context(session)
         _check_free(session, keys, route)
         outlet = ZenohOutlet(session, keys)
         unix_time = steady_unix_time(time.time, _boot_time)
@@ -207,16 +215,13 @@ def serve(
         run = new_hex()
         log = Log(log_file, options.setup, run, options.world) if log_file is not None else None
         files = None if runs is None else RunFiles(runs, options.world, lambda: live_run.state)
-        try:
-            record = _recorder(log, files)
-            live_run = LiveRun(options, outlet, load_floor, unix_time, record=record, run=run)
-            if files is not None:
-                live_run.observe_events(files.add_event)
-            return _serve(options, route, session, keys, stop, live_run)
-        finally:
-            for each in (log, files):
-                if each is not None:
-                    each.close()
+        for each in (log, files):
+            if each is not None:
+                stack.enter_context(closing(each))
+        live_run = LiveRun(options, outlet, floors, unix_time, record=_recorder(log, files), run=run)
+        if files is not None:
+            live_run.observe_events(files.add_event)
+        return _serve(options, route, session, keys, stop, live_run)
 
 
 def _check_free(session: zenoh.Session, keys: Keys, route: link.Link) -> None:
@@ -315,7 +320,7 @@ def _serve(
 ) -> int:
     inbox = zenoh_inbox.Inbox()
     with contextlib.ExitStack() as stack:
-        claim = stack.enter_context(contextlib.closing(ClaimWatch(session, keys)))
+        claim = stack.enter_context(closing(ClaimWatch(session, keys)))
         service.begin()
         for key in keys.every_put:
             stack.enter_context(session.declare_subscriber(key, inbox.on_sample))
@@ -372,6 +377,8 @@ def _loop(
             if arrival is not None:
                 service.take(arrival, now)
         service.work(now)
+        done = time.monotonic()
+        service.spend(done - now, done)
         if inbox.dropped != dropped:
             console.log_line(f"dropped arrivals={inbox.dropped - dropped} why='more than can be read'")
             dropped = inbox.dropped

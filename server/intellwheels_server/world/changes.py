@@ -19,6 +19,7 @@ from intellwheels_server.world.draft import Draft
 from intellwheels_server.world.empty_world import empty_world
 from intellwheels_server.world.ending import check_end
 from intellwheels_server.world.kernels import rows
+from intellwheels_server.world.kernels.arrays import Walls
 from intellwheels_server.world.map_geometry import walls_of
 from intellwheels_server.world.placement import TOUCH, OccupiedSpace, place, with_wrapped_heading
 from intellwheels_server.world.state import SavedState, State, Utterance
@@ -61,9 +62,15 @@ class Outputs(msgspec.Struct, frozen=True, kw_only=True):
     ended: bool = False
 
 
-def change(state: State, changes: Sequence[do.Change]) -> tuple[State, Outputs]:
-    """Return the state after the changes, with sensors sampled, and the outcome of each change."""
-    draft = Draft(state)
+def change(state: State, changes: Sequence[do.Change], walls: Walls | None = None) -> tuple[State, Outputs]:
+    """Return the state after the changes, with sensors sampled, and the outcome of each change.
+
+    Args:
+        state: Is not changed.
+        changes: They are made in this order.
+        walls: The walls of the map of a `Restart` among them, if they are known already.
+    """
+    draft = Draft(state, walls)
     outcomes = []
     for one in changes:
         try:
@@ -253,7 +260,7 @@ def _restart(one: do.Restart, draft: Draft) -> Outcome:
     if setup.end is not None:
         check_end(setup.end, setup.floor)
     try:
-        walls = walls_of(setup.floor) if one.map is not None else old.walls
+        walls = old.walls if one.map is None else draft.new_walls or walls_of(setup.floor)
     except ValueError as error:
         return Outcome(code="failed", text=f"map '{setup.floor.name}': {error}")
     models: list[BodyModel] = []

@@ -158,15 +158,13 @@ def _thickness(piece: _Piece, edges: Sequence[tuple[float, float, float, float, 
     Only such edges make a wall thin. Edges along which a solid was cut lead to the next piece, and a piece with outer
     edges on one side only cannot be passed through.
     """
-    outer = [edge for edge, is_outer in zip(edges, piece.outer, strict=True) if is_outer]
-    return min(
-        (
-            max(offset - (nx * x + ny * y) for x, y in piece.corners)
-            for _, _, nx, ny, offset in outer
-            if any(nx * other[2] + ny * other[3] < 0.0 for other in outer)
-        ),
-        default=math.inf,
-    )
+    outer = np.array([edge for edge, is_outer in zip(edges, piece.outer, strict=True) if is_outer]).reshape(-1, 5)
+    corners = np.array(piece.corners)
+    least = math.inf
+    for _, _, nx, ny, offset in outer:
+        if (nx * outer[:, 2] + ny * outer[:, 3] < 0.0).any():
+            least = min(least, float((offset - (nx * corners[:, 0] + ny * corners[:, 1])).max()))
+    return least
 
 
 # ---------------------------------------------------------------- solids

@@ -50,6 +50,20 @@ def check_sensors(robot: Robot, floor: Map, *, truth: bool) -> None:
         kind.check(where, declaration, floor)
 
 
+def rays_of(robot: Robot) -> float:
+    """Return the rays per tick that the simulated sensors of a robot cost, in rays of a lidar."""
+    return sum(
+        KINDS[type(declaration)].rays(declaration) / declaration.every
+        for _, _, declaration in sensors_of(robot)
+        if declaration.source == "simulated"
+    )
+
+
+def reading_bytes_of(robot: Robot) -> int:
+    """Return the largest number of bytes of all readings of a robot, in either encoding."""
+    return sum(KINDS[type(declaration)].reading_bytes(declaration) for _, _, declaration in sensors_of(robot))
+
+
 class _Place(NamedTuple):
     """A sensor, how its samples become a reading, and where they are among those of its body."""
 

@@ -10,12 +10,14 @@ import msgspec
 import pytest
 
 from intellwheels_maps import floor
+from intellwheels_maps import robot as included_robot
 from intellwheels_schemas.codec import Encoding, decode, encode
 from intellwheels_schemas.errors import RequestRefusedError
-from intellwheels_schemas.file_records import Depart, Join
+from intellwheels_schemas.file_records import Depart, Inputs, Join
 from intellwheels_schemas.messages import (
     GPS,
     IMU,
+    Actions,
     Beacon,
     Compass,
     Encoders,
@@ -26,11 +28,13 @@ from intellwheels_schemas.messages import (
     Place,
     Proximity,
     Robot,
+    Sensors,
     Truth,
 )
-from intellwheels_server.world import State, digest, measures
-from intellwheels_server.world.sensors import check_sensors
-from intellwheels_server.world.sensors.catalogue import example_sensors
+from intellwheels_schemas.rules import SENSOR_KINDS
+from intellwheels_server.world import Setup, State, advance, apply, begin, digest, measures
+from intellwheels_server.world.sensors import check_sensors, reading_bytes_of
+from intellwheels_server.world.sensors.catalogue import KINDS, example_sensors
 from tests.server.worlds import box_wall, cart, do, floor_of, run, world
 
 
@@ -271,3 +275,26 @@ def test_scan_of_180_rays_fits_the_fragments_of_a_small_controller(encoding: Enc
     message = measures(state, "a")
     assert message.time == 10.1
     assert len(encode(message, encoding)) < 3000
+
+
+@pytest.mark.parametrize("encoding", [Encoding.JSON, Encoding.XML])
+def test_measures_are_not_larger_than_the_bound_of_their_readings(encoding: Encoding) -> None:
+    examples: dict[str, Any] = dict(example_sensors(floor("room")))
+    rays = Lidar(
+        id="i" * 32, x=0.5, y=0.1, z=0.4, direction_deg=0.1, fov_deg=359.9, rays=1440, max_range=20_000.0, noise=1e-5
+    )
+    robot = msgspec.structs.replace(included_robot("rear-wheel"), **{**examples, "lidar": (rays,)})
+    state = begin(Setup(floor=floor("room"), truth=True), "0" * 16)
+    state, outputs = apply(state, [Join(agent="a" * 32, robot=robot)])
+    assert outputs.outcomes[0].code == "ok", outputs.outcomes[0].text
+    for _ in range(3):
+        state, _ = advance(state, Inputs(actions={"a" * 32: Actions(left_motor=0.7, right_motor=0.3)}))
+    sensors = measures(state, "a" * 32).sensors
+    assert sensors is not None
+    for field in SENSOR_KINDS:
+        declared = getattr(robot, field)
+        for declaration, reading in zip(declared, getattr(sensors, field), strict=True):
+            stamped = msgspec.structs.replace(reading, tick=2**53 - 1)
+            alone = Measures(run="0" * 16, tick=0, time=0.0, sensors=Sensors(**{field: (stamped,)}))
+            assert len(encode(alone, encoding)) <= KINDS[type(declaration)].reading_bytes(declaration), field
+    assert len(encode(measures(state, "a" * 32), encoding)) <= reading_bytes_of(robot)
