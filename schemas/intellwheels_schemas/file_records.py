@@ -393,8 +393,8 @@ def read_header(cls: type[_H], line: bytes, where: str) -> _H:
         if form is not None and form != FORMAT:
             raise WireError("version", f"{where}: expected {file} of format {FORMAT}, got {form[:40]!r}", where)
         if found.version not in _VERSIONS[cls]:
-            text = f"{where}: expected {file} of version {' or '.join(map(str, _VERSIONS[cls]))}, got version {found.version}"
-            raise WireError("version", f"{text}; this release reads no other", where)
+            known = " or ".join(map(str, _VERSIONS[cls]))
+            raise WireError("version", f"{where}: expected {file} of version {known}, got {found.version}", where)
         return msgspec.json.decode(line, type=cls)
     except (msgspec.MsgspecError, UnicodeDecodeError) as error:
         raise WireError("malformed", f"{where}: expected the header of {file}, got {error}", where) from None
