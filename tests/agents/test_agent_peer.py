@@ -96,14 +96,16 @@ class Agent:
     def __init__(self, where: link.Link, **options: str) -> None:
         self.stop = threading.Event()
         self.places: list[str] = []
+        self.presence: queue.SimpleQueue[bool] = queue.SimpleQueue()
         self.result: queue.SimpleQueue[int | Exception] = queue.SimpleQueue()
         robot = joining(ROBOT, agent="chair1", role="both", instance="c" * 16, place=None, barrier=None)
 
         def body() -> None:
             try:
                 code = run_agent(
-                    robot, self.make, options, where=where, encoding=Encoding.JSON, retry_for=DEADLINE, stop=self.stop
-                )
+                    robot, self.make, options, where=where, encoding=Encoding.JSON, retry_for=DEADLINE, stop=self.stop,
+                    on_presence=self.presence.put,
+                )  # fmt: skip
                 self.result.put(code)
             except OptionError as error:
                 self.result.put(error)
@@ -151,6 +153,14 @@ def test_agent_joins_answers_ticks_and_leaves(
     assert simulator.left.get(timeout=DEADLINE) == Leave(run=RUN, session=SESSION)
     assert agent.places == ["goal1", "goal2"]
     assert capsys.readouterr().out == f"joined agent=chair1 run={RUN} tick=0\nleft agent=chair1\n"
+
+
+def test_the_coming_and_going_of_the_simulator_is_told(simulator: Simulator, endpoint: str) -> None:
+    agent = Agent(link.Link(connect=(endpoint,)))
+    assert agent.presence.get(timeout=DEADLINE)
+    simulator.close()
+    assert not agent.presence.get(timeout=DEADLINE)
+    assert agent.end() == 0
 
 
 def test_refusal_ends_the_agent_with_the_simulators_text(

@@ -31,11 +31,12 @@ def main() -> None:
     if "network" in wanted:
         rows += network.bench(seconds=2.0, lockstep_seconds=1.0, small=True) if options.quick else network.bench()
     if "viewer" in wanted:
-        rows += viewer.bench((2,), seconds=1.0) if options.quick else viewer.bench()
+        rows += viewer.bench((2,), seconds=1.0, settle=2.0) if options.quick else viewer.bench()
     if "loads" in wanted:
-        rows += loads.bench(corners=500, shapes=("circle",)) if options.quick else loads.bench()
+        rows += loads.bench(corners=500, shapes=("circle",), settle=0.3) if options.quick else loads.bench()
     if "bystanders" in wanted:
-        rows += bystanders.bench(chairs=2, count=1, seconds=1.0, pages=2) if options.quick else bystanders.bench()
+        quick = {"chairs": 2, "count": 1, "pages": 2}
+        rows += bystanders.bench(**quick, seconds=1.0, settle=0.3) if options.quick else bystanders.bench()
     show(rows)
     append(rows, options.csv)
 

@@ -33,11 +33,11 @@ SETTLE = 4.0
 
 
 @contextmanager
-def frozen_viewer(address: str) -> Iterator[None]:
+def frozen_viewer(address: str, settle: float = SETTLE) -> Iterator[None]:
     """A viewer that has stopped in the middle of everything."""
     with process("intellwheels_viewer", "--connect", address, "--port", "0") as viewer:
         said(viewer, "ready url=")
-        threading.Event().wait(SETTLE)
+        threading.Event().wait(settle)
         os.killpg(viewer.pid, signal.SIGSTOP)
         try:
             yield
@@ -46,20 +46,20 @@ def frozen_viewer(address: str) -> Iterator[None]:
 
 
 @contextmanager
-def alone() -> Iterator[None]:
+def alone(settle: float = SETTLE) -> Iterator[None]:
     """Nobody looks on."""
-    threading.Event().wait(SETTLE)
+    threading.Event().wait(settle)
     yield
 
 
 @contextmanager
-def watched(address: str, pages: int) -> Iterator[None]:
+def watched(address: str, pages: int, settle: float = SETTLE) -> Iterator[None]:
     """A viewer with so many pages that read everything, in a process of their own."""
     with process("intellwheels_viewer", "--connect", address, "--port", "0") as viewer:
         port = said(viewer, "ready url=").rpartition(":")[2]
         with process("tests.bench.bystanders", port, str(pages)) as readers:
             wait_for(readers, "ready")
-            threading.Event().wait(SETTLE)
+            threading.Event().wait(settle)
             yield
 
 
@@ -89,7 +89,9 @@ def pairs(
     return found
 
 
-def bench(*, chairs: int = 5, count: int = 5, seconds: float = 60.0, pages: int = 10) -> list[Row]:
+def bench(
+    *, chairs: int = 5, count: int = 5, seconds: float = 60.0, pages: int = 10, settle: float = SETTLE
+) -> list[Row]:
     """Return the rows."""
     address = endpoint()
     names = ",".join(f"a{k:04d}" for k in range(chairs))
@@ -110,8 +112,12 @@ def bench(*, chairs: int = 5, count: int = 5, seconds: float = 60.0, pages: int 
 
         rows = []
         for name, beside, without in (
-            ("frozen viewer against none", lambda: frozen_viewer(address), alone),
-            (f"{pages} pages against none", lambda: watched(address, pages), lambda: watched(address, 0)),
+            ("frozen viewer against none", lambda: frozen_viewer(address, settle), lambda: alone(settle)),
+            (
+                f"{pages} pages against none",
+                lambda: watched(address, pages, settle),
+                lambda: watched(address, 0, settle),
+            ),
         ):
             found = pairs(late, beside, without, count, seconds)
             print(f"{name}: late ticks more in {seconds:g} s, pair by pair: {found}", flush=True)

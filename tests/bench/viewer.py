@@ -46,7 +46,7 @@ def measure(pid: int, browser: Browser, seconds: float) -> tuple[float, float]:
     return (cpu_of(pid) - cpu) / span, (browser.received - received) / span
 
 
-def whole(chairs: int, seconds: float) -> tuple[float, float]:
+def whole(chairs: int, seconds: float, settle: float) -> tuple[float, float]:
     """Measure the viewer as a process of its own."""
     address = endpoint()
     with process("tests.bench.feed", address, WORLD, str(chairs)) as feed:
@@ -55,16 +55,16 @@ def whole(chairs: int, seconds: float) -> tuple[float, float]:
             port = int(said(viewer, "ready url=").rpartition(":")[2])
             with reader(port) as browser:
                 browser.element("Camera")
-                threading.Event().wait(SETTLE)
+                threading.Event().wait(settle)
                 return measure(viewer.pid, browser, seconds)
 
 
-def drawing(chairs: int, seconds: float) -> tuple[float, float]:
+def drawing(chairs: int, seconds: float, settle: float) -> tuple[float, float]:
     """Measure drawing and sending alone."""
-    with process("tests.bench.viewer", str(chairs), str(seconds + 2 * SETTLE)) as child:
+    with process("tests.bench.viewer", str(chairs), str(seconds + 2 * settle)) as child:
         port = int(said(child, "ready"))
         with reader(port) as browser:
-            threading.Event().wait(SETTLE / 2)
+            threading.Event().wait(settle / 2)
             _, sent = measure(child.pid, browser, seconds)
             # A busy machine draws less often: what a tick costs says what 20 a second would.
             return float(said(child, "milliseconds a tick:")) / 1000 * RATE, sent
@@ -101,15 +101,15 @@ def draw(chairs: int, seconds: float) -> None:
     os._exit(0)
 
 
-def bench(chairs: tuple[int, ...] = (10, 100, 1000), *, seconds: float = 10.0) -> list[Row]:
+def bench(chairs: tuple[int, ...] = (10, 100, 1000), *, seconds: float = 10.0, settle: float = SETTLE) -> list[Row]:
     """Return the rows."""
     rows = []
     for count in chairs:
         case = f"{count} chairs with 6 wedges, 20 Hz, 1 page"
-        share, sent = drawing(count, seconds)
+        share, sent = drawing(count, seconds, settle)
         rows.append(Row("viewer", case, "CPU of drawing and sending", 100.0 * share, "% of a core", _goal(count, 10)))
         rows.append(Row("viewer", case, "sent while drawing alone", sent / 1000, "kB/s"))
-        share, sent = whole(count, seconds)
+        share, sent = whole(count, seconds, settle)
         rows.append(Row("viewer", case, "CPU of the viewer", 100.0 * share, "% of a core", _goal(count, 20)))
         rows.append(Row("viewer", case, "sent", sent / 1000, "kB/s"))
     return rows

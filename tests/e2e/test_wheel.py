@@ -5,24 +5,35 @@ from __future__ import annotations
 import json
 import os
 import re
+import shutil
+import signal
 import subprocess
 import sys
+import threading
 import zipfile
 from pathlib import Path
 
 import pytest
 
 from tests.commands import SCRIPTS
+from tests.viewer.browser import opened
 
 ROOT = Path(__file__).parent.parent.parent
+LIMIT = 600.0
+"""Seconds for the first command of README: it installs everything and compiles the kernels."""
 PACKAGES = ("intellwheels_schemas", "intellwheels_server", "intellwheels_agents", "intellwheels_experiments",
             "intellwheels_maps", "intellwheels_viewer")  # fmt: skip
 
 
+def _without_checkout() -> dict[str, str]:
+    return {name: value for name, value in os.environ.items() if not name.startswith(("PYTHON", "VIRTUAL_ENV"))}
+
+
 def finished(*command: str, cwd: Path, timeout: float = 300.0) -> str:
     """Run a command without the checkout in reach; return what it printed."""
-    clean = {name: value for name, value in os.environ.items() if not name.startswith(("PYTHON", "VIRTUAL_ENV"))}
-    done = subprocess.run(command, cwd=cwd, env=clean, capture_output=True, text=True, timeout=timeout, check=False)
+    done = subprocess.run(
+        command, cwd=cwd, env=_without_checkout(), capture_output=True, text=True, timeout=timeout, check=False
+    )
     assert done.returncode == 0, f"{' '.join(command)}\n{done.stdout}{done.stderr}"
     return done.stdout
 
@@ -58,16 +69,64 @@ def test_wheel_holds_nothing_else(wheel: Path) -> None:
 
 
 @pytest.fixture(scope="module")
-def clean(wheel: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The commands of an environment in which the wheel and pytest are installed."""
-    folder = tmp_path_factory.mktemp("clean")
-    environment = folder / "venv"
-    finished(sys.executable, "-m", "venv", str(environment), cwd=folder)
-    python = environment / "bin" / "python"
-    finished(str(python), "-m", "pip", "install", "--quiet", f"{wheel}[all]", "pytest", cwd=folder)
-    where = finished(str(python), "-c", "import intellwheels_server; print(intellwheels_server.__file__)", cwd=folder)
-    assert where.startswith(str(environment))
-    return environment / "bin"
+def checkout(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A copy of the checkout without what an installation or a test run has added to it."""
+    folder = tmp_path_factory.mktemp("clean") / "checkout"
+    added = shutil.ignore_patterns(".*", "__pycache__", "*.egg-info", "build", "dist", "node_modules", "target")
+    return shutil.copytree(ROOT, folder, ignore=added)
+
+
+@pytest.fixture(scope="module")
+def page_text(checkout: Path) -> str:
+    """The text of the page that the first command of README shows, run as it stands but for the page's port."""
+    (command,) = re.findall(r"^python3 -m venv .*iw-run .*--view$", (ROOT / "README.md").read_text(), re.MULTILINE)
+    process = subprocess.Popen(
+        ["bash", "-c", f"{command} --view-port 0"], cwd=checkout, env=_without_checkout(), start_new_session=True,
+        stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
+    )  # fmt: skip
+    watchdog = threading.Timer(LIMIT, os.killpg, (process.pid, signal.SIGKILL))
+    watchdog.start()
+    printed = []
+    try:
+        assert process.stdout is not None
+        address = None
+        for line in process.stdout:
+            printed.append(line)
+            address = re.search(r"view it at http://[\d.]+:(\d+)", line)
+            if address is not None:
+                break
+        assert address is not None, "".join(printed)
+        with opened(int(address[1])) as browser:
+            browser.wait(lambda: "chair3" in browser.text(), 60.0)
+            text = browser.text()
+        os.killpg(process.pid, signal.SIGINT)
+        rest, _ = process.communicate()
+        assert "finish=interrupted" in rest, "".join(printed) + rest
+        return text
+    finally:
+        watchdog.cancel()
+        if process.poll() is None:
+            os.killpg(process.pid, signal.SIGKILL)
+            process.communicate()
+
+
+@pytest.fixture(scope="module")
+def clean(checkout: Path, page_text: str) -> Path:
+    """The commands of the environment that the first command of README makes, and pytest."""
+    assert page_text
+    commands = checkout / ".venv" / "bin"
+    finished(str(commands / "pip"), "install", "--quiet", "pytest", cwd=checkout)
+    where = finished(
+        str(commands / "python"), "-c", "import intellwheels_server; print(intellwheels_server.__file__)",
+        cwd=checkout.parent,
+    )  # fmt: skip
+    assert where.startswith(str(checkout / ".venv"))
+    return commands
+
+
+def test_first_command_of_the_readme_shows_figure_6_in_the_page(page_text: str) -> None:
+    for name in ("chair1", "chair2", "chair3", "door", "table"):
+        assert name in page_text
 
 
 def test_wheel_installed_in_a_clean_environment_runs_a_scene(clean: Path, tmp_path: Path) -> None:

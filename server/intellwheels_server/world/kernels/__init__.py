@@ -5,3 +5,7 @@ IEEE 754 rounds correctly, and this project's own :mod:`elementary` functions, n
 library, which differ between machines; no `fastmath`, no `parallel`; and no sum runs over
 bodies, because its order would show in the last bit.
 """
+
+from intellwheels_server.kernel_locator import use_kernel_locator
+
+use_kernel_locator()
