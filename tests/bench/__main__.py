@@ -33,7 +33,7 @@ def main() -> None:
     if "viewer" in wanted:
         rows += viewer.bench((2,), seconds=1.0, settle=2.0) if options.quick else viewer.bench()
     if "loads" in wanted:
-        rows += loads.bench(corners=500, shapes=("circle",)) if options.quick else loads.bench()
+        rows += loads.bench(corners=500, shapes=("circle",), settle=0.3) if options.quick else loads.bench()
     if "bystanders" in wanted:
         quick = {"chairs": 2, "count": 1, "pages": 2}
         rows += bystanders.bench(**quick, seconds=1.0, settle=0.3) if options.quick else bystanders.bench()

@@ -22,7 +22,7 @@ SOLID = 2_000
 PERIOD = 0.05
 
 
-def bench(*, corners: int = MOST_CORNERS, shapes: tuple[str, ...] = tuple(SHAPES)) -> list[Row]:
+def bench(*, corners: int = MOST_CORNERS, shapes: tuple[str, ...] = tuple(SHAPES), settle: float = 2.0) -> list[Row]:
     """Return the rows."""
     rows = []
     for shape in shapes:
@@ -42,7 +42,7 @@ def bench(*, corners: int = MOST_CORNERS, shapes: tuple[str, ...] = tuple(SHAPES
         assert session is not None
         inbox = zenoh_inbox.Inbox()
         with session, session.declare_subscriber(Keys(WORLD).clock, inbox.on_sample):
-            threading.Event().wait(2.0)  # the first ticks are not the rule
+            threading.Event().wait(settle)  # the first ticks are not the rule
             quiet = _longest(inbox)
             longest = 0.0
             for wanted in maps:

@@ -16,7 +16,7 @@ def corners_in_triangle(points: Floats, is_left: Ints, a: int, b: int, c: int) -
     Args:
         points: The corners, float64[n, 2], m.
         is_left: int64[n], 0 for corners that do not count.
-        a: One corner of the triangle, by its index. They are anticlockwise, and do not count themselves.
+        a: One corner of the triangle, by its index. They are anticlockwise. Nothing at their places counts.
         b: The next one.
         c: The last one.
 
@@ -34,7 +34,10 @@ def corners_in_triangle(points: Floats, is_left: Ints, a: int, b: int, c: int) -
     open_ones = np.empty(0, dtype=np.int64)
     for i in range(points.shape[0]):
         x, y = points[i, 0], points[i, 1]
-        if x < left or x > right or y < low or y > high or is_left[i] == 0 or i in (a, b, c):
+        if x < left or x > right or y < low or y > high or is_left[i] == 0:
+            continue
+        # A ring with holes comes back to some of its corners. What is at a corner of the triangle is not inside it.
+        if (x == ax and y == ay) or (x == bx and y == by) or (x == cx and y == cy):
             continue
         certain = min(_side_of(ax, ay, bx, by, x, y), _side_of(bx, by, cx, cy, x, y), _side_of(cx, cy, ax, ay, x, y))
         if certain > 0:

@@ -29,6 +29,10 @@ def test_corners_on_the_edge_are_left_open_in_their_order() -> None:
     assert search([*TRIANGLE, (2.0, 2.0), (9.0, 9.0), (2.0, 0.0)]) == (-1, [3, 5])
 
 
+def test_corners_at_the_places_of_the_triangle_do_not_count() -> None:
+    assert search([*TRIANGLE, TRIANGLE[0], TRIANGLE[1], TRIANGLE[2]]) == (-1, [])
+
+
 def test_many_open_corners_are_kept() -> None:
     edge = [(k / 64.0, 0.0) for k in range(1, 200)]
     assert search([*TRIANGLE, *edge]) == (-1, list(range(3, 202)))
@@ -46,4 +50,4 @@ def test_agrees_with_exact_arithmetic_wherever_it_decides() -> None:
         if inside >= 0:
             assert sides[inside] == 1
         else:
-            assert {k for k in range(3, 12) if sides[k] >= 0} <= set(open_ones)
+            assert {k for k in range(3, 12) if sides[k] >= 0 and points[k] not in (a, b, c)} <= set(open_ones)
