@@ -156,6 +156,7 @@ class Harness:
         self._seeking_since = 0.0
         self._asked_at = -math.inf
         self._simulator_gone = False
+        self._awaited_words = ""
         self._joined: Joined | None = None
         self._run = ""
         self._current: MindRun | None = None
@@ -187,6 +188,7 @@ class Harness:
             return self._over(1, f"the reply to join cannot be read: {error.text}")
         self.phase = Phase.JOINED
         self._simulator_gone = False
+        self._awaited_words = ""
         same = self._joined is not None and (joined.run, joined.session) == (self._run, self._joined.session)
         self._joined = joined
         outputs: list[Output] = [Print(f"joined agent={self._agent} run={joined.run} tick={joined.tick}")]
@@ -242,7 +244,7 @@ class Harness:
     def _retry_after(self, now: float, pause: float, why: str) -> list[Output]:
         if now + pause - self._seeking_since > self._retry_for:
             return self._over(1, why)
-        first = self._asked_at <= self._seeking_since
+        first, self._awaited_words = self._awaited_words != why, why
         self.phase = Phase.SEEKING
         self.deadline = now + pause
         return [Log(f"waiting why={why!r}")] if first else []

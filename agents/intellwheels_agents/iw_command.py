@@ -22,6 +22,7 @@ from intellwheels_schemas.command_parser import CommandParser
 from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.explain import did_you_mean
 from intellwheels_schemas.messages import Place
+from intellwheels_schemas.process import printing
 from intellwheels_schemas.version import add_version_option
 
 COMMANDS = {
@@ -79,10 +80,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
         parser().print_help()
         return 2
     name = parser().parse_args(words[:1]).command
-    if name == "list":
-        return _list(words[1:])
-    if name == "completion":
-        return _completion(words[1:])
+    if name in ("list", "completion"):
+        with printing():
+            return _list(words[1:]) if name == "list" else _completion(words[1:])
+        return 0
     command = _loaded(name)
     if command is None:
         extra = _EXTRA.get(name, "all")

@@ -17,21 +17,21 @@ from rich.console import Console
 
 from intellwheels_experiments.batch.experiment_rows import Row, rows_of
 from intellwheels_experiments.run.cast_changes import with_changes
-from intellwheels_experiments.run.cast_trial import check_cast
 from intellwheels_experiments.run.endpoints import free_endpoint
 from intellwheels_experiments.run.foreign_program import check_programs
 from intellwheels_experiments.run.launch_spec import WALL_LIMIT, LaunchSpec, resolved, wall_limit
 from intellwheels_experiments.run.progress import Progress
 from intellwheels_experiments.run.run_report import show, to_json
 from intellwheels_experiments.run.scene_run import perform
+from intellwheels_experiments.run.start_watch import once
+from intellwheels_experiments.run.usage_checks import check_cast_of, check_connection, first_agent
 from intellwheels_experiments.run.world_watch import watching
 from intellwheels_maps import floor, names, scene
-from intellwheels_maps.library import folder_of, is_path
+from intellwheels_maps.library import folder_of
 from intellwheels_schemas import command_parser, defaults, messages
 from intellwheels_schemas.command_parser import CommandParser, like_field, naming, readable_file, whole
-from intellwheels_schemas.endpoint_form import check_free, is_free
 from intellwheels_schemas.errors import WireError
-from intellwheels_schemas.link import Link, check_link
+from intellwheels_schemas.link import Link
 from intellwheels_schemas.messages import Map, Pace, Scene
 from intellwheels_schemas.names import check_name
 from intellwheels_schemas.output_paths import check_output_file, check_output_folder
@@ -189,7 +189,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     options = grammar.parse_args(arguments)
     try:
         _check_together(grammar, options)
-        _check_link(options)
+        check_connection(options)
         with naming("SCENE"):
             chosen = scene(options.scene)
             folder = folder_of(options.scene)
@@ -198,7 +198,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
             chosen = with_changes(chosen, options.mind, options.option, options.command)
             if options.seeds is None:
                 check_programs(chosen.cast, folder, _meeting(options))
-                _check_cast([chosen], folder, options)
+                check_cast_of([chosen], folder, options)
     except (WireError, ConnectionError) as error:
         print(f"iw-run: {error}", file=sys.stderr)
         return 2
@@ -245,7 +245,7 @@ def _batch(options: argparse.Namespace, chosen: Scene, chosen_floor: Map, folder
     out = options.out or Path(f"{chosen.name}-runs")
     try:
         rows = _rows(rows_of(chosen), options.row)
-        subject = chosen.experiment.subject if chosen.experiment else _first(chosen)
+        subject = chosen.experiment.subject if chosen.experiment else first_agent(chosen)
         check_output_folder(out, "--out")
         if options.branch is not None:
             cast = with_changes(rows[0].scene, options.mind, options.option, options.command, robot_fields=False)
@@ -255,7 +255,7 @@ def _batch(options: argparse.Namespace, chosen: Scene, chosen_floor: Map, folder
             scenes = [row.scene for row in rows]
         for one in scenes:
             check_programs(one.cast, folder)
-        _check_cast(scenes, folder, options)
+        check_cast_of(scenes, folder, options)
     except WireError as error:
         print(f"iw-run: {error.text}", file=sys.stderr)
         return 2
@@ -268,6 +268,7 @@ def _batch(options: argparse.Namespace, chosen: Scene, chosen_floor: Map, folder
     except ModuleNotFoundError as error:
         print(f"iw-run: --seeds: needs {error.name}; pip install 'intellwheels[experiments]'", file=sys.stderr)
         return 2
+    console = Console(stderr=True)
     batch = Batch(
         rows=rows,
         seeds=tuple(str(seed) for seed in range(1, (options.seeds or 1) + 1)),
@@ -278,13 +279,14 @@ def _batch(options: argparse.Namespace, chosen: Scene, chosen_floor: Map, folder
         out=out,
         jobs=options.jobs,
         timeout=options.timeout or WALL_LIMIT,
+        say=once(lambda text: console.print(text, markup=False, highlight=False)),
     )
     stop = stop_on_signals()
     try:
         if options.branch is not None:
             summary = perform_branch(batch, chosen, changed, options.branch, options.at, stop)
         else:
-            summary = perform_batch(batch, chosen, Console(stderr=True), stop)
+            summary = perform_batch(batch, chosen, console, stop)
     except WireError as error:
         print(f"iw-run: {error.text}", file=sys.stderr)
         return 2
@@ -337,42 +339,6 @@ def _check_together(grammar: argparse.ArgumentParser, options: argparse.Namespac
         check_output_file(getattr(options, name), f"--{name}")
     for name in ("logs", "out"):
         check_output_folder(getattr(options, name), f"--{name}")
-
-
-def _check_link(options: argparse.Namespace) -> None:
-    """Check the endpoints, the configuration and the ports that this command would use.
-
-    Raises:
-        WireError: One cannot be used.
-        ConnectionError: A port is in use.
-    """
-    check_link(Link(options.world, tuple(options.listen), tuple(options.connect), options.config))
-    check_free(options.listen)
-    if options.view and not is_free("127.0.0.1", options.view_port):
-        got = f"{options.view_port}, which is in use, perhaps by another viewer"
-        raise WireError("value", f"--view-port: expected a free port, got {got}", "--view-port")
-
-
-def _check_cast(scenes: Sequence[Scene], folder: Path | None, options: argparse.Namespace) -> None:
-    """Check that all agents can start. Included scenes can, unless an option changes them.
-
-    Raises:
-        WireError: One cannot.
-    """
-    given = [f"--{name}" for name in ("mind", "option", "command") if getattr(options, name)]
-    if given or is_path(options.scene):
-        check_cast(scenes, folder, " or ".join(given) or "SCENE")
-
-
-def _first(chosen: Scene) -> str:
-    """Return the first agent of a scene.
-
-    Raises:
-        WireError: There is none.
-    """
-    if not chosen.cast:
-        raise WireError("value", f"SCENE: {chosen.name}: expected a Cast, got none", "SCENE")
-    return chosen.cast[0].name
 
 
 def _rows(rows: tuple[Row, ...], names: Sequence[str] | None) -> tuple[Row, ...]:

@@ -16,6 +16,7 @@ from intellwheels_schemas.elements import parse
 from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.files import write_file
 from intellwheels_schemas.output_paths import check_output_file
+from intellwheels_schemas.process import printing
 
 
 class _UsageError(Exception):
@@ -26,7 +27,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Run a command and return the exit code: 0 done, 1 for an invalid file. Wrong usage exits with 2."""
     parsed = _parser().parse_args(arguments)
     try:
-        return int(parsed.run(parsed))
+        with printing():
+            return int(parsed.run(parsed))
+        return 0  # noqa: TRY300 - the errors below are of the run
     except _UsageError as error:
         print(f"python -m intellwheels_maps: {error}", file=sys.stderr)
         return 2

@@ -23,13 +23,12 @@ _ADDRESS = re.compile(rf"({_HOST}):(\d{{1,5}})(?:[?#].*)?")
 _GUESS = re.compile(rf"(?:([A-Za-z]+):?/+)?({_HOST})(?::(\d{{1,5}}))?/*")
 
 
-def check_endpoint(text: str, option: str, *, listens: bool = False) -> None:
-    """Check the form of an endpoint.
+def check_endpoint(text: str, option: str) -> None:
+    """Check the form of an endpoint. Port 0 is refused: nobody would know which one was picked.
 
     Args:
         text: The endpoint.
         option: The option that names it, for the error.
-        listens: Whether it is to listen at, where port 0 picks a free one.
 
     Raises:
         WireError: It is not PROTOCOL/HOST:PORT; the text has the endpoint that was probably meant.
@@ -38,7 +37,7 @@ def check_endpoint(text: str, option: str, *, listens: bool = False) -> None:
     if protocol in OTHER_PROTOCOLS and address:
         return
     found = _ADDRESS.fullmatch(address) if protocol in HOST_PROTOCOLS else None
-    if found is not None and (0 if listens else 1) <= int(found[2]) <= _LAST_PORT:
+    if found is not None and 1 <= int(found[2]) <= _LAST_PORT:
         return
     expected = f"{option}: expected an endpoint such as {defaults.ENDPOINT}, got {shown(text)}"
     raise WireError("value", f"{expected}{_hint(text, found)}", option)
@@ -107,7 +106,7 @@ def config_reason(text: str) -> str:
 
 def _hint(text: str, found: re.Match[str] | None) -> str:
     if found is not None:
-        return f"; a port is at most {_LAST_PORT}" if int(found[2]) else "; port 0 is for --listen"
+        return f"; a port is 1 to {_LAST_PORT}"
     guess = _GUESS.fullmatch(text)
     # A single word may be anything; with a port, a protocol or dots it is meant as an address.
     if guess is None or not (guess[1] or guess[3] or "." in text or text == "localhost"):

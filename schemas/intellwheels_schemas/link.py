@@ -141,7 +141,7 @@ def check_link(link: Link) -> None:
     for endpoint in link.connect:
         check_endpoint(endpoint, "--connect")
     for endpoint in link.listen:
-        check_endpoint(endpoint, "--listen", listens=True)
+        check_endpoint(endpoint, "--listen")
     if link.config is None:
         return
     try:

@@ -425,3 +425,16 @@ def test_repeated_tick_without_an_answer_is_not_answered_with_an_older_one(mind:
     mind.answer = Actions()  # nobody waits for it, so nothing is sent
     assert harness.measured([measures(1)]) == []
     assert harness.measured([measures(1)]) == []
+
+
+def test_each_new_reason_to_wait_is_said_once(mind: Recorder) -> None:
+    harness = Harness(ROBOT, mind.make)
+    said = harness.start(0.0)
+    for now, words in ((1.0, "no-token"), (2.0, "no-body"), (3.0, "no-body"), (4.0, "")):
+        said += harness.refused(refused(words), now) if words else harness.unanswered(now)  # type: ignore[arg-type]
+        said += harness.wake(now + 1.0)
+    assert [output.line for output in said if isinstance(output, Log)] == [
+        "waiting why='refused (no-token): because'",
+        "waiting why='refused (no-body): because'",
+        "waiting why='no simulator at the simulator, or not allowed'",
+    ]

@@ -2,9 +2,18 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
+import threading
+from pathlib import Path
+
 import pytest
 
 from intellwheels_experiments.__main__ import main
+from intellwheels_experiments.run.endpoints import free_endpoint
+
+DEADLINE = 120.0
+"""Seconds for a simulator to start on a busy machine."""
 
 
 def test_unknown_scene_is_wrong_usage_and_the_known_are_named(capsys: pytest.CaptureFixture[str]) -> None:
@@ -64,3 +73,23 @@ def test_wrong_option_is_wrong_usage(words: list[str], capsys: pytest.CaptureFix
         main(words)
     assert ended.value.code == 2
     assert words[1] in capsys.readouterr().err
+
+
+@pytest.mark.process
+def test_a_router_that_nobody_runs_is_waited_for_in_words(tmp_path: Path) -> None:
+    endpoint = free_endpoint()
+    command = [sys.executable, "-m", "intellwheels_experiments", "figure6", "--connect", endpoint]
+    with subprocess.Popen(
+        [*command, "--logs", str(tmp_path / "logs")], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True
+    ) as child:
+        assert child.stderr is not None
+        watchdog = threading.Timer(DEADLINE, child.kill)
+        watchdog.start()
+        lines = iter(child.stderr.readline, "")
+        found = next((line for line in lines if line.startswith("waiting ")), None)
+        child.terminate()
+        rest = child.stderr.read()
+        watchdog.cancel()
+    assert found == f"waiting why='nobody answers at {endpoint}'\n"
+    assert child.returncode == 1
+    assert "Traceback" not in rest

@@ -14,6 +14,7 @@ from __future__ import annotations
 import sys
 import threading
 import time
+from collections.abc import Callable
 from contextlib import ExitStack, suppress
 from dataclasses import dataclass
 from functools import partial
@@ -38,6 +39,7 @@ from intellwheels_experiments.run.launch_spec import (
     resolved,
 )
 from intellwheels_experiments.run.program_restarts import ProgramRestarts
+from intellwheels_experiments.run.start_watch import await_ready
 from intellwheels_experiments.run.world_watch import WorldWatch, watching
 from intellwheels_maps import floor
 from intellwheels_maps.cast_places import cast_places
@@ -95,6 +97,7 @@ class WorkerSettings:
         runs: A folder for the files that the simulators write of each run.
         timeout: Seconds of wall time that a run may take.
         branch: A run whose beginning each run repeats, or None.
+        say: Tells people why a simulator is not ready yet.
     """
 
     source: str
@@ -103,6 +106,7 @@ class WorkerSettings:
     runs: Path
     timeout: float
     branch: Branch | None = None
+    say: Callable[[str], None] = lambda _: None
 
 
 class RunFolders(NamedTuple):
@@ -188,7 +192,7 @@ class RunWorker:
             self._endpoints[server] = free_endpoint()
             self._children.launch(server, partial(self._server_command, server, world))
             # One after the other: the first start compiles the kernels, and the second finds them compiled.
-            self._await(server, "ready", READY_LIMIT)
+            self._await_ready(server)
             link = Link(world, connect=(self._endpoints[server],))
             try:
                 self._watches[server] = self._stack.enter_context(watching(link, self._stop, subscribes=False))
@@ -289,6 +293,19 @@ class RunWorker:
             self._children.wait(look, f"line {verb!r} of {server}", limit, interval=INTERVAL)
         except WaitError:
             self._fail(server, f"did not print {verb!r} within {limit:.0f} s")
+
+    def _await_ready(self, server: str) -> None:
+        """Wait until a simulator is ready, however long it compiles."""
+
+        def check() -> None:
+            if self._stop.is_set():
+                raise StoppedError
+            self._check()
+
+        try:
+            await_ready(self._children, server, READY_LIMIT, check=check, say=self._settings.say, interval=INTERVAL)
+        except WaitError:
+            self._fail(server, f"is not ready, and printed nothing for {READY_LIMIT:.0f} s")
 
     def _check(self) -> None:
         """Raise if a simulator ended its run early, or if a process ended."""

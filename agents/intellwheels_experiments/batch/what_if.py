@@ -67,7 +67,7 @@ def perform_branch(batch: Batch, scene: Scene, changed: Row, log: Path, at: int,
         seed = parent.heading.seed
         settings = WorkerSettings(
             source=batch.source, folder=batch.folder, logs=scratch, runs=scratch / "runs", timeout=batch.timeout,
-            branch=Branch(log=log, at=at, mirror=mirror_log),
+            branch=Branch(log=log, at=at, mirror=mirror_log), say=batch.say,
         )  # fmt: skip
         with RunWorker(settings, changed, stop) as worker:
             truth, mirror = worker.run(seed)

@@ -29,7 +29,7 @@ DEADLINE: Final = 30.0
 """Seconds of wall time that a wait may take by default; the machine may be busy."""
 
 READY_LIMIT: Final = 180.0
-"""Seconds for a simulator to print `ready`: its first start compiles the kernels, which is slow on a small machine."""
+"""Seconds for which a simulator that is not `ready` may print nothing. While it compiles kernels, it prints."""
 
 GRACE: Final = 3.0
 """Seconds that a child has to end after SIGTERM before it is killed."""

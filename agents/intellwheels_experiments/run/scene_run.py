@@ -28,6 +28,7 @@ from intellwheels_experiments.run.program_restarts import Controls, ProgramResta
 from intellwheels_experiments.run.progress import Progress
 from intellwheels_experiments.run.run_record import RunRecord
 from intellwheels_experiments.run.run_report import Finish, Result, versions
+from intellwheels_experiments.run.start_watch import await_ready
 from intellwheels_experiments.run.verdict import judge
 from intellwheels_schemas.messages import Cast
 
@@ -36,9 +37,6 @@ START_LIMIT: Final = 60.0
 
 VIEW_LIMIT: Final = 60.0
 """Seconds for the viewer to serve its page."""
-
-COLD_START: Final = 5.0
-"""Seconds after which a start that is not finished must be compiling the kernels."""
 
 INTERVAL: Final = 0.1
 """Seconds between two checks of a run."""
@@ -164,7 +162,7 @@ def _start(
         _await_ready(server, READY_LIMIT, children, stop, progress)
     if spec.view is not None:
         children.launch(VIEWER, spec.viewer_command)
-        ready = _await_ready(VIEWER, VIEW_LIMIT, children, stop)
+        ready = _await_ready(VIEWER, VIEW_LIMIT, children, stop, progress)
         # Before anything moves.
         progress.say(f"view it at {ready.get('url', '?')}; the scene starts when the page is open")
     for cast in spec.scene.cast:
@@ -179,40 +177,33 @@ def _start(
 
 
 def _await_ready(
-    child: str, limit: float, children: ChildProcesses, stop: threading.Event, progress: Progress | None = None
+    child: str, limit: float, children: ChildProcesses, stop: threading.Event, progress: Progress
 ) -> Mapping[str, str]:
     """Wait until a process prints `ready`; return the values of that line.
 
     Args:
         child: The process.
-        limit: Seconds that it has.
+        limit: Seconds that it may print nothing.
         children: All processes.
         stop: Set to abort.
-        progress: Where to say that the kernels are being compiled, if it takes long; None: do not say it.
+        progress: Where to say what it waits for, or that it compiles kernels.
 
     Raises:
-        _StartError: A process ended, the time is over, or `stop` was set.
+        _StartError: A process ended or was silent for too long, or `stop` was set.
     """
-    begun = time.monotonic()
-    announced = progress is None
 
-    def look() -> Mapping[str, str] | None:
-        nonlocal announced
-        if (values := children.find_line(child, "ready")) is not None:
-            return values
+    def check() -> None:
         for exited in children.exits.values():
             raise _StartError(_died(children, exited))
         if stop.is_set():
             raise _StartError(_Finished("interrupted", f"before the {child} was ready"))
-        if progress is not None and not announced and time.monotonic() - begun > COLD_START:
-            progress.say("compiling the simulator's kernels: only at the first start, about 45 s")
-            announced = True
-        return None
 
     try:
-        return children.wait(look, f"line 'ready' of {child}", limit, interval=INTERVAL)
+        return await_ready(
+            children, child, limit, check=check, say=progress.say, doing=progress.doing, interval=INTERVAL
+        )
     except WaitError:
-        finish = _Finished("overtime", _with_tail(children, child, f"not ready after {limit:.0f} s"))
+        finish = _Finished("overtime", _with_tail(children, child, f"not ready, and silent for {limit:.0f} s"))
         raise _StartError(finish) from None
 
 

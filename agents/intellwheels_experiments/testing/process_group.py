@@ -16,6 +16,7 @@ from intellwheels_experiments.run.endpoints import free_endpoint
 from intellwheels_experiments.run.foreign_program import check_program, check_programs, launch_agent, launch_program
 from intellwheels_experiments.run.launch_spec import SERVER, agent_child, agent_command, link_arguments
 from intellwheels_experiments.run.program_restarts import ProgramRestarts
+from intellwheels_experiments.run.start_watch import await_ready
 from intellwheels_schemas.command_line import check_placeholders, filled
 from intellwheels_schemas.messages import Cast, Option
 from intellwheels_schemas.names import check_agent
@@ -174,7 +175,7 @@ class ProcessGroup:
 
     def _start_simulator(self) -> None:
         self._simulator = self.processes.start(SERVER, "intellwheels_server", *self._arguments)
-        self.processes.line(self._simulator, "ready", READY_LIMIT)
+        await_ready(self.processes, self._simulator, READY_LIMIT)
 
     def _kill_simulator(self) -> None:
         self._may_end.add(self._simulator)

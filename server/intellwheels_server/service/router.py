@@ -40,7 +40,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     listen = options.listen or [defaults.ENDPOINT]
     try:
         for endpoint in listen:
-            check_endpoint(endpoint, "--listen", listens=True)
+            check_endpoint(endpoint, "--listen")
     except WireError as error:
         print(f"iw-router: {error}", file=sys.stderr)
         return 2
