@@ -70,6 +70,7 @@ OPENERS = {
     "intellwheels_schemas.present",
     "intellwheels_server.server_options",
     "intellwheels_experiments.testing.rig",
+    "intellwheels_experiments.run.usage_checks",
     "intellwheels_viewer.viewer_service",
     "intellwheels_experiments.batch.run_worker",
 }

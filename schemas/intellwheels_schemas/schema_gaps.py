@@ -41,6 +41,8 @@ GAPS: Final = (
     Gap("a range where its `Status` is not ok, if not all are alike", _JSON,
         "JSON Schema does not pair the items of two lists.", ("Measures-lidar-value-none.json",)),
     Gap("the agents and rows of a scene", _JSON, _COMPARED, ()),
+    Gap("an unknown word in the braces of a `Command`", _XML, "Other braces may be part of the line, as in JSON.",
+        ("Scene-command-placeholder.xml",)),
     Gap("a document type", _XML, _PARSED, ("Actions-document-type.xml", "Actions-entities.xml")),
     Gap("too many bytes", f"{_JSON}, {_XML}", _PARSED, ("UserInput-long.xml",)),
     Gap("a range where its `Status` is not ok", _XML, "XPath 1.0 does not pair the items of two lists.",

@@ -11,7 +11,7 @@ def test_schemas_refuse_every_refused_document_except_those_that_are_listed() ->
     accepted = {name for name in listed if is_parsed_and_valid(REFUSED / name)}
     assert accepted == {name for gap in GAPS for name in gap.vectors}
     assert len(listed) >= 150
-    assert len(accepted) < 20
+    assert len(accepted) <= 20
 
 
 def test_page_lists_each_gap_with_its_reason() -> None:
