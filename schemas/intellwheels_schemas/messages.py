@@ -1023,7 +1023,7 @@ class Entity(Record, frozen=True, kw_only=True):
     say: ElementText | None = None
     """Last message that the agent sent, shown for 3 s of simulated time."""
     command_age: Seconds = 0.0
-    """Mean age of its commands in this run: simulated time from the Measures that they answer to their effect."""
+    """Mean time from the Measures to the effect of the commands that answer them; 0 below half a tick."""
 
 
 class WorldState(Record, frozen=True, kw_only=True):

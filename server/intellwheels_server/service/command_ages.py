@@ -69,11 +69,14 @@ class CommandAges:
         commands.ages += tick - answered
 
     def means(self) -> dict[str, float]:
-        """Return the mean age of the commands of each agent that had a late one, s, rounded to 1e-6."""
+        """Return the mean age of the commands of each slow agent, s, rounded to 1e-6.
+
+        An agent whose commands are late now and then is not slow: the mean is at least half a tick.
+        """
         return {
             agent: round(commands.ages / commands.count * self._period, 6)
             for agent, commands in self._of.items()
-            if commands.ages
+            if 2 * commands.ages >= commands.count
         }
 
     def forget(self, agent: str) -> None:

@@ -151,6 +151,9 @@ class LiveRun:
     def _start(self, now: float) -> None:
         service, pacing, state = self._service, self._service.pacing, self._service.run.state
         pacing.waiting_to_start = False
+        if service.run.unrecorded:
+            # Who joined before the first step is in a line of its own, so that files of the run begin with all bodies.
+            service.run.record_changes(state.tick)
         pacing.metronome.start(now)
         service.publisher.schedule.mark_changed()
         service.publisher.outlet.print_line(f"running tick={state.tick} run={state.run}")

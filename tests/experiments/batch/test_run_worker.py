@@ -58,6 +58,7 @@ def test_program_of_a_command_is_started_again_for_each_run_and_each_run_is_the_
         places = [worker.run(seed) for seed in ("1", "2", "1")]
     first, second, again = (poses(place) for place, _ in places)
     assert len(first) > 15
+    assert all(first)  # the trace begins when all bodies are there
     assert first == again
     assert first != second
 

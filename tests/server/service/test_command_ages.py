@@ -112,6 +112,11 @@ def test_command_older_than_the_newest_is_dropped(tick: int, seq: int | None, co
         assert (fault.code, fault.text) == ("late", f"Actions.Tick: expected more than 8, which has acted, got {tick}")
 
 
+def test_agent_that_is_late_now_and_then_is_not_slow() -> None:
+    assert ages_with(Actions(tick=9), Actions(tick=10), Actions(tick=10)).means() == {}
+    assert ages_with(Actions(tick=9), Actions(tick=10)).means() == {"a": 0.025}
+
+
 def test_age_is_the_mean_of_a_run_and_is_forgotten_with_it() -> None:
     ages = ages_with(Actions(tick=9), Actions(tick=8), Actions(tick=10), Actions())
     assert ages.means() == {"a": 0.0375}
