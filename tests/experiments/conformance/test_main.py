@@ -83,8 +83,8 @@ def test_program_that_never_asks_fails_the_first_point_and_the_rest_is_skipped()
             2,
             "COMMAND: expected the placeholders {name}, {endpoint}, {world}, got {nmae}; did you",
         ),
-        (("--", "/no/such/program"), 1, "/no/such/program"),
-        (("--answer-within", "0", "--", "true"), 2, "expected seconds above 0, got '0'"),
+        (("--", "/no/such/program"), 2, "COMMAND: expected a program that can be run, got '/no/such/program'"),
+        (("--answer-within", "0", "--", "true"), 2, "expected seconds in (0, 1e+09], got '0'"),
     ],
 )
 def test_wrong_usage_is_explained(words: tuple[str, ...], code: int, said: str) -> None:
