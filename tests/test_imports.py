@@ -71,7 +71,6 @@ OPENERS = {
     "intellwheels_server.server_options",
     "intellwheels_experiments.run.usage_checks",
     "intellwheels_experiments.testing.rig",
-    "intellwheels_experiments.run.usage_checks",
     "intellwheels_viewer.viewer_service",
     "intellwheels_experiments.batch.run_worker",
 }
