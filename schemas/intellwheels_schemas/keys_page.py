@@ -69,6 +69,8 @@ _NOTES = """
   of its old instance exists. Without it, the reply is `already-here` until that token has disappeared.
 - An agent can send one message to other agents per tick. If `Actions` and a `Say` both have one for the same tick, the
   simulator drops the `Say` and the sender gets an Error `too-many`.
+- `ctl/load` may take some seconds, and the world goes on meanwhile. `ctl/reset`, `restore`, `save`, `spawn`, `delete`
+  and `teleport` that arrive after it wait until it is answered. All other requests are answered at once.
 - `event` takes `?since=N`, and replies with the events from number N on. `Oldest` in the reply is the number of the
   oldest event that is kept.
 - To follow `state/*`, subscribe first and then `get` the same keys. Drop each message that is older than the newest one

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
 import msgspec
@@ -12,7 +13,7 @@ from intellwheels_schemas.errors import RequestRefusedError
 from intellwheels_schemas.messages import Map, Place, Position
 from intellwheels_server.world.kernels.arrays import Floats, Ints, Walls, part_rows, radius_of
 from intellwheels_server.world.kernels.elementary import wrap
-from intellwheels_server.world.kernels.overlap import deepest_body, deepest_wall
+from intellwheels_server.world.kernels.overlap import deepest_body, deepest_wall, overlaps_wall
 from intellwheels_server.world.map_geometry import describe_wall
 
 if TYPE_CHECKING:
@@ -55,6 +56,20 @@ class OccupiedSpace:
         return self._deepest(
             part_rows(boxes), radius_of(boxes), (position.x, position.y, position.heading), model.name
         )[1]
+
+    def first_free(self, model: BodyModel, positions: Iterable[Position]) -> Position | None:
+        """Return the first position at which a body would overlap nothing, or None."""
+        walls = self._walls
+        parts, radius = part_rows(model.shape.boxes), radius_of(model.shape.boxes)
+        names, poses, radii, others, starts = self._blocks()
+        skip = names.index(model.name) if model.name in self._parts else -1
+        for position in positions:
+            pose = (position.x, position.y, position.heading)
+            if overlaps_wall(parts, *pose, walls.pieces, walls.links, walls.edges, walls.cells, walls.frame, TOUCH):
+                continue
+            if deepest_body(parts, radius, *pose, poses, radii, others, starts, skip)[0] <= TOUCH:
+                return position
+        return None
 
     def depth_at(self, name: str) -> float:
         """Return the largest depth of overlap of a body with anything at its pose, m; at least 0."""
@@ -108,10 +123,9 @@ def place(model: BodyModel, floor: Map, space: OccupiedSpace) -> Position:
         if obstacle is not None:
             raise RequestRefusedError("overlaps", f"agent '{model.name}' would overlap {obstacle} {_where(model)}")
         return wanted
-    for spot in places_for(floor, robot.kind):
-        position = position_of(spot)
-        if space.overlap_at(model, position) is None:
-            return position
+    free = space.first_free(model, map(position_of, places_for(floor, robot.kind)))
+    if free is not None:
+        return free
     raise RequestRefusedError(
         "no-place",
         f"no free place for a {robot.kind} on map '{floor.name}': set Robot.Place or Robot.Position",
