@@ -304,7 +304,7 @@ def test_closed_lifeline_ends_the_process() -> None:
         (["--open-loop"], "--open-loop: expected pace free, got realtime"),
         (["--period", "7"], "--period: expected seconds"),
         (["--expect", "chair1,Bad"], "--expect"),
-        (["--speed", "0"], "expected a number above 0"),
+        (["--speed", "0"], "--speed: expected a number in (0, 1000]"),
     ],
 )
 def test_wrong_usage_exits_with_2(options: list[str], text: str, capsys: pytest.CaptureFixture[str]) -> None:
