@@ -10,6 +10,7 @@
     JOINED    Measures of a new run                        JOINED     new mind and its answer
     JOINED    Error not-joined or session                  SEEKING    retry, at most once a second
     JOINED    simulator disappears and comes back          ASKING     RequestJoin
+    any       Error deleted, of this run                   REMOVED    Print; nothing more until stop
     any       the mind leaves, or stop                     OVER       RequestLeave, Exit 0
 
 While the agent asks for a new session it keeps answering with the old one, because the simulator may still know it.
@@ -51,6 +52,7 @@ class Phase(Enum):
     SEEKING = auto()
     ASKING = auto()
     JOINED = auto()
+    REMOVED = auto()
     OVER = auto()
 
 
@@ -326,6 +328,8 @@ class Harness:
             error = decode(Error, *payload, strict=False)
         except WireError as wrong:
             return [Log(f"dropped message=Error why={wrong.text!r}")]
+        if error.code == "deleted" and error.run == self._run and self._publishes_actions:
+            return self._removed(error)
         if error.code in ("not-joined", "session") and self.phase is Phase.JOINED:
             self._seeking_since = now
             self.phase = Phase.SEEKING
@@ -336,6 +340,15 @@ class Harness:
         if str(count).strip("0") != "1":
             return []
         return [Log(f"erred code={error.code} count={count} tick={error.tick} text={error.text!r}")]
+
+    def _removed(self, error: Error) -> list[Output]:
+        """Stay away until somebody starts this program again: whoever deleted the body does not want it back."""
+        if self.phase in (Phase.REMOVED, Phase.OVER):
+            return []
+        self.phase = Phase.REMOVED
+        self.deadline = None
+        self._current = None
+        return [Print(f"removed agent={self._agent} reason=deleted"), Log(error.text or "deleted")]
 
     def powered(self, payload: Payload) -> list[Output]:
         """Handle the `Power` that a real chair must apply."""
@@ -352,7 +365,7 @@ class Harness:
         """Leave the simulation and end."""
         if self.phase is Phase.OVER:
             return []
-        if self._joined is None:
+        if self._joined is None or self.phase is Phase.REMOVED:
             return self._over(0, "")
         leave = RequestLeave(encode(Leave(run=self._run, session=self._joined.session), self._encoding))
         counts = Log(f"counted missed={self.missed} repeated={self.repeated} errors={self.errors}")

@@ -18,6 +18,7 @@ from rich.console import Console
 from intellwheels_experiments.batch.experiment_rows import Row, rows_of
 from intellwheels_experiments.run.cast_changes import with_changes
 from intellwheels_experiments.run.endpoints import free_endpoint
+from intellwheels_experiments.run.foreign_program import check_programs
 from intellwheels_experiments.run.launch_spec import WALL_LIMIT, LaunchSpec, resolved, wall_limit
 from intellwheels_experiments.run.progress import Progress
 from intellwheels_experiments.run.run_report import show, to_json
@@ -46,6 +47,8 @@ examples:
   iw-run figure6                             the same without a page, as fast as possible
   iw-run figure6 --seed 7 --json result.json
   iw-run my/scene.xml --encoding xml --logs logs
+  iw-run figure6 --command chair1="./mine {name} {endpoint}"
+      your program drives chair1
   iw-run table1 --seeds 40 --jobs 2 --out t1
       an experiment: every row with 40 seeds, and a report; after an interruption, run the same command again
   iw-run table1 --row real-autonomous --branch t1/runs/real-autonomous/3/input.jsonl --at 200 \\
@@ -95,6 +98,11 @@ def parser() -> argparse.ArgumentParser:
     found.add_argument(
         "--mind", action="append", default=[], metavar="AGENT=MIND",
         help="give an agent another mind: its name, or a Python file; may be repeated",
+    )  # fmt: skip
+    found.add_argument(
+        "--command", action="append", default=[], metavar="AGENT=COMMAND",
+        help="let your program, in any language, play an agent; COMMAND may contain {name}, {endpoint} and {world}; "
+        "may be repeated",
     )  # fmt: skip
     found.add_argument(
         "--option", action="append", default=[], metavar="AGENT.NAME=VALUE",
@@ -187,8 +195,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
             folder = folder_of(options.scene)
             chosen_floor = floor(chosen.map, beside=folder)
         if options.branch is None:
-            chosen = with_changes(chosen, options.mind, options.option)
+            chosen = with_changes(chosen, options.mind, options.option, options.command)
             if options.seeds is None:
+                check_programs(chosen.cast, folder, _meeting(options))
                 check_cast_of([chosen], folder, options)
     except (WireError, ConnectionError) as error:
         print(f"iw-run: {error}", file=sys.stderr)
@@ -239,11 +248,14 @@ def _batch(options: argparse.Namespace, chosen: Scene, chosen_floor: Map, folder
         subject = chosen.experiment.subject if chosen.experiment else first_agent(chosen)
         check_output_folder(out, "--out")
         if options.branch is not None:
-            cast = with_changes(rows[0].scene, options.mind, options.option, robot_fields=False)
+            cast = with_changes(rows[0].scene, options.mind, options.option, options.command, robot_fields=False)
             changed = dataclasses.replace(rows[0], scene=cast)
-            check_cast_of([cast], folder, options)
+            scenes = [cast]
         else:
-            check_cast_of([row.scene for row in rows], folder, options)
+            scenes = [row.scene for row in rows]
+        for one in scenes:
+            check_programs(one.cast, folder)
+        check_cast_of(scenes, folder, options)
     except WireError as error:
         print(f"iw-run: {error.text}", file=sys.stderr)
         return 2
@@ -287,6 +299,12 @@ def _batch(options: argparse.Namespace, chosen: Scene, chosen_floor: Map, folder
     show_batch(summary, Console(), chosen.experiment)
     print(f"report={batch.out / 'report.html'} csv={batch.out / 'batch.csv'}")
     return 1 if stop.is_set() or any(row.died for row in summary.lines) else 0
+
+
+def _meeting(options: argparse.Namespace) -> list[str] | None:
+    """Return the endpoints at which the processes meet, or None if they meet at a free port of this machine."""
+    given = [*options.connect, *options.listen]
+    return given if given or options.config is not None else None
 
 
 _BATCH_ONLY: Final = ("jobs", "row", "out")

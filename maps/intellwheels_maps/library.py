@@ -96,7 +96,8 @@ def scene(name_or_path: str | Path, *, beside: Path | None = None) -> Scene:
         bodies: dict[str, Robot] = {}
         for index, cast in enumerate(document.cast):
             try:
-                bodies[cast.name] = robot(cast.robot, beside=folder)
+                if cast.robot:
+                    bodies[cast.name] = robot(cast.robot, beside=folder)
             except WireError as error:
                 findings.append(Finding(f"Scene.Cast[{index}]", f"agent {cast.name!r}: {error.text}"))
         for where, bridge in _bridges(document):

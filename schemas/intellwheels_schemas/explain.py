@@ -32,6 +32,12 @@ _HEIGHT_HINTS: Final = {
 }
 
 
+# Why a value is refused that a reader of the paper may expect to pass, by the end of its place.
+_VALUE_HINTS: Final = {
+    (".AccelerationCurve", 1.0): "with 1 the motors would keep their last power for ever and never move: write 0.999",
+}
+
+
 class Repeated(dict[str, Any]):
     """An object in which a name occurs twice; `name` is the first such name."""
 
@@ -128,7 +134,11 @@ def _wrong_scalar(scalar: Scalar, value: object, where: str) -> WireError:
                 "value", f"{where}: expected XML 1.0 characters except carriage return, got {bad!r}", where
             )
     code: Any = "version" if scalar.words == ("iw.v1",) and isinstance(value, str) else "value"
-    return WireError(code, f"{where}: expected {expected(scalar)}, got {shown(value)}", where)
+    text = f"{where}: expected {expected(scalar)}, got {shown(value)}"
+    for (place, refused), hint in _VALUE_HINTS.items():
+        if where.endswith(place) and value == refused:
+            text = f"{text}; {hint}"
+    return WireError(code, text, where)
 
 
 def too_long(where: str, most: int, things: str, got: int) -> WireError:
@@ -150,8 +160,23 @@ def check_scalar(scalar: Scalar, value: object, where: str) -> None:
         raise _wrong_scalar(scalar, value, where)
 
 
+def _other_form(shape: Shape, member: Member) -> str:
+    """Return how a field is written in XML, for one that was written in another form."""
+    root, wire = shape.root, member.wire
+    if member.form in {Form.ATTRIBUTE, Form.LIST}:
+        example = member.scalar.words[0] if member.scalar is not None and member.scalar.words else "..."
+        return f'expected an attribute, as in <{root} {wire}="{example}">, got an element'
+    if member.form is Form.CONTENT:
+        return f"expected the text of the element, as in <{root}>...</{root}>, got {wire}"
+    example = f"<{wire}>...</{wire}>" if member.form is Form.ELEMENT else f"<{wire} .../>"
+    return f"expected an element, as in <{root}>{example}</{root}>, got an attribute"
+
+
 def unknown_field(shape: Shape, name: str, where: str) -> WireError:
     """Return the error for a field that the class does not have, with the name of its most similar field."""
+    known = shape.by_wire.get(name)
+    if known is not None:
+        return WireError("field", f"{where}.{name}: {_other_form(shape, known)}", f"{where}.{name}")
     hint = _HEIGHT_HINTS.get(shape.cls.__name__, "") if name == "Height" else ""
     if not hint:
         near = difflib.get_close_matches(name, list(shape.by_wire), n=1)

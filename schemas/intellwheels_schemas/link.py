@@ -20,7 +20,7 @@ import zenoh
 
 from intellwheels_schemas import defaults
 from intellwheels_schemas.channels import Channel
-from intellwheels_schemas.codec import MAX_BYTES, Encoding
+from intellwheels_schemas.codec import MAX_BYTES, Encoding, is_known
 from intellwheels_schemas.command_parser import readable_file
 from intellwheels_schemas.endpoint_form import cannot_listen, check_endpoint, config_reason, zenoh_reason
 from intellwheels_schemas.errors import WireError
@@ -316,7 +316,7 @@ def query(
     def on_reply(reply: zenoh.Reply) -> None:
         if (sample := reply.ok) is not None:
             answers.append(Answer(str(sample.key_expr), sample.payload.to_bytes(), str(sample.encoding), True))
-        elif (error := reply.err) is not None and str(error.encoding) in {member.value for member in Encoding}:
+        elif (error := reply.err) is not None and is_known(str(error.encoding)):
             answers.append(Answer("", error.payload.to_bytes(), str(error.encoding), False))
 
     session.get(

@@ -8,6 +8,7 @@ from pathlib import Path
 import msgspec
 
 from intellwheels_maps import floor, scene
+from intellwheels_maps.cast_places import cast_places
 from intellwheels_maps.library import folder_of
 from intellwheels_schemas import defaults, messages
 from intellwheels_schemas.command_parser import (
@@ -22,7 +23,7 @@ from intellwheels_schemas.command_parser import (
 from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.link import Link, add_link_options, link_of
 from intellwheels_schemas.messages import Map, Scene
-from intellwheels_schemas.names import check_name
+from intellwheels_schemas.names import check_agent, check_name
 from intellwheels_schemas.process import add_process_options
 from intellwheels_server.log.branch import read_branch
 from intellwheels_server.service.service_state import Options
@@ -37,6 +38,7 @@ examples:
   iw-server --map ward --speed 4              a hospital ward, four times as fast as real time
   iw-server --scene figure6 --log run.jsonl   a scene; the run starts when all its agents have joined
   iw-server --resimulate run.jsonl            run that log again and compare the hash of every tick
+  iw-server --resimulate run.jsonl --prove    the same, and print one line that a paper can quote
   iw-server --play run.jsonl                  show that log in world `main-play`: pause, step, speed, seek
 
 Standard output has `ready ...` when agents may join, `running tick=0 run=R` when all expected agents have joined, and
@@ -137,6 +139,10 @@ def _add_time_options(group: argparse._ArgumentGroup) -> None:
     )  # fmt: skip
     group.add_argument("--expect", metavar="A,B,C", help="wait at tick 0 until these agents have joined")
     group.add_argument(
+        "--reserve", action="append", metavar="AGENT=PLACE",
+        help="keep a place of the map for an agent; may be repeated (default: the places of the scene's agents)",
+    )  # fmt: skip
+    group.add_argument(
         "--await-page",
         action="store_true",
         help="start paused, until a viewer's page opens or somebody resumes the run",
@@ -149,6 +155,15 @@ def _add_time_options(group: argparse._ArgumentGroup) -> None:
         "--deadline", type=positive_seconds, metavar="S",
         help="seconds that lockstep waits for an answer "
         f"(default: strict {defaults.STRICT_DEADLINE:g}, elastic {defaults.ELASTIC_DEADLINE:g})",
+    )  # fmt: skip
+    group.add_argument(
+        "--agent-rays", type=whole(0, 10**12, "rays per second"), default=defaults.AGENT_RAYS, metavar="N",
+        help="rays per second that the sensors of an agent may cast in real time; an agent with more is refused "
+        "(default: %(default)s)",
+    )  # fmt: skip
+    group.add_argument(
+        "--world-rays", type=whole(0, 10**12, "rays per second"), default=defaults.WORLD_RAYS, metavar="N",
+        help="rays per second that the sensors of all agents may cast in real time (default: %(default)s)",
     )  # fmt: skip
     group.add_argument(
         "--grace", type=positive_seconds, default=defaults.GRACE, metavar="S",
@@ -173,6 +188,11 @@ def _add_run_options(group: argparse._ArgumentGroup) -> None:
     group.add_argument(
         "--resimulate", type=readable_file, metavar="FILE", help="run an input log again, compare every hash, and exit"
     )
+    group.add_argument(
+        "--prove", action="store_true",
+        help="with --resimulate: print one line to quote, with map, seed, versions, checksum and result; "
+        "fail if the log is cut or edited, or if a hash differs",
+    )  # fmt: skip
     group.add_argument(
         "--trace", type=Path, metavar="FILE", help="with --resimulate: write the true state at each tick"
     )
@@ -246,13 +266,32 @@ def options_of(given: argparse.Namespace) -> tuple[Options, Link]:
         expect=expect,
         open_loop=given.open_loop,
         grace=given.grace,
+        agent_rays=given.agent_rays,
+        world_rays=given.world_rays,
         deadline=given.deadline or (defaults.STRICT_DEADLINE if strict else defaults.ELASTIC_DEADLINE),
         quit_at_end=given.quit_at_end,
         await_page=given.await_page,
         branch=branch,
         hide_truth=bool(given.hide_truth),
+        reserved=_reserved(given, written, setup.floor),
     )
     return options, link
+
+
+def _reserved(given: argparse.Namespace, written: Scene | None, floor: Map) -> dict[str, str]:
+    """Return the place that is kept for each agent."""
+    if given.reserve is None:
+        return cast_places(written.cast, floor, beside=folder_of(given.scene)) if written else {}
+    known = [spot.name for spot in floor.grid.position] if floor.grid is not None else []
+    found = {}
+    for text in given.reserve:
+        agent, _, place = text.partition("=")
+        check_agent(agent, "--reserve")
+        if place not in known:
+            places = ", ".join(known) or "none"
+            raise ValueError(f"--reserve: expected AGENT=PLACE with a place of the map ({places}), got {text!r}")
+        found[agent] = place
+    return found
 
 
 def _with_speech_rules(setup: Setup, given: argparse.Namespace, written: Scene | None) -> Setup:

@@ -284,6 +284,26 @@ def test_forgotten_agent_joins_again(mind: Recorder, code: ErrorCode) -> None:
     assert len(mind.contexts) == 2
 
 
+def test_deleted_agent_says_so_and_does_not_join_again(mind: Recorder) -> None:
+    harness = joined_harness(mind)
+    outputs = harness.erred(error("deleted"), 5.0)
+    assert outputs == [Print("removed agent=chair1 reason=deleted"), Log("words")]
+    assert harness.phase is Phase.REMOVED
+    for code in ("deleted", "not-joined", "session"):
+        harness.erred(error(code), 6.0)
+    assert harness.deadline is None
+    assert harness.wake(100.0) == harness.measured([measures(4)]) == harness.present(7.0) == []
+    harness.absent(8.0)
+    assert harness.present(9.0) == []
+    assert harness.stop() == [Exit(0)]
+
+
+def test_deletion_in_another_run_is_not_ours(mind: Recorder) -> None:
+    harness = joined_harness(mind)
+    harness.erred(bytes_of(Error(run=OTHER_RUN, tick=3, code="deleted", text="words")), 5.0)
+    assert harness.phase is Phase.JOINED
+
+
 def test_errors_just_after_a_join_cause_no_join_loop(mind: Recorder) -> None:
     harness = joined_harness(mind)
     harness.erred(error("session"), 0.2)

@@ -193,3 +193,17 @@ def test_reach_of_an_unknown_place_is_found() -> None:
 def test_hold_reached_without_a_reach_is_found() -> None:
     document = scene(hold=Hold(reached="all"))
     assert texts(check_scene(document, PLACES)) == ["Reached: expected a Reach in End, got none"]
+
+
+def test_wall_with_a_hole_in_its_ring_is_valid() -> None:
+    outside, hole = [(0, 0), (10, 0), (10, 10), (0, 10)], [(2, 2), (2, 8), (8, 8), (8, 2)]
+    ring = [*outside, outside[0], *hole, hole[0]]
+    assert check_map(floor(wall=(Wall(corner=corners(*ring)),))) == []
+    assert check_map(floor(wall=(Wall(corner=corners(*ring, ring[0])),))) == []
+
+
+def test_map_that_no_message_holds_is_found() -> None:
+    long = line(*((k / 7.0, (k % 2) / 7.0) for k in range(30_000)))
+    (finding,) = check_map(floor(wall=(long,)))
+    assert finding.element == "Map"
+    assert finding.text.startswith("expected a map of at most 1,044,480 bytes as one message in JSON, got ")

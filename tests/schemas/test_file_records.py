@@ -9,10 +9,12 @@ import pytest
 
 from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.file_records import (
+    CHAINED,
     LINES,
     VERSION,
     FileRecord,
     GoOn,
+    InputEnd,
     InputHeader,
     Inputs,
     InputTick,
@@ -49,6 +51,7 @@ EXAMPLES: list[FileRecord] = [
         hash=HASH,
         stepped=False,
     ),
+    InputEnd(end="closed", lines=2, chain=HASH),
     TRACE,
     TraceTick(
         tick=3,
@@ -69,7 +72,7 @@ EXAMPLES: list[FileRecord] = [
 def test_line_is_valid_and_read_as_it_was_written(line: FileRecord) -> None:
     data = msgspec.json.encode(line)
     assert msgspec.json.decode(data, type=type(line)) == line
-    schema = json.loads((SCHEMAS / "json" / f"{type(line).__name__}.json").read_bytes())
+    schema = json.loads((SCHEMAS / "json" / "reader" / f"{type(line).__name__}.json").read_bytes())
     jsonschema.Draft202012Validator.check_schema(schema)
     assert [error.message for error in jsonschema.Draft202012Validator(schema).iter_errors(json.loads(data))] == []
 
@@ -79,7 +82,7 @@ def test_every_kind_of_line_has_an_example() -> None:
 
 
 def test_line_with_a_wrong_command_is_not_valid() -> None:
-    schema = json.loads((SCHEMAS / "json" / "InputTick.json").read_bytes())
+    schema = json.loads((SCHEMAS / "json" / "reader" / "InputTick.json").read_bytes())
     validator = jsonschema.Draft202012Validator(schema)
     wrong = {"Tick": 3, "Inputs": {"Actions": {"chair1": {"LeftMotor": 2.0}}}, "Hash": HASH}
     assert not validator.is_valid(wrong)
@@ -96,17 +99,27 @@ def test_header_carries_its_version_and_one_without_is_version_1(
     assert read_header(cls, data.replace(b'"Version":1,', b""), "f:1") == header
 
 
+def test_header_of_a_log_with_checksums_is_read() -> None:
+    header = msgspec.structs.replace(INPUT, version=CHAINED)
+    assert read_header(InputHeader, msgspec.json.encode(header), "f:1") == header
+
+
 @pytest.mark.parametrize(
     ("cls", "header", "words"),
     [
-        (InputHeader, INPUT, "f:1: expected an input log of version 1, got version 2; this release reads no other"),
-        (TraceHeader, TRACE, "f:1: expected a trace of version 1, got version 2; this release reads no other"),
+        (
+            InputHeader,
+            INPUT,
+            "f:1: expected an input log of version 1 or 2, got 3",
+        ),
+        (TraceHeader, TRACE, "f:1: expected a trace of version 1, got 2"),
     ],
 )
 def test_header_of_another_version_is_refused_whatever_else_it_has(
     cls: type[InputHeader] | type[TraceHeader], header: FileRecord, words: str
 ) -> None:
-    later = msgspec.json.encode(header).replace(b'"Version":1', f'"Version":{VERSION + 1}'.encode())
+    newest = CHAINED if cls is InputHeader else VERSION
+    later = msgspec.json.encode(header).replace(b'"Version":1', f'"Version":{newest + 1}'.encode())
     with pytest.raises(WireError) as caught:
         read_header(cls, later.replace(b'"Seed"', b'"Seeds"'), "f:1")
     assert (caught.value.code, caught.value.text) == ("version", words)

@@ -197,9 +197,9 @@ def test_samples_arrive_with_key_bytes_and_encoding_and_deletes_do_not(
     actions.put(b"<Actions/>")
     key = KEYS.actions("chair1")
     assert take(inbox, 3) == [
-        Put(key, b"<Actions/>", "application/xml;iw.v1"),
+        Put(key, b"<Actions/>", "application/xml"),
         TooLong(key, 101),
-        Put(key, b"<Actions/>", "application/xml;iw.v1"),
+        Put(key, b"<Actions/>", "application/xml"),
     ]
     assert inbox.deleted == 1
 
@@ -239,11 +239,27 @@ def test_query_brings_the_reply_or_the_error_reply(pair: tuple[zenoh.Session, ze
     thread = serve(inbox, lambda ask: ask.reply(ask.data, Encoding.XML))
     (answer,) = query(client, key, b"<Robot/>", Encoding.XML)
     thread.join()
-    assert answer == (key, b"<Robot/>", "application/xml;iw.v1", True)
+    assert answer == (key, b"<Robot/>", "application/xml", True)
     thread = serve(inbox, lambda ask: ask.refuse(b"{}", Encoding.JSON))
     (answer,) = query(client, key, b"{}")
     thread.join()
-    assert answer == ("", b"{}", "application/json;iw.v1", False)
+    assert answer == ("", b"{}", "application/json", False)
+
+
+@pytest.mark.process
+@pytest.mark.parametrize("suffix", ["", ";iw.v1"])
+def test_error_reply_of_another_simulator_may_have_the_version(
+    pair: tuple[zenoh.Session, zenoh.Session], suffix: str
+) -> None:
+    server, client = pair
+    inbox = Inbox()
+    server.declare_queryable(KEYS.every_join, inbox.on_query)
+    _token = joined(server, client, inbox)
+    encoding = f"application/json{suffix}"
+    thread = serve(inbox, lambda ask: ask.query.reply_err(b"{}", encoding=zenoh.Encoding(encoding)))
+    (answer,) = query(client, KEYS.join("chair1"), b"{}")
+    thread.join()
+    assert answer == ("", b"{}", encoding, False)
 
 
 @pytest.mark.process

@@ -11,6 +11,7 @@ from intellwheels_schemas import defaults
 from intellwheels_schemas.command_parser import CommandParser, number, port
 from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.link import add_link_options, link_of
+from intellwheels_schemas.output_paths import check_output_file
 from intellwheels_schemas.process import add_process_options, stop_on_signals
 from intellwheels_viewer.page_hosts import check_page_hosts
 
@@ -71,6 +72,7 @@ def main(arguments: list[str] | None = None) -> int:
     chosen = given.world is not None
     given.world = given.world if chosen else defaults.WORLD
     try:
+        check_output_file(given.record, "--record")
         link = link_of(given)
         check_page_hosts(given.host, given.allow_host)
     except WireError as error:

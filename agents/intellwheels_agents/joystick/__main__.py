@@ -34,7 +34,7 @@ examples:
       iw-joystick chair1 --take
   drive by voice, with a recogniser that prints forward, back, left, right or stop; the mind also gets other words
       recogniser | iw-joystick chair1 --source words
-  drive over ssh, with the keys of the terminal; releasing them stops the chair within 0.3 s
+  drive over ssh, with the keys of the terminal; releasing them cuts the motors' power within 0.4 s
       iw-joystick chair1 --source terminal
   play a script: on each line seconds, forward, turn, and optionally buttons and a word
       iw-joystick chair1 --source script --script drive.txt

@@ -12,9 +12,9 @@ from intellwheels_experiments.conformance.agent_session import Patience
 from intellwheels_experiments.conformance.contract_points import Outcome, check, described
 from intellwheels_experiments.conformance.scripted_simulator import NetworkProbe
 from intellwheels_experiments.run.endpoints import free_endpoint
-from intellwheels_experiments.run.launch_spec import filled
 from intellwheels_maps import floor, robot
 from intellwheels_schemas import defaults
+from intellwheels_schemas.command_line import check_placeholders, filled
 from intellwheels_schemas.command_parser import CommandParser, positive_seconds
 from intellwheels_schemas.endpoint_form import check_free
 from intellwheels_schemas.errors import WireError
@@ -83,6 +83,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         agent = check_agent(options.name, "--name")
         world = check_name(options.world, "--world")
+        check_placeholders(options.command, "COMMAND")
         link = _link(world, options.listen, options.connect)
         _check_program(options.command[0])
         check_free(link.listen)
@@ -137,12 +138,12 @@ def _check_program(program: str) -> None:
 
 def _show(outcome: Outcome) -> None:
     if outcome.passed:
-        print(f"passed  {outcome.point:<8} {outcome.expected}", flush=True)
+        print(f"passed  {outcome.point:<10} {outcome.expected}", flush=True)
         return
     how = "skipped" if outcome.passed is None else "FAILED "
-    print(f"{how} {outcome.point:<8} expected {outcome.expected}\n{'':17}got {outcome.got}")
+    print(f"{how} {outcome.point:<10} expected {outcome.expected}\n{'':19}got {outcome.got}")
     for line in outcome.output.splitlines()[-10:]:
-        print(f"{'':17}| {line}")
+        print(f"{'':19}| {line}")
     sys.stdout.flush()
 
 

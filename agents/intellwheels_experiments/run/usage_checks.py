@@ -34,7 +34,7 @@ def check_cast_of(scenes: Sequence[Scene], folder: Path | None, options: argpars
     Raises:
         WireError: One cannot.
     """
-    given = [f"--{name}" for name in ("mind", "option") if getattr(options, name)]
+    given = [f"--{name}" for name in ("mind", "option", "command") if getattr(options, name)]
     if given or is_path(options.scene):
         check_cast(scenes, folder, " or ".join(given) or "SCENE")
 

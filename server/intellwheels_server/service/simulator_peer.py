@@ -10,6 +10,7 @@ import contextlib
 import threading
 import time
 from collections.abc import Callable
+from contextlib import closing
 from pathlib import Path
 from typing import Any, Final, Protocol
 
@@ -18,13 +19,13 @@ import zenoh
 from intellwheels_schemas import link, zenoh_inbox
 from intellwheels_schemas.channels import CHANNELS
 from intellwheels_schemas.codec import Encoding, encode
-from intellwheels_schemas.file_records import Inputs
 from intellwheels_schemas.keys import Claim, Keys, OutKind
 from intellwheels_schemas.messages import Body, Clock, Event, MapInfo, Pose, Record, WorldState
 from intellwheels_schemas.process import SLICE
-from intellwheels_server.log.input_log import Line, Log
+from intellwheels_server.log.input_log import Log
 from intellwheels_server.log.reported_poses import ReportedPoses
 from intellwheels_server.log.run_files import RunFiles
+from intellwheels_server.log.run_recorder import RunRecorder
 from intellwheels_server.log.seekable_log import SeekableLog
 from intellwheels_server.service import console
 from intellwheels_server.service.arrival import Arrival
@@ -33,8 +34,8 @@ from intellwheels_server.service.live_run import LiveRun
 from intellwheels_server.service.load_floor import load_floor
 from intellwheels_server.service.log_playback import Playback
 from intellwheels_server.service.roster import new_hex
-from intellwheels_server.service.run_state import Recorder
 from intellwheels_server.service.service_state import Options
+from intellwheels_server.service.side_process import SideProcess
 from intellwheels_server.service.world_claim import WorldClaim
 from intellwheels_server.world import State
 
@@ -164,6 +165,9 @@ class Service(Protocol):
     def due(self, now: float) -> float:
         """Return when to call `work` next if nothing arrives."""
 
+    def spend(self, seconds: float, now: float) -> None:
+        """Note that its work has taken so many seconds until now."""
+
     def finish(self, now: float) -> None:
         """Publish what is left before the service ends."""
 
@@ -194,28 +198,28 @@ def serve(
         OSError: The log cannot be written.
     """
     keys = Keys(options.world)
-    session = link.open_session(route, stop, waiting=lambda why: console.log_line(f"waiting why={why!r}"))
-    if session is None:
-        return 0
-    with session:
+    with contextlib.ExitStack() as stack:
+        # Before the session is opened: a process with a session must not fork.
+        floors = stack.enter_context(closing(SideProcess(load_floor)))
+        session = link.open_session(route, stop, waiting=lambda why: console.log_line(f"waiting why={why!r}"))
+        if session is None:
+            return 0
+        stack.enter_context(session)
         _check_free(session, keys, route)
         outlet = ZenohOutlet(session, keys)
+        unix_time = steady_unix_time(time.time, _boot_time)
         if recording is not None:
             poses = None if reported is None else ReportedPoses(recording.runs, reported)
-            return _serve(options, route, session, keys, stop, Playback(options, outlet, time.time, recording, poses))
+            return _serve(options, route, session, keys, stop, Playback(options, outlet, unix_time, recording, poses))
         run = new_hex()
         log = Log(log_file, options.setup, run, options.world) if log_file is not None else None
         files = None if runs is None else RunFiles(runs, options.world, lambda: live_run.state)
-        try:
-            record = _recorder(log, files)
-            live_run = LiveRun(options, outlet, load_floor, time.time, record=record, run=run)
+        with RunRecorder(log, files) as recorder:
+            write = recorder.write if recorder.is_wanted else None
+            live_run = LiveRun(options, outlet, floors, unix_time, record=write, run=run)
             if files is not None:
                 live_run.observe_events(files.add_event)
-            return _serve(options, route, session, keys, stop, live_run)
-        finally:
-            for each in (log, files):
-                if each is not None:
-                    each.close()
+            return _serve(options, route, session, keys, stop, live_run, recorder.flush_if_due)
 
 
 def _check_free(session: zenoh.Session, keys: Keys, route: link.Link) -> None:
@@ -288,6 +292,17 @@ class ClaimWatch:
             self._claim.remove(claim)
 
 
+def steady_unix_time(wall: Callable[[], float], steady: Callable[[], float]) -> Callable[[], float]:
+    """Return a clock of Unix time in seconds that never goes back, as stamps order messages.
+
+    Args:
+        wall: The wall clock, which may be set at any time. It is read once.
+        steady: Seconds of a clock that cannot be set.
+    """
+    offset = wall() - steady()
+    return lambda: offset + steady()
+
+
 def _boot_time() -> float:
     """Return seconds of a clock that goes on while the machine sleeps."""
     return time.clock_gettime(time.CLOCK_BOOTTIME)
@@ -300,23 +315,24 @@ def _serve(
     keys: Keys,
     stop: threading.Event,
     service: Service,
+    flush_if_due: Callable[[float], None] = lambda _now: None,
 ) -> int:
     inbox = zenoh_inbox.Inbox()
     with contextlib.ExitStack() as stack:
-        claim = stack.enter_context(contextlib.closing(ClaimWatch(session, keys)))
+        claim = stack.enter_context(closing(ClaimWatch(session, keys)))
         service.begin()
-        for key in (keys.every_in, keys.every_user):
+        for key in keys.every_put:
             stack.enter_context(session.declare_subscriber(key, inbox.on_sample))
         stack.enter_context(link.watch_tokens(session, keys.every_token, inbox))
         for key in (keys.every_join, keys.every_leave, keys.every_ctl, keys.every_body, keys.every_state, keys.map,
                     keys.event, keys.clock):  # fmt: skip
-            stack.enter_context(session.declare_queryable(key, inbox.on_query))
+            stack.enter_context(session.declare_queryable(key, inbox.queries_of(key)))
         token: Any = link.declare_token(session, keys.alive)
         floor_name = service.state.setup.floor.name
         console.log_line(f"serving world={options.world} pace={options.pace} map={floor_name} at={route.where()}")
         console.print_line(f"ready world={options.world} run={service.state.run} listen={route.where()}")
         try:
-            _loop(service, ArrivalReader(keys), inbox, stop, claim.check)
+            _loop(service, ArrivalReader(keys), inbox, stop, claim.check, flush_if_due)
             service.finish(time.monotonic())
             console.log_line(f"ended run={service.state.run} tick={service.state.tick} hash={service.digest()}")
         finally:
@@ -325,25 +341,13 @@ def _serve(
     return service.exit or 0
 
 
-def _recorder(log: Log | None, files: RunFiles | None) -> Recorder | None:
-    if log is None and files is None:
-        return None
-
-    def record(tick: int, inputs: Inputs, digest: str, *, stepped: bool) -> None:
-        if log is not None:
-            log.write(Line(tick=tick, inputs=inputs, hash=digest, stepped=stepped), time.monotonic())
-        if files is not None:
-            files.record(tick, inputs, digest, stepped=stepped)
-
-    return record
-
-
 def _loop(
     service: Service,
     reader: ArrivalReader,
     inbox: zenoh_inbox.Inbox,
     stop: threading.Event,
     check_claim: Callable[[], None],
+    flush_if_due: Callable[[float], None],
 ) -> None:
     """Wait until something arrives or is due, take what arrived, and do what is due, until the service is over."""
     dropped = 0
@@ -360,6 +364,9 @@ def _loop(
             if arrival is not None:
                 service.take(arrival, now)
         service.work(now)
+        flush_if_due(now)
+        done = time.monotonic()
+        service.spend(done - now, done)
         if inbox.dropped != dropped:
             console.log_line(f"dropped arrivals={inbox.dropped - dropped} why='more than can be read'")
             dropped = inbox.dropped
