@@ -59,6 +59,8 @@ WRONG: dict[str, Sequence[str]] = {
     "DEVICE|URL": ("", "http://x"), "TEXT": ("x" * 65, "\x01"), "X,Y,DEG": ("", "1,2", "1,2,x", "nan,0,0", "0,0,361"),
     "FILE": INPUTS, "LOG": INPUTS, "PIPE": INPUTS, "FILE.svg": OUTPUTS, "FILE.html": OUTPUTS, "DIR": FOLDERS,
     "FOLDER": FOLDERS, "PATH": ("text.xml", "none/x"), "PLACE": PLACES, "ROW": ("", "nosuch"),
+    "AGENT=PLACE": ("", "x", "=start1", "chair1=", "No=start1", "chair1=a b"),
+    "AGENT=COMMAND": ("", "x", "=./x", "nobody=./x", "chair1=", "chair1='", "chair1=./no/such {nmae}"),
     "AGENT=MIND": ("", "x", "=drive", "nobody=drive", "chair1="),
     "AGENT.NAME=VALUE": ("", "x", "=1", "nobody.x=1", "chair1.=1"),
     "NAME=VALUE": PAIRS, "FIELD=VALUE": (*PAIRS, "MotorNoise=x"),
@@ -72,8 +74,8 @@ OWN: dict[str, Sequence[str]] = {
     "iw-viewer --allow-host": ("", "http://x", "a b", "a:80"), "iw-viewer --port": (*WHOLE, "65536"),
     "iw-run --view-port": (*WHOLE, "65536"), "python -m intellwheels_agents.bridge.firmware_stand_in --counts": NUMBERS,
     "iw list KIND": ("", "nosuch"), "python -m intellwheels_schemas check FILE": INPUTS,
-    # Written by the simulator and the viewer, each with a check of its own.
-    "iw-server --log": (), "iw-server --runs": (), "iw-server --trace": (), "iw-viewer --record": (),
+    "iw-server --log": OUTPUTS, "iw-server --runs": FOLDERS, "iw-server --trace": OUTPUTS,
+    "iw-viewer --record": OUTPUTS,
 }  # fmt: skip
 """Wrong values of one option of one command."""
 
