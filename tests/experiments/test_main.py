@@ -43,10 +43,6 @@ def test_unknown_scene_is_wrong_usage_and_the_known_are_named(capsys: pytest.Cap
         (["--command", "chair1=./mine {nam}"], "--command: chair1: expected the placeholders {name}, "),
         (["--command", "chair1=pythn x"], "agent 'chair1': Command: expected a program, got 'pythn', which does not"),
         (["--seeds", "1", "--command", "chair1=pythn x"], "agent 'chair1': Command: expected a program, got 'pythn'"),
-        (
-            ["--config", "x.json5", "--command", "chair1=python {endpoint}"],
-            "agent 'chair1': Command: expected --connect",
-        ),
         (["--option", "chair1.speed"], "--option: expected AGENT.NAME=VALUE"),
         (["--json", "nowhere/result.json"], "--json: expected a folder that exists, got nowhere"),
         (["--log", "nowhere/run.jsonl"], "--log: expected a folder that exists, got nowhere"),
@@ -93,3 +89,13 @@ def test_a_router_that_nobody_runs_is_waited_for_in_words(tmp_path: Path) -> Non
     assert found == f"waiting why='nobody answers at {endpoint}'\n"
     assert child.returncode == 1
     assert "Traceback" not in rest
+
+
+def test_program_that_asks_for_an_endpoint_needs_more_than_a_configuration(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    config = tmp_path / "router.json5"
+    config.write_text("{}")
+    assert main(["figure6", "--config", str(config), "--command", "chair1=python {endpoint}"]) == 2
+    expected = "iw-run: agent 'chair1': Command: expected --connect with an endpoint for {endpoint}, got none"
+    assert expected in capsys.readouterr().err

@@ -22,7 +22,7 @@ def options(**given: Any) -> Namespace:
         "view": False,
         "view_port": 8080,
     }
-    return Namespace(**{**plain, "mind": [], "option": [], "scene": "figure6", **given})
+    return Namespace(**{**plain, "mind": [], "option": [], "command": [], "scene": "figure6", **given})
 
 
 def test_ports_are_checked_and_the_option_of_this_command_is_named() -> None:
@@ -48,9 +48,10 @@ def test_only_what_a_user_wrote_is_asked_about(monkeypatch: pytest.MonkeyPatch) 
         options(scene="./mine.xml"),
         options(mind=["a=b"]),
         options(mind=["a=b"], option=["a.b=c"]),
+        options(command=["a=b"]),
     ):
         check_cast_of([scene("figure6")], None, given)
-    assert asked == ["SCENE", "--mind", "--mind or --option"]
+    assert asked == ["SCENE", "--mind", "--mind or --option", "--command"]
 
 
 def test_a_scene_without_agents_has_no_first_one() -> None:
