@@ -102,7 +102,7 @@ def test_file_of_a_later_release_is_refused_in_words(tmp_path: Path, name: str, 
     paths = written(tmp_path)
     file = tmp_path / name
     file.write_bytes(file.read_bytes().replace(b'"Version":1,', b'"Version":3,'))
-    with pytest.raises(WireError, match=f"{name}:1: expected {expected}, got version 3"):
+    with pytest.raises(WireError, match=f"{name}:1: expected {expected}, got 3"):
         read_trace(*paths)
 
 
