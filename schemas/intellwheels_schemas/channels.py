@@ -85,7 +85,7 @@ _CLOCK: Final = (
 )
 _STATE: Final = (
     "every tick, at most 60 per second; always the last tick before a stop; 2 per second while nothing that it shows "
-    "changes"
+    "changes; from a playback, as often as the clock"
 )
 
 CHANNELS: Final[dict[str, Channel]] = {

@@ -80,6 +80,8 @@ _NOTES = """
   dropped with the Error `late`. In lockstep, only answers to the current tick count.
 - An agent can send one message to other agents per tick. If `Actions` and a `Say` both have one for the same tick, the
   simulator drops the `Say` and the sender gets an Error `too-many`.
+- `ctl/load` may take some seconds, and the world goes on meanwhile. `ctl/reset`, `restore`, `save`, `spawn`, `delete`
+  and `teleport` that arrive after it wait until it is answered. All other requests are answered at once.
 - `event` takes `?since=N`, and replies with the events from number N on. `Oldest` in the reply is the number of the
   oldest event that is kept. A `since` that is no number gets an error reply.
 - A message on an unknown key below `in/<agent>/` or `user/<agent>` is dropped, and `out/<agent>/error` gets an Error

@@ -85,10 +85,14 @@ def main(arguments: list[str] | None = None) -> int:
     except (ConnectionError, WorldTakenError) as error:
         print(f"iw-server: {error}", file=sys.stderr)
     except OSError as error:
-        file = Path(error.filename or given.log or given.runs or "")
-        option = "--log" if given.runs is None or file == given.log else "--runs"
-        print(f"iw-server: {option} {file}: {error.strerror}", file=sys.stderr)
+        print(f"iw-server: {written_by(given, error)}: {error.strerror}", file=sys.stderr)
     return 1
+
+
+def written_by(given: argparse.Namespace, error: OSError) -> str:
+    """Return the option and the file that could not be written."""
+    file = Path(error.filename or given.log or given.runs or "")
+    return f"{'--log' if given.runs is None or file == given.log else '--runs'} {file}"
 
 
 def _check_outputs(given: argparse.Namespace) -> None:

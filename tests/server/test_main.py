@@ -1,11 +1,12 @@
 from __future__ import annotations
 
+import argparse
 from pathlib import Path
 
 import pytest
 
 from intellwheels_maps import floor
-from intellwheels_server.__main__ import PLAY_NAME_LENGTH, main
+from intellwheels_server.__main__ import PLAY_NAME_LENGTH, main, written_by
 from intellwheels_server.log.input_log import Log
 from intellwheels_server.world import Setup
 from tests.server.log.test_branch import written
@@ -43,6 +44,15 @@ def test_missing_or_invalid_log_is_reported(tmp_path: Path, capsys: pytest.Captu
     (tmp_path / "text").write_text("hello\n")
     assert outcome("--play", str(tmp_path / "text")) == 1
     assert "text:1: expected the header of an input log" in capsys.readouterr().err
+
+
+def test_file_that_could_not_be_written_is_named_with_its_option() -> None:
+    given = argparse.Namespace(log=Path("run.jsonl"), runs=Path("runs"))
+    assert written_by(given, OSError(28, "No space", "run.jsonl")) == "--log run.jsonl"
+    assert written_by(given, OSError(28, "No space", "runs/1/input.jsonl")) == "--runs runs/1/input.jsonl"
+    assert (
+        written_by(argparse.Namespace(log=Path("run.jsonl"), runs=None), OSError(28, "No space")) == "--log run.jsonl"
+    )
 
 
 def test_name_of_a_playback_fits() -> None:

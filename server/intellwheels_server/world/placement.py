@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from typing import TYPE_CHECKING
 
 import msgspec
@@ -14,7 +14,7 @@ from intellwheels_schemas.explain import did_you_mean
 from intellwheels_schemas.messages import Map, Place, Position
 from intellwheels_server.world.kernels.arrays import Floats, Ints, Walls, part_rows, radius_of
 from intellwheels_server.world.kernels.elementary import wrap
-from intellwheels_server.world.kernels.overlap import deepest_body, deepest_wall
+from intellwheels_server.world.kernels.overlap import deepest_body, deepest_wall, overlaps_wall
 from intellwheels_server.world.map_geometry import describe_wall
 
 if TYPE_CHECKING:
@@ -57,6 +57,20 @@ class OccupiedSpace:
         return self._deepest(
             part_rows(boxes), radius_of(boxes), (position.x, position.y, position.heading), model.name
         )[1]
+
+    def first_free(self, model: BodyModel, positions: Iterable[Position]) -> Position | None:
+        """Return the first position at which a body would overlap nothing, or None."""
+        walls = self._walls
+        parts, radius = part_rows(model.shape.boxes), radius_of(model.shape.boxes)
+        names, poses, radii, others, starts = self._blocks()
+        skip = names.index(model.name) if model.name in self._parts else -1
+        for position in positions:
+            pose = (position.x, position.y, position.heading)
+            if overlaps_wall(parts, *pose, walls.pieces, walls.links, walls.edges, walls.cells, walls.frame, TOUCH):
+                continue
+            if deepest_body(parts, radius, *pose, poses, radii, others, starts, skip)[0] <= TOUCH:
+                return position
+        return None
 
     def depth_at(self, name: str) -> float:
         """Return the largest depth of overlap of a body with anything at its pose, m; at least 0."""
@@ -123,12 +137,10 @@ def place(model: BodyModel, floor: Map, space: OccupiedSpace, reserved: Collecti
             text = f"agent '{model.name}' would be in the way at place '{near}', which is kept for another agent"
             raise RequestRefusedError("overlaps", text)
         return wanted
-    for spot in places_for(floor, robot.kind):
-        position = position_of(spot)
-        if spot.name in kept or space.overlap_at(model, position) is not None:
-            continue
-        if _kept_near(model, position, kept) is None:
-            return position
+    positions = (position_of(spot) for spot in places_for(floor, robot.kind) if spot.name not in kept)
+    free = space.first_free(model, (one for one in positions if _kept_near(model, one, kept) is None))
+    if free is not None:
+        return free
     but = f" besides those kept for other agents ({', '.join(kept)})" if kept else ""
     raise RequestRefusedError(
         "no-place",
