@@ -213,6 +213,7 @@ class _AgentPeer:
                     self._do(harness.present(now) if arrival.alive else harness.absent(now))
                 else:
                     self._do(self._replied(arrival, time.monotonic()))
+                    self._do(harness.measured_early())
                 arrival = self._arrivals.get_nowait()
         except queue.Empty:
             pass

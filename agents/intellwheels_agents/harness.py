@@ -194,8 +194,7 @@ class Harness:
         outputs: list[Output] = [Print(f"joined agent={self._agent} run={joined.run} tick={joined.tick}")]
         if not same:
             self._begin(joined, joined.run)
-        early, self._early = self._early, None
-        return outputs + (self.measured([early]) if early else [])
+        return outputs
 
     def refused(self, payload: Payload, now: float) -> list[Output]:
         """Handle the error reply to a join."""
@@ -253,6 +252,14 @@ class Harness:
         return f"no simulator at {self._simulator}, or not allowed"
 
     # ------------------------------------------------------------ each tick
+
+    def measured_early(self) -> list[Output]:
+        """Handle the measures that came before the reply to the join.
+
+        Call it after the outputs of `accepted` are done, as the mind may take long to decide.
+        """
+        early, self._early = self._early, None
+        return self.measured([early]) if early else []
 
     def measured(self, payloads: Sequence[Payload]) -> list[Output]:
         """Handle `Measures`, oldest first: answer the newest, with the messages heard in all of them."""

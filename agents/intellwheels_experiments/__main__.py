@@ -56,8 +56,11 @@ examples:
       what if: repeat that run, but slower from tick 200 on
 
 exit codes: 0 all conditions of the scene held or, in a batch or branch, every run reached its end; 1 otherwise;
-2 wrong usage
+2 wrong usage; 130 interrupted before anything started
 """
+
+INTERRUPTED: Final = 130
+"""Exit code of a shell for a command that Ctrl-C ended."""
 
 
 def parser() -> argparse.ArgumentParser:
@@ -185,6 +188,14 @@ def parser() -> argparse.ArgumentParser:
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command and return its exit code."""
+    try:
+        return _run(arguments)
+    except KeyboardInterrupt:  # before anything was started: a run has its own handlers of signals
+        print("iw-run: interrupted", file=sys.stderr)
+        return INTERRUPTED
+
+
+def _run(arguments: Sequence[str] | None) -> int:
     grammar = parser()
     options = grammar.parse_args(arguments)
     try:

@@ -23,6 +23,10 @@ from intellwheels_schemas.version import add_version_option
 SLICE = 0.2
 """Longest single wait in the main thread, s. An untimed wait can miss a signal, so long waits are cut into slices."""
 
+PYTHON = (sys.executable, "-P")
+"""The start of the command line of a child that is a module of this project, before `-m`. With -P a file such as
+`queue.py` in the working directory does not replace a module of Python."""
+
 GRACE = 3.0
 """Time in which a process must end after its lifeline has closed, s."""
 

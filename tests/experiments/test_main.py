@@ -99,3 +99,14 @@ def test_program_that_asks_for_an_endpoint_needs_more_than_a_configuration(
     assert main(["figure6", "--config", str(config), "--command", "chair1=python {endpoint}"]) == 2
     expected = "iw-run: agent 'chair1': Command: expected --connect with an endpoint for {endpoint}, got none"
     assert expected in capsys.readouterr().err
+
+
+def test_an_interruption_before_the_start_is_one_line(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def interrupt(_given: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("intellwheels_experiments.__main__.check_connection", interrupt)
+    assert main(["figure6"]) == 130
+    assert capsys.readouterr().err == "iw-run: interrupted\n"

@@ -23,6 +23,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 from intellwheels_schemas.command_parser import CommandParser
+from intellwheels_schemas.process import PYTHON
 
 if TYPE_CHECKING:
     from playwright.sync_api import Browser, Page
@@ -167,7 +168,7 @@ def _started(pattern: str, module: str, *arguments: str) -> Iterator[str]:
         module: The command.
         arguments: Its arguments.
     """
-    command = (sys.executable, "-m", module, *arguments)
+    command = (*PYTHON, "-m", module, *arguments)
     with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True) as process:
         overdue = threading.Timer(LIMIT, process.kill)
         overdue.start()

@@ -11,7 +11,6 @@ bridges report, ends at the timeout only. It is reset once more after the run, w
 
 from __future__ import annotations
 
-import sys
 import threading
 import time
 from collections.abc import Callable
@@ -47,6 +46,7 @@ from intellwheels_schemas import defaults
 from intellwheels_schemas.keys import Verb
 from intellwheels_schemas.link import Link
 from intellwheels_schemas.messages import Cast, Delete, End, Pause, Record, Reset, Resume
+from intellwheels_schemas.process import PYTHON
 
 JOIN_LIMIT: Final = 90.0
 """Seconds for the agents to join, and for a run to start: other runs keep the machine busy."""
@@ -246,7 +246,7 @@ class RunWorker:
                 arguments += ["--scene", resolved(settings.source, settings.folder), *row.arguments]
         if settings.branch is not None:
             arguments += settings.branch.arguments(of_mirror=server == SERVER and bool(row.bridges))
-        return [sys.executable, "-m", "intellwheels_server", *arguments, "--lifeline", str(lifeline)]
+        return [*PYTHON, "-m", "intellwheels_server", *arguments, "--lifeline", str(lifeline)]
 
     def _client_arguments(self, lifeline: int) -> list[str]:
         arguments = link_arguments(defaults.WORLD, (), [self._endpoints[SERVER]])

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import subprocess
-import sys
 from collections.abc import Iterable
 from pathlib import Path
 from typing import Final
@@ -11,6 +10,7 @@ from typing import Final
 from intellwheels_schemas.codec import encode
 from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.messages import Scene
+from intellwheels_schemas.process import PYTHON
 
 LIMIT: Final = 60.0
 """Seconds for the check, on a machine that may be busy. Without an answer the run starts, and its agents report."""
@@ -27,7 +27,7 @@ def check_cast(scenes: Iterable[Scene], folder: Path | None, option: str) -> Non
     Raises:
         WireError: An agent cannot start as it is; the text says which, and why.
     """
-    command = [sys.executable, "-m", "intellwheels_agents.cast_check"]
+    command = [*PYTHON, "-m", "intellwheels_agents.cast_check"]
     if folder is not None:
         command += ["--folder", str(folder)]
     try:

@@ -13,7 +13,6 @@ from __future__ import annotations
 import contextlib
 import os
 import subprocess
-import sys
 import threading
 import time
 from collections import deque
@@ -24,6 +23,8 @@ from queue import Empty, SimpleQueue
 from signal import SIGCONT, SIGKILL, SIGTERM, Signals
 from types import TracebackType
 from typing import Final, Self, TypeAlias, TypeVar
+
+from intellwheels_schemas.process import PYTHON
 
 DEADLINE: Final = 30.0
 """Seconds of wall time that a wait may take by default; the machine may be busy."""
@@ -130,7 +131,7 @@ class ChildProcesses:
         Returns:
             The child's name, as `launch` returns it.
         """
-        command = [sys.executable, "-m", module, *arguments]
+        command = [*PYTHON, "-m", module, *arguments]
         return self.launch(name, lambda lifeline: [*command, "--lifeline", str(lifeline)])
 
     def launch(

@@ -14,6 +14,7 @@ from intellwheels_experiments.run.launch_spec import agent_child
 from intellwheels_schemas.command_line import filled, words_of
 from intellwheels_schemas.errors import WireError, wrong_value
 from intellwheels_schemas.messages import Cast
+from intellwheels_schemas.process import PYTHON
 
 
 def check_programs(cast: Sequence[Cast], folder: Path | None, meeting: Sequence[str] | None = None) -> None:
@@ -84,7 +85,7 @@ def launch_program(
         OSError: The guard beside it cannot be started.
     """
     command = [filled(word, values) for word in words]
-    guard = [sys.executable, "-m", "intellwheels_experiments.run.program_guard"]
+    guard = [*PYTHON, "-m", "intellwheels_experiments.run.program_guard"]
     environment = {"PATH": _search_path(), **{f"IW_{name.upper()}": value for name, value in values.items()}}
     return children.launch(child, lambda lifeline: [*guard, str(lifeline), str(folder), *command], environment)
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,6 +11,7 @@ import msgspec
 
 from intellwheels_maps.library import is_path
 from intellwheels_schemas.messages import Bridge, Cast, Map, Pace, Scene
+from intellwheels_schemas.process import PYTHON
 
 SERVER: Final = "server"
 """The simulator's name among the children."""
@@ -119,7 +119,7 @@ class LaunchSpec:
     def viewer_command(self, lifeline: int) -> list[str]:
         """Return the viewer's command."""
         arguments = ["--port", str(self.view or 0), *self._link_arguments((), self.meeting)]
-        return [sys.executable, "-m", "intellwheels_viewer", *arguments, "--lifeline", str(lifeline)]
+        return [*PYTHON, "-m", "intellwheels_viewer", *arguments, "--lifeline", str(lifeline)]
 
     def _agent_arguments(self, lifeline: int) -> list[str]:
         arguments = [*self._link_arguments((), self.meeting), "--encoding", self.encoding, "--lifeline", str(lifeline)]
@@ -136,7 +136,7 @@ class LaunchSpec:
             arguments += ["--open-loop"]
         if log is not None:
             arguments += ["--log", str(log.absolute())]
-        return [sys.executable, "-m", "intellwheels_server", *arguments]
+        return [*PYTHON, "-m", "intellwheels_server", *arguments]
 
     def _link_arguments(self, listen: tuple[str, ...], connect: tuple[str, ...]) -> list[str]:
         arguments = link_arguments(self.world, listen, connect)
@@ -151,7 +151,7 @@ def agent_command(cast: Cast, folder: Path | None, arguments: Sequence[str]) -> 
         folder: Where relative paths in it start; None: the working directory.
         arguments: The rest of the command line.
     """
-    command = [sys.executable, "-m", "intellwheels_agents", resolved(cast.mind, folder), "--name", cast.name]
+    command = [*PYTHON, "-m", "intellwheels_agents", resolved(cast.mind, folder), "--name", cast.name]
     if cast.robot:
         command += ["--robot", resolved(cast.robot, folder)]
     if cast.place is not None:
@@ -189,7 +189,7 @@ def bridge_command(
     for option in bridge.option:
         field = is_robot_field(option.name)
         own += ["--chair-option", f"{option.name}={option.value}"] if field else [f"--{option.name}", option.value]
-    return [sys.executable, "-m", "intellwheels_agents.bridge", *own, *arguments]
+    return [*PYTHON, "-m", "intellwheels_agents.bridge", *own, *arguments]
 
 
 def laboratory_arguments(scene: Scene, bridges: Mapping[str, Bridge], folder: Path | None) -> list[str]:

@@ -16,6 +16,7 @@ from numba.core import event
 from intellwheels_maps import floor, robot
 from intellwheels_schemas.file_records import Inputs, Join, TeleportBody
 from intellwheels_schemas.messages import Actions, Position, Robot
+from intellwheels_schemas.process import PYTHON
 from intellwheels_server.kernel_cache import is_cold
 from intellwheels_server.world import Setup, State, advance, apply, begin, digest, entities, measures
 from intellwheels_server.world.sensors.catalogue import example_sensors
@@ -86,7 +87,7 @@ def _compile_in_two() -> None:
     """
     program = "from intellwheels_server.world import warmup; warmup.join()"
     helper = subprocess.Popen(
-        [sys.executable, "-c", program],
+        [*PYTHON, "-c", program],
         stdin=subprocess.DEVNULL,
         stdout=subprocess.DEVNULL,
         stderr=subprocess.DEVNULL,

@@ -26,7 +26,8 @@ SPEC = LaunchSpec(
 
 def test_server_gets_scene_seed_and_pace() -> None:
     command = SPEC.server_command(5)
-    assert command[:3] == [sys.executable, "-m", "intellwheels_server"]
+    # A file such as queue.py in the working directory replaces no module of Python.
+    assert command[:4] == [sys.executable, "-P", "-m", "intellwheels_server"]
     for name, value in (("--scene", "figure6"), ("--seed", "a b"), ("--pace", "lockstep"), ("--lifeline", "5")):
         assert command[command.index(name) + 1] == value
     assert "--speed" not in command
@@ -39,9 +40,9 @@ def test_free_pace_is_open_loop() -> None:
 
 def test_paths_of_a_scene_start_from_its_folder_and_names_stay() -> None:
     command = SPEC.agent_command(Cast(name="chair1", robot="own/robot.xml", mind="mind.py"), 5)
-    assert command[3] == "/scenes/mind.py"
+    assert command[command.index("intellwheels_agents") + 1] == "/scenes/mind.py"
     assert command[command.index("--robot") + 1] == "/scenes/own/robot.xml"
-    assert SPEC.agent_command(Cast(name="chair1", robot="table", mind="table"), 5)[3] == "table"
+    assert SPEC.agent_command(Cast(name="chair1", robot="table", mind="table"), 5)[4] == "table"
 
 
 def test_options_and_place_are_passed_on() -> None:
