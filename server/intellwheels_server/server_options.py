@@ -8,6 +8,7 @@ from pathlib import Path
 import msgspec
 
 from intellwheels_maps import floor, scene
+from intellwheels_maps import names as included_names
 from intellwheels_maps.cast_places import cast_places
 from intellwheels_maps.library import folder_of
 from intellwheels_schemas import defaults, messages
@@ -248,7 +249,8 @@ def options_of(given: argparse.Namespace) -> tuple[Options, Link]:
         end=written.end if written else None,
         strict=strict,
     )
-    check_walls(setup.floor)
+    if not _is_included(setup.floor):
+        check_walls(setup.floor)
     setup = _with_speech_rules(setup, given, written)
     branch = None if given.branch is None else read_branch(given.branch, given.at)
     if branch is not None:
@@ -308,12 +310,19 @@ def check_walls(floor: Map) -> None:
     Raises:
         WireError: It cannot; the text says why.
     """
-    from intellwheels_server.world.map_geometry import walls_of  # noqa: PLC0415 - numba, which `--help` need not wait for
+    # Imported late: `--help` need not wait for numba.
+    from intellwheels_server.world.map_geometry import walls_of  # noqa: PLC0415
+    from intellwheels_server.world.warmup import warm  # noqa: PLC0415
 
+    warm()  # says that it compiles; cutting the walls would compile a kernel in silence
     try:
         walls_of(floor)
     except ValueError as error:
         raise WireError("value", f"--map: {floor.name}: {error}", "--map") from None
+
+
+def _is_included(document: Map) -> bool:
+    return document.name in included_names("floors") and document == floor(document.name)
 
 
 def _floor(given: argparse.Namespace, written: Scene | None) -> Map:

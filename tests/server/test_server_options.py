@@ -4,9 +4,12 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import msgspec
 import pytest
 
+from intellwheels_maps import floor
 from intellwheels_schemas.errors import WireError
+from intellwheels_schemas.files import write_file
 from intellwheels_schemas.messages import Corner, Map, Wall
 from intellwheels_server.__main__ import main
 from intellwheels_server.server_options import check_walls, options_of, parser
@@ -55,6 +58,19 @@ def test_walls_that_the_world_cannot_take_are_refused_before_anything_starts() -
     wall = Wall(height=2.0, thickness=1e-10, corner=(Corner(x=0.0, y=0.0), Corner(x=1.0, y=0.0)))
     with pytest.raises(WireError, match=r"^--map: made: wall 0: expected a thickness of at least 1e-09 m, got 1e-10$"):
         check_walls(Map(format="iw.v1", name="made", wall=(wall,)))
+
+
+def test_kernels_are_compiled_in_words_before_the_walls_of_a_file_are_cut(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    calls: list[str] = []
+    monkeypatch.setattr("intellwheels_server.world.warmup.warm", lambda: calls.append("warm"))
+    monkeypatch.setattr("intellwheels_server.world.map_geometry.walls_of", lambda _floor: calls.append("walls"))
+    path = tmp_path / "own.xml"
+    path.write_text(write_file(msgspec.structs.replace(floor("room"), name="own")))
+    for words in (["--map", "room"], ["--map", str(path)]):
+        options_of(parser().parse_args(["--world", "main", *words]))
+    assert calls == ["warm", "walls"]
 
 
 def test_places_of_a_scene_are_kept_for_its_agents_or_as_the_command_line_says() -> None:
