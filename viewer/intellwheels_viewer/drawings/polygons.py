@@ -5,6 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TypeAlias
 
+import numpy as np
+from mapbox_earcut import triangulate_float64
+
 Point: TypeAlias = tuple[float, float]
 
 
@@ -26,30 +29,10 @@ def bounds(points: Sequence[Point]) -> tuple[float, float, float, float]:
 
 
 def triangles(points: Sequence[Point]) -> list[tuple[int, int, int]]:
-    """Return the triangles of an anticlockwise simple polygon as corner indices, by ear clipping.
+    """Return the triangles of an anticlockwise polygon as corner indices, in the same sense.
 
-    After Meisters, "Polygons have ears", American Mathematical Monthly 82, 1975. A polygon that crosses itself is cut
-    at any corner, so that something is drawn; maps with such walls are refused earlier.
+    Corners on a straight edge may belong to no triangle. A polygon that crosses itself gets some triangles, so that
+    something is drawn; maps with such walls are refused earlier.
     """
-    left = list(range(len(points)))
-    cut = []
-    while len(left) > 3:
-        ear = next((at for at in range(len(left)) if _is_ear(points, left, at)), 0)
-        cut.append((left[ear - 1], left[ear], left[(ear + 1) % len(left)]))
-        del left[ear]
-    return [*cut, (left[0], left[1], left[2])]
-
-
-def _is_ear(points: Sequence[Point], left: Sequence[int], at: int) -> bool:
-    before, corner, after = left[at - 1], left[at], left[(at + 1) % len(left)]
-    a, b, c = points[before], points[corner], points[after]
-    if _side(a, b, c) <= 0.0:
-        return False
-    others = (points[index] for index in left if index not in (before, corner, after))
-    return not any(
-        _side(a, b, p) >= 0.0 and _side(b, c, p) >= 0.0 and _side(c, a, p) >= 0.0 for p in others if p not in (a, b, c)
-    )
-
-
-def _side(a: Point, b: Point, c: Point) -> float:
-    return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
+    corners = triangulate_float64(np.array(points, dtype=np.float64), np.array([len(points)], dtype=np.uint32))
+    return [(a, b, c) for a, b, c in corners.reshape(-1, 3).tolist()]
