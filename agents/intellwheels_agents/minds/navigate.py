@@ -1,0 +1,76 @@
+"""Drives to places on the map, around what is in the way, and touches nothing.
+
+    to, via  places of the map; the chair drives to all of `via`, then to `to`
+    points   "x y x y": points of the map, before those places, m
+    speed    highest speed, m/s (default 0.8)
+    within   distance from the goal that counts as arrived, m (default 0.15)
+    truth    true: use the true pose from a truth sensor, which the simulation must allow (default false)
+    lidar    true: two laser scanners at opposite corners see all around; false: only the robot's own sensors (default
+             true)
+    map      path of a map file, instead of the simulator's map
+"""
+
+from __future__ import annotations
+
+import msgspec
+
+from intellwheels_agents.mind import Context
+from intellwheels_agents.options import OptionError, Options
+from intellwheels_agents.range_scan import outline
+from intellwheels_agents.user_input import takes_goals
+from intellwheels_maps import floor
+from intellwheels_schemas.messages import Actions, Lidar, Measures, Robot, Truth
+
+HEIGHT = 0.3
+"""Height of the added scanners, m: legs, footrests, beds and doors are there."""
+RANGE = 8.0
+"""Range of the added scanners, m."""
+
+
+def equip(robot: Robot, options: Options) -> Robot:
+    """Return the robot with goals as user input and, as the options say, with scanners and a truth sensor."""
+    robot = takes_goals(robot, options)
+    if options.flag("truth") and not robot.truth:
+        robot = msgspec.structs.replace(robot, truth=(Truth(id="truth"),))
+    if options.flag("lidar", True) and not robot.lidar:
+        body = outline(robot)
+        scanners = tuple(
+            Lidar(
+                id=f"scan-{name}", x=x, y=y, z=HEIGHT, direction_deg=direction, fov_deg=270.0, rays=271, max_range=RANGE
+            )
+            for name, x, y, direction in (
+                ("front", body.front, body.side, 45.0), ("back", -body.back, -body.side, -135.0),
+            )
+        )  # fmt: skip
+        robot = msgspec.structs.replace(robot, lidar=scanners)
+    return robot
+
+
+class Mind:
+    """Drives to its goals."""
+
+    def __init__(self, context: Context) -> None:
+        """Read the options and prepare the map.
+
+        Raises:
+            OptionError: numpy is missing, or an option is wrong.
+        """
+        try:
+            from intellwheels_agents.navigation.navigator import Navigator  # noqa: PLC0415 - an optional dependency
+        except ImportError as error:
+            raise OptionError(f"mind navigate: expected numpy, which the extra navigate installs, got {error}") from None
+        options = context.options
+        options.flag("truth")
+        options.flag("lidar", True)
+        document = floor(options["map"]) if "map" in options else context.map
+        self._navigator = Navigator(
+            context,
+            document,
+            options.number("speed", 0.8, 0.05, 5.0),
+            options.number("within", 0.15, 0.01, 10.0),
+            context.route(),
+        )
+
+    def decide(self, measures: Measures) -> Actions:
+        """Return the powers that drive on."""
+        return self._navigator.decide(measures)

@@ -1,0 +1,118 @@
+"""What moves around a body: groups of sensed points that are not on the map, followed from tick to tick.
+
+A group is points that are connected over less than `GAP`. Its place is the middle of its extent; its velocity comes
+from an alpha-beta filter. A group that is new, or hardly moves, counts as standing.
+
+Source: the alpha-beta filter is the steady state of a Kalman filter for constant velocity: Y. Bar-Shalom, X. R. Li,
+T. Kirubarajan, Estimation with applications to tracking and navigation, Wiley 2001, section 6.5.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from intellwheels_agents.navigation.exact_angles import Floats
+
+GAP: Final = 0.25
+"""Size of the cells that connect points to groups, m."""
+SAME: Final = 0.5
+"""Farthest that a group may be from where it was expected, m."""
+ALPHA: Final = 0.4
+"""Share of a difference in place that is taken over in a tick of 50 ms."""
+TIME: Final = 0.4
+"""Time constant of a velocity, s."""
+MOVES: Final = 0.1
+"""Speed from which a group counts as moving, m/s."""
+OLD: Final = 0.3
+"""Time for which a group must be seen before its velocity counts, s."""
+FASTEST: Final = 2.0
+"""Highest speed that is believed, m/s."""
+
+
+@dataclass
+class Track:
+    """One group: its place (m), velocity (m/s), and for how long it has been followed (s)."""
+
+    x: float
+    y: float
+    vx: float = 0.0
+    vy: float = 0.0
+    age: float = 0.0
+    still: float = 0.0
+
+    @property
+    def speed(self) -> float:
+        """Return its speed, m/s; 0 if it counts as standing."""
+        speed = (self.vx * self.vx + self.vy * self.vy) ** 0.5
+        return speed if self.age >= OLD and speed >= MOVES else 0.0
+
+
+class MovingTracks:
+    """The groups around a body.
+
+    Attributes:
+        tracks: The groups of the last update.
+    """
+
+    def __init__(self, period: float) -> None:
+        """Take the time between two updates, s."""
+        self._period = period
+        self.tracks: list[Track] = []
+
+    def update(self, points: Floats) -> Floats:
+        """Return the velocities of points of the map frame that are not on the map, as rows vx, vy."""
+        velocities = np.zeros((points.shape[0], 2))
+        known, self.tracks = self.tracks, []
+        for members in groups(points):
+            part = points[members]
+            low, high = part.min(axis=0), part.max(axis=0)
+            track = self._followed(float(low[0] + high[0]) / 2.0, float(low[1] + high[1]) / 2.0, known)
+            self.tracks.append(track)
+            if track.speed:
+                velocities[members] = track.vx, track.vy
+        return velocities
+
+    def _followed(self, x: float, y: float, known: list[Track]) -> Track:
+        period = self._period
+        best, nearest = None, SAME
+        for track in known:
+            dx, dy = x - track.x - track.vx * period, y - track.y - track.vy * period
+            off = (dx * dx + dy * dy) ** 0.5
+            if off < nearest:
+                best, nearest = track, off
+        if best is None:
+            return Track(x, y)
+        known.remove(best)
+        expected_x, expected_y = best.x + best.vx * period, best.y + best.vy * period
+        share = min(period / TIME, 1.0)
+        vx = best.vx + share * (x - expected_x) / max(period, 1e-6) * ALPHA
+        vy = best.vy + share * (y - expected_y) / max(period, 1e-6) * ALPHA
+        excess = max((vx * vx + vy * vy) ** 0.5 / FASTEST, 1.0)
+        found = Track(
+            expected_x + ALPHA * (x - expected_x), expected_y + ALPHA * (y - expected_y), vx / excess, vy / excess,
+            best.age + period,
+        )  # fmt: skip
+        found.still = 0.0 if found.speed else best.still + period
+        return found
+
+
+def groups(points: Floats) -> list[list[int]]:
+    """Return the indices of the points of each group, in the order of their first points."""
+    cells: dict[tuple[int, int], list[int]] = {}
+    for index, (i, j) in enumerate(np.floor(points[:, :2] / GAP).astype(np.int64).tolist()):
+        cells.setdefault((i, j), []).append(index)
+    found = []
+    while cells:
+        waiting = [next(iter(cells))]
+        members = cells.pop(waiting[0])
+        while waiting:
+            i, j = waiting.pop()
+            for near in ((i + di, j + dj) for di in (-1, 0, 1) for dj in (-1, 0, 1)):
+                if near in cells:
+                    members += cells.pop(near)
+                    waiting.append(near)
+        found.append(sorted(members))
+    return found
