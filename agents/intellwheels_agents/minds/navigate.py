@@ -60,7 +60,6 @@ class Mind:
         except ImportError as error:
             raise OptionError(f"mind navigate: expected numpy, which the extra navigate installs, got {error}") from None
         options = context.options
-        options.flag("truth")
         options.flag("lidar", True)
         document = floor(options["map"]) if "map" in options else context.map
         self._navigator = Navigator(
@@ -68,6 +67,7 @@ class Mind:
             document,
             options.number("speed", 0.8, 0.05, 5.0),
             options.number("within", 0.15, 0.01, 10.0),
+            options.flag("truth"),
             context.route(),
         )
 

@@ -11,12 +11,13 @@ Source: R. B. Dial, Algorithm 360: shortest-path forest with topological orderin
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Final
 
 import numpy as np
 import numpy.typing as npt
 
-from intellwheels_agents.navigation.exact_angles import TWO_PI, Floats
+from intellwheels_agents.navigation.exact_angles import TWO_PI, Floats, wrapped_all
 from intellwheels_agents.navigation.footprint_clearance import Frame
 from intellwheels_agents.navigation.lattice import ANGLES, COSINES, COUNT, GAPS, LENGTHS, SINES, STEPS
 
@@ -125,6 +126,16 @@ def _left_side(frame: Frame, clearance: npt.NDArray[np.float32]) -> Costs:
     return extra
 
 
+def distances(frame: Frame, points: Sequence[tuple[float, float]]) -> Floats:
+    """Return the distance of each cell to the nearest of some points, m; infinite without any."""
+    x = frame.x + frame.cell * np.arange(frame.columns)[None, :]
+    y = frame.y + frame.cell * np.arange(frame.rows)[:, None]
+    square = np.full((frame.rows, frame.columns), np.inf)
+    for px, py in points:
+        np.minimum(square, (x - px) * (x - px) + (y - py) * (y - py), out=square)
+    return np.sqrt(square)
+
+
 class CostToGo:
     """The costs to one goal, as far as they are found.
 
@@ -133,8 +144,8 @@ class CostToGo:
         done: Whether every pose that has a way has its cost.
     """
 
-    def __init__(self, weights: Weights, goal: tuple[float, float], within: float) -> None:
-        """Start at the poses with any heading whose centre is within `within` m of the goal."""
+    def __init__(self, weights: Weights, ends: npt.NDArray[np.bool_], costs: Floats | None = None) -> None:
+        """Start at the poses that are `True` in `ends`, with their costs, m (default 0)."""
         self._weights = weights
         frame = weights.frame
         self.costs: Costs = np.full((COUNT, frame.rows, frame.columns), np.inf, dtype=np.float32)
@@ -148,23 +159,23 @@ class CostToGo:
         self._bands: dict[int, list[npt.NDArray[np.int64]]] = {}
         self._band = 0
         self.done = False
-        self._seed(goal, within)
+        index = np.flatnonzero(ends)
+        first = np.zeros(index.size) if costs is None else np.broadcast_to(costs, ends.shape).reshape(-1)[index]
+        self._flat[index] = first
+        self._store(index, first)
 
-    def _seed(self, goal: tuple[float, float], within: float) -> None:
-        frame = self._weights.frame
-        xs = frame.x + frame.cell * np.arange(frame.columns) - goal[0]
-        ys = frame.y + frame.cell * np.arange(frame.rows) - goal[1]
-        off = np.sqrt(xs[None, :] ** 2 + ys[:, None] ** 2)
-        free = self._weights.clearance >= 0.0
-        near = free & (off <= within)[None]
-        if not near.any():
+    @classmethod
+    def to_point(cls, weights: Weights, goal: tuple[float, float], within: float) -> CostToGo:
+        """Return the costs to the poses with any heading whose centre is within `within` m of a point."""
+        frame = weights.frame
+        off = distances(frame, [goal])
+        free = weights.clearance >= 0.0
+        ends = free & (off <= within)[None]
+        if not ends.any():
             # The body does not fit there: the nearest places where it does.
             least = np.where(free, off[None], np.inf).min()
-            near = free & (off <= least + frame.cell)[None]
-        index = np.flatnonzero(near)
-        costs = np.broadcast_to(off, near.shape).reshape(-1)[index]
-        self._flat[index] = costs
-        self._store(index, costs)
+            ends = free & (off <= least + frame.cell)[None]
+        return cls(weights, ends, off)
 
     @property
     def reached(self) -> float:
@@ -243,3 +254,44 @@ class CostToGo:
         south = low[0] * (1.0 - share_x) + low[1] * share_x
         north = low[2] * (1.0 - share_x) + low[3] * share_x
         return np.where(finite, south * (1.0 - share_y) + north * share_y, np.inf)
+
+    def way(self, x: float, y: float, heading: float, length: float) -> list[tuple[float, float]]:
+        """Return the next points of the way from a pose, the nearest cell first, until it is so long, m."""
+        frame = self._weights.frame
+        k = int(np.argmin(np.abs(wrapped_all(ANGLES - heading))))
+        i, j = round((x - frame.x) / frame.cell), round((y - frame.y) / frame.cell)
+        if not (EDGE <= i < frame.columns - EDGE and EDGE <= j < frame.rows - EDGE):
+            return []
+        index = (k * frame.rows + j) * frame.columns + i
+        found = [(x, y)]
+        driven = 0.0
+        for _ in range(400):
+            if driven >= length or not np.isfinite(self._flat[index]):
+                break
+            following = self._next(index)
+            if following is None:
+                break
+            if following % self._layer != index % self._layer:
+                driven += float(LENGTHS[index // self._layer]) * frame.cell
+                row, column = divmod(following % self._layer, frame.columns)
+                found.append((frame.x + frame.cell * column, frame.y + frame.cell * row))
+            index = following
+        return found
+
+    def _next(self, index: int) -> int | None:
+        """Return the pose after a pose on its cheapest way."""
+        k = index // self._layer
+        step = int(self._offsets[k])
+        before = index - self._layer if k else index + self._size - self._layer
+        after = index + self._layer if k < COUNT - 1 else index - self._size + self._layer
+        moves = (
+            (index + step, float(self._move[index])), (index - step, REVERSE * float(self._move[index - step])),
+            (after, float(self._turn[index])), (before, float(self._turn[before])),
+        )  # fmt: skip
+        best, least = None, float(self._flat[index])
+        for target, cost in moves:
+            # A pose that is not finished yet has no cost: it cannot be on the way.
+            total = float(self._flat[target]) + cost
+            if total < least + 1e-3 and float(self._flat[target]) < float(self._flat[index]):
+                best, least = target, total
+        return best

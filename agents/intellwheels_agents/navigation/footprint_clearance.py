@@ -75,6 +75,12 @@ def covering(boxes: list[Box]) -> list[Box]:
     return [box for box in boxes if not any(_covers(other, box) for other in boxes if other is not box)]
 
 
+def reach_of(boxes: list[Box]) -> float:
+    """Return how far from a point the centre of a body is at most when its clearance to the point is below the cutoff."""
+    corners = ((max(box.front, -box.back), max(box.left, -box.right)) for box in boxes)
+    return max((x * x + y * y) ** 0.5 for x, y in corners) + 1.5 * CUTOFF
+
+
 def _box(part: Part) -> Box:
     return Box(
         part.x + part.length / 2.0, part.x - part.length / 2.0, part.y + part.width / 2.0, part.y - part.width / 2.0,
@@ -127,7 +133,7 @@ def _covers(one: Box, other: Box) -> bool:
 def _mark_edge(
     field: npt.NDArray[np.float32], frame: Frame, a: tuple[float, float], b: tuple[float, float], box: Box
 ) -> None:
-    radius = (max(box.front, -box.back) ** 2 + max(box.left, -box.right) ** 2) ** 0.5 + CUTOFF
+    radius = reach_of([box])
     columns = _span(frame.x, frame.cell, frame.columns, min(a[0], b[0]) - radius, max(a[0], b[0]) + radius)
     rows = _span(frame.y, frame.cell, frame.rows, min(a[1], b[1]) - radius, max(a[1], b[1]) + radius)
     if columns.start >= columns.stop or rows.start >= rows.stop:
@@ -186,3 +192,14 @@ def points_along(solid: Solid, spacing: float) -> Floats:
         share = np.arange(count)[:, None] / count
         found.append(np.array([[ax, ay]]) + share * np.array([[bx - ax, by - ay]]))
     return np.concatenate(found)
+
+
+def hidden_points(solids: list[Solid], boxes: list[Box], height: float | None) -> Floats:
+    """Return points on what a body can meet and a sensor at a height (m) does not see; on everything without one."""
+    found = [
+        points_along(solid, 0.05)
+        for solid in solids
+        if any(box.bottom < solid.top and solid.bottom < box.top for box in boxes)
+        and (height is None or not solid.bottom <= height < solid.top)
+    ]
+    return np.concatenate(found) if found else np.zeros((0, 2))

@@ -52,3 +52,14 @@ class MapDistance:
         outside = (i < 0) | (i >= self._columns) | (j < 0) | (j >= self._rows)
         column, row = np.where(outside, 0, i).astype(np.int64), np.where(outside, 0, j).astype(np.int64)
         return np.where(outside, FARTHEST, self._field[row, column]).astype(np.float64)
+
+    def between(self, x: Floats, y: Floats) -> Floats:
+        """Return the distances of points, m, between those at the centres of the cells around them."""
+        column, row = (x - self._x) / CELL, (y - self._y) / CELL
+        i = np.clip(np.floor(column), 0, self._columns - 2).astype(np.int64)
+        j = np.clip(np.floor(row), 0, self._rows - 2).astype(np.int64)
+        share_x, share_y = np.clip(column - i, 0.0, 1.0), np.clip(row - j, 0.0, 1.0)
+        field = self._field
+        south = field[j, i] * (1.0 - share_x) + field[j, i + 1] * share_x
+        north = field[j + 1, i] * (1.0 - share_x) + field[j + 1, i + 1] * share_x
+        return np.asarray(south * (1.0 - share_y) + north * share_y)

@@ -43,6 +43,8 @@ REVERSE_SPEED: Final = 0.25
 """Highest speed in reverse, m/s."""
 MARGIN: Final = 0.04
 """Clearance that is always kept, m."""
+GROWING: Final = 0.6
+"""Time for which the clearance to what may start to move grows, s."""
 SPENT: Final = 0.9
 """Share of a clearance below the margin that must remain: a body near a wall can leave, and never touches it."""
 SOFT: Final = 0.14
@@ -57,7 +59,7 @@ _SPEEDS: Final = (1.0, 0.75, 0.5, 0.3, 0.15, 0.06, 0.0)
 _RATES: Final = (0.0, 0.06, 0.16, 0.32, 0.55, 1.0)
 
 Points = Floats
-"""Rows x, y (m) and their velocities (m/s) in the body's frame."""
+"""Rows x, y (m), their velocities (m/s) in the body's frame, and how much faster than that they may come nearer (m/s)."""
 
 
 class Command(NamedTuple):
@@ -141,7 +143,6 @@ class MotionWindow:
             points: What the sensors see.
             slow: Share of the highest speed that may be driven.
         """
-        count = self._speeds.size
         allowed = np.abs(self._speeds) <= max(slow * self._speed, 0.05) + 1e-9
         first_v = _towards(self.last.speed, self._speeds, self._acceleration * self._period, self._slowing * self._period)
         first_w = _towards(self.last.rate, self._rates, self._turn_acceleration * self._period)
@@ -169,7 +170,6 @@ class MotionWindow:
         chosen = int(index[best])
         self.last = Command(float(first_v[chosen]), float(first_w[chosen]))
         moves = bool(self._speeds[chosen] != 0.0 or self._rates[chosen] != 0.0)
-        del count
         return Choice(self.last, float(cost[best]), moves)
 
     def _motions(self, index: np.ndarray) -> tuple[Floats, Floats, Floats]:
@@ -232,8 +232,10 @@ class MotionWindow:
         """Return by how much the nearest point is farther than it must be, m, by command and step."""
         if not points.shape[0]:
             return np.full(x.shape, 1.0)
-        least = np.minimum(MARGIN, SPENT * self.gaps(points[:, 0], points[:, 1]))
-        least = np.where(least < 0.0, least / SPENT - 1e-3, least).astype(np.float32)
+        gaps = self.gaps(points[:, 0], points[:, 1])
+        most = np.where(gaps < 0.0, gaps - 1e-3, SPENT * gaps)
+        # What may start to move must be farther away the later it is met, as long as braking takes.
+        least = np.minimum(MARGIN + points[:, 4] * np.minimum(times, GROWING)[:, None], most).astype(np.float32)[None]
         s, c = sines(turned)
         c4, s4 = c.astype(np.float32)[:, :, None], s.astype(np.float32)[:, :, None]
         px = (points[:, 0] + points[:, 2] * times[:, None]).astype(np.float32)[None]

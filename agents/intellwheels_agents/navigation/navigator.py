@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from functools import lru_cache
 from typing import Final
 
 import numpy as np
 
-from intellwheels_agents.differential_drive import Odometry, powers
+from intellwheels_agents.differential_drive import powers
 from intellwheels_agents.mind import Context
-from intellwheels_agents.navigation.cost_to_go import CostToGo, Weights
+from intellwheels_agents.navigation.cone_points import ConePoints
+from intellwheels_agents.navigation.cost_to_go import CostToGo, Weights, distances
 from intellwheels_agents.navigation.exact_angles import Floats, sine_cosine
 from intellwheels_agents.navigation.footprint_clearance import (
     Box,
@@ -17,12 +19,17 @@ from intellwheels_agents.navigation.footprint_clearance import (
     clearances,
     covering,
     frame_of,
-    points_along,
+    hidden_points,
     solids_of,
 )
 from intellwheels_agents.navigation.map_distance import MapDistance
 from intellwheels_agents.navigation.motion_window import MotionWindow
 from intellwheels_agents.navigation.moving_tracks import MovingTracks
+from intellwheels_agents.navigation.particle_pose import ParticlePose
+from intellwheels_agents.navigation.goal_orders import GoalOrders
+from intellwheels_agents.navigation.progress import Progress
+from intellwheels_agents.navigation.right_of_way import LENGTH, ROOM, SAY_PERIOD, RightOfWay, way_message
+from intellwheels_agents.navigation.strange_obstacles import entered
 from intellwheels_agents.navigation.scan_points import ScanPoints, into_body, into_map, thinned
 from intellwheels_agents.user_input import Goals
 from intellwheels_schemas.messages import Actions, Goal, Map, Measures
@@ -38,8 +45,24 @@ BEYOND: Final = 6.0
 ON_MAP: Final = 0.12
 """Points nearer to something on the map are taken for it, m."""
 POSES_KEPT: Final = 64
+"""Ticks for which poses are kept, for readings that come late."""
+MAY_START: Final = 0.25
+"""How much faster than it moves now something that is not on the map may come nearer, m/s."""
+STALLED: Final = 1.5
+"""Time without progress after which it asks for the way and gives way, s."""
+INSIST: Final = 6.0
+"""Time for which it goes on asking after it has made progress again, s."""
+PATIENCE: Final = 6.0
+"""Time without progress after which it plans around what stands in the way, s."""
+RETHINK: Final = 5.0
+"""Time after which a place to give way is chosen again, s."""
+DOOR_RANGE: Final = 2.8
+"""Distance at which a door hears that it shall open, m."""
+DOOR_ROOM: Final = 1.4
+"""Distance to a closed door at which its leaf can swing, m."""
 
 Pose = tuple[float, float, float]
+Point = tuple[float, float]
 
 
 @lru_cache(maxsize=8)
@@ -52,7 +75,7 @@ def weights_of(document: Map, boxes: tuple[Box, ...]) -> Weights:
 class Navigator:
     """Drives one body."""
 
-    def __init__(self, context: Context, document: Map, speed: float, within: float, goals: list[tuple[float, float]]) -> None:
+    def __init__(self, context: Context, document: Map, speed: float, within: float, truth: bool, goals: list[Point]) -> None:
         robot = context.robot
         self._robot, self._period, self._within = robot, context.parameters.period, within
         boxes = boxes_of(robot)
@@ -63,47 +86,186 @@ class Navigator:
         self._scan = ScanPoints(robot)
         heights = [lidar.z for lidar in robot.lidar] or [sensor.z for sensor in robot.proximity] or [0.4]
         self._map = MapDistance(self._solids, heights[0])
-        unseen = [
-            points_along(solid, 0.04)
-            for solid in self._solids
-            if not solid.bottom <= heights[0] < solid.top and any(b.bottom < solid.top and solid.bottom < b.top for b in boxes)
-        ]
-        self._unseen = np.concatenate(unseen) if unseen else np.zeros((0, 2))
+        # What no lidar sees is taken from the map.
+        self._unseen = hidden_points(self._solids, boxes, heights[0] if robot.lidar else None)
+        self._cones = ConePoints(robot, self._map) if not robot.lidar else None
         self._tracks = MovingTracks(self._period)
-        self._odometry = Odometry(robot, context.position)
+        start = context.position
+        self._pose: Pose = start.x, start.y, start.heading
+        self._estimate = None if truth else ParticlePose(robot, start, self._map, context.agent)
         self._poses: dict[int, Pose] = {}
         self._goals = list(goals)
         self._user = Goals()
         self._plan: CostToGo | None = None
-        start = context.position
+        self._active, self._boxes = self._weights, boxes
+        self._entering: Iterator[Weights | None] | None = None
+        self._progress = Progress()
+        self._ways = RightOfWay(context.agent)
+        self._orders = GoalOrders(context)
+        self._doorways = document.doorway
+        self._say_limit = context.parameters.say_limit
+        self._said_at, self._said_open, self._stalled_at = -1.0, False, 0.0
+        self._arrived = self._was_arrived = False
+        self._aside: CostToGo | None = None
+        self._aside_at = 0.0
+        self._strange = np.zeros((0, 2))
+        # Two chairs that meet must not lose their patience at the same tick.
+        self._patience = sum(context.agent.encode()) % 8 * 0.7
         while self._goals and not self._planned((start.x, start.y, start.heading)):
             pass
 
     def decide(self, measures: Measures) -> Actions:
         """Return the actions of a tick."""
-        pose = self._locate(measures)
+        time = measures.time
+        scans = self._scan.update(measures)
+        pose = self._locate(measures, scans)
         self._poses[measures.tick] = pose
         self._poses.pop(measures.tick - POSES_KEPT, None)
+        self._take_goal(measures)
+        self._ways.update(time, measures.message)
+        points = self._points(measures, scans, pose)
+        if not self._goals:
+            return self._stand("arrived")
         while len(self._goals) > 1 and self._near(pose, self._goals[0], self._within):
             self._goals.pop(0)
-            self._plan = None
-        if not self._goals or self._near(pose, self._goals[0], self._within):
-            self._window.stop()
-            return self._answer("arrived", measures)
-        points = self._points(measures, pose)
+            self._new_plan(time)
+        arrived = len(self._goals) == 1 and self._near(pose, self._goals[0], self._within * (2.0 if self._arrived else 1.0))
+        self._arrived = arrived
         if not self._planned(pose):
-            self._window.stop()
-            return self._answer("planning", measures)
-        assert self._plan is not None
+            return self._stand("planning")
+        assert self._plan is not None  # noqa: S101 - `_planned` made it
+        if arrived:
+            self._progress.reset(time)
+        else:
+            self._progress.update(time, self._cost(self._plan, pose))
+            if self._progress.stalled > STALLED:
+                self._stalled_at = time
+        say = None if arrived else self._say(time, pose)
+        aside = self._gives_way(time, pose, arrived)
+        if aside is not None:
+            return self._give_way(aside, pose, points, say)
+        if arrived:
+            return self._stand("arrived")
+        if self._detour(time):
+            return self._stand("planning", say)
         choice = self._window.choose(pose, self._plan, points)
-        return self._answer("autonomous" if choice.moves else "waiting", measures)
+        return self._answer("autonomous" if choice.moves else "waiting", say)
+
+    def _take_goal(self, measures: Measures) -> None:
+        """Take over a goal of the user or of a message."""
+        goal = self._user.changed(measures.user_input)
+        new = None if goal is None else (goal.x, goal.y)
+        for message in measures.message:
+            new = self._orders.goal(message) or new
+        if new is not None:
+            self._goals, self._arrived = [new], False
+            self._new_plan(measures.time)
+
+    def _new_plan(self, time: float) -> None:
+        self._plan, self._active, self._entering = None, self._weights, None
+        self._progress.reset(time)
+
+    # ------------------------------------------------------------ others in the way
+
+    def _say(self, time: float, pose: Pose) -> str | None:
+        """Return the message that asks a door or others for the way, if one is due."""
+        if time - self._said_at < SAY_PERIOD or self._plan is None:
+            return None
+        door = self._closed_door(pose)
+        if door and not self._said_open:
+            self._said_at, self._said_open = time, True
+            return "open"
+        self._said_open = False
+        if time - self._stalled_at > INSIST or self._stalled_at == 0.0:
+            return None
+        self._said_at = time
+        way = way_message(self._plan.way(*pose, LENGTH), self._say_limit)
+        return way if way != "way" else None
+
+    def _closed_door(self, pose: Pose) -> Point | None:
+        """Return the doorway ahead in which something stands that is not on the map."""
+        if not self._strange.shape[0]:
+            return None
+        for doorway in self._doorways:
+            x, y = doorway.x - pose[0], doorway.y - pose[1]
+            if x * x + y * y > DOOR_RANGE * DOOR_RANGE:
+                continue
+            off = self._strange - np.array([[doorway.x, doorway.y]])
+            if ((off[:, 0] ** 2 + off[:, 1] ** 2) < (0.4 * doorway.width) ** 2).any():
+                return doorway.x, doorway.y
+        return None
+
+    def _gives_way(self, time: float, pose: Pose, arrived: bool) -> CostToGo | None:
+        """Return the costs to where it is out of the way of others; None if it is in nobody's way."""
+        here = pose[0], pose[1]
+        room = ROOM if self._aside is None else 1.5 * ROOM
+        stalled = self._aside is not None or self._progress.stalled > STALLED
+        points = self._ways.to_clear(here, stalled, arrived or self._was_arrived, room)
+        if not points and self._progress.stalled > STALLED:
+            door = self._closed_door(pose)
+            if door and self._near(pose, door, DOOR_ROOM):
+                points = [door]
+        if not points:
+            if self._aside is not None:
+                self._progress.reset(time)
+            self._aside, self._was_arrived = None, False
+            return None
+        if self._aside is None or time - self._aside_at > RETHINK:
+            self._was_arrived = self._was_arrived or arrived
+            self._aside, self._aside_at = self._out_of(points, pose), time
+        return self._aside
+
+    def _out_of(self, points: list[Point], pose: Pose) -> CostToGo:
+        """Return the costs to poses that are off some points of a way."""
+        frame = self._weights.frame
+        off = distances(frame, points)
+        near = distances(frame, [(pose[0], pose[1])])
+        ring = (off > 1.1 * ROOM) & (off < 1.1 * ROOM + 0.5) & (near < 5.0)
+        if self._strange.shape[0]:
+            ring &= distances(frame, [(x, y) for x, y in thinned(self._strange, 0.2).tolist()]) > 0.6
+        ends = np.zeros(self._weights.clearance.shape, dtype=bool)
+        ends[::2] = (self._weights.clearance[::2] >= 0.05) & ring
+        return CostToGo(self._weights, ends)
+
+    def _give_way(self, aside: CostToGo, pose: Pose, points: Floats, say: str | None) -> Actions:
+        if not aside.done and self._cost(aside, pose) > aside.reached:
+            aside.expand(WORK_AT_REST)
+            return self._stand("yielding", say)
+        if self._cost(aside, pose) < 0.1:
+            return self._stand("yielding", say)
+        self._window.choose(pose, aside, points)
+        return self._answer("yielding", say)
+
+    def _detour(self, time: float) -> bool:
+        """Plan around what stands in the way if it has no patience left; return whether there is a new plan to make."""
+        if self._entering is None:
+            if self._progress.stalled < PATIENCE + self._patience or not self._strange.shape[0]:
+                return False
+            self._entering = entered(self._weights, self._boxes, self._strange)
+        copy = next(self._entering)
+        if copy is None:
+            return False
+        self._entering = None
+        self._active, self._plan = copy, None
+        self._progress.reset(time)
+        return True
+
+    # ------------------------------------------------------------ answers and plans
+
+    def _stand(self, mode: str, say: str | None = None) -> Actions:
+        self._window.stop()
+        return self._answer(mode, say)
 
     def _planned(self, pose: Pose) -> bool:
         """Work on the plan for a tick; return whether it has reached the body."""
         if self._plan is None:
-            self._plan = CostToGo(self._weights, self._goals[0], self._within / 2.0)
+            self._plan = CostToGo.to_point(self._active, self._goals[0], self._within / 2.0)
         plan = self._plan
         here = self._cost(plan, pose)
+        if plan.done and here == float("inf") and self._active is not self._weights:
+            # There is no way round: wait on the way that the map has.
+            self._active, self._plan = self._weights, None
+            return False
         ready = here <= plan.reached
         if not plan.done and here + BEYOND > plan.reached:
             plan.expand(WORK if ready else WORK_AT_REST)
@@ -112,46 +274,52 @@ class Navigator:
     def _cost(self, plan: CostToGo, pose: Pose) -> float:
         return float(plan.at(np.array([pose[0]]), np.array([pose[1]]), np.array([pose[2]]))[0])
 
-    def _answer(self, mode: str, measures: Measures) -> Actions:
+    def _answer(self, mode: str, say: str | None) -> Actions:
         left, right = powers(self._robot, *self._window.last)
         goal = Goal(x=self._goals[0][0], y=self._goals[0][1]) if self._goals else None
-        return Actions(left_motor=left, right_motor=right, mode=mode, goal=goal)
+        return Actions(left_motor=left, right_motor=right, mode=mode, goal=goal, say=say)
 
     def _near(self, pose: Pose, goal: tuple[float, float], within: float) -> bool:
         return (pose[0] - goal[0]) ** 2 + (pose[1] - goal[1]) ** 2 <= within * within
 
-    def _locate(self, measures: Measures) -> Pose:
+    def _locate(self, measures: Measures, scans: list[tuple[int, Floats]]) -> Pose:
         sensors = measures.sensors
         self._window.measured(None, None)
+        if self._estimate is not None:
+            return self._estimate.update(measures, scans)
         if sensors is not None and sensors.truth:
             reading = sensors.truth[0]
-            return reading.x, reading.y, reading.heading
-        self._odometry.update(sensors)
-        return self._odometry.x, self._odometry.y, self._odometry.heading
+            self._pose = reading.x, reading.y, reading.heading
+        return self._pose
 
-    def _points(self, measures: Measures, pose: Pose) -> Floats:
+    def _points(self, measures: Measures, scans: list[tuple[int, Floats]], pose: Pose) -> Floats:
         """Return what is around, as rows x, y, vx, vy in the body's frame."""
         reach = self._window.reach
         seen = []
-        for tick, points in self._scan.update(measures):
+        for tick, points in scans:
             then = self._poses.get(tick)
             if then is not None:
                 seen.append(into_map(points, then))
+        if self._cones is not None:
+            seen.append(self._cones.update(measures, self._poses))
         found = np.concatenate(seen) if seen else np.zeros((0, 2))
         near = (found[:, 0] - pose[0]) ** 2 + (found[:, 1] - pose[1]) ** 2 < 16.0
         found = thinned(found[near])
         strange = self._map.at(found[:, 0], found[:, 1]) > ON_MAP
         velocities = np.zeros((found.shape[0], 2))
         velocities[strange] = self._tracks.update(found[strange])
+        self._strange = found[strange]
+        growth = np.where(strange, MAY_START, 0.0)
         if self._unseen.shape[0]:
             off = np.abs(self._unseen - np.array([[pose[0], pose[1]]])).max(axis=1)
             hidden = self._unseen[off < reach]
             found = np.concatenate([found, hidden])
             velocities = np.concatenate([velocities, np.zeros_like(hidden)])
+            growth = np.concatenate([growth, np.zeros(hidden.shape[0])])
         body = into_body(found, pose)
         speed = np.sqrt(velocities[:, 0] ** 2 + velocities[:, 1] ** 2)
         gaps = self._window.gaps(body[:, 0], body[:, 1])
         keep = gaps < self._window.reach - 0.5 + 1.6 * speed
         s, c = sine_cosine(pose[2])
         vx, vy = velocities[:, 0], velocities[:, 1]
-        return np.stack([body[:, 0], body[:, 1], c * vx + s * vy, c * vy - s * vx], axis=1)[keep]
+        return np.stack([body[:, 0], body[:, 1], c * vx + s * vy, c * vy - s * vx, growth], axis=1)[keep]
