@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import math
 
+from intellwheels_agents.portable_math import sin, sincos
 from intellwheels_schemas.messages import OdometryReading, Position, Robot, Sensors
 
 
@@ -95,7 +96,7 @@ class Odometry:
     def _take_odometry(self, reading: OdometryReading) -> None:
         """Take over a pose relative to the start."""
         start = self._start
-        c, s = math.cos(start.heading), math.sin(start.heading)
+        s, c = sincos(start.heading)
         heading = wrapped(start.heading + reading.heading)
         self.turned += wrapped(heading - self.heading)
         self.x, self.y = start.x + c * reading.x - s * reading.y, start.y + s * reading.x + c * reading.y
@@ -107,8 +108,9 @@ class Odometry:
         turn = (right - left) / self._track
         # The chord of the arc, 2 R sin(turn / 2), points along the heading at the middle of the arc.
         half = turn / 2.0
-        chord = travel * (math.sin(half) / half if abs(half) > 1e-6 else 1.0 - half * half / 6.0)
-        self.x += chord * math.cos(self.heading + half)
-        self.y += chord * math.sin(self.heading + half)
+        chord = travel * (sin(half) / half if abs(half) > 1e-6 else 1.0 - half * half / 6.0)
+        s, c = sincos(self.heading + half)
+        self.x += chord * c
+        self.y += chord * s
         self.heading = wrapped(self.heading + turn)
         self.turned += turn

@@ -6,9 +6,10 @@ the margin may still move away from it, so a chair is never locked in.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable
+from math import sqrt
 
+from intellwheels_agents.portable_math import hypot, sincos
 from intellwheels_agents.pure_pursuit import Point
 from intellwheels_agents.range_scan import Outline
 
@@ -31,13 +32,13 @@ class Footprint:
     def __init__(self, outline: Outline) -> None:
         """Take the outline; the rectangle is symmetric to the x axis."""
         self._front, self._back, self._side = outline.front, outline.back, outline.side
-        self.radius = math.hypot(max(outline.front, outline.back), outline.side)
+        self.radius = hypot(max(outline.front, outline.back), outline.side)
 
     def clearance(self, x: float, y: float) -> float:
         """Return the distance from the rectangle to a point in m, negative inside."""
         dx, dy = max(x - self._front, -self._back - x), abs(y) - self._side
         if dx > 0.0 and dy > 0.0:
-            return math.hypot(dx, dy)
+            return hypot(dx, dy)
         return max(dx, dy)
 
     def free(self, points: Iterable[Point], speed: float, turn_rate: float, seconds: float, margin: float) -> float:
@@ -60,7 +61,7 @@ class Footprint:
         front, back, side, radius = self._front, self._back, self._side, self.radius
         free = seconds
         for x, y, vx, vy in points:
-            fastest = own + math.hypot(vx, vy)
+            fastest = own + hypot(vx, vy)
             reach = radius + fastest * free + margin
             if fastest * free < ROUNDING or x * x + y * y > reach * reach:
                 continue
@@ -75,12 +76,15 @@ class Footprint:
                 time = min(time + max(spare, STEP) / fastest, free)
                 turn = turn_rate * time
                 moved_x, moved_y = displacement(speed * time, turn)
-                c, s = math.cos(turn), math.sin(turn)
+                s, c = sincos(turn)
                 dx, dy = x + vx * time - moved_x, y + vy * time - moved_y
                 # `clearance`, inlined: a walker among others spends most of its time here.
                 along, across = c * dx + s * dy, abs(c * dy - s * dx) - side
                 along = max(along - front, -back - along)
-                clearance = math.hypot(along, across) if along > 0.0 and across > 0.0 else max(along, across)
+                if along > 0.0 and across > 0.0:
+                    clearance = sqrt(along * along + across * across)
+                else:
+                    clearance = max(along, across)
                 if clearance < least:
                     free = certain
                     break
@@ -92,5 +96,6 @@ class Footprint:
 def displacement(travel: float, turn: float) -> Point:
     """Return the end of an arc from the origin along x, in m: `travel` is its length (m), `turn` its angle (rad)."""
     half = turn / 2.0
-    chord = travel * (math.sin(half) / half if abs(half) > 1e-6 else 1.0)
-    return chord * math.cos(half), chord * math.sin(half)
+    s, c = sincos(half)
+    chord = travel * (s / half if abs(half) > 1e-6 else 1.0)
+    return chord * c, chord * s

@@ -14,6 +14,7 @@ from dataclasses import dataclass
 from typing import Final
 
 from intellwheels_agents.footprint import STEP
+from intellwheels_agents.portable_math import hypot, sincos
 from intellwheels_agents.pure_pursuit import Point
 from intellwheels_agents.range_scan import Outline
 
@@ -56,12 +57,12 @@ class MotionProjection:
         dx, dy = abs(x - middle) - half, abs(y) - body.side
         if dx <= 0.0 or dy <= 0.0:
             return max(dx, dy)
-        return math.hypot(dx, dy)
+        return hypot(dx, dy)
 
     @property
     def radius(self) -> float:
         """Distance from the centre of movement to the farthest corner, m."""
-        return math.hypot(max(self.outline.front, self.outline.back), self.outline.side)
+        return hypot(max(self.outline.front, self.outline.back), self.outline.side)
 
     def poses(self, now: Wheels, wanted: Wheels, seconds: float) -> list[tuple[float, float, float, float]]:
         """Return the poses of the coming motion, as x, y, heading and path length.
@@ -83,8 +84,9 @@ class MotionProjection:
             pieces = max(1, math.ceil(reach / STEP))
             travel, turn, reach = travel / pieces, turn / pieces, reach / pieces
             for _ in range(pieces):
-                x += travel * math.cos(heading + turn / 2.0)
-                y += travel * math.sin(heading + turn / 2.0)
+                s, c = sincos(heading + turn / 2.0)
+                x += travel * c
+                y += travel * s
                 heading += turn
                 moved += reach
                 found.append((x, y, heading, moved))
@@ -130,18 +132,23 @@ class MotionProjection:
                 break
             if due[0][0] > moved:
                 continue
-            c, s = math.cos(heading), math.sin(heading)
+            s, c = sincos(heading)
             while due[0][0] <= moved:
                 _, x, y, least, least_long = due[0]
                 # `clearance` twice, inlined: most of a tick's time is spent here.
                 dx, dy = x - px, y - py
                 along = abs(c * dx + s * dy - middle) - half
                 across = abs(c * dy - s * dx) - side
-                spare = (max(along, across) if along <= 0.0 or across <= 0.0 else math.hypot(along, across)) - least
+                square = across * across
+                if along <= 0.0 or across <= 0.0:
+                    spare = max(along, across) - least
+                else:
+                    spare = math.sqrt(along * along + square) - least
                 along -= swing
-                spare_long = (
-                    max(along, across) if along <= 0.0 or across <= 0.0 else math.hypot(along, across)
-                ) - least_long
+                if along <= 0.0 or across <= 0.0:
+                    spare_long = max(along, across) - least_long
+                else:
+                    spare_long = math.sqrt(along * along + square) - least_long
                 spare = min(spare, spare_long)
                 if spare < 0.0:
                     return False

@@ -18,6 +18,7 @@ from collections.abc import Iterable, Iterator
 from typing import Final, NamedTuple
 
 from intellwheels_agents.differential_drive import Odometry
+from intellwheels_agents.portable_math import cos, dist, hypot, sincos, tan
 from intellwheels_agents.pure_pursuit import Point
 from intellwheels_agents.range_scan import Outline, distance, outline
 from intellwheels_schemas.messages import Measures, Proximity, ProximityReading, Robot
@@ -69,7 +70,8 @@ class _Beam(NamedTuple):
 
     def at(self, angle: float, metres: float) -> Point:
         """Return the point at an angle from the beam's axis (rad) and a distance (m), in the body frame."""
-        return self.x + metres * math.cos(self.bearing + angle), self.y + metres * math.sin(self.bearing + angle)
+        s, c = sincos(self.bearing + angle)
+        return self.x + metres * c, self.y + metres * s
 
 
 class ObstacleMemory:
@@ -109,7 +111,7 @@ class ObstacleMemory:
         if self._poses:
             x, y, heading = self._poses[-1][1]
             turned = math.remainder(pose[2] - heading, math.tau)
-            self._step = math.hypot(pose[0] - x, pose[1] - y) + abs(turned)
+            self._step = hypot(pose[0] - x, pose[1] - y) + abs(turned)
             self._travel += self._step
         self._poses.append((measures.tick, pose))
         local = self._around(pose)
@@ -151,7 +153,7 @@ class ObstacleMemory:
     def _around(self, pose: Pose) -> dict[Cell, Point]:
         """Return the near points in the body frame; drop those that are far, old, or covered by the body."""
         px, py, heading = pose
-        c, s = math.cos(heading), math.sin(heading)
+        s, c = sincos(heading)
         body = self._outline
         reach = REACH + max(body.front, body.back)
         oldest = self._travel - MAX_AGE
@@ -170,7 +172,7 @@ class ObstacleMemory:
 
     def _clear(self, beam: _Beam, metres: float, local: dict[Cell, Point]) -> None:
         """Drop the points that a beam sees past."""
-        c, s = math.cos(beam.bearing), math.sin(beam.bearing)
+        s, c = sincos(beam.bearing)
         clear = metres - self._clearing
         if clear <= 0.0:
             return
@@ -199,7 +201,7 @@ class ObstacleMemory:
 
     def _set_free(self, pose: Pose, places: Iterable[Point], time: float) -> None:
         px, py, heading = pose
-        c, s = math.cos(heading), math.sin(heading)
+        s, c = sincos(heading)
         cell, free, floor = self._cell, self._free, math.floor
         for x, y in places:
             free[floor((px + c * x - s * y) / cell), floor((py + s * x + c * y) / cell)] = time
@@ -219,14 +221,15 @@ class ObstacleMemory:
         # Nearer than the sensor's minimum range: an arc at half of it is wrong by at most that half.
         radius = metres / 2.0 if reading.status == "near" else metres
         x, y, heading = self._poses[-1][1]
-        c, s = math.cos(heading), math.sin(heading)
+        s, c = sincos(heading)
         then_x, then_y, turned = then
-        then_c, then_s = math.cos(turned), math.sin(turned)
+        then_s, then_c = sincos(turned)
         steps = max(1, math.ceil(2.0 * beam.half * radius / self._spacing))
         arc: list[tuple[Cell, Point, Point]] = []
         for k in range(steps + 1):
             angle = beam.bearing - beam.half + 2.0 * beam.half * k / steps
-            bx, by = beam.x + radius * math.cos(angle), beam.y + radius * math.sin(angle)
+            beam_s, beam_c = sincos(angle)
+            bx, by = beam.x + radius * beam_c, beam.y + radius * beam_s
             wx, wy = then_x + then_c * bx - then_s * by, then_y + then_s * bx + then_c * by
             dx, dy = wx - x, wy - y
             here = c * dx + s * dy, c * dy - s * dx
@@ -247,7 +250,7 @@ class ObstacleMemory:
             if first == second or max(near, far) > REACH:
                 continue
             a, b = one.at(one.half, near), other.at(-other.half, far)
-            length = math.dist(a, b)
+            length = dist(a, b)
             if length < WALL_GAP:
                 pieces = max(1, math.ceil(length / self._spacing))
                 for k in range(1, pieces):
@@ -256,11 +259,11 @@ class ObstacleMemory:
 
 def _beam(sensor: Proximity, cell: float) -> _Beam:
     half = min(math.radians(sensor.cone_deg) / 2.0, math.radians(89.0))
-    bearing, tangent, slack = math.radians(sensor.direction_deg), math.tan(half), CLEARING * cell / math.cos(half)
-    c, s = math.cos(bearing), math.sin(bearing)
+    bearing, tangent, slack = math.radians(sensor.direction_deg), tan(half), CLEARING * cell / cos(half)
+    s, c = sincos(bearing)
     count = math.ceil(REACH / cell)
     lattice = tuple(
-        (sensor.x + c * along - s * across, sensor.y + s * along + c * across, math.hypot(along, across))
+        (sensor.x + c * along - s * across, sensor.y + s * along + c * across, hypot(along, across))
         for along in (cell * i for i in range(1, count + 1))
         for across in (cell * j for j in range(-count, count + 1))
         if abs(across) < along * tangent - slack

@@ -6,6 +6,7 @@ import math
 from typing import NamedTuple
 
 from intellwheels_agents.differential_drive import Odometry, wrapped
+from intellwheels_agents.portable_math import atan2, hypot, sin
 from intellwheels_agents.pure_pursuit import Path
 
 TURN_RATE = 0.8
@@ -59,12 +60,12 @@ class PathFollower:
         look_ahead = max(0.45, 0.9 * self._speed)
         target_x, target_y = path.ahead(look_ahead)
         dx, dy = target_x - pose.x, target_y - pose.y
-        bearing = wrapped(math.atan2(dy, dx) - pose.heading)
+        bearing = wrapped(atan2(dy, dx) - pose.heading)
         # Two thresholds (hysteresis), so that it does not alternate between turning and driving.
         self._turning = abs(bearing) > (TURN_IN_PLACE / 3.0 if self._turning else TURN_IN_PLACE)
         if self._turning:
             return Steering(0.0, 0.0, min(max(2.0 * bearing, -TURN_RATE), TURN_RATE))
-        curvature = 2.0 * math.sin(bearing) / max(math.hypot(dx, dy), 1e-3)
+        curvature = 2.0 * sin(bearing) / max(hypot(dx, dy), 1e-3)
         speed = min(self._speed, TURN_RATE / max(abs(curvature), 1e-6), braking(stopping_distance))
         return Steering(max(speed, MIN_SPEED), curvature, 0.0)
 

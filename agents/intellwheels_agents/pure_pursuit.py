@@ -13,6 +13,7 @@ from itertools import pairwise
 
 from intellwheels_agents.mind import Context
 from intellwheels_agents.options import OptionError
+from intellwheels_agents.portable_math import atan2, dist, hypot
 
 Point = tuple[float, float]
 
@@ -37,21 +38,21 @@ class Path:
         """
         distinct: list[Point] = []
         for point in points:
-            if not distinct or math.dist(point, distinct[-1]) > 1e-6:
+            if not distinct or dist(point, distinct[-1]) > 1e-6:
                 distinct.append(point)
         if len(distinct) < 2:
             raise ValueError("path: expected at least 2 different points")
         self._points = distinct
         self._starts = [0.0]
         for a, b in pairwise(distinct):
-            self._starts.append(self._starts[-1] + math.dist(a, b))
+            self._starts.append(self._starts[-1] + dist(a, b))
         self.length = self._starts[-1]
         self.done = 0.0
 
     def extend(self, point: Point) -> None:
         """Add a point at the end, unless it equals the last one."""
-        if math.dist(point, self._points[-1]) > 1e-6:
-            self._starts.append(self._starts[-1] + math.dist(point, self._points[-1]))
+        if dist(point, self._points[-1]) > 1e-6:
+            self._starts.append(self._starts[-1] + dist(point, self._points[-1]))
             self._points.append(point)
             self.length = self._starts[-1]
 
@@ -76,7 +77,7 @@ class Path:
             along = ((x - a[0]) * (b[0] - a[0]) + (y - a[1]) * (b[1] - a[1])) / length
             along = min(max(along, self.done - start, 0.0), length, self.done + self.WINDOW - start)
             px, py = self._on(i, along)
-            off = math.hypot(x - px, y - py)
+            off = hypot(x - px, y - py)
             if off < best:
                 best, done = off, start + along
         self.done = done
@@ -95,7 +96,7 @@ class Path:
             if self._starts[i] <= self.done:
                 continue
             a, b, c = self._points[i - 1 : i + 2]
-            turn = math.atan2(c[1] - b[1], c[0] - b[0]) - math.atan2(b[1] - a[1], b[0] - a[0])
+            turn = atan2(c[1] - b[1], c[0] - b[0]) - atan2(b[1] - a[1], b[0] - a[0])
             if abs(math.remainder(turn, 2.0 * math.pi)) > angle:
                 return self._starts[i] - self.done
         return self.remaining

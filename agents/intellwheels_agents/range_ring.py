@@ -13,6 +13,7 @@ import msgspec
 
 from intellwheels_agents.differential_drive import Odometry, wrapped
 from intellwheels_agents.footprint import MovingPoint
+from intellwheels_agents.portable_math import sincos
 from intellwheels_agents.range_scan import SENSOR_HEIGHT, distance, outline
 from intellwheels_schemas.messages import Proximity, Robot, Sensors
 
@@ -85,7 +86,13 @@ class RangeRing:
         self._period = period
         self._sensors = {sensor.id: (i, sensor) for i, sensor in enumerate(robot.proximity)}
         self._bearings = [math.radians(sensor.direction_deg) for sensor in robot.proximity]
-        self._extents = [_extent(body.front, body.side, bearing) for bearing in self._bearings]
+        self._directions = [sincos(bearing) for bearing in self._bearings]
+        # Of each cone ahead: its number, the sine and cosine of its bearing, and where the body ends in it.
+        self._ahead = [
+            (i, abs(s), c, _extent(body.front, body.side, bearing))
+            for i, (bearing, (s, c)) in enumerate(zip(self._bearings, self._directions, strict=True))
+            if abs(bearing) < math.pi / 2.0
+        ]
         self._ranges = [math.inf] * len(self._bearings)
         self.objects: list[NearObject] = []
 
@@ -107,7 +114,8 @@ class RangeRing:
 
     def _tracked(self, metres: float, bearing: float, pose: Odometry, known: list[NearObject]) -> NearObject:
         """Return an object, with a velocity if it is one of the known ones."""
-        x, y = pose.x + metres * math.cos(bearing), pose.y + metres * math.sin(bearing)
+        s, c = sincos(bearing)
+        x, y = pose.x + metres * c, pose.y + metres * s
         found = NearObject(x, y, metres, bearing)
         last = min(known, key=found.moved_from, default=None)
         if last is None or found.moved_from(last) >= SAME_OBJECT:
@@ -125,10 +133,10 @@ class RangeRing:
             beside: Clearance to keep on either side, m.
         """
         gap, count = math.inf, len(self._ranges)
-        for i, (bearing, extent) in enumerate(zip(self._bearings, self._extents, strict=True)):
+        for i, s, c, extent in self._ahead:
             metres = self._ranges[(i + turned) % count]
-            if abs(bearing) < math.pi / 2.0 and metres * abs(math.sin(bearing)) < self._side + beside:
-                gap = min(gap, (metres - extent) * math.cos(bearing))
+            if metres * s < self._side + beside:
+                gap = min(gap, (metres - extent) * c)
         return max(gap, 0.0)
 
     def way_out(self, direction: float, free: float) -> float:
@@ -142,19 +150,20 @@ class RangeRing:
 
     def near(self, reach: float, heading: float) -> list[MovingPoint]:
         """Return the points within `reach` m, in the body frame, each with the velocity of the object nearest to it."""
-        c, s = math.cos(heading), math.sin(heading)
+        s, c = sincos(heading)
         found: list[MovingPoint] = []
-        for bearing, metres in zip(self._bearings, self._ranges, strict=True):
+        for bearing, (ray_s, ray_c), metres in zip(self._bearings, self._directions, self._ranges, strict=True):
             if metres > reach:
                 continue
             in_map = bearing + heading
             owner = min(self.objects, key=lambda each: abs(wrapped(each.bearing - in_map)), default=None)
             vx, vy = (0.0, 0.0) if owner is None else (owner.velocity_x, owner.velocity_y)
-            found.append((metres * math.cos(bearing), metres * math.sin(bearing), c * vx + s * vy, c * vy - s * vx))
+            found.append((metres * ray_c, metres * ray_s, c * vx + s * vy, c * vy - s * vx))
         return found
 
 
 def _extent(front: float, side: float, bearing: float) -> float:
     """Return the distance from the centre of a box to its edge in a direction, m."""
-    c, s = abs(math.cos(bearing)), abs(math.sin(bearing))
+    s, c = sincos(bearing)
+    s, c = abs(s), abs(c)
     return min(front / c if c > 1e-9 else math.inf, side / s if s > 1e-9 else math.inf)

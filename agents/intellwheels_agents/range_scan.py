@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+from intellwheels_agents.portable_math import cos, sin
 from intellwheels_schemas.messages import Proximity, ProximityReading, Robot, Sensors
 from intellwheels_schemas.rules import parts_of
 
@@ -127,7 +128,7 @@ class RangeScan:
         # A cone that is entirely beside the body says nothing about what is ahead.
         if abs(bearing) > math.radians(60.0):
             return math.inf
-        across = sensor.y + metres * math.sin(bearing)
+        across = sensor.y + metres * sin(bearing)
         if abs(across) > self._body.side + self.MARGIN:
             return math.inf
-        return max(0.0, sensor.x + metres * math.cos(bearing) - self._body.front)
+        return max(0.0, sensor.x + metres * cos(bearing) - self._body.front)

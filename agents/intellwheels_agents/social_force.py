@@ -24,6 +24,7 @@ import math
 from collections.abc import Iterable, Sequence
 
 from intellwheels_agents.differential_drive import wrapped
+from intellwheels_agents.portable_math import atan2, cos, exp, hypot, sincos
 from intellwheels_agents.pure_pursuit import Point
 from intellwheels_agents.range_ring import NearObject
 
@@ -59,9 +60,9 @@ def attraction(own: Point, companions: Sequence[Point]) -> Point:
     if not companions:
         return 0.0, 0.0
     count = len(companions) + 1
-    x = sum((x for x, _ in companions), own[0]) / count - own[0]
-    y = sum((y for _, y in companions), own[1]) / count - own[1]
-    off = math.hypot(x, y)
+    x = math.fsum((own[0], *(x for x, _ in companions))) / count - own[0]
+    y = math.fsum((own[1], *(y for _, y in companions))) / count - own[1]
+    off = hypot(x, y)
     if off <= (count - 1) / 2.0:
         return 0.0, 0.0
     return ATTRACTION * x / off, ATTRACTION * y / off
@@ -77,24 +78,25 @@ def repulsion(objects: Iterable[NearObject], wanted: Point, commanded: Point, ac
         actual: The pedestrian's velocity as measured, m/s.
         heading: The pedestrian's heading, rad; the walking direction of one who stands.
     """
-    speed = math.hypot(*wanted)
-    direction = math.atan2(wanted[1], wanted[0]) if speed > 0.0 else heading
+    speed = hypot(*wanted)
+    direction = atan2(wanted[1], wanted[0]) if speed > 0.0 else heading
     push_x = push_y = 0.0
     for each in objects:
         off = wrapped(each.bearing - direction)
         force, away_x, away_y = elliptic(each, actual)
         if speed > 0.0 and abs(off) > HALF_FIELD_OF_VIEW:
             force *= BEHIND
-        to_x, to_y = math.cos(each.bearing), math.sin(each.bearing)
+        to_y, to_x = sincos(each.bearing)
         closing = (commanded[0] - each.velocity_x) * to_x + (commanded[1] - each.velocity_y) * to_y
         if speed > 0.0 and closing > 0.0 and abs(off) < math.pi / 2.0:
             # Pass the object on the side where it is not. The side that follows from the ellipse changes with what is
             # seen of the object, and the pedestrian would sway.
             away_x, away_y = -to_x, -to_y
             beside = direction + math.copysign(math.pi / 2.0, -off - TO_THE_RIGHT)
-            aside = force * math.cos(off) * min(closing / speed, 1.0)
-            push_x += aside * math.cos(beside)
-            push_y += aside * math.sin(beside)
+            aside = force * cos(off) * min(closing / speed, 1.0)
+            beside_y, beside_x = sincos(beside)
+            push_x += aside * beside_x
+            push_y += aside * beside_y
         push_x += force * away_x
         push_y += force * away_y
     return push_x, push_y
@@ -107,17 +109,18 @@ def elliptic(near: NearObject, velocity: Point) -> tuple[float, float, float]:
         Its size (m/s2), and x and y of the unit vector of its direction.
     """
     middle = near.metres + HALF_DEPTH
-    x, y = -middle * math.cos(near.bearing), -middle * math.sin(near.bearing)
+    s, c = sincos(near.bearing)
+    x, y = -middle * c, -middle * s
     step_x, step_y = STEP * (near.velocity_x - velocity[0]), STEP * (near.velocity_y - velocity[1])
     later_x, later_y = x - step_x, y - step_y
-    later = max(math.hypot(later_x, later_y), 1e-6)
-    half_axis = math.sqrt(max((middle + later) ** 2 - step_x**2 - step_y**2, 0.0)) / 2.0
-    force = POTENTIAL / REACH * math.exp(-half_axis / REACH)
+    later = max(hypot(later_x, later_y), 1e-6)
+    half_axis = math.sqrt(max((middle + later) * (middle + later) - step_x * step_x - step_y * step_y, 0.0)) / 2.0
+    force = POTENTIAL / REACH * exp(-half_axis / REACH)
     # The normal of the ellipse bisects the angle between the directions to its two foci.
     away_x, away_y = x / middle + later_x / later, y / middle + later_y / later
-    length = math.hypot(away_x, away_y)
+    length = hypot(away_x, away_y)
     if length < 0.05:
         # Straight in the path of the object: step to the right, as seen from the object.
-        step = max(math.hypot(step_x, step_y), 1e-6)
+        step = max(hypot(step_x, step_y), 1e-6)
         return force, step_y / step, -step_x / step
     return force, away_x / length, away_y / length

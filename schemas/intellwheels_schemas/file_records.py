@@ -3,6 +3,7 @@
 Both files are JSON Lines: a header, then one line per tick. `input.jsonl` is the input log: a run is a function of its
 header and its ticks, so a second run from the log gives the same hashes. `trace.jsonl` has the true state at each tick
 of such a run. Numbers have full precision. The headers have a version; a file of another version is refused.
+`log_chain` says how the checksums of an input log are made, and `input_reader` reads one.
 
 Units and frames are those of `messages`. The string below a field describes the field.
 """
@@ -33,11 +34,20 @@ FORMAT: Final = "iw.v1"
 """Version of the contract that the messages within a file follow."""
 VERSION: Final = 1
 """Version of the lines themselves. Raise it when a reader of this version could not understand the new lines."""
+CHAINED: Final = 2
+"""Version of an input log whose lines have checksums and which ends with an `InputEnd`; version 1 has neither."""
 
 RunId = Annotated[str, Meta(description="Id of the run.")]
 AgentName = Annotated[str, Meta(description="Name of the agent that this concerns.")]
 SlotName = Annotated[str, Meta(description="Name of the saved state.")]
 Version = Annotated[int, Meta(description="Version of the lines of this file; a header without one means version 1.")]
+Checksum = Annotated[
+    str,
+    Meta(
+        description="The last field of its line: 16 hex digits of BLAKE2b-64 over the Chain of the line before, if "
+        "there is one, and the bytes of this line before its Chain and the comma. Absent in version 1."
+    ),
+]
 
 
 class FileRecord(msgspec.Struct, rename="pascal", frozen=True, omit_defaults=True):
@@ -261,6 +271,7 @@ class InputHeader(FileRecord, frozen=True, kw_only=True, omit_defaults=False):
     """Versions of Python and of the packages that wrote the file."""
     cpu: str = ""
     """Processor that the kernels were compiled for."""
+    chain: Checksum = ""
 
 
 class InputTick(FileRecord, frozen=True, kw_only=True):
@@ -274,6 +285,17 @@ class InputTick(FileRecord, frozen=True, kw_only=True):
     """Hash of the state after the step, 16 hex digits; without a step, the hash of the state at the tick."""
     stepped: bool = True
     """Whether a step was made; false for a reset, and for changes after the last step."""
+    chain: Checksum = ""
+
+
+class InputEnd(FileRecord, frozen=True, kw_only=True):
+    """The last line of an input log of version 2 that was closed in order. A log without it was cut."""
+
+    end: Literal["closed"]
+    """What ended the log."""
+    lines: int
+    """Number of lines before this one, with the header."""
+    chain: Checksum = ""
 
 
 # ---------------------------------------------------------------- trace.jsonl
@@ -334,11 +356,12 @@ class TraceTick(FileRecord, frozen=True, kw_only=True):
     """Hash of the state at this tick: 16 hex digits."""
 
 
-LINES: Final[tuple[type[FileRecord], ...]] = (InputHeader, InputTick, TraceHeader, TraceTick)
+LINES: Final[tuple[type[FileRecord], ...]] = (InputHeader, InputTick, InputEnd, TraceHeader, TraceTick)
 """The records that are a complete line of a file."""
 
 _H = TypeVar("_H", bound=InputHeader | TraceHeader)
 _FILES: Final[dict[type[FileRecord], str]] = {InputHeader: "an input log", TraceHeader: "a trace"}
+_VERSIONS: Final[dict[type[FileRecord], tuple[int, ...]]] = {InputHeader: (VERSION, CHAINED), TraceHeader: (VERSION,)}
 
 
 class _Versions(msgspec.Struct, rename="pascal"):
@@ -364,8 +387,9 @@ def read_header(cls: type[_H], line: bytes, where: str) -> _H:
         form = found.log if cls is InputHeader else found.trace
         if form is not None and form != FORMAT:
             raise WireError("version", f"{where}: expected {file} of format {FORMAT}, got {form[:40]!r}", where)
-        if found.version != VERSION:
-            text = f"{where}: expected {file} of version {VERSION}, got version {found.version}"
+        if found.version not in _VERSIONS[cls]:
+            known = " or ".join(map(str, _VERSIONS[cls]))
+            text = f"{where}: expected {file} of version {known}, got version {found.version}"
             raise WireError("version", f"{text}; this release reads no other", where)
         return msgspec.json.decode(line, type=cls)
     except (msgspec.MsgspecError, UnicodeDecodeError) as error:

@@ -112,10 +112,14 @@ encoding of the `join`: measures in that of the mind, and power in that of the b
 _LOGS = """## Files for programs
 
 `iw-server` writes two kinds of JSON Lines files. The first line of an input log (`input.jsonl`) is an
-[InputHeader](#inputheader), and every further line is an [InputTick](#inputtick). A second run from the log gives the
-same hashes. The first line of a trace (`trace.jsonl`) is a [TraceHeader](#traceheader), and every further line is a
-[TraceTick](#tracetick) with the true state at that tick. A reader refuses a header of another `Version`, and ignores
-fields that it does not know.
+[InputHeader](#inputheader), every further line is an [InputTick](#inputtick), and the last one is an
+[InputEnd](#inputend). A second run from the log gives the same hashes. The first line of a trace (`trace.jsonl`) is a
+[TraceHeader](#traceheader), and every further line is a [TraceTick](#tracetick) with the true state at that tick. A
+reader refuses a header of another `Version`, and ignores fields that it does not know.
+
+Each line of an input log ends with a checksum, `Chain`, over itself and all lines before it. A log without an
+`InputEnd` was cut, and can be used up to its last whole line. A log with a wrong checksum was edited. Input logs of
+version 1 have no `Chain` and no `InputEnd`.
 
 """
 

@@ -9,10 +9,13 @@ from pathlib import Path
 
 from intellwheels_schemas import defaults
 from intellwheels_schemas.errors import WireError
+from intellwheels_schemas.input_reader import cut_text, unchained_text
 from intellwheels_schemas.link import link_of
 from intellwheels_schemas.names import check_name
+from intellwheels_schemas.output_paths import check_output_file, check_output_folder
 from intellwheels_schemas.process import stop_on_signals
 from intellwheels_server.log.input_log import LogError, read_header
+from intellwheels_server.log.proof import proof_line
 from intellwheels_server.log.resimulate import resimulate
 from intellwheels_server.server_options import PLAY_SUFFIX, options_of, parser
 from intellwheels_server.service.service_state import Options
@@ -32,10 +35,19 @@ def main(arguments: list[str] | None = None) -> int:
     given = grammar.parse_args(arguments)
     if given.trace is not None and given.resimulate is None:
         grammar.error("--trace: only with --resimulate")
+    if given.prove and (given.resimulate is None or given.trace is not None):
+        grammar.error("--prove: only with --resimulate, and without --trace")
     if given.reported is not None and given.play is None:
         grammar.error("--reported: only with --play")
+    try:
+        _check_outputs(given)
+    except WireError as error:
+        print(f"iw-server: {error.text}", file=sys.stderr)
+        return 2
     if given.resimulate is not None:
-        return _resimulate(given.resimulate) if given.trace is None else _trace(given.resimulate, given.trace)
+        if given.trace is not None:
+            return _trace(given.resimulate, given.trace)
+        return _resimulate(given.resimulate, prove=given.prove)
     if given.play is not None:
         for name in LIVE_OPTIONS:
             if getattr(given, name):
@@ -66,8 +78,26 @@ def main(arguments: list[str] | None = None) -> int:
     except (ConnectionError, WorldTakenError) as error:
         print(f"iw-server: {error}", file=sys.stderr)
     except OSError as error:
-        print(f"iw-server: --log {given.log or given.runs}: {error.strerror}", file=sys.stderr)
+        file = Path(error.filename or given.log or given.runs or "")
+        option = "--log" if given.runs is None or file == given.log else "--runs"
+        print(f"iw-server: {option} {file}: {error.strerror}", file=sys.stderr)
     return 1
+
+
+def _check_outputs(given: argparse.Namespace) -> None:
+    """Check what will be written.
+
+    Raises:
+        WireError: It cannot be written, or it would replace what is read.
+    """
+    check_output_file(given.log, "--log")
+    check_output_file(given.trace, "--trace")
+    check_output_folder(given.runs, "--runs")
+    read = given.resimulate or given.branch
+    for written, option in ((given.log, "--log"), (given.trace, "--trace")):
+        if read is not None and read.exists() and written is not None and written.exists() and written.samefile(read):
+            text = f"{option}: expected another file than the log that is read, got {written}"
+            raise WireError("value", text, option)
 
 
 def _play(given: argparse.Namespace) -> int:
@@ -97,8 +127,10 @@ def _play(given: argparse.Namespace) -> int:
 
     def read(log: Path) -> SeekableLog:
         recording = SeekableLog(log, progress)
+        if not recording.chained:
+            print(unchained_text(str(log)), file=sys.stderr)
         if recording.cut:
-            print(f"{log}: the last line is incomplete and is ignored", file=sys.stderr)
+            print(cut_text(str(log), recording.last_tick), file=sys.stderr)
         if recording.differs is not None:
             print(f"{log}: this playback differs from the recorded run: {recording.differs}", file=sys.stderr)
         return recording
@@ -115,7 +147,7 @@ def _play(given: argparse.Namespace) -> int:
     return 1
 
 
-def _resimulate(path: Path) -> int:
+def _resimulate(path: Path, *, prove: bool) -> int:
     try:
         found = resimulate(path, lambda ticks: print(f"resimulating ticks={ticks}", file=sys.stderr, flush=True))
     except LogError as error:
@@ -124,13 +156,21 @@ def _resimulate(path: Path) -> int:
     except OSError as error:
         print(f"iw-server: --resimulate {path}: {error.strerror}", file=sys.stderr)
         return 1
-    if found.cut:
-        print(f"{path}: the last line is incomplete and is ignored", file=sys.stderr)
     if found.differs is not None:
         print(f"differs {found.differs}", flush=True)
         return 1
-    print(f"same ticks={found.ticks} tick={found.tick} hash={found.hash}", flush=True)
-    return 0
+    if not found.chain:
+        print(unchained_text(str(path)), file=sys.stderr)
+    if found.cut:
+        print(cut_text(str(path), found.tick), file=sys.stderr)
+    if prove and found.chain and not found.cut:
+        print(proof_line(found), flush=True)
+        return 0
+    if prove:
+        print("iw-server: --prove: expected a whole log with checksums; nothing is proved", file=sys.stderr)
+    word = "cut" if found.cut else "same"
+    print(f"{word} ticks={found.ticks} tick={found.tick} hash={found.hash}", flush=True)
+    return 1 if prove or found.cut else 0
 
 
 def _trace(log: Path, target: Path) -> int:
@@ -138,9 +178,12 @@ def _trace(log: Path, target: Path) -> int:
 
     try:
         with target.open("wb") as file:
-            file.writelines(trace_lines(log))
-    except (LogError, OSError) as error:
+            file.writelines(trace_lines(log, lambda text: print(text, file=sys.stderr)))
+    except LogError as error:
         print(f"iw-server: {error}", file=sys.stderr)
+        return 1
+    except OSError as error:
+        print(f"iw-server: {error.filename or target}: {error.strerror}", file=sys.stderr)
         return 1
     return 0
 

@@ -28,6 +28,7 @@ examples:
   iw-server --map ward --speed 4              a hospital ward, four times as fast as real time
   iw-server --scene figure6 --log run.jsonl   a scene; the run starts when all its agents have joined
   iw-server --resimulate run.jsonl            run that log again and compare the hash of every tick
+  iw-server --resimulate run.jsonl --prove    the same, and print one line that a paper can quote
   iw-server --play run.jsonl                  show that log in world `main-play`: pause, step, speed, seek
 
 Standard output has `ready ...` when agents may join, `running tick=0 run=R` when all expected agents have joined, and
@@ -156,6 +157,11 @@ def _add_run_options(group: argparse._ArgumentGroup) -> None:
     group.add_argument(
         "--resimulate", type=Path, metavar="FILE", help="run an input log again, compare every hash, and exit"
     )
+    group.add_argument(
+        "--prove", action="store_true",
+        help="with --resimulate: print one line to quote, with map, seed, versions, checksum and result; "
+        "fail if the log is cut or edited, or if a hash differs",
+    )  # fmt: skip
     group.add_argument(
         "--trace", type=Path, metavar="FILE", help="with --resimulate: write the true state at each tick"
     )

@@ -9,10 +9,12 @@ import pytest
 
 from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.file_records import (
+    CHAINED,
     LINES,
     VERSION,
     FileRecord,
     GoOn,
+    InputEnd,
     InputHeader,
     Inputs,
     InputTick,
@@ -49,6 +51,7 @@ EXAMPLES: list[FileRecord] = [
         hash=HASH,
         stepped=False,
     ),
+    InputEnd(end="closed", lines=2, chain=HASH),
     TRACE,
     TraceTick(
         tick=3,
@@ -96,17 +99,27 @@ def test_header_carries_its_version_and_one_without_is_version_1(
     assert read_header(cls, data.replace(b'"Version":1,', b""), "f:1") == header
 
 
+def test_header_of_a_log_with_checksums_is_read() -> None:
+    header = msgspec.structs.replace(INPUT, version=CHAINED)
+    assert read_header(InputHeader, msgspec.json.encode(header), "f:1") == header
+
+
 @pytest.mark.parametrize(
     ("cls", "header", "words"),
     [
-        (InputHeader, INPUT, "f:1: expected an input log of version 1, got version 2; this release reads no other"),
+        (
+            InputHeader,
+            INPUT,
+            "f:1: expected an input log of version 1 or 2, got version 3; this release reads no other",
+        ),
         (TraceHeader, TRACE, "f:1: expected a trace of version 1, got version 2; this release reads no other"),
     ],
 )
 def test_header_of_another_version_is_refused_whatever_else_it_has(
     cls: type[InputHeader] | type[TraceHeader], header: FileRecord, words: str
 ) -> None:
-    later = msgspec.json.encode(header).replace(b'"Version":1', f'"Version":{VERSION + 1}'.encode())
+    newest = CHAINED if cls is InputHeader else VERSION
+    later = msgspec.json.encode(header).replace(b'"Version":1', f'"Version":{newest + 1}'.encode())
     with pytest.raises(WireError) as caught:
         read_header(cls, later.replace(b'"Seed"', b'"Seeds"'), "f:1")
     assert (caught.value.code, caught.value.text) == ("version", words)

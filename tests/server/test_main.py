@@ -8,6 +8,7 @@ from intellwheels_maps import floor
 from intellwheels_server.__main__ import PLAY_NAME_LENGTH, main
 from intellwheels_server.log.input_log import Log
 from intellwheels_server.world import Setup
+from tests.server.log.test_branch import written
 
 
 def outcome(*words: str) -> int | str | None:
@@ -57,3 +58,41 @@ def test_log_of_reported_poses_needs_a_playback_and_must_exist(
     Log(path, Setup(floor=floor("room")), "0" * 16).close()
     assert outcome("--play", str(path), "--reported", str(tmp_path / "none")) == 1
     assert f"{tmp_path / 'none'}: No such file" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["--log", "none/run.jsonl"], "--log: expected a folder that exists, got "),
+        (["--log", "."], "--log: expected a file, got the folder "),
+        (["--runs", "file"], "--runs: expected a folder, got the file "),
+        (["--resimulate", "log", "--trace", "none/trace.jsonl"], "--trace: expected a folder that exists, got "),
+        (["--resimulate", "log", "--trace", "log"], "--trace: expected another file than the log that is read, got "),
+        (["--branch", "log", "--log", "log"], "--log: expected another file than the log that is read, got "),
+    ],
+)
+def test_output_that_cannot_be_written_is_refused_before_anything_starts(
+    words: list[str], said: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("file").touch()
+    Log(Path("log"), Setup(floor=floor("room")), "0" * 16).close()
+    before = {path: path.read_bytes() for path in tmp_path.iterdir()}
+    assert outcome(*words) == 2
+    (line,) = capsys.readouterr().err.splitlines()
+    assert line.startswith(f"iw-server: {said}")
+    assert {path: path.read_bytes() for path in tmp_path.iterdir()} == before
+
+
+@pytest.mark.parametrize("words", [["--prove"], ["--prove", "--resimulate", "log", "--trace", "trace"]])
+def test_proof_needs_a_log_and_is_all_there_is(words: list[str], capsys: pytest.CaptureFixture[str]) -> None:
+    assert outcome(*words) == 2
+    assert "--prove: only with --resimulate, and without --trace" in capsys.readouterr().err
+
+
+def test_trace_of_a_cut_log_is_written_and_the_cut_is_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    written(tmp_path / "log")
+    (tmp_path / "log").write_bytes((tmp_path / "log").read_bytes()[:-50])
+    assert outcome("--resimulate", str(tmp_path / "log"), "--trace", str(tmp_path / "trace")) == 0
+    assert "the log is cut after tick 6" in capsys.readouterr().err
+    assert (tmp_path / "trace").read_bytes().count(b"\n") == 7

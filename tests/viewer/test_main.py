@@ -43,6 +43,15 @@ def test_a_world_that_is_no_name_is_wrong_usage(capsys: pytest.CaptureFixture[st
     assert "Traceback" not in err
 
 
+def test_a_recording_that_cannot_be_written_is_refused_before_anything_starts(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["--record", str(tmp_path / "none" / "run.html")]) == 2
+    (line,) = capsys.readouterr().err.splitlines()
+    assert line.startswith(f"iw-viewer: --record: expected a folder that exists, got {tmp_path / 'none'}")
+    assert list(tmp_path.iterdir()) == []
+
+
 def test_help_comes_without_what_takes_long_to_import() -> None:
     code = (
         "import sys\nfrom intellwheels_viewer.__main__ import main\n"

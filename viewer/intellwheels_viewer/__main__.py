@@ -10,6 +10,7 @@ from typing import Final
 from intellwheels_schemas import defaults
 from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.link import add_link_options, link_of
+from intellwheels_schemas.output_paths import check_output_file
 from intellwheels_schemas.process import add_process_options, stop_on_signals
 
 LONGEST: Final = 600.0
@@ -69,6 +70,7 @@ def main(arguments: list[str] | None = None) -> int:
     chosen = given.world is not None
     given.world = given.world or defaults.WORLD
     try:
+        check_output_file(given.record, "--record")
         link = link_of(given)
     except WireError as error:
         print(f"iw-viewer: {error.text}", file=sys.stderr)

@@ -23,6 +23,7 @@ from typing import Final
 
 from intellwheels_agents.bridge.hardware_driver import Fix
 from intellwheels_agents.differential_drive import wrapped
+from intellwheels_agents.portable_math import sin, sincos
 from intellwheels_schemas.messages import Position, Robot
 
 MIN_SD: Final = 1e-3
@@ -92,13 +93,13 @@ class PoseEstimate:
         """Move along the arc of both wheels' travel; all three in metres."""
         travel, turn = (left + right) / 2.0, (right - left) / track
         half = turn / 2.0
-        share = math.sin(half) / half if abs(half) > 1e-6 else 1.0 - half * half / 6.0
-        cos, sin = math.cos(self.heading + half), math.sin(self.heading + half)
-        dx, dy = travel * share * cos, travel * share * sin
+        share = sin(half) / half if abs(half) > 1e-6 else 1.0 - half * half / 6.0
+        sine, cosine = sincos(self.heading + half)
+        dx, dy = travel * share * cosine, travel * share * sine
         # A metre of one wheel moves the centre by half a metre and turns it by 1 / b, half of that before the chord.
         bent = travel / (2.0 * track)
-        by_left = (cos / 2.0 + bent * sin, sin / 2.0 - bent * cos, -1.0 / track)
-        by_right = (cos / 2.0 - bent * sin, sin / 2.0 + bent * cos, 1.0 / track)
+        by_left = (cosine / 2.0 + bent * sine, sine / 2.0 - bent * cosine, -1.0 / track)
+        by_right = (cosine / 2.0 - bent * sine, sine / 2.0 + bent * cosine, 1.0 / track)
         covariance = _propagated(self.covariance, dx, dy)
         covariance = _with_noise(covariance, by_left, self._drift * abs(left))
         self.covariance = _with_noise(covariance, by_right, self._drift * abs(right))
@@ -108,13 +109,14 @@ class PoseEstimate:
 
     def update(self, fix: Fix) -> None:
         """Correct the pose by a position from outside."""
-        cos, sin = math.cos(self.heading), math.sin(self.heading)
-        arm_x, arm_y = fix.offset_x * cos - fix.offset_y * sin, fix.offset_x * sin + fix.offset_y * cos
+        s, c = sincos(self.heading)
+        arm_x, arm_y = fix.offset_x * c - fix.offset_y * s, fix.offset_x * s + fix.offset_y * c
         xx, xy, xh, yy, yh, hh = self.covariance
         # Columns of P H': the derivative of the point by the heading is (-arm_y, arm_x).
         first = (xx - arm_y * xh, xy - arm_y * yh, xh - arm_y * hh)
         second = (xy + arm_x * xh, yy + arm_x * yh, yh + arm_x * hh)
-        noise = max(fix.sd, MIN_SD) ** 2
+        sd = max(fix.sd, MIN_SD)
+        noise = sd * sd
         s11 = first[0] - arm_y * first[2] + noise
         s12 = second[0] - arm_y * second[2]
         s22 = second[1] + arm_x * second[2] + noise

@@ -10,7 +10,6 @@ Encoders and odometry are always the chair's own: the simulator does not turn th
 
 from __future__ import annotations
 
-import math
 from typing import Final, Literal, get_args
 
 import msgspec
@@ -18,6 +17,7 @@ import msgspec
 from intellwheels_agents.bridge.hardware_driver import Reading
 from intellwheels_agents.bridge.pose_source import PoseSource
 from intellwheels_agents.differential_drive import wrapped
+from intellwheels_agents.portable_math import sincos
 from intellwheels_schemas.messages import EncodersReading, OdometryReading, Position, Robot, Sensors
 
 SensorsName = Literal["virtual", "real", "both"]
@@ -85,5 +85,6 @@ class SensorMerge:
 
 def _relative(start: Position, x: float, y: float, heading: float) -> tuple[float, float, float]:
     """Return a pose relative to the start."""
-    dx, dy, cos, sin = x - start.x, y - start.y, math.cos(start.heading), math.sin(start.heading)
-    return dx * cos + dy * sin, dy * cos - dx * sin, wrapped(heading - start.heading)
+    s, c = sincos(start.heading)
+    dx, dy = x - start.x, y - start.y
+    return c * dx + s * dy, c * dy - s * dx, wrapped(heading - start.heading)

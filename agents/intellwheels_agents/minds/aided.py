@@ -29,6 +29,7 @@ from intellwheels_agents.mind import Context
 from intellwheels_agents.motion_projection import MotionProjection, Wheels
 from intellwheels_agents.obstacle_memory import ObstacleMemory
 from intellwheels_agents.options import OptionError, Options
+from intellwheels_agents.portable_math import hypot
 from intellwheels_agents.range_scan import outline
 from intellwheels_agents.user_input import takes_drive, wanted
 from intellwheels_schemas.messages import Actions, Measures, Robot, Sensors
@@ -108,7 +109,7 @@ class Mind:
         self._creep_speeds = () if by_itself else CREEP_SPEEDS
         extra = self._margin - self._driving_margin
         # The room that a corner needs beyond the front or the back to swing round.
-        swings = [math.hypot(end, body.side) - end + extra for end in (body.front, body.back)]
+        swings = [hypot(end, body.side) - end + extra for end in (body.front, body.back)]
         limit = math.inf if by_itself else max(extra, APPROACH - self._driving_margin)
         self._front_swing, self._back_swing = (min(swing, limit) for swing in swings)
         self._wheels = Wheels(0.0, 0.0)
@@ -153,7 +154,7 @@ class Mind:
         projection, now, still = self._projection, self._wheels, Wheels(0.0, 0.0)
         # No share moves the body farther than the full command and the run-out to a stop together.
         motions = (projection.poses(now, wheels, self._ahead) for wheels in (self._wheels_of(speed, rate), still))
-        longest = sum(motion[-1][3] for motion in motions)
+        longest = math.fsum(motion[-1][3] for motion in motions)
         points = self.obstacles.points
         # Driving preserves the room for a turn in place; a turn in place uses it.
         swing_ahead = self._front_swing if speed > 0.0 else self._back_swing

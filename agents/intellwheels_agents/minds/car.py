@@ -25,6 +25,7 @@ import msgspec
 from intellwheels_agents.differential_drive import Odometry, powers, wrapped
 from intellwheels_agents.mind import Context
 from intellwheels_agents.options import OptionError, Options
+from intellwheels_agents.portable_math import atan2, cos, dist, sin
 from intellwheels_agents.pure_pursuit import path_of
 from intellwheels_agents.range_scan import SENSOR_HEIGHT, distance, outline
 from intellwheels_schemas.messages import Actions, Goal, Measures, Proximity, Robot
@@ -95,8 +96,8 @@ class Mind:
             self._speed = 0.0
             return Actions(left_motor=0.0, right_motor=0.0, mode="arrived")
         x, y = path.ahead(max(3.0, self._speed))
-        bearing = wrapped(math.atan2(y - pose.y, x - pose.x) - pose.heading)
-        curvature = 2.0 * math.sin(bearing) / max(math.dist((x, y), (pose.x, pose.y)), 1e-3)
+        bearing = wrapped(atan2(y - pose.y, x - pose.x) - pose.heading)
+        curvature = 2.0 * sin(bearing) / max(dist((x, y), (pose.x, pose.y)), 1e-3)
         curvature = min(max(curvature, -1.0 / TURNING_RADIUS), 1.0 / TURNING_RADIUS)
         gap = self._gap(measures)
         speed = self._speed + self._period * self._acceleration(gap)
@@ -111,8 +112,8 @@ class Mind:
         """Return dv/dt in m/s2 for a gap to the obstacle ahead in m."""
         v = self._speed
         wanted = STANDSTILL_GAP + v * TIME_HEADWAY + v * v / (2.0 * math.sqrt(ACCELERATION * COMFORTABLE_BRAKING))
-        near = (wanted / max(gap, 1e-3)) ** 2
-        return max(ACCELERATION * (1.0 - (v / self._free_speed) ** 4 - near), -HARDEST_BRAKING)
+        near, free = wanted / max(gap, 1e-3), v / self._free_speed
+        return max(ACCELERATION * (1.0 - free * free * free * free - near * near), -HARDEST_BRAKING)
 
     def _gap(self, measures: Measures) -> float:
         """Return the distance to the nearest obstacle on the road ahead, m; infinite if there is none."""
@@ -122,7 +123,7 @@ class Mind:
             metres = None if entry is None else distance(reading, entry[0])
             if entry is None or metres is None or math.isinf(metres):
                 continue
-            across = entry[0].y + metres * math.sin(entry[1])
+            across = entry[0].y + metres * sin(entry[1])
             if abs(across) < self._half_width:
-                gap = min(gap, metres * math.cos(entry[1]))
+                gap = min(gap, metres * cos(entry[1]))
         return gap

@@ -32,6 +32,7 @@ from intellwheels_agents.differential_drive import Odometry, powers
 from intellwheels_agents.mind import Context
 from intellwheels_agents.options import OptionError, Options
 from intellwheels_agents.path_follower import PathFollower
+from intellwheels_agents.portable_math import cos, dist, power
 from intellwheels_agents.pure_pursuit import Path, Point
 from intellwheels_schemas.messages import GPS, Actions, Measures, Robot, Truth
 
@@ -72,7 +73,7 @@ class Mind:
             self._seen.x, self._seen.y, self._seen.heading = truth[0].x, truth[0].y, truth[0].heading
         self._hand.append(self._intended())
         left, right = self._hand.popleft()
-        self._arrived = self._arrived or math.dist((self._seen.x, self._seen.y), self._path.end) <= self._within
+        self._arrived = self._arrived or dist((self._seen.x, self._seen.y), self._path.end) <= self._within
         if self._arrived:
             return Actions(left_motor=0.0, right_motor=0.0, mode="arrived")
         forward, turn = self._tremor(measures)
@@ -106,10 +107,11 @@ class Tremor:
     """Radius of the poles of the resonance at 20 samples a second: it loses its phase in half a second."""
 
     def __init__(self, size: float, frequency: float, period: float) -> None:
-        radius = math.pow(self.DAMPING, period / 0.05)
-        self._a1, self._a2 = 2.0 * radius * math.cos(2.0 * math.pi * frequency * period), -(radius**2)
+        radius = power(self.DAMPING, period / 0.05)
+        self._a1, self._a2 = 2.0 * radius * cos(2.0 * math.pi * frequency * period), -radius * radius
         # The variance of x = a1 x' + a2 x'' + e is (1 - a2) / ((1 + a2) ((1 - a2)^2 - a1^2)) times that of e.
-        gain = (1.0 - self._a2) / ((1.0 + self._a2) * ((1.0 - self._a2) ** 2 - self._a1**2))
+        rest = 1.0 - self._a2
+        gain = rest / ((1.0 + self._a2) * (rest * rest - self._a1 * self._a1))
         self._size = size / math.sqrt(gain)
         self._last = self._before = 0.0
 

@@ -27,6 +27,7 @@ from intellwheels_agents.differential_drive import Odometry, powers, wrapped
 from intellwheels_agents.footprint import Footprint, MovingPoint
 from intellwheels_agents.mind import Context
 from intellwheels_agents.options import OptionError, Options
+from intellwheels_agents.portable_math import atan2, cos, dist, hypot, sincos
 from intellwheels_agents.position_message import position_in, position_message
 from intellwheels_agents.pure_pursuit import Point
 from intellwheels_agents.range_ring import CONES, RangeRing, with_ring
@@ -107,7 +108,7 @@ class Mind:
         old_x, old_y = pose.x, pose.y
         pose.update(measures.sensors)
         self._ring.update(measures.sensors, pose)
-        speed = math.dist((old_x, old_y), (pose.x, pose.y)) / self._period
+        speed = dist((old_x, old_y), (pose.x, pose.y)) / self._period
         goal = self._goal()
         self._velocity = self._accelerated(self._wanted(goal), speed, self._group(measures))
         self._count_stuck(speed, walks=goal is not None)
@@ -124,7 +125,7 @@ class Mind:
         """Return the present goal, or None after the last."""
         while self._next < len(self._goals):
             goal = self._goals[self._next]
-            if math.dist(goal, (self._pose.x, self._pose.y)) > self._within:
+            if dist(goal, (self._pose.x, self._pose.y)) > self._within:
                 return goal
             self._next += 1
             if self._loop and self._next == len(self._goals):
@@ -136,7 +137,7 @@ class Mind:
         """Return the preferred velocity, m/s."""
         if goal is None:
             return 0.0, 0.0
-        share = self._speed / max(math.dist(goal, (self._pose.x, self._pose.y)), 1e-9)
+        share = self._speed / max(dist(goal, (self._pose.x, self._pose.y)), 1e-9)
         return share * (goal[0] - self._pose.x), share * (goal[1] - self._pose.y)
 
     def _group(self, measures: Measures) -> list[Point]:
@@ -157,15 +158,16 @@ class Mind:
     def _accelerated(self, wanted: Point, speed: float, group: list[Point]) -> Point:
         """Return the velocity after a tick under all forces, m/s."""
         pose, velocity = self._pose, self._velocity
-        actual = speed * math.cos(pose.heading), speed * math.sin(pose.heading)
+        s, c = sincos(pose.heading)
+        actual = speed * c, speed * s
         forces = (
             drive(wanted, velocity),
             repulsion(self._ring.objects, wanted, velocity, actual, pose.heading),
             attraction((pose.x, pose.y), group) if wanted != (0.0, 0.0) else (0.0, 0.0),
         )
-        x = velocity[0] + self._period * sum(force[0] for force in forces)
-        y = velocity[1] + self._period * sum(force[1] for force in forces)
-        excess = max(math.hypot(x, y) / (FASTEST * max(self._speed, PREFERRED_SPEED)), 1.0)
+        x = velocity[0] + self._period * math.fsum(force[0] for force in forces)
+        y = velocity[1] + self._period * math.fsum(force[1] for force in forces)
+        excess = max(hypot(x, y) / (FASTEST * max(self._speed, PREFERRED_SPEED)), 1.0)
         return x / excess, y / excess
 
     def _count_stuck(self, speed: float, *, walks: bool) -> None:
@@ -177,15 +179,15 @@ class Mind:
 
     def _walk(self, x: float, y: float) -> tuple[float, float]:
         """Return the powers that turn towards a velocity (m/s) and walk at it as far as the way is free."""
-        speed, heading = math.hypot(x, y), self._pose.heading
+        speed, heading = hypot(x, y), self._pose.heading
         forward = turn_rate = 0.0
         if speed >= STANDING:
-            off = wrapped(math.atan2(y, x) - heading)
+            off = wrapped(atan2(y, x) - heading)
             if self._stuck >= STUCK_TIME:
                 off, speed = self._ring.way_out(off, WAY_OUT), max(speed, BACKWARD)
             turn_rate = min(max(TURN_GAIN * off, -TURN_RATE), TURN_RATE)
             gap = self._ring.gap()
-            forward = min(speed * max(math.cos(off), 0.0), gap / TIME_GAP, (gap + FOLLOWING_GAP) / FOLLOWING_TIME)
+            forward = min(speed * max(cos(off), 0.0), gap / TIME_GAP, (gap + FOLLOWING_GAP) / FOLLOWING_TIME)
         near = self._ring.near(STEP_RANGE, heading)
         if self._footprint.free_of_moving(near, 0.0, 0.0, DODGE_TIME, MARGIN) < DODGE_TIME:
             return powers(self._robot, *self._dodge(near, forward, turn_rate))

@@ -26,6 +26,7 @@ from intellwheels_agents.mind import Context
 from intellwheels_agents.minds.aided import Mind as Guard
 from intellwheels_agents.options import OptionError
 from intellwheels_agents.path_follower import BRAKING, TURN_IN_PLACE, TURN_RATE, braking
+from intellwheels_agents.portable_math import atan2, cos, hypot, sincos
 from intellwheels_agents.range_scan import outline
 from intellwheels_agents.user_input import Goals
 from intellwheels_agents.user_input import takes_goals as equip
@@ -73,7 +74,7 @@ class Mind:
         self._obey(measures)
         pose = self._guard.pose
         dx, dy = self._goal.x - pose.x, self._goal.y - pose.y
-        distance, bearing = math.hypot(dx, dy), wrapped(math.atan2(dy, dx) - pose.heading)
+        distance, bearing = hypot(dx, dy), wrapped(atan2(dy, dx) - pose.heading)
         if self._arrived or distance <= self._within:
             self._arrived = True
             return self._with_goal(self._guard.drive(0.0, 0.0, "arrived"))
@@ -92,7 +93,7 @@ class Mind:
 
     def _is_stuck(self, time: float) -> bool:
         pose, (since, x, y, turned) = self._guard.pose, self._anchor
-        if math.hypot(pose.x - x, pose.y - y) > 0.15 or abs(pose.turned - turned) > 0.5:
+        if hypot(pose.x - x, pose.y - y) > 0.15 or abs(pose.turned - turned) > 0.5:
             self._anchor = (time, pose.x, pose.y, pose.turned)
             return False
         if time - since <= STUCK_TIME:
@@ -106,10 +107,10 @@ class Mind:
         )
 
     def _towards(self, bearing: float, distance: float) -> Actions:
-        reach = self._body.front + min(self._cruise**2 / (2.0 * BRAKING) + 0.8, distance)
+        reach = self._body.front + min(self._cruise * self._cruise / (2.0 * BRAKING) + 0.8, distance)
         # Points behind the body, or beyond the reach of every strip, block no direction.
         far = reach + self._body.side + self._clear
-        self._near = [point for point in self._guard.obstacles.points if point[0] > -1.0 and math.hypot(*point) < far]
+        self._near = [point for point in self._guard.obstacles.points if point[0] > -1.0 and hypot(*point) < far]
         free_lengths = {direction: self._free_length(direction, reach) for direction in DIRECTIONS}
         for share in REACH_SHARES:
             least = self._body.front + share * (reach - self._body.front)
@@ -129,7 +130,7 @@ class Mind:
             self._cruise, braking(max(0.0, free_lengths[direction] - self._body.front - 0.1)), braking(distance)
         )
         rate = min(max(1.5 * direction, -TURN_RATE), TURN_RATE)
-        return self._guard.drive(max(speed, 0.1) * math.cos(direction), rate, "autonomous")
+        return self._guard.drive(max(speed, 0.1) * cos(direction), rate, "autonomous")
 
     def _cost(self, direction: float, bearing: float) -> float:
         off = abs(wrapped(direction - bearing))
@@ -137,7 +138,7 @@ class Mind:
 
     def _free_length(self, direction: float, reach: float) -> float:
         """Return how far the body's strip in a direction is free, in m from its centre, at most `reach`."""
-        c, s = math.cos(direction), math.sin(direction)
+        s, c = sincos(direction)
         half = self._body.side + self._clear
         free = reach
         for x, y in self._near:

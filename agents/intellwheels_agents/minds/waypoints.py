@@ -24,6 +24,7 @@ from intellwheels_agents.differential_drive import Odometry, powers
 from intellwheels_agents.mind import Context
 from intellwheels_agents.options import OptionError, Options
 from intellwheels_agents.path_follower import MIN_SPEED, PathFollower, braking
+from intellwheels_agents.portable_math import dist
 from intellwheels_agents.position_message import position_message
 from intellwheels_agents.pure_pursuit import Path, path_of
 from intellwheels_agents.range_scan import RangeScan
@@ -84,7 +85,7 @@ class Mind:
             return
         self._goal = goal
         here, there = (self._pose.x, self._pose.y), (goal.x, goal.y)
-        self._arrived = math.dist(here, there) <= self._within / 2.0
+        self._arrived = dist(here, there) <= self._within / 2.0
         if not self._arrived:
             self._path = Path([here, there])
 
@@ -93,7 +94,7 @@ class Mind:
         x, y = self._pose.x, self._pose.y
         if self._said is not None:
             said_x, said_y, said_at = self._said
-            if math.dist((x, y), (said_x, said_y)) < SAY_DISTANCE and time - said_at < SAY_PERIOD:
+            if dist((x, y), (said_x, said_y)) < SAY_DISTANCE and time - said_at < SAY_PERIOD:
                 return None
         self._said = (x, y, time)
         return position_message(x, y, 3)
@@ -105,7 +106,7 @@ class Mind:
             return Actions(left_motor=0.0, right_motor=0.0, mode="arrived", goal=self._goal)
         path.update(pose.x, pose.y)
         # The end is reached when the chair is near it or abreast of it: driving on would only lead away.
-        off = math.dist((pose.x, pose.y), path.end)
+        off = dist((pose.x, pose.y), path.end)
         if off <= self._within / 2.0 or path.remaining <= 1e-3:
             self._arrived = True
             return Actions(left_motor=0.0, right_motor=0.0, mode="arrived", goal=self._goal)

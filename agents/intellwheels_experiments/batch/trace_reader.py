@@ -10,7 +10,6 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TypeVar
 
 import msgspec
 import numpy as np
@@ -18,17 +17,14 @@ import numpy as np
 from intellwheels_experiments.batch.metrics import Floats
 from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.file_records import (
-    InputHeader,
-    InputTick,
     Join,
     TraceBody,
     TraceHeader,
     TraceTick,
     read_header,
 )
+from intellwheels_schemas.input_reader import InputReader
 from intellwheels_schemas.messages import Event, Robot
-
-_T = TypeVar("_T", InputTick, TraceTick)
 
 
 @dataclass(frozen=True)
@@ -74,7 +70,8 @@ def read_trace(trace: Path, log: Path) -> Trace:
 
     Raises:
         OSError: One cannot be read.
-        WireError: A line is not in the format that this release of the simulator writes; the text says which line.
+        WireError: A line is not in the format that this release of the simulator writes, or the log is edited; the
+            text says which line.
     """
     first, *rest = trace.read_bytes().splitlines() or [b""]
     heading = read_header(TraceHeader, first, f"{trace}:1")
@@ -84,21 +81,20 @@ def read_trace(trace: Path, log: Path) -> Trace:
 
 
 def _robots(log: Path) -> dict[str, Robot]:
+    """Return the bodies that joined. All lines are read, so that an edited log is noticed."""
     robots: dict[str, Robot] = {}
-    decoder = msgspec.json.Decoder(InputTick)
+    begun = False
     with log.open("rb") as file:
-        read_header(InputHeader, file.readline(), f"{log}:1")
-        for number, text in enumerate(file, start=2):
-            line = _tick(decoder, text, f"{log}:{number}")
-            for change in line.inputs.changes:
+        reader = InputReader(file.readline(), str(log))
+        for line in reader.read_all(file):
+            for change in () if begun else line.inputs.changes:
                 if isinstance(change, Join) and change.robot.role != "mind":
                     robots[change.agent] = change.robot
-            if line.tick > 0:
-                break
+            begun = begun or line.tick > 0
     return robots
 
 
-def _tick(decoder: msgspec.json.Decoder[_T], line: bytes, where: str) -> _T:
+def _tick(decoder: msgspec.json.Decoder[TraceTick], line: bytes, where: str) -> TraceTick:
     try:
         return decoder.decode(line)
     except (msgspec.MsgspecError, UnicodeDecodeError) as error:

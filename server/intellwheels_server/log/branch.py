@@ -15,7 +15,8 @@ from typing import Final
 import msgspec
 
 from intellwheels_schemas.file_records import Inputs, Join, Note
-from intellwheels_server.log.input_log import Header, Line, LogError, read_header, read_lines
+from intellwheels_schemas.input_reader import cut_text
+from intellwheels_server.log.input_log import Header, Line, LogError, LogReader
 from intellwheels_server.world import Setup
 
 _NOTES: Final = ("paused", "resumed", "speed")
@@ -62,24 +63,28 @@ def read_branch(path: Path, at: int) -> Branch:
         at: The tick of the branch.
 
     Raises:
-        LogError: The file is no log, has no such tick, or has changes before it that a branch cannot repeat.
+        LogError: The file is no log, is edited, has no such tick, or has changes before it that a branch cannot repeat.
         OSError: The file cannot be read.
     """
     lines: dict[int, Line] = {}
     agents: list[str] = []
     with path.open("rb") as file:
-        header = read_header(file, str(path))
-        for number, line in enumerate(read_lines(file, str(path)), start=2):
-            if line is None or (line.stepped and line.tick >= at):
-                break
+        reader = LogReader(file, str(path))
+        done = False
+        for line in reader.read_all(file):
+            # The rest is read for its checksums only.
+            done = done or (line.stepped and line.tick >= at)
+            if done:
+                continue
             for change in line.inputs.changes:
                 if isinstance(change, Join) and line.tick == 0:
                     agents.append(change.agent)
                 elif not (isinstance(change, Note) and change.code in _NOTES):
                     what = type(change).__name__
-                    raise LogError(f"{path}:{number}: expected only joins at tick 0 before a branch, got {what}")
+                    raise LogError(f"{path}:{reader.lines}: expected only joins at tick 0 before a branch, got {what}")
             if line.stepped:
                 lines[line.tick] = line
     if len(lines) < at:
-        raise LogError(f"{path}: expected a tick in [0, {len(lines)}] to branch at, got {at}")
-    return Branch(header, at, lines, tuple(dict.fromkeys(agents)))
+        why = f": {cut_text(str(path), len(lines))}" if reader.cut else ""
+        raise LogError(f"{path}: expected a tick in [0, {len(lines)}] to branch at, got {at}{why}")
+    return Branch(reader.first, at, lines, tuple(dict.fromkeys(agents)))

@@ -10,14 +10,17 @@ from typing import IO, Final
 
 import msgspec
 
-from intellwheels_schemas import defaults, file_records
+from intellwheels_schemas import defaults
 from intellwheels_schemas.errors import WireError
-from intellwheels_schemas.file_records import FORMAT, InputHeader, InputTick, WorldRules
+from intellwheels_schemas.file_records import CHAINED, FORMAT, InputEnd, InputHeader, InputTick, WorldRules
+from intellwheels_schemas.input_reader import InputReader
+from intellwheels_schemas.log_chain import Chain
 from intellwheels_schemas.version import versions_of
+from intellwheels_server.log.line_file import LineFile
 from intellwheels_server.world import Setup
 
-FLUSH_AFTER: Final = 1.0
-"""Seconds that a line is buffered at most."""
+PACKAGES: Final = ("intellwheels", "numpy", "numba")
+"""Distributions whose versions the header has, besides Python."""
 
 Line = InputTick
 """A line after the header."""
@@ -46,7 +49,7 @@ _parse = msgspec.json.Decoder(Line).decode
 
 
 class Log:
-    """A log being written. Lines are buffered for about a second; `close` writes the rest.
+    """A log being written. Each line has a checksum over itself and the lines before it. `close` writes the end.
 
     Args:
         path: The file; an existing one is replaced.
@@ -59,80 +62,128 @@ class Log:
     """
 
     def __init__(self, path: Path, setup: Setup, run: str, world: str = defaults.WORLD) -> None:
-        self._file: IO[bytes] = path.open("wb")
-        self._lines: list[bytes] = []
-        self._flush_at = 0.0
+        self._file = LineFile(path)
+        self._chain = Chain()
+        self._count = 0
         header = Header(
             log=FORMAT,
+            version=CHAINED,
             run=run,
             map=setup.floor,
             seed=setup.seed,
             period=setup.period,
             setup=rules_of(setup),
             world=world,
-            versions=versions_of("intellwheels", "numpy", "numba"),
+            versions=versions_of(*PACKAGES),
             cpu=_cpu(),
         )
-        self._lines.append(_write(header))
-        self.flush()
-
-    def write(self, line: Line, now: float) -> None:
-        """Add a line, and write the buffer to the file if a second has passed."""
-        self._lines.append(_write(line))
-        if now >= self._flush_at:
-            self.flush()
-            self._flush_at = now + FLUSH_AFTER
-
-    def flush(self) -> None:
-        """Write the buffer to the file."""
-        if self._lines:
-            self._file.write(b"\n".join(self._lines) + b"\n")
-            self._lines.clear()
+        self._seal(header)
         self._file.flush()
 
-    def close(self) -> None:
-        """Write the buffer to the file and close it."""
-        self.flush()
+    def add(self, line: Line) -> None:
+        """Add a line to the buffer."""
+        self._seal(line)
+
+    def write(self, line: Line, now: float) -> None:
+        """Add a line, and write what is buffered if it is time.
+
+        Raises:
+            OSError: The file cannot be written.
+        """
+        self._seal(line)
+        self._file.flush_if_due(now)
+
+    def flush_if_due(self, now: float) -> None:
+        """Write what is buffered if it is time, also when no line was added.
+
+        Raises:
+            OSError: The file cannot be written.
+        """
+        self._file.flush_if_due(now)
+
+    def close(self, *, orderly: bool = True) -> None:
+        """Write what is buffered and close the file. Without `orderly`, the log is left as a cut one.
+
+        Raises:
+            OSError: The file cannot be written.
+        """
+        if orderly:
+            self._seal(InputEnd(end="closed", lines=self._count))
         self._file.close()
+
+    def _seal(self, record: InputHeader | InputTick | InputEnd) -> None:
+        self._file.add(self._chain.seal(_write(record)))
+        self._count += 1
+
+
+class LogReader(InputReader):
+    """Reads a log line by line, as `InputReader` does; its errors are `LogError`.
+
+    Attributes:
+        first: The first line.
+
+    Args:
+        file: The log, at its beginning.
+        name: Its name, for errors.
+
+    Raises:
+        LogError: It is not the header of an input log, of a version that this release cannot read, or edited.
+    """
+
+    def __init__(self, file: IO[bytes], name: str) -> None:
+        try:
+            super().__init__(file.readline(), name)
+        except WireError as error:
+            raise LogError(error.text) from None
+        self.first = Header(**msgspec.structs.asdict(self.header))
+
+    def read(self, text: bytes) -> Line | None:
+        """Return the next line; None for the end of the log, and for an incomplete last line.
+
+        Raises:
+            LogError: The line is edited, or cannot be read.
+        """
+        try:
+            return super().read(text)
+        except WireError as error:
+            raise LogError(error.text) from None
 
 
 def read_header(file: IO[bytes], name: str) -> Header:
     """Return the first line of a log.
 
     Raises:
-        LogError: It is not the header of an input log, or of a version that this release cannot read.
+        LogError: It is not the header of an input log, of a version that this release cannot read, or edited.
     """
-    try:
-        header = file_records.read_header(InputHeader, file.readline(), f"{name}:1")
-    except WireError as error:
-        raise LogError(error.text) from None
-    return Header(**msgspec.structs.asdict(header))
+    return LogReader(file, name).first
 
 
 def read_lines(file: IO[bytes], name: str) -> Iterator[Line | None]:
-    """Yield the lines after the header, and None for an incomplete last line.
+    """Yield the lines after the header, and None at the end of a log that is cut.
+
+    Args:
+        file: The log, wherever in it.
+        name: Its name, for errors.
 
     Raises:
-        LogError: A complete line cannot be read.
+        LogError: A line is edited, or cannot be read.
     """
-    for number, text in enumerate(file, start=2):
-        line = parse_line(text, f"{name}:{number}")
-        yield line
-        if line is None:
-            return
+    file.seek(0)
+    reader = LogReader(file, name)
+    yield from reader.read_all(file)
+    if reader.cut:
+        yield None
 
 
-def parse_line(text: bytes, where: str) -> Line | None:
-    """Return a line after the header, or None for an incomplete last line.
+def parse_line(text: bytes, where: str) -> Line:
+    """Return a line after the header, whose checksum has been checked before.
 
     Raises:
-        LogError: A complete line cannot be read.
+        LogError: The line cannot be read.
     """
     try:
         return _parse(text)
     except (msgspec.MsgspecError, UnicodeDecodeError) as error:
-        if not text.endswith(b"\n"):
-            return None
         raise LogError(f"{where}: expected the line of a tick, got {error}") from None
 
 

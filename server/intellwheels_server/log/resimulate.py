@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
-from intellwheels_server.log.input_log import Header, Line, LogError, read_header, read_lines
+from intellwheels_server.log.input_log import Header, Line, LogError, LogReader
 from intellwheels_server.world import Outputs, State, advance, apply, begin, digest
 
 
@@ -18,15 +18,21 @@ class Resimulation:
         ticks: Steps made.
         tick: The last tick.
         hash: The hash after the last step, as the run printed it; leaves after that step are ignored.
-        cut: Whether the last line was incomplete and dropped.
+        header: The first line of the log.
+        runs: Runs in the log: a reset or a restored state begins another one.
+        cut: Whether the end of the log is missing.
         differs: Where the first hash differs, as text, or None.
+        chain: The checksum of all lines; empty for a log without checksums.
     """
 
     ticks: int
     tick: int
     hash: str
+    header: Header
+    runs: int = 1
     cut: bool = False
     differs: str | None = None
+    chain: str = ""
 
 
 def first_state(header: Header, name: str) -> State:
@@ -67,17 +73,18 @@ def resimulate(path: Path, progress: Callable[[int], None] = lambda _ticks: None
         progress: Called with the number of steps, every thousand steps.
 
     Raises:
-        LogError: The file is no log, or a line is missing.
+        LogError: The file is no log, it is edited, or a line is missing.
         OSError: The file cannot be read.
     """
     with path.open("rb") as file:
-        header = read_header(file, str(path))
+        reader = LogReader(file, str(path))
+        header = reader.first
         state = first_state(header, str(path))
-        steps, last = 0, digest(state)
-        for number, line in enumerate(read_lines(file, str(path)), start=2):
-            if line is None:
-                return Resimulation(steps, state.tick, last, cut=True)
-            state, _ = replay(state, line, f"{path}:{number}")
+        steps, last, runs = 0, digest(state), 1
+        for line in reader.read_all(file):
+            before = state.run
+            state, _ = replay(state, line, f"{path}:{reader.lines}")
+            runs += state.run != before
             if line.stepped:
                 steps += 1
                 if steps % 1000 == 0:
@@ -86,5 +93,6 @@ def resimulate(path: Path, progress: Callable[[int], None] = lambda _ticks: None
             if line.stepped:
                 last = found
             if found != line.hash:
-                return Resimulation(steps, state.tick, found, differs=difference(state, line, number, found))
-    return Resimulation(steps, state.tick, last)
+                text = difference(state, line, reader.lines, found)
+                return Resimulation(steps, state.tick, found, header, runs, differs=text, chain=reader.chain)
+    return Resimulation(steps, state.tick, last, header, runs, cut=reader.cut, chain=reader.chain)

@@ -17,7 +17,7 @@ from typing import Final, NamedTuple
 import msgspec
 
 from intellwheels_schemas.messages import Event
-from intellwheels_server.log.input_log import Line, LogError, parse_line, read_header
+from intellwheels_server.log.input_log import Line, LogReader, parse_line
 from intellwheels_server.log.resimulate import difference, first_state, replay
 from intellwheels_server.world import State, advance, apply, digest
 
@@ -95,7 +95,8 @@ class SeekableLog:
 
     Attributes:
         header: Its first line.
-        cut: Whether its last line was incomplete and dropped.
+        cut: Whether its end is missing.
+        chained: Whether its lines have checksums.
         differs: Where the first hash differs from the recorded one, as text, or None.
         end: The last position that is shown: the last step. Leaves after it are not shown.
 
@@ -104,7 +105,7 @@ class SeekableLog:
         progress: Called with the number of lines, every thousand lines.
 
     Raises:
-        LogError: The file is no log, or a line is missing.
+        LogError: The file is no log, it is edited, or a line is missing.
         OSError: The file cannot be read.
     """
 
@@ -115,13 +116,14 @@ class SeekableLog:
         self._ticks = array("q", [0])
         self._events: dict[str, list[Event]] = {}
         self._keyframes = Keyframes()
-        self.cut = False
         self.differs: str | None = None
         self.end = 0
         try:
-            self.header = read_header(self._file, self._name)
+            reader = LogReader(self._file, self._name)
+            self.header = reader.first
             self._spans = [Span(self.header.run, 0)]
-            self._run_through(progress)
+            self._run_through(reader, progress)
+            self.cut, self.chained = reader.cut, reader.is_chained
             # The place after all joins takes long to compute, and users return to it most often.
             self._beginning = self._with_changes(*self._keyframes.before(0), ())
         except BaseException:
@@ -132,15 +134,14 @@ class SeekableLog:
         """Close the file."""
         self._file.close()
 
-    def _run_through(self, progress: Callable[[int], None]) -> None:
+    def _run_through(self, reader: LogReader, progress: Callable[[int], None]) -> None:
         state = first_state(self.header, self._name)
         self._keyframes.offer(0, state, 0.0)
         offset = self._file.tell()
         for position, text in enumerate(iter(self._file.readline, b""), start=1):
-            line = parse_line(text, f"{self._name}:{position + 1}")
+            line = reader.read(text)
             if line is None:
-                self.cut = True
-                return
+                continue
             began = perf_counter()
             state, outputs = replay(state, line, f"{self._name}:{position + 1}")
             self._keyframes.offer(position, state, perf_counter() - began)
@@ -159,8 +160,14 @@ class SeekableLog:
                 self.differs = difference(state, line, position + 1, found)
             if position % 1000 == 0:
                 progress(position)
+        reader.finish()
 
     # ------------------------------------------------------------ contents
+
+    @property
+    def last_tick(self) -> int:
+        """The tick after its last line."""
+        return self._ticks[-1]
 
     @property
     def runs(self) -> tuple[str, ...]:
@@ -232,9 +239,4 @@ class SeekableLog:
 
     def _line(self, position: int) -> Line:
         self._file.seek(self._offsets[position])
-        line = parse_line(self._file.readline(), f"{self._name}:{position + 2}")
-        if line is None:
-            raise LogError(
-                f"{self._name}:{position + 2}: expected the line that was here before, got none: the file has changed"
-            )
-        return line
+        return parse_line(self._file.readline(), f"{self._name}:{position + 2}")

@@ -5,16 +5,17 @@ A trace is written to a file and never put on the network.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import msgspec
 
 from intellwheels_schemas.file_records import TraceBody, TraceHeader, TraceTick
+from intellwheels_schemas.input_reader import cut_text
 from intellwheels_schemas.messages import Event
-from intellwheels_server.log.input_log import LogError, read_header, read_lines
-from intellwheels_server.log.resimulate import difference, replay
-from intellwheels_server.world import begin, digest
+from intellwheels_server.log.input_log import LogError, LogReader
+from intellwheels_server.log.resimulate import difference, first_state, replay
+from intellwheels_server.world import digest
 from intellwheels_server.world.kernels import rows
 from intellwheels_server.world.observations import measures
 from intellwheels_server.world.state import State
@@ -52,26 +53,30 @@ def _shown(state: State, name: str, i: int) -> TraceBody:
     )
 
 
-def trace_lines(path: Path) -> Iterator[bytes]:
+def trace_lines(path: Path, tell: Callable[[str], None] = lambda _text: None) -> Iterator[bytes]:
     """Yield the trace of a log: for each of its runs the first line, the first tick and every tick after it.
 
+    Args:
+        path: The log.
+        tell: Called with a text for people if the log is cut.
+
     Raises:
-        LogError: The file is no log, or a hash differs from the recorded one.
+        LogError: The file is no log, it is edited, or a hash differs from the recorded one.
         OSError: The file cannot be read.
     """
     encode = msgspec.json.encode
     with path.open("rb") as file:
-        header = read_header(file, str(path))
-        state, run = begin(header.world_setup(), header.run), ""
-        for number, line in enumerate(read_lines(file, str(path)), start=2):
-            if line is None:
-                return
-            state, outputs = replay(state, line, f"{path}:{number}")
+        reader = LogReader(file, str(path))
+        state, run = first_state(reader.first, str(path)), ""
+        for line in reader.read_all(file):
+            state, outputs = replay(state, line, f"{path}:{reader.lines}")
             found = digest(state)
             if found != line.hash:
-                raise LogError(f"{path}: {difference(state, line, number, found)}")
+                raise LogError(f"{path}: {difference(state, line, reader.lines, found)}")
             if state.run != run:
                 run = state.run
                 yield encode(heading_of(state)) + b"\n"
             if line.stepped or state.tick == 0:
                 yield encode(moment_of(state, found, outputs.events if line.stepped else ())) + b"\n"
+    if reader.cut:
+        tell(cut_text(str(path), state.tick))

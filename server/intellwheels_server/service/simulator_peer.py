@@ -18,13 +18,13 @@ import zenoh
 from intellwheels_schemas import link, zenoh_inbox
 from intellwheels_schemas.channels import CHANNELS
 from intellwheels_schemas.codec import Encoding, encode
-from intellwheels_schemas.file_records import Inputs
 from intellwheels_schemas.keys import Claim, Keys, OutKind
 from intellwheels_schemas.messages import Body, Clock, Event, MapInfo, Pose, Record, WorldState
 from intellwheels_schemas.process import SLICE
-from intellwheels_server.log.input_log import Line, Log
+from intellwheels_server.log.input_log import Log
 from intellwheels_server.log.reported_poses import ReportedPoses
 from intellwheels_server.log.run_files import RunFiles
+from intellwheels_server.log.run_recorder import RunRecorder
 from intellwheels_server.log.seekable_log import SeekableLog
 from intellwheels_server.service import console
 from intellwheels_server.service.arrival import Arrival
@@ -33,7 +33,6 @@ from intellwheels_server.service.live_run import LiveRun
 from intellwheels_server.service.load_floor import load_floor
 from intellwheels_server.service.log_playback import Playback
 from intellwheels_server.service.roster import new_hex
-from intellwheels_server.service.run_state import Recorder
 from intellwheels_server.service.service_state import Options
 from intellwheels_server.service.world_claim import WorldClaim
 from intellwheels_server.world import State
@@ -206,16 +205,12 @@ def serve(
         run = new_hex()
         log = Log(log_file, options.setup, run, options.world) if log_file is not None else None
         files = None if runs is None else RunFiles(runs, options.world, lambda: live_run.state)
-        try:
-            record = _recorder(log, files)
-            live_run = LiveRun(options, outlet, load_floor, time.time, record=record, run=run)
+        with RunRecorder(log, files) as recorder:
+            write = recorder.write if recorder.is_wanted else None
+            live_run = LiveRun(options, outlet, load_floor, time.time, record=write, run=run)
             if files is not None:
                 live_run.observe_events(files.add_event)
-            return _serve(options, route, session, keys, stop, live_run)
-        finally:
-            for each in (log, files):
-                if each is not None:
-                    each.close()
+            return _serve(options, route, session, keys, stop, live_run, recorder.flush_if_due)
 
 
 def _check_free(session: zenoh.Session, keys: Keys, route: link.Link) -> None:
@@ -300,6 +295,7 @@ def _serve(
     keys: Keys,
     stop: threading.Event,
     service: Service,
+    flush_if_due: Callable[[float], None] = lambda _now: None,
 ) -> int:
     inbox = zenoh_inbox.Inbox()
     with contextlib.ExitStack() as stack:
@@ -316,7 +312,7 @@ def _serve(
         console.log_line(f"serving world={options.world} pace={options.pace} map={floor_name} at={route.where()}")
         console.print_line(f"ready world={options.world} run={service.state.run} listen={route.where()}")
         try:
-            _loop(service, ArrivalReader(keys), inbox, stop, claim.check)
+            _loop(service, ArrivalReader(keys), inbox, stop, claim.check, flush_if_due)
             service.finish(time.monotonic())
             console.log_line(f"ended run={service.state.run} tick={service.state.tick} hash={service.digest()}")
         finally:
@@ -325,25 +321,13 @@ def _serve(
     return service.exit or 0
 
 
-def _recorder(log: Log | None, files: RunFiles | None) -> Recorder | None:
-    if log is None and files is None:
-        return None
-
-    def record(tick: int, inputs: Inputs, digest: str, *, stepped: bool) -> None:
-        if log is not None:
-            log.write(Line(tick=tick, inputs=inputs, hash=digest, stepped=stepped), time.monotonic())
-        if files is not None:
-            files.record(tick, inputs, digest, stepped=stepped)
-
-    return record
-
-
 def _loop(
     service: Service,
     reader: ArrivalReader,
     inbox: zenoh_inbox.Inbox,
     stop: threading.Event,
     check_claim: Callable[[], None],
+    flush_if_due: Callable[[float], None],
 ) -> None:
     """Wait until something arrives or is due, take what arrived, and do what is due, until the service is over."""
     dropped = 0
@@ -360,6 +344,7 @@ def _loop(
             if arrival is not None:
                 service.take(arrival, now)
         service.work(now)
+        flush_if_due(now)
         if inbox.dropped != dropped:
             console.log_line(f"dropped arrivals={inbox.dropped - dropped} why='more than can be read'")
             dropped = inbox.dropped

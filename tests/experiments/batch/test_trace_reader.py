@@ -21,6 +21,7 @@ from intellwheels_schemas.file_records import (
     TraceTick,
     WorldRules,
 )
+from intellwheels_schemas.log_chain import Chain
 from tests.experiments.runs import RUN, straight
 
 
@@ -94,13 +95,27 @@ def test_file_of_an_older_release_without_a_version_is_read(tmp_path: Path, name
     assert len(read_trace(*paths).moments) == 2
 
 
-@pytest.mark.parametrize(("name", "what"), [("trace", "a trace"), ("log", "an input log")])
-def test_file_of_a_later_release_is_refused_in_words(tmp_path: Path, name: str, what: str) -> None:
+@pytest.mark.parametrize(
+    ("name", "expected"), [("trace", "a trace of version 1"), ("log", "an input log of version 1 or 2")]
+)
+def test_file_of_a_later_release_is_refused_in_words(tmp_path: Path, name: str, expected: str) -> None:
     paths = written(tmp_path)
     file = tmp_path / name
-    file.write_bytes(file.read_bytes().replace(b'"Version":1,', b'"Version":2,'))
-    with pytest.raises(WireError, match=f"{name}:1: expected {what} of version 1, got version 2"):
+    file.write_bytes(file.read_bytes().replace(b'"Version":1,', b'"Version":3,'))
+    with pytest.raises(WireError, match=f"{name}:1: expected {expected}, got version 3"):
         read_trace(*paths)
+
+
+def test_log_edited_after_its_first_step_is_refused_too(tmp_path: Path) -> None:
+    trace, log = written(tmp_path)
+    first, *rest = log.read_bytes().splitlines()
+    chain = Chain()
+    lines = [chain.seal(line) for line in (first.replace(b'"Version":1', b'"Version":2'), *rest)]
+    log.write_bytes(b"\n".join(lines) + b"\n")
+    assert len(read_trace(trace, log).moments) == 2
+    log.write_bytes(b"\n".join(lines).replace(b"1" * 16, b"2" * 16) + b"\n")
+    with pytest.raises(WireError, match="log:3: expected checksum"):
+        read_trace(trace, log)
 
 
 @pytest.mark.parametrize("name", ["trace", "log"])

@@ -10,6 +10,7 @@ from intellwheels_schemas.file_records import Inputs
 from intellwheels_schemas.messages import Actions
 from intellwheels_server.log.input_log import Line, Log, LogError, read_header, read_lines
 from intellwheels_server.world import Setup
+from tests.server.log_edits import make_version_1, records, rewrite
 from tests.server.worlds import unusual_setup
 
 RUN = "0123456789abcdef"
@@ -49,10 +50,22 @@ def test_line_is_in_the_file_after_a_second(tmp_path: Path) -> None:
     log.close()
 
 
+def test_log_that_is_not_closed_in_order_has_no_end(tmp_path: Path) -> None:
+    path = tmp_path / "log"
+    log = Log(path, SETUP, RUN)
+    log.add(Line(tick=0, inputs=Inputs(), hash="0" * 16))
+    log.flush_if_due(1.0)
+    with path.open("rb") as file:
+        assert [line is None for line in read_lines(file, "log")] == [False, True]
+    log.close(orderly=False)
+    with path.open("rb") as file:
+        assert [line is None for line in read_lines(file, "log")] == [False, True]
+
+
 def test_incomplete_last_line_is_reported(tmp_path: Path) -> None:
     path = tmp_path / "log"
     lines = written(path)
-    path.write_bytes(path.read_bytes()[:-20])
+    path.write_bytes(path.read_bytes().rpartition(b'{"End"')[0][:-20])
     with path.open("rb") as file:
         read_header(file, "log")
         assert list(read_lines(file, "log")) == [*lines[:2], None]
@@ -61,8 +74,8 @@ def test_incomplete_last_line_is_reported(tmp_path: Path) -> None:
 def test_broken_line_in_the_middle_is_an_error_with_its_number(tmp_path: Path) -> None:
     path = tmp_path / "log"
     written(path)
-    whole = path.read_bytes().splitlines(keepends=True)
-    path.write_bytes(whole[0] + b'{"Tick":"x"}\n' + whole[2])
+    first, _, last = records(path)[:3]
+    rewrite(path, [first, b'{"Tick":"x"}', last])
     with path.open("rb") as file:
         read_header(file, "log")
         with pytest.raises(LogError, match=r"^log:2: expected the line of a tick, got"):
@@ -80,15 +93,17 @@ def test_file_that_is_no_log_is_an_error(tmp_path: Path, data: bytes) -> None:
 def test_log_says_its_version_and_one_of_another_is_refused_in_words(tmp_path: Path) -> None:
     path = tmp_path / "log"
     lines = written(path)
-    data = path.read_bytes()
-    assert data.startswith(b'{"Log":"iw.v1","Version":1,"Run":')
-    path.write_bytes(data.replace(b'"Version":1', b'"Version":2'))
+    first, *rest = records(path)
+    assert first.startswith(b'{"Log":"iw.v1","Version":2,"Run":')
+    rewrite(path, [first.replace(b'"Version":2', b'"Version":3'), *rest])
     with (
         path.open("rb") as file,
-        pytest.raises(LogError, match=r"^log:1: expected an input log of version 1, got vers"),
+        pytest.raises(LogError, match=r"^log:1: expected an input log of version 1 or 2, got version 3"),
     ):
         read_header(file, "log")
-    path.write_bytes(data.replace(b'"Version":1,', b""))
+    rewrite(path, [first, *rest])
+    make_version_1(path)
+    path.write_bytes(path.read_bytes().replace(b'"Version":1,', b""))
     with path.open("rb") as file:
         assert read_header(file, "log").world_setup() == SETUP
         assert list(read_lines(file, "log")) == lines

@@ -12,10 +12,13 @@ from intellwheels_maps import floor, robot
 from intellwheels_schemas.file_records import Inputs, Join
 from intellwheels_schemas.messages import Actions
 from intellwheels_server.__main__ import main
+from intellwheels_server.log.branch import read_branch
 from intellwheels_server.log.input_log import Line, Log, LogError
 from intellwheels_server.log.resimulate import resimulate
 from intellwheels_server.log.seekable_log import SeekableLog
+from intellwheels_server.log.true_trace import trace_lines
 from intellwheels_server.world import Setup, advance, begin, digest
+from tests.server.log_edits import make_version_1, records, rewrite
 
 RUN = "0123456789abcdef"
 
@@ -44,20 +47,59 @@ def test_log_gives_the_same_hashes_again(tmp_path: Path, capsys: pytest.CaptureF
 def test_incomplete_last_line_is_dropped_and_reported(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     path = tmp_path / "log"
     run(path)
-    path.write_bytes(path.read_bytes()[:-9])
+    path.write_bytes(path.read_bytes().rpartition(b'{"End"')[0][:-9])
     found = resimulate(path)
     assert (found.ticks, found.cut, found.differs) == (4, True, None)
+    assert main(["--resimulate", str(path)]) == 1
+    shown = capsys.readouterr()
+    assert shown.out.startswith("cut ticks=4 tick=4 hash=")
+    assert "the log is cut after tick 4" in shown.err
+
+
+def test_log_without_checksums_runs_again_and_says_so(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / "log"
+    hashed = run(path)
+    make_version_1(path)
     assert main(["--resimulate", str(path)]) == 0
-    assert "the last line is incomplete and is ignored" in capsys.readouterr().err
+    shown = capsys.readouterr()
+    assert shown.out == f"same ticks=5 tick=5 hash={hashed}\n"
+    assert "has no checksums" in shown.err
+
+
+def test_edited_log_is_refused_by_every_reader_and_a_cut_one_is_read_to_its_last_whole_line(tmp_path: Path) -> None:
+    path = tmp_path / "log"
+    run(path)
+    lines = path.read_bytes().splitlines(keepends=True)
+    readers: list[Callable[[], object]] = [
+        lambda: resimulate(path), lambda: SeekableLog(path).close(), lambda: list(trace_lines(path)),
+        lambda: read_branch(path, 1),
+    ]  # fmt: skip
+    path.write_bytes(b"".join([*lines[:4], lines[4].replace(b"0.25", b"0.26"), *lines[5:]]))
+    for reader in readers:
+        with pytest.raises(LogError, match=r"log:5: expected checksum \w+, got \w+: the log was edited after tick 3,"):
+            reader()
+    for keep in (lines[:4], [*lines[:4], lines[4][:-40]]):
+        path.write_bytes(b"".join(keep))
+        found = resimulate(path)
+        assert (found.tick, found.cut) == (3, True)
+        recording = SeekableLog(path)
+        assert (recording.last_tick, recording.cut, recording.chained) == (3, True, True)
+        recording.close()
+        told: list[str] = []
+        assert len(list(trace_lines(path, told.append))) == 4
+        assert "cut after tick 3" in told[0]
+        assert read_branch(path, 3).at == 3
+        with pytest.raises(LogError, match=r"expected a tick in \[0, 3\] to branch at, got 4: .*cut after tick 3"):
+            read_branch(path, 4)
 
 
 def test_first_tick_that_differs_is_reported(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     path = tmp_path / "log"
     run(path)
-    lines = path.read_bytes().splitlines(keepends=True)
+    lines = records(path)
     line = msgspec.json.decode(lines[3], type=Line)
-    lines[3] = msgspec.json.encode(msgspec.structs.replace(line, hash="f" * 16)) + b"\n"
-    path.write_bytes(b"".join(lines))
+    lines[3] = msgspec.json.encode(msgspec.structs.replace(line, hash="f" * 16))
+    rewrite(path, lines)
     assert main(["--resimulate", str(path)]) == 1
     assert capsys.readouterr().out.startswith(
         f"differs tick 2 of run {RUN} (line 4): expected hash ffffffffffffffff, got "
@@ -67,8 +109,8 @@ def test_first_tick_that_differs_is_reported(tmp_path: Path, capsys: pytest.Capt
 def test_missing_tick_is_an_error(tmp_path: Path) -> None:
     path = tmp_path / "log"
     run(path)
-    lines = path.read_bytes().splitlines(keepends=True)
-    path.write_bytes(b"".join(lines[:2] + lines[3:]))
+    lines = records(path)
+    rewrite(path, lines[:2] + lines[3:])
     with pytest.raises(LogError, match=r"log:3: expected tick 1, got 2"):
         resimulate(path)
 
@@ -95,10 +137,10 @@ def test_header_of_an_impossible_world_is_an_error(
     tmp_path: Path, edit: Callable[[dict[str, Any]], None], message: str
 ) -> None:
     run(tmp_path / "log")
-    lines = (tmp_path / "log").read_bytes().split(b"\n")
+    lines = records(tmp_path / "log")
     header = json.loads(lines[0])
     edit(header)
-    (tmp_path / "log").write_bytes(b"\n".join([json.dumps(header).encode(), *lines[1:]]))
+    rewrite(tmp_path / "log", [json.dumps(header).encode(), *lines[1:]])
     with pytest.raises(LogError, match=message):
         resimulate(tmp_path / "log")
     with pytest.raises(LogError, match=message):

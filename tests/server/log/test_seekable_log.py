@@ -13,6 +13,7 @@ from intellwheels_schemas.messages import Actions
 from intellwheels_server.log.input_log import Line, Log, LogError, read_lines
 from intellwheels_server.log.seekable_log import Keyframes, Place, SeekableLog
 from intellwheels_server.world import Setup, advance, begin, digest
+from tests.server.log_edits import records, rewrite
 from tests.server.plays import record
 
 RUN = "0123456789abcdef"
@@ -113,10 +114,11 @@ def test_keyframe_follows_a_line_that_took_long() -> None:
 def test_incomplete_last_line_is_dropped_and_a_different_hash_is_reported(tmp_path: Path) -> None:
     path = tmp_path / "log"
     written(path, 5)
-    lines = path.read_bytes().splitlines(keepends=True)
+    lines = records(path)
     line = msgspec.json.decode(lines[2], type=Line)
-    lines[2] = msgspec.json.encode(msgspec.structs.replace(line, hash="f" * 16)) + b"\n"
-    path.write_bytes(b"".join(lines)[:-9])
+    lines[2] = msgspec.json.encode(msgspec.structs.replace(line, hash="f" * 16))
+    rewrite(path, lines)
+    path.write_bytes(path.read_bytes().rpartition(b'{"End"')[0][:-9])
     recording = SeekableLog(path)
     assert (recording.end, recording.cut) == (4, True)
     assert (recording.differs or "").startswith(f"tick 1 of run {RUN} (line 3): expected hash ffffffffffffffff, got ")
@@ -129,8 +131,8 @@ def test_other_file_is_an_error(tmp_path: Path) -> None:
     with pytest.raises(LogError, match=r"log:1: expected the header of an input log"):
         SeekableLog(path)
     written(path, 5)
-    lines = path.read_bytes().splitlines(keepends=True)
-    path.write_bytes(b"".join(lines[:3] + lines[4:]))
+    lines = records(path)
+    rewrite(path, lines[:3] + lines[4:])
     with pytest.raises(LogError, match=r"log:4: expected tick 2, got 3"):
         SeekableLog(path)
 
@@ -139,7 +141,7 @@ def test_agent_that_leaves_after_the_last_step_is_still_shown(tmp_path: Path) ->
     path = tmp_path / "log"
     hashes = written(path, 5)
     gone = Line(tick=5, inputs=Inputs(changes=(Depart(agent="one"),)), hash="f" * 16, stepped=False)
-    path.write_bytes(path.read_bytes() + msgspec.json.encode(gone) + b"\n")
+    rewrite(path, [*records(path), msgspec.json.encode(gone)])
     recording = SeekableLog(path)
     place = recording.next_place(recording.go_to(RUN, 4))
     assert (place.position, place.state.names, digest(place.state)) == (recording.end, ("one",), hashes[5])

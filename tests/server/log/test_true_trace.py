@@ -8,6 +8,7 @@ import pytest
 from intellwheels_server.log.input_log import LogError
 from intellwheels_server.log.true_trace import trace_lines
 from tests.server.log.test_branch import written
+from tests.server.log_edits import records, rewrite
 
 
 def test_trace_of_a_log_has_every_tick_and_its_hash(tmp_path: Path) -> None:
@@ -20,7 +21,7 @@ def test_trace_of_a_log_has_every_tick_and_its_hash(tmp_path: Path) -> None:
 
 def test_log_whose_hashes_differ_has_no_trace(tmp_path: Path) -> None:
     hashes = written(tmp_path / "log")
-    text = (tmp_path / "log").read_text().replace(hashes[3], "0" * 16)
-    (tmp_path / "log").write_text(text)
+    lines = records(tmp_path / "log")
+    rewrite(tmp_path / "log", [line.replace(hashes[3].encode(), b"0" * 16) for line in lines])
     with pytest.raises(LogError, match="expected hash 0000000000000000"):
         list(trace_lines(tmp_path / "log"))

@@ -21,6 +21,7 @@ from intellwheels_schemas.messages import (
     UserInput,
 )
 from intellwheels_server.log.resimulate import resimulate
+from tests.server.log_edits import records, rewrite
 from tests.server.stage import RUN, Stage, real
 
 
@@ -246,9 +247,9 @@ def test_changed_log_differs_at_the_changed_tick(tmp_path: Path) -> None:
     assert stage.log is not None
     stage.log.close()
     same(path)
-    lines = path.read_bytes().splitlines(keepends=True)
+    lines = records(path)
     lines[5] = lines[5].replace(b'"LeftMotor":0.5', b'"LeftMotor":0.6')
-    path.write_bytes(b"".join(lines))
+    rewrite(path, lines)
     found = resimulate(path)
     assert found.differs is not None
     assert found.differs.startswith(f"tick 4 of run {RUN} (line 6): expected hash ")

@@ -180,7 +180,8 @@ def _grouped(fitted: Sequence[Fitted]) -> _Grouped:
         begin = len(beams)
         beams.extend(_beam(sensor.declaration) for sensor in sensors)
         reach = max(
-            math.sqrt(sensor.declaration.x**2 + sensor.declaration.y**2) + sensor.declaration.max_range
+            math.sqrt(sensor.declaration.x * sensor.declaration.x + sensor.declaration.y * sensor.declaration.y)
+            + sensor.declaration.max_range
             for sensor in sensors
         )
         start = sensors[0].start
