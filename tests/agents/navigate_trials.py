@@ -1,4 +1,4 @@
-"""Chairs with the mind `navigate` on the ward, many scenes: who arrives, who touches, who stands, and what a tick costs.
+"""Chairs with the mind `navigate` on the ward, many scenes: who arrives, touches or stands, and what a tick costs.
 
     python -m tests.agents.navigate_trials --scenes 50 --chairs 5 --csv FILE
 
@@ -18,8 +18,9 @@ import time
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
+from intellwheels_agents.mind import Bridge, Mind
 from intellwheels_maps import floor
-from intellwheels_server.world import measures
+from intellwheels_schemas.messages import Actions, Measures
 from tests.agents.arena import Arena
 
 ROBOTS = ("rear-wheel", "mid-wheel", "front-wheel", "intellwheels")
@@ -36,11 +37,11 @@ class Row:
     robot: str
     start: str
     goal: str
-    reached: bool
-    seconds: float
-    contacts: int
-    longest_stand: float
-    left_over: float
+    reached: bool = False
+    seconds: float = 0.0
+    contacts: int = 0
+    longest_stand: float = 0.0
+    left_over: float = 0.0
     median_ms: float = 0.0
     worst_ms: float = 0.0
 
@@ -59,68 +60,80 @@ def drawn(scene: int, chairs: int, ground: str) -> list[tuple[str, str, str]]:
 
 
 def trial(
-    scene: int, chairs: int, seconds: float, ground: str = "ward", options: dict[str, str] | None = None,
-    times: list[float] | None = None, watch: bool = False,
-) -> list[Row]:
-    """Return what the chairs of one scene did."""
+    scene: int, chairs: int, seconds: float, options: dict[str, str], ground: str = "ward", watch: bool = False
+) -> tuple[list[Row], list[float]]:
+    """Return what the chairs of one scene did, and the seconds that each tick of each mind took, ascending."""
     arena = Arena(ground, str(scene))
-    places = {p.name: p for p in arena.setup.floor.grid.position}  # type: ignore[union-attr]
-    rows, goals, since, stood = [], {}, {}, {}
+    places = {place.name: place for place in arena.setup.floor.grid.position}  # type: ignore[union-attr]
+    chases = []
     for number, (body, start, goal) in enumerate(drawn(scene, chairs, ground)):
         name = f"chair{number + 1}"
-        arena.join(name, "navigate", body, start, {"to": goal, "truth": "true", **(options or {})})
-        rows.append(Row(scene, name, body, start, goal, False, seconds, 0, 0.0, 0.0))
-        goals[name] = (places[goal].x, places[goal].y)
-        since[name], stood[name] = (0.0, arena.paths[name][0]), 0.0
-    spent: dict[str, list[float]] = {row.chair: [] for row in rows}
-    for row in rows:
-        player = arena.players[row.chair]
-        player.mind = Timed(player.mind, spent[row.chair])  # type: ignore[arg-type]
+        player = arena.join(name, "navigate", body, start, {"to": goal, "truth": "true", **options})
+        timed = player.mind = Timed(player.mind)
+        row = Row(scene, name, body, start, goal, seconds=seconds)
+        chases.append(Chase(row, timed, (places[goal].x, places[goal].y), arena.paths[name][0]))
     for _ in range(round(seconds / arena.setup.period)):
-        if all(row.reached for row in rows):
+        if all(chase.row.reached for chase in chases):
             break
         arena.step()
         now = arena.state.tick * arena.setup.period
-        for row in rows:
-            pose = arena.paths[row.chair][-1]
-            off = math.dist(pose[:2], goals[row.chair])
-            if not row.reached and off <= REACHED:
-                row.reached, row.seconds = True, now
-            at, there = since[row.chair]
-            if row.reached or math.dist(pose[:2], there[:2]) > STANDS or abs(math.remainder(pose[2] - there[2], math.tau)) > 0.1:
-                since[row.chair] = (now, pose)
-            row.longest_stand = max(row.longest_stand, now - since[row.chair][0])
-            row.left_over = round(off, 2)
+        for chase in chases:
+            chase.update(now, arena.paths[chase.row.chair][-1])
             if watch and arena.state.tick % 40 == 0:
-                last = measures(arena.state, row.chair)
-                print(f"{now:6.1f} {row.chair} {pose[0]:.2f} {pose[1]:.2f} {math.degrees(pose[2]):.0f} off {off:.2f} v {arena.speed(row.chair):.2f} {player_mode(arena, row.chair)} {last.collision}")
-    for row in rows:
-        row.contacts = sum(event.agent == row.chair for event in arena.contacts())
-        ordered = sorted(spent[row.chair])
-        row.median_ms = round(1e3 * statistics.median(ordered), 2)
-        row.worst_ms = round(1e3 * ordered[int(0.99 * len(ordered))], 2)
-        if times is not None:
-            times += ordered
-    return rows
+                print(f"{now:6.1f} {chase}", flush=True)
+    for chase in chases:
+        chase.row.contacts = sum(event.agent == chase.row.chair for event in arena.contacts())
+        spent = sorted(chase.mind.spent)
+        chase.row.median_ms = round(1e3 * statistics.median(spent), 2)
+        chase.row.worst_ms = round(1e3 * spent[int(0.99 * len(spent))], 2)
+    return [chase.row for chase in chases], sorted(spent for chase in chases for spent in chase.mind.spent)
 
 
 class Timed:
     """A mind whose time is measured."""
 
-    def __init__(self, mind: object, spent: list[float]) -> None:
-        self.mind, self._spent = mind, spent
-        self.mode = ""
+    def __init__(self, mind: Mind | Bridge) -> None:
+        self._mind = mind
+        self.spent: list[float] = []
+        self.mode: str | None = None
 
-    def decide(self, measured: object) -> object:
+    def decide(self, measured: Measures) -> Actions:
         began = time.process_time()
-        answer = self.mind.decide(measured)  # type: ignore[attr-defined]
-        self._spent.append(time.process_time() - began)
+        answer = self._mind.decide(measured)
+        self.spent.append(time.process_time() - began)
+        assert isinstance(answer, Actions)
         self.mode = answer.mode
         return answer
 
 
-def player_mode(arena: Arena, name: str) -> str:
-    return str(arena.players[name].mind.mode)  # type: ignore[union-attr]
+@dataclass
+class Chase:
+    """A chair on its way to its goal."""
+
+    row: Row
+    mind: Timed
+    goal: tuple[float, float]
+    pose: tuple[float, float, float]
+    since: float = 0.0
+    stood_at: tuple[float, float, float] | None = None
+
+    def update(self, now: float, pose: tuple[float, float, float]) -> None:
+        self.pose, row = pose, self.row
+        off = math.dist(pose[:2], self.goal)
+        if not row.reached and off <= REACHED:
+            row.reached, row.seconds = True, round(now, 2)
+        there = self.stood_at or pose
+        turned = abs(math.remainder(pose[2] - there[2], math.tau))
+        if row.reached or self.stood_at is None or math.dist(pose[:2], there[:2]) > STANDS or turned > 0.1:
+            self.since, self.stood_at = now, pose
+        row.longest_stand = round(max(row.longest_stand, now - self.since), 2)
+        row.left_over = round(off, 2)
+
+    def __str__(self) -> str:
+        x, y, heading = self.pose
+        return (
+            f"{self.row.chair} {x:.2f} {y:.2f} {math.degrees(heading):.0f} {self.mind.mode} left {self.row.left_over}"
+        )
 
 
 def main() -> None:
@@ -139,8 +152,9 @@ def main() -> None:
     times: list[float] = []
     for scene in range(given.first, given.first + given.scenes):
         began = time.process_time()
-        found = trial(scene, given.chairs, given.seconds, given.map, options, times, given.watch)
+        found, spent = trial(scene, given.chairs, given.seconds, options, given.map, given.watch)
         rows += found
+        times += spent
         for row in found:
             if not row.reached or row.contacts or given.scenes < 4 or row.longest_stand > 20:
                 print(row, flush=True)

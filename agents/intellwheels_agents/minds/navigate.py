@@ -1,13 +1,13 @@
 """Drives to places on the map, around what is in the way, and touches nothing.
 
-    to, via  places of the map; the chair drives to all of `via`, then to `to`
-    points   "x y x y": points of the map, before those places, m
-    speed    highest speed, m/s (default 0.8)
-    within   distance from the goal that counts as arrived, m (default 0.15)
-    truth    true: use the true pose from a truth sensor, which the simulation must allow (default false)
-    lidar    true: two laser scanners at opposite corners see all around; false: only the robot's own sensors (default
-             true)
-    map      path of a map file, instead of the simulator's map
+to, via  places of the map; the chair drives to all of `via`, then to `to`
+points   "x y x y": points of the map, before those places, m
+speed    highest speed, m/s (default 0.8)
+within   distance from the goal that counts as arrived, m (default 0.15)
+truth    true: use the true pose from a truth sensor, which the simulation must allow (default false)
+lidar    true: two laser scanners at opposite corners see all around; false: only the robot's own sensors (default
+true)
+map      path of a map file, instead of the simulator's map
 """
 
 from __future__ import annotations
@@ -58,7 +58,7 @@ class Mind:
         try:
             from intellwheels_agents.navigation.navigator import Navigator  # noqa: PLC0415 - an optional dependency
         except ImportError as error:
-            raise OptionError(f"mind navigate: expected numpy, which the extra navigate installs, got {error}") from None
+            raise OptionError(f"mind navigate: expected numpy (extra navigate), got {error}") from None
         options = context.options
         options.flag("lidar", True)
         document = floor(options["map"]) if "map" in options else context.map

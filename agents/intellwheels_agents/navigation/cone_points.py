@@ -6,14 +6,16 @@ Otherwise the whole arc counts, until a sensor sees past it or it is old.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from typing import Final
 
 import numpy as np
 
-from intellwheels_agents.navigation.exact_angles import PI, Floats, sine_cosine, sines
+from intellwheels_agents.navigation.array_angles import Floats, sines
 from intellwheels_agents.navigation.map_distance import MapDistance
 from intellwheels_agents.navigation.scan_points import Pose, into_body, into_map
+from intellwheels_agents.portable_math import sincos
 from intellwheels_agents.range_scan import distance
 from intellwheels_schemas.messages import Measures, Proximity, Robot
 
@@ -68,18 +70,18 @@ class ConePoints:
         if not self._points.shape[0]:
             return
         body = into_body(self._points, pose)
-        s, c = sine_cosine(sensor.direction_deg * PI / 180.0)
+        s, c = sincos(sensor.direction_deg * math.pi / 180.0)
         dx, dy = body[:, 0] - sensor.x, body[:, 1] - sensor.y
         along, across = c * dx + s * dy, np.abs(c * dy - s * dx)
         off = np.sqrt(dx * dx + dy * dy)
-        half_sine, half_cosine = sine_cosine(min(sensor.cone_deg / 2.0, 89.0) * PI / 180.0)
+        half_sine, half_cosine = sincos(min(sensor.cone_deg / 2.0, 89.0) * math.pi / 180.0)
         inside = across * half_cosine < along * half_sine
         self._points = self._points[~(inside & (off < metres - SEEN_PAST))]
 
 
 def _arc(sensor: Proximity, metres: float) -> Floats:
     """Return points on the arc of a reading, in the body's frame, m."""
-    width = sensor.cone_deg * PI / 180.0
+    width = sensor.cone_deg * math.pi / 180.0
     count = max(2, int(width * metres / SPACING) + 2)
-    s, c = sines((sensor.direction_deg * PI / 180.0) + width * (np.arange(count) / (count - 1) - 0.5))
+    s, c = sines((sensor.direction_deg * math.pi / 180.0) + width * (np.arange(count) / (count - 1) - 0.5))
     return np.stack([sensor.x + metres * c, sensor.y + metres * s], axis=1)

@@ -11,13 +11,14 @@ Source: R. B. Dial, Algorithm 360: shortest-path forest with topological orderin
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import Final
 
 import numpy as np
 import numpy.typing as npt
 
-from intellwheels_agents.navigation.exact_angles import TWO_PI, Floats, wrapped_all
+from intellwheels_agents.navigation.array_angles import Floats, wrapped_all
 from intellwheels_agents.navigation.footprint_clearance import Frame
 from intellwheels_agents.navigation.lattice import ANGLES, COSINES, COUNT, GAPS, LENGTHS, SINES, STEPS
 
@@ -35,6 +36,7 @@ PASSAGE: Final = 1.6
 """How far to each side a passage is measured, m: in a wider one there are no sides to keep to."""
 EDGE: Final = 4
 """Cells to the end of the longest move."""
+_TURNS: Final = np.maximum(GAPS * TURN_COST, BAND).astype(np.float32)
 UNKNOWN_STEP: Final = 1.0
 """How much more than its neighbours a pose counts as to which no way is known, m."""
 
@@ -92,7 +94,7 @@ class Weights:
             self.move[k, south:north, west:east] = worst * np.float32(LENGTHS[k] * self.frame.cell)
         factors = self._factor[:, south:north, west:east]
         both = np.maximum(factors, np.roll(factors, -1, axis=0))
-        self.turn[:, south:north, west:east] = both * np.maximum(GAPS * TURN_COST, BAND).astype(np.float32)[:, None, None]
+        self.turn[:, south:north, west:east] = both * _TURNS[:, None, None]
 
 
 def _shifted(layer: Costs, i: int, j: int) -> Costs:
@@ -133,7 +135,7 @@ def distances(frame: Frame, points: Sequence[tuple[float, float]]) -> Floats:
     square = np.full((frame.rows, frame.columns), np.inf)
     for px, py in points:
         np.minimum(square, (x - px) * (x - px) + (y - py) * (y - py), out=square)
-    return np.sqrt(square)
+    return np.asarray(np.sqrt(square), dtype=np.float64)
 
 
 class CostToGo:
@@ -237,15 +239,16 @@ class CostToGo:
         column, row = (x - frame.x) / frame.cell, (y - frame.y) / frame.cell
         i = np.clip(np.floor(column).astype(np.int64), 0, frame.columns - 2)
         j = np.clip(np.floor(row).astype(np.int64), 0, frame.rows - 2)
-        turned = heading - TWO_PI * np.floor(heading / TWO_PI)
+        turned = heading - math.tau * np.floor(heading / math.tau)
         k = np.maximum(np.searchsorted(ANGLES, turned, side="right") - 1, 0)
         share_x, share_y = np.clip(column - i, 0.0, 1.0), np.clip(row - j, 0.0, 1.0)
         share_k = np.clip((turned - ANGLES[k]) / GAPS[k], 0.0, 1.0)
         base = j * frame.columns + i
         first, second = k * self._layer + base, ((k + 1) % COUNT) * self._layer + base
-        corners = np.stack(
-            [self._flat[start + shift] for start in (first, second) for shift in (0, 1, frame.columns, frame.columns + 1)]
-        ).astype(np.float64)
+        shifts = (0, 1, frame.columns, frame.columns + 1)
+        corners = np.stack([self._flat[start + shift] for start in (first, second) for shift in shifts]).astype(
+            np.float64
+        )
         least = corners.min(axis=0)
         corners = np.minimum(corners, least + UNKNOWN_STEP)
         finite = least < np.inf

@@ -12,8 +12,9 @@ from typing import Final, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from intellwheels_agents.navigation.exact_angles import Floats
+from intellwheels_agents.navigation.array_angles import Floats
 from intellwheels_agents.navigation.lattice import COSINES, COUNT, SINES
+from intellwheels_agents.portable_math import dist, hypot
 from intellwheels_maps.check import points_of, ring_of, wall_pieces
 from intellwheels_schemas.messages import Map, Part, Robot
 from intellwheels_schemas.rules import parts_of
@@ -57,9 +58,7 @@ class Frame(NamedTuple):
 
 def solids_of(document: Map) -> list[Solid]:
     """Return the outlines of the walls and obstacles of a map."""
-    found = [
-        Solid(tuple(piece), wall.bottom, wall.height) for wall in document.wall for piece in wall_pieces(wall)
-    ]
+    found = [Solid(tuple(piece), wall.bottom, wall.height) for wall in document.wall for piece in wall_pieces(wall)]
     return found + [
         Solid(tuple(ring_of(obstacle.corner)), obstacle.bottom, obstacle.top) for obstacle in document.obstacle
     ]
@@ -76,9 +75,9 @@ def covering(boxes: list[Box]) -> list[Box]:
 
 
 def reach_of(boxes: list[Box]) -> float:
-    """Return how far from a point the centre of a body is at most when its clearance to the point is below the cutoff."""
+    """Return the longest distance from a body's centre to a point at which its clearance is below the cutoff, m."""
     corners = ((max(box.front, -box.back), max(box.left, -box.right)) for box in boxes)
-    return max((x * x + y * y) ** 0.5 for x, y in corners) + 1.5 * CUTOFF
+    return max(hypot(x, y) for x, y in corners) + 1.5 * CUTOFF
 
 
 def _box(part: Part) -> Box:
@@ -124,9 +123,7 @@ def mark(field: npt.NDArray[np.float32], frame: Frame, solid: Solid, boxes: list
 
 def _covers(one: Box, other: Box) -> bool:
     """Return whether a box covers another in plan; of two equal ones, the upper covers the lower."""
-    inside = (
-        one.front >= other.front and one.back <= other.back and one.left >= other.left and one.right <= other.right
-    )
+    inside = one.front >= other.front and one.back <= other.back and one.left >= other.left and one.right <= other.right
     return inside and (one[:4] != other[:4] or one.bottom > other.bottom)
 
 
@@ -146,7 +143,7 @@ def _mark_edge(
     gap = np.maximum(np.minimum(along_a, along_b) - box.front, box.back - np.maximum(along_a, along_b))
     np.maximum(gap, np.minimum(across_a, across_b) - box.left, out=gap)
     np.maximum(gap, box.right - np.maximum(across_a, across_b), out=gap)
-    length = ((b[0] - a[0]) ** 2 + (b[1] - a[1]) ** 2) ** 0.5
+    length = dist(a, b)
     if length > 0.0:
         nx, ny = (b[1] - a[1]) / length, (a[0] - b[0]) / length
         # The normal in the body's frame, how far the box extends along it, and how far the edge is.
@@ -188,7 +185,7 @@ def points_along(solid: Solid, spacing: float) -> Floats:
     """Return points on an outline, at most `spacing` m apart, as rows x, y."""
     found: list[Floats] = []
     for (ax, ay), (bx, by) in zip(solid.corners, (*solid.corners[1:], solid.corners[0]), strict=True):
-        count = max(1, int((((bx - ax) ** 2 + (by - ay) ** 2) ** 0.5) / spacing) + 1)
+        count = max(1, int(dist((ax, ay), (bx, by)) / spacing) + 1)
         share = np.arange(count)[:, None] / count
         found.append(np.array([[ax, ay]]) + share * np.array([[bx - ax, by - ay]]))
     return np.concatenate(found)

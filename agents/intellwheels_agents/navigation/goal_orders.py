@@ -1,4 +1,4 @@
-"""Goals by message: "go NAME" for a place of the map, or "go X Y" in metres, for all who hear it; "NAME: go ..." for one."""
+"""Goals by message: "go PLACE" or "go X Y", m, is for all who hear it; "NAME: go PLACE" for the agent of that name."""
 
 from __future__ import annotations
 

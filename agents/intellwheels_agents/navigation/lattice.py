@@ -9,11 +9,13 @@ Journal of Field Robotics 26 (2009) 308: motions that connect lattice points exa
 
 from __future__ import annotations
 
+import math
 from typing import Final
 
 import numpy as np
 
-from intellwheels_agents.navigation.exact_angles import TWO_PI, Floats, direction
+from intellwheels_agents.navigation.array_angles import Floats
+from intellwheels_agents.portable_math import atan2
 
 _OCTANT: Final = ((1, 0), (4, 1), (2, 1), (4, 3))
 _QUADRANT: Final = (*_OCTANT, (1, 1), *((j, i) for i, j in reversed(_OCTANT[1:])))
@@ -27,11 +29,11 @@ STEPS: Final = tuple(
 )
 """The move of each heading in cells, anticlockwise from the x axis."""
 COUNT: Final = len(STEPS)
-ANGLES: Final[Floats] = np.array([direction(j, i) % TWO_PI for i, j in STEPS])
+ANGLES: Final[Floats] = np.array([atan2(j, i) % math.tau for i, j in STEPS])
 """The headings in [0, 2 pi), ascending."""
-LENGTHS: Final[Floats] = np.array([float(i * i + j * j) ** 0.5 for i, j in STEPS])
+LENGTHS: Final[Floats] = np.array([math.sqrt(i * i + j * j) for i, j in STEPS])
 """The length of each heading's move, in cells."""
 COSINES: Final[Floats] = np.array([i for i, _ in STEPS]) / LENGTHS
 SINES: Final[Floats] = np.array([j for _, j in STEPS]) / LENGTHS
-GAPS: Final[Floats] = np.append(ANGLES[1:], TWO_PI) - ANGLES
+GAPS: Final[Floats] = np.append(ANGLES[1:], math.tau) - ANGLES
 """The angle from each heading to the next, rad."""

@@ -7,7 +7,7 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
-from intellwheels_agents.navigation.exact_angles import Floats
+from intellwheels_agents.navigation.array_angles import Floats
 from intellwheels_agents.navigation.footprint_clearance import Solid
 
 CELL: Final = 0.05

@@ -21,10 +21,12 @@ from __future__ import annotations
 from typing import Final, NamedTuple
 
 import numpy as np
+import numpy.typing as npt
 
+from intellwheels_agents.navigation.array_angles import Floats, sines
 from intellwheels_agents.navigation.cost_to_go import CostToGo
-from intellwheels_agents.navigation.exact_angles import Floats, power_of, sine_cosine, sines
 from intellwheels_agents.navigation.footprint_clearance import Box
+from intellwheels_agents.portable_math import power, sincos
 from intellwheels_schemas.messages import Robot
 
 STEP: Final = 0.2
@@ -59,7 +61,8 @@ _SPEEDS: Final = (1.0, 0.75, 0.5, 0.3, 0.15, 0.06, 0.0)
 _RATES: Final = (0.0, 0.06, 0.16, 0.32, 0.55, 1.0)
 
 Points = Floats
-"""Rows x, y (m), their velocities (m/s) in the body's frame, and how much faster than that they may come nearer (m/s)."""
+Bools = npt.NDArray[np.bool_]
+"""Rows x, y (m), velocities (m/s) in the body's frame, and how much faster than that they may come nearer (m/s)."""
 
 
 class Command(NamedTuple):
@@ -100,9 +103,9 @@ class MotionWindow:
         self._slowing = min(SLOWING, 0.7 * wheel)
         self._turn_acceleration = min(TURN_ACCELERATION, self._hardest_turn)
         self._inertia = robot.acceleration_curve
-        self._tick_inertia = power_of(self._inertia, period / 0.05)
-        self._step_inertia = power_of(self._inertia, STEP / 0.05)
-        self._brake_inertia = power_of(self._inertia, BRAKE_STEP / 0.05)
+        self._tick_inertia = _kept(self._inertia, period / 0.05)
+        self._step_inertia = _kept(self._inertia, STEP / 0.05)
+        self._brake_inertia = _kept(self._inertia, BRAKE_STEP / 0.05)
         self.actual = Command(0.0, 0.0)
         self.last = Command(0.0, 0.0)
         speeds = [share * self._speed for share in _SPEEDS]
@@ -143,14 +146,17 @@ class MotionWindow:
             points: What the sensors see.
             slow: Share of the highest speed that may be driven.
         """
+        period = self._period
         allowed = np.abs(self._speeds) <= max(slow * self._speed, 0.05) + 1e-9
-        first_v = _towards(self.last.speed, self._speeds, self._acceleration * self._period, self._slowing * self._period)
-        first_w = _towards(self.last.rate, self._rates, self._turn_acceleration * self._period)
+        first_v = _towards(
+            self.last.speed, self._speeds, self._acceleration * self._period, self._slowing * self._period
+        )
+        first_w = _towards(self.last.rate, self._rates, self._turn_acceleration * period)
         safe = allowed & self._stops_in_time(first_v, first_w, points)
         if not safe.any():
             return Choice(self.stop(), float("inf"), False)
         x, y, turned = self._motions(np.flatnonzero(safe))
-        near = self._clearance(x, y, turned, points, STEP * np.arange(1, STEPS + 1))
+        near = self._clearance(x, y, turned, points, np.arange(1, STEPS + 1, dtype=np.float64) * STEP)
         index = np.flatnonzero(safe)
         blocked = near < 0.0
         free = np.where(blocked.any(axis=1), blocked.argmax(axis=1), STEPS)
@@ -158,7 +164,7 @@ class MotionWindow:
         rows = np.arange(index.size)
         end_x, end_y = np.where(free > 0, x[rows, last], 0.0), np.where(free > 0, y[rows, last], 0.0)
         end_turn = np.where(free > 0, turned[rows, last], 0.0)
-        s, c = sine_cosine(pose[2])
+        s, c = sincos(pose[2])
         cost = goal.at(pose[0] + c * end_x - s * end_y, pose[1] + s * end_x + c * end_y, pose[2] + end_turn)
         along = np.where(np.arange(STEPS)[None, :] < free[:, None], near, np.inf).min(axis=1)
         lacking = np.clip(1.0 - (along + MARGIN) / SOFT, 0.0, 1.0)
@@ -172,7 +178,7 @@ class MotionWindow:
         moves = bool(self._speeds[chosen] != 0.0 or self._rates[chosen] != 0.0)
         return Choice(self.last, float(cost[best]), moves)
 
-    def _motions(self, index: np.ndarray) -> tuple[Floats, Floats, Floats]:
+    def _motions(self, index: npt.NDArray[np.int64]) -> tuple[Floats, Floats, Floats]:
         """Return x, y and turned angle of the motions towards the commands, by command and step."""
         v, w = np.full(index.size, self.actual.speed), np.full(index.size, self.actual.rate)
         cv, cw = np.full(index.size, self.last.speed), np.full(index.size, self.last.rate)
@@ -188,7 +194,7 @@ class MotionWindow:
             v, w = new_v, new_w
         return _driven(np.stack(speeds, axis=1), np.stack(rates, axis=1), STEP)
 
-    def _stops_in_time(self, first_v: Floats, first_w: Floats, points: Points) -> np.ndarray:
+    def _stops_in_time(self, first_v: Floats, first_w: Floats, points: Points) -> Bools:
         """Return whether each command may be given for a period, with full braking after it."""
         if not points.shape[0]:
             return np.ones(first_v.size, dtype=bool)
@@ -208,8 +214,9 @@ class MotionWindow:
             v, w = new_v, new_w
         times = np.array([self._period] + [BRAKE_STEP] * (len(speeds) - 1))
         x, y, turned = _driven(np.stack(speeds, axis=1), np.stack(rates, axis=1), times)
-        near = self._clearance(x, y, turned, points, np.cumsum(times))
-        return np.asarray((near >= 0.0).all(axis=1)[inverse.reshape(-1)])
+        near = self._clearance(x, y, turned, points, np.cumsum(times, dtype=np.float64))
+        clear: Bools = near.min(axis=1) >= 0.0
+        return clear[inverse.reshape(-1)]
 
     def _braked(self, v: Floats, hardest: float) -> Floats:
         wanted = self._brake_inertia * v
@@ -259,6 +266,11 @@ class MotionWindow:
             found = gap if found is None else np.minimum(found, gap)
         assert found is not None  # noqa: S101 - a body has a part
         return found
+
+
+def _kept(inertia: float, ticks: float) -> float:
+    """Return the share of a speed that is left after so many times 50 ms."""
+    return power(inertia, ticks) if inertia > 0.0 else 0.0
 
 
 def _towards(value: Floats | float, wanted: Floats, faster: float, slower: float | None = None) -> Floats:

@@ -14,7 +14,8 @@ from typing import Final
 
 import numpy as np
 
-from intellwheels_agents.navigation.exact_angles import Floats
+from intellwheels_agents.navigation.array_angles import Floats
+from intellwheels_agents.portable_math import hypot
 
 GAP: Final = 0.25
 """Size of the cells that connect points to groups, m."""
@@ -46,7 +47,7 @@ class Track:
     @property
     def speed(self) -> float:
         """Return its speed, m/s; 0 if it counts as standing."""
-        speed = (self.vx * self.vx + self.vy * self.vy) ** 0.5
+        speed = hypot(self.vx, self.vy)
         return speed if self.age >= OLD and speed >= MOVES else 0.0
 
 
@@ -80,7 +81,7 @@ class MovingTracks:
         best, nearest = None, SAME
         for track in known:
             dx, dy = x - track.x - track.vx * period, y - track.y - track.vy * period
-            off = (dx * dx + dy * dy) ** 0.5
+            off = hypot(dx, dy)
             if off < nearest:
                 best, nearest = track, off
         if best is None:
@@ -90,7 +91,7 @@ class MovingTracks:
         share = min(period / TIME, 1.0)
         vx = best.vx + share * (x - expected_x) / max(period, 1e-6) * ALPHA
         vy = best.vy + share * (y - expected_y) / max(period, 1e-6) * ALPHA
-        excess = max((vx * vx + vy * vy) ** 0.5 / FASTEST, 1.0)
+        excess = max(hypot(vx, vy) / FASTEST, 1.0)
         found = Track(
             expected_x + ALPHA * (x - expected_x), expected_y + ALPHA * (y - expected_y), vx / excess, vy / excess,
             best.age + period,

@@ -10,9 +10,9 @@ import numpy as np
 
 from intellwheels_agents.differential_drive import powers
 from intellwheels_agents.mind import Context
+from intellwheels_agents.navigation.array_angles import Floats
 from intellwheels_agents.navigation.cone_points import ConePoints
 from intellwheels_agents.navigation.cost_to_go import CostToGo, Weights, distances
-from intellwheels_agents.navigation.exact_angles import Floats, sine_cosine
 from intellwheels_agents.navigation.footprint_clearance import (
     Box,
     boxes_of,
@@ -22,15 +22,16 @@ from intellwheels_agents.navigation.footprint_clearance import (
     hidden_points,
     solids_of,
 )
+from intellwheels_agents.navigation.goal_orders import GoalOrders
 from intellwheels_agents.navigation.map_distance import MapDistance
 from intellwheels_agents.navigation.motion_window import MotionWindow
 from intellwheels_agents.navigation.moving_tracks import MovingTracks
 from intellwheels_agents.navigation.particle_pose import ParticlePose
-from intellwheels_agents.navigation.goal_orders import GoalOrders
 from intellwheels_agents.navigation.progress import Progress
 from intellwheels_agents.navigation.right_of_way import LENGTH, ROOM, SAY_PERIOD, RightOfWay, way_message
-from intellwheels_agents.navigation.strange_obstacles import entered
 from intellwheels_agents.navigation.scan_points import ScanPoints, into_body, into_map, thinned
+from intellwheels_agents.navigation.strange_obstacles import entered
+from intellwheels_agents.portable_math import dist, sincos
 from intellwheels_agents.user_input import Goals
 from intellwheels_schemas.messages import Actions, Goal, Map, Measures
 
@@ -44,6 +45,8 @@ BEYOND: Final = 6.0
 """How far the plan reaches beyond the body, m: so far it may be driven away from its way without a new plan."""
 ON_MAP: Final = 0.12
 """Points nearer to something on the map are taken for it, m."""
+FARTHEST: Final = 4.0
+"""How far the sensors look, m."""
 POSES_KEPT: Final = 64
 """Ticks for which poses are kept, for readings that come late."""
 MAY_START: Final = 0.25
@@ -54,6 +57,8 @@ INSIST: Final = 6.0
 """Time for which it goes on asking after it has made progress again, s."""
 PATIENCE: Final = 6.0
 """Time without progress after which it plans around what stands in the way, s."""
+LONGEST_ASIDE: Final = 8.0
+"""Longest way to a place where it is out of the way, m."""
 RETHINK: Final = 5.0
 """Time after which a place to give way is chosen again, s."""
 DOOR_RANGE: Final = 2.8
@@ -75,7 +80,19 @@ def weights_of(document: Map, boxes: tuple[Box, ...]) -> Weights:
 class Navigator:
     """Drives one body."""
 
-    def __init__(self, context: Context, document: Map, speed: float, within: float, truth: bool, goals: list[Point]) -> None:
+    def __init__(
+        self, context: Context, document: Map, speed: float, within: float, truth: bool, goals: list[Point]
+    ) -> None:
+        """Prepare the map and the first plan.
+
+        Args:
+            context: The agent's context.
+            document: The map.
+            speed: The highest speed, m/s.
+            within: Distance from a goal that counts as arrived, m.
+            truth: Whether the pose comes from a truth sensor.
+            goals: The goals, m.
+        """
         robot = context.robot
         self._robot, self._period, self._within = robot, context.parameters.period, within
         boxes = boxes_of(robot)
@@ -129,7 +146,8 @@ class Navigator:
         while len(self._goals) > 1 and self._near(pose, self._goals[0], self._within):
             self._goals.pop(0)
             self._new_plan(time)
-        arrived = len(self._goals) == 1 and self._near(pose, self._goals[0], self._within * (2.0 if self._arrived else 1.0))
+        within = self._within * (2.0 if self._arrived else 1.0)
+        arrived = len(self._goals) == 1 and self._near(pose, self._goals[0], within)
         self._arrived = arrived
         if not self._planned(pose):
             return self._stand("planning")
@@ -191,7 +209,7 @@ class Navigator:
             if x * x + y * y > DOOR_RANGE * DOOR_RANGE:
                 continue
             off = self._strange - np.array([[doorway.x, doorway.y]])
-            if ((off[:, 0] ** 2 + off[:, 1] ** 2) < (0.4 * doorway.width) ** 2).any():
+            if (np.sqrt(off[:, 0] * off[:, 0] + off[:, 1] * off[:, 1]) < 0.4 * doorway.width).any():
                 return doorway.x, doorway.y
         return None
 
@@ -213,7 +231,10 @@ class Navigator:
         if self._aside is None or time - self._aside_at > RETHINK:
             self._was_arrived = self._was_arrived or arrived
             self._aside, self._aside_at = self._out_of(points, pose), time
-        return self._aside
+        # Without a place to go to, it stays on its own way.
+        far = self._aside.reached > LONGEST_ASIDE and self._cost(self._aside, pose) > self._aside.reached
+        none = self._aside.done and self._cost(self._aside, pose) == float("inf")
+        return None if far or none else self._aside
 
     def _out_of(self, points: list[Point], pose: Pose) -> CostToGo:
         """Return the costs to poses that are off some points of a way."""
@@ -280,7 +301,7 @@ class Navigator:
         return Actions(left_motor=left, right_motor=right, mode=mode, goal=goal, say=say)
 
     def _near(self, pose: Pose, goal: tuple[float, float], within: float) -> bool:
-        return (pose[0] - goal[0]) ** 2 + (pose[1] - goal[1]) ** 2 <= within * within
+        return dist(pose, goal) <= within
 
     def _locate(self, measures: Measures, scans: list[tuple[int, Floats]]) -> Pose:
         sensors = measures.sensors
@@ -303,7 +324,7 @@ class Navigator:
         if self._cones is not None:
             seen.append(self._cones.update(measures, self._poses))
         found = np.concatenate(seen) if seen else np.zeros((0, 2))
-        near = (found[:, 0] - pose[0]) ** 2 + (found[:, 1] - pose[1]) ** 2 < 16.0
+        near = np.abs(found - np.array([[pose[0], pose[1]]])).max(axis=1) < FARTHEST
         found = thinned(found[near])
         strange = self._map.at(found[:, 0], found[:, 1]) > ON_MAP
         velocities = np.zeros((found.shape[0], 2))
@@ -317,9 +338,9 @@ class Navigator:
             velocities = np.concatenate([velocities, np.zeros_like(hidden)])
             growth = np.concatenate([growth, np.zeros(hidden.shape[0])])
         body = into_body(found, pose)
-        speed = np.sqrt(velocities[:, 0] ** 2 + velocities[:, 1] ** 2)
+        speed = np.sqrt(velocities[:, 0] * velocities[:, 0] + velocities[:, 1] * velocities[:, 1])
         gaps = self._window.gaps(body[:, 0], body[:, 1])
         keep = gaps < self._window.reach - 0.5 + 1.6 * speed
-        s, c = sine_cosine(pose[2])
+        s, c = sincos(pose[2])
         vx, vy = velocities[:, 0], velocities[:, 1]
         return np.stack([body[:, 0], body[:, 1], c * vx + s * vy, c * vy - s * vx, growth], axis=1)[keep]

@@ -14,14 +14,16 @@ the Gaussian: it needs no exponential, and far points do not decide.
 
 from __future__ import annotations
 
+import math
 from typing import Final
 
 import numpy as np
 
-from intellwheels_agents.differential_drive import Odometry
-from intellwheels_agents.navigation.exact_angles import PI, Floats, sine_cosine, sines, wrapped, wrapped_all
+from intellwheels_agents.differential_drive import Odometry, wrapped
+from intellwheels_agents.navigation.array_angles import Floats, sines, wrapped_all
 from intellwheels_agents.navigation.map_distance import MapDistance
 from intellwheels_agents.navigation.scan_points import Pose
+from intellwheels_agents.portable_math import hypot, sincos
 from intellwheels_agents.range_scan import distance
 from intellwheels_schemas.messages import Measures, Position, Robot
 
@@ -42,6 +44,9 @@ LOST: Final = 0.05
 """What a point counts at least: it may be on something that is not on the map."""
 EVERY: Final = 0.03
 """Distance between two matches, m of way (1 rad counts as 1 m)."""
+TO_UNIT: Final = 1.0 / 9007199254740992.0
+"""A whole number of 53 bits times this is in [0, 1)."""
+ROOT_3: Final = 1.7320508075688772
 HISTORY: Final = 64
 ARC: Final = (-1.0, -0.5, 0.0, 0.5, 1.0)
 """Where on the arc of a cone the point may be, in halves of its angle."""
@@ -87,15 +92,15 @@ class ParticlePose:
     def _noise(self, rows: int) -> Floats:
         """Return rows of numbers with mean 0 and standard deviation 1, one for each particle."""
         raw = self._draw.random_raw(4 * rows * PARTICLES).reshape(4, rows, PARTICLES)
-        uniform = (raw >> np.uint64(11)).astype(np.float64) * 2.0**-53
-        return (uniform[0] + uniform[1] + uniform[2] + uniform[3] - 2.0) * 3.0**0.5
+        uniform = (raw >> np.uint64(11)).astype(np.float64) * TO_UNIT
+        return np.asarray((uniform[0] + uniform[1] + uniform[2] + uniform[3] - 2.0) * ROOT_3)
 
     def _move(self, now: Pose) -> None:
-        s, c = sine_cosine(self._last[2])
+        s, c = sincos(self._last[2])
         dx, dy = now[0] - self._last[0], now[1] - self._last[1]
         along, across, turn = c * dx + s * dy, c * dy - s * dx, wrapped(now[2] - self._last[2])
         self._last = now
-        way = (along * along + across * across) ** 0.5
+        way = hypot(along, across)
         if way + abs(turn) < 1e-6:
             return
         self._moved += way + abs(turn)
@@ -131,9 +136,12 @@ class ParticlePose:
         then = self._then[tick]
         if then == now:
             return points
-        s, c = sine_cosine(then[2])
-        x, y = then[0] + c * points[:, 0] - s * points[:, 1] - now[0], then[1] + s * points[:, 0] + c * points[:, 1] - now[1]
-        s, c = sine_cosine(now[2])
+        s, c = sincos(then[2])
+        x, y = (
+            then[0] + c * points[:, 0] - s * points[:, 1] - now[0],
+            then[1] + s * points[:, 0] + c * points[:, 1] - now[1],
+        )
+        s, c = sincos(now[2])
         return np.stack([c * x + s * y, c * y - s * x], axis=1)
 
     def _scores(self, points: Floats) -> Floats:
@@ -154,14 +162,14 @@ class ParticlePose:
             # A sensor that is slower than the simulation repeats its reading, which counts once.
             if reading.tick is not None and measures.tick - reading.tick > sensor.latency + sensor.every:
                 continue
-            angles = (sensor.direction_deg + np.array(ARC) * sensor.cone_deg / 2.0) * (PI / 180.0)
+            angles = (sensor.direction_deg + np.array(ARC) * sensor.cone_deg / 2.0) * (math.pi / 180.0)
             s, c = sines(angles)
             arc = self._since(tick, np.stack([sensor.x + metres * c, sensor.y + metres * s], axis=1), now)
             total = total * np.sqrt(self._scores(arc).max(axis=0))
         return total
 
     def _resample(self) -> None:
-        first = float(self._draw.random_raw() >> 11) * 2.0**-53
+        first = float(self._draw.random_raw() >> 11) * TO_UNIT
         marks = (np.arange(PARTICLES) + first) / PARTICLES
         chosen = np.minimum(np.searchsorted(np.cumsum(self._weight), marks), PARTICLES - 1)
         self._x, self._y, self._heading = self._x[chosen], self._y[chosen], self._heading[chosen]

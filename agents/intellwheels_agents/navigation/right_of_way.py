@@ -12,6 +12,7 @@ import re
 from collections.abc import Sequence
 from typing import Final
 
+from intellwheels_agents.portable_math import dist
 from intellwheels_schemas.messages import Heard
 
 SAY_PERIOD: Final = 0.5
@@ -33,7 +34,7 @@ def way_message(way: Sequence[Point], limit: int) -> str:
     """Return the message that says a way, in at most `limit` characters."""
     text, last = "way", None
     for x, y in way:
-        if last is not None and (x - last[0]) ** 2 + (y - last[1]) ** 2 < SPACING * SPACING:
+        if last is not None and dist((x, y), last) < SPACING:
             continue
         longer = f"{text} {x + 0.0:.1f} {y + 0.0:.1f}"
         if len(longer) > limit:
@@ -78,7 +79,7 @@ class RightOfWay:
         """
         found: list[Point] = []
         for who, (_, way) in self._heard.items():
-            blocks = any((here[0] - x) ** 2 + (here[1] - y) ** 2 < room * room for x, y in way)
+            blocks = any(dist(here, point) < room for point in way)
             if blocks and (arrived or (stalled and who < self._name)):
                 found += way
         return found

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from typing import Final
 
 import numpy as np
 
-from intellwheels_agents.navigation.exact_angles import PI, Floats, sine_cosine, sines
+from intellwheels_agents.navigation.array_angles import Floats, sines
+from intellwheels_agents.portable_math import sincos
 from intellwheels_schemas.messages import Lidar, LidarReading, Measures, Robot
 
 THIN: Final = 0.05
@@ -36,8 +38,8 @@ class ScanPoints:
         count = len(reading.ranges)
         rays = self._rays.get((reading.id, count))
         if rays is None:
-            degrees = reading.start_deg + reading.step_deg * np.arange(count)
-            s, c = sines(degrees * (PI / 180.0))
+            degrees = reading.start_deg + reading.step_deg * np.arange(count, dtype=np.float64)
+            s, c = sines(degrees * (math.pi / 180.0))
             rays = self._rays[reading.id, count] = c, s
         near = lidar.min_range / 2.0
         if reading.statuses:
@@ -60,7 +62,7 @@ def moved(points: Floats, then: Pose, now: Pose) -> Floats:
 
 def into_map(points: Floats, pose: Pose) -> Floats:
     """Return points of the body's frame in the map's."""
-    s, c = sine_cosine(pose[2])
+    s, c = sincos(pose[2])
     return np.stack(
         [pose[0] + c * points[:, 0] - s * points[:, 1], pose[1] + s * points[:, 0] + c * points[:, 1]], axis=1
     )
@@ -68,7 +70,7 @@ def into_map(points: Floats, pose: Pose) -> Floats:
 
 def into_body(points: Floats, pose: Pose) -> Floats:
     """Return points of the map in the body's frame."""
-    s, c = sine_cosine(pose[2])
+    s, c = sincos(pose[2])
     dx, dy = points[:, 0] - pose[0], points[:, 1] - pose[1]
     return np.stack([c * dx + s * dy, c * dy - s * dx], axis=1)
 
@@ -79,4 +81,4 @@ def thinned(points: Floats, size: float = THIN) -> Floats:
         return points
     cells = np.floor(points[:, :2] / size).astype(np.int64)
     _, first = np.unique(cells[:, 0] * 100_003 + cells[:, 1], return_index=True)
-    return points[np.sort(first)]
+    return np.asarray(points[np.sort(first)])

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Final
 
+from intellwheels_agents.navigation.array_angles import Floats
 from intellwheels_agents.navigation.cost_to_go import Weights
-from intellwheels_agents.navigation.exact_angles import Floats
 from intellwheels_agents.navigation.footprint_clearance import Box, Solid, mark, reach_of
 from intellwheels_agents.navigation.scan_points import thinned
 
@@ -30,9 +30,12 @@ def entered(weights: Weights, boxes: list[Box], points: Floats) -> Iterator[Weig
     if chosen.shape[0]:
         reach = reach_of(boxes)
         low, high = chosen.min(axis=0) - reach, chosen.max(axis=0) + reach
-        first_row, last_row = (int((value - frame.y) / frame.cell) for value in (low[1], high[1]))
-        first_column, last_column = (int((value - frame.x) / frame.cell) for value in (low[0], high[0]))
         copy.refresh(
-            (max(0, first_row), min(frame.rows, last_row + 2)), (max(0, first_column), min(frame.columns, last_column + 2))
+            _cells(low[1] - frame.y, high[1] - frame.y, frame.cell, frame.rows),
+            _cells(low[0] - frame.x, high[0] - frame.x, frame.cell, frame.columns),
         )
     yield copy
+
+
+def _cells(low: float, high: float, cell: float, count: int) -> tuple[int, int]:
+    return max(0, int(low / cell)), min(count, int(high / cell) + 2)
