@@ -31,8 +31,8 @@ REVERSE: Final = 2.5
 TIGHT: Final = ((0.0, 8.0), (0.03, 3.0), (0.08, 1.6), (0.15, 1.2), (0.25, 1.0))
 """Factors of the cost by clearance: from so many metres on, so much."""
 LEFT_SIDE: Final = 0.6
-"""The most that the left side of a passage adds to the factor."""
-PASSAGE: Final = 1.6
+"""What the left side of a passage adds to the factor; its middle adds half, a lane on the right nothing."""
+PASSAGE: Final = 2.3
 """How far to each side a passage is measured, m: in a wider one there are no sides to keep to."""
 EDGE: Final = 4
 """Cells to the end of the longest move."""
@@ -121,10 +121,9 @@ def _left_side(frame: Frame, clearance: npt.NDArray[np.float32]) -> Costs:
                 count += free
             room.append(count)
         left, right = room
-        bounded = (left < reach) | (right < reach)
-        extra[k] = np.where(
-            bounded & (right > left), LEFT_SIDE * (right - left) / np.maximum(left + right, 1.0), 0.0
-        ).astype(np.float32)
+        bounded = (left < reach) & (right < reach)
+        share = np.clip(0.5 + (right - left) / np.maximum(left + right, 1.0), 0.0, 1.0)
+        extra[k] = np.where(bounded, LEFT_SIDE * share, 0.0).astype(np.float32)
     return extra
 
 
@@ -257,6 +256,10 @@ class CostToGo:
         south = low[0] * (1.0 - share_x) + low[1] * share_x
         north = low[2] * (1.0 - share_x) + low[3] * share_x
         return np.where(finite, south * (1.0 - share_y) + north * share_y, np.inf)
+
+    def at_pose(self, pose: tuple[float, float, float]) -> float:
+        """Return the cost of one pose."""
+        return float(self.at(*(np.array([value]) for value in pose))[0])
 
     def way(self, x: float, y: float, heading: float, length: float) -> list[tuple[float, float]]:
         """Return the next points of the way from a pose, the nearest cell first, until it is so long, m."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from functools import lru_cache
 from typing import Final
+from zlib import crc32
 
 import numpy as np
 
@@ -12,7 +13,7 @@ from intellwheels_agents.differential_drive import powers
 from intellwheels_agents.mind import Context
 from intellwheels_agents.navigation.array_angles import Floats
 from intellwheels_agents.navigation.cone_points import ConePoints
-from intellwheels_agents.navigation.cost_to_go import CostToGo, Weights, distances
+from intellwheels_agents.navigation.cost_to_go import CostToGo, Weights
 from intellwheels_agents.navigation.footprint_clearance import (
     Box,
     boxes_of,
@@ -22,13 +23,14 @@ from intellwheels_agents.navigation.footprint_clearance import (
     hidden_points,
     solids_of,
 )
+from intellwheels_agents.navigation.giving_way import STALLED, THERE, GivingWay
 from intellwheels_agents.navigation.goal_orders import GoalOrders
 from intellwheels_agents.navigation.map_distance import MapDistance
 from intellwheels_agents.navigation.motion_window import MotionWindow
 from intellwheels_agents.navigation.moving_tracks import MovingTracks
 from intellwheels_agents.navigation.particle_pose import ParticlePose
 from intellwheels_agents.navigation.progress import Progress
-from intellwheels_agents.navigation.right_of_way import LENGTH, ROOM, SAY_PERIOD, RightOfWay, way_message
+from intellwheels_agents.navigation.right_of_way import LENGTH, SAY_PERIOD, way_message
 from intellwheels_agents.navigation.scan_points import ScanPoints, into_body, into_map, thinned
 from intellwheels_agents.navigation.strange_obstacles import entered
 from intellwheels_agents.portable_math import dist, sincos
@@ -51,20 +53,12 @@ POSES_KEPT: Final = 64
 """Ticks for which poses are kept, for readings that come late."""
 MAY_START: Final = 0.25
 """How much faster than it moves now something that is not on the map may come nearer, m/s."""
-STALLED: Final = 1.5
-"""Time without progress after which it asks for the way and gives way, s."""
 INSIST: Final = 6.0
 """Time for which it goes on asking after it has made progress again, s."""
 PATIENCE: Final = 6.0
 """Time without progress after which it plans around what stands in the way, s."""
-LONGEST_ASIDE: Final = 8.0
-"""Longest way to a place where it is out of the way, m."""
-RETHINK: Final = 5.0
-"""Time after which a place to give way is chosen again, s."""
 DOOR_RANGE: Final = 2.8
 """Distance at which a door hears that it shall open, m."""
-DOOR_ROOM: Final = 1.4
-"""Distance to a closed door at which its leaf can swing, m."""
 
 Pose = tuple[float, float, float]
 Point = tuple[float, float]
@@ -117,17 +111,15 @@ class Navigator:
         self._active, self._boxes = self._weights, boxes
         self._entering: Iterator[Weights | None] | None = None
         self._progress = Progress()
-        self._ways = RightOfWay(context.agent)
         self._orders = GoalOrders(context)
         self._doorways = document.doorway
         self._say_limit = context.parameters.say_limit
         self._said_at, self._said_open, self._stalled_at = -1.0, False, 0.0
-        self._arrived = self._was_arrived = False
-        self._aside: CostToGo | None = None
-        self._aside_at = 0.0
+        self._arrived = False
         self._strange = np.zeros((0, 2))
         # Two chairs that meet must not lose their patience at the same tick.
-        self._patience = sum(context.agent.encode()) % 8 * 0.7
+        self._patience = crc32(context.agent.encode()) % 8 * 0.7
+        self._giving = GivingWay(context.agent, self._weights, self._patience)
         while self._goals and not self._planned((start.x, start.y, start.heading)):
             pass
 
@@ -139,7 +131,6 @@ class Navigator:
         self._poses[measures.tick] = pose
         self._poses.pop(measures.tick - POSES_KEPT, None)
         self._take_goal(measures)
-        self._ways.update(time, measures.message)
         points = self._points(measures, scans, pose)
         if not self._goals:
             return self._stand("arrived")
@@ -155,13 +146,17 @@ class Navigator:
         if arrived:
             self._progress.reset(time)
         else:
-            self._progress.update(time, self._cost(self._plan, pose))
+            self._progress.update(time, self._plan.at_pose(pose))
             if self._progress.stalled > STALLED:
                 self._stalled_at = time
         say = None if arrived else self._say(time, pose)
-        aside = self._gives_way(time, pose, arrived)
+        aside = self._giving.aside
+        door = self._closed_door(pose) if self._progress.stalled > STALLED or aside is not None else None
+        self._giving.update(time, pose, measures.message, self._progress.stalled, arrived, door, self._strange)
+        if self._giving.aside is not None:
+            return self._give_way(self._giving.aside, pose, points, say)
         if aside is not None:
-            return self._give_way(aside, pose, points, say)
+            self._progress.reset(time)
         if arrived:
             return self._stand("arrived")
         if self._detour(time):
@@ -213,46 +208,12 @@ class Navigator:
                 return doorway.x, doorway.y
         return None
 
-    def _gives_way(self, time: float, pose: Pose, arrived: bool) -> CostToGo | None:
-        """Return the costs to where it is out of the way of others; None if it is in nobody's way."""
-        here = pose[0], pose[1]
-        room = ROOM if self._aside is None else 1.5 * ROOM
-        stalled = self._aside is not None or self._progress.stalled > STALLED
-        points = self._ways.to_clear(here, stalled, arrived or self._was_arrived, room)
-        if not points and self._progress.stalled > STALLED:
-            door = self._closed_door(pose)
-            if door and self._near(pose, door, DOOR_ROOM):
-                points = [door]
-        if not points:
-            if self._aside is not None:
-                self._progress.reset(time)
-            self._aside, self._was_arrived = None, False
-            return None
-        if self._aside is None or time - self._aside_at > RETHINK:
-            self._was_arrived = self._was_arrived or arrived
-            self._aside, self._aside_at = self._out_of(points, pose), time
-        # Without a place to go to, it stays on its own way.
-        far = self._aside.reached > LONGEST_ASIDE and self._cost(self._aside, pose) > self._aside.reached
-        none = self._aside.done and self._cost(self._aside, pose) == float("inf")
-        return None if far or none else self._aside
-
-    def _out_of(self, points: list[Point], pose: Pose) -> CostToGo:
-        """Return the costs to poses that are off some points of a way."""
-        frame = self._weights.frame
-        off = distances(frame, points)
-        near = distances(frame, [(pose[0], pose[1])])
-        ring = (off > 1.1 * ROOM) & (off < 1.1 * ROOM + 0.5) & (near < 5.0)
-        if self._strange.shape[0]:
-            ring &= distances(frame, [(x, y) for x, y in thinned(self._strange, 0.2).tolist()]) > 0.6
-        ends = np.zeros(self._weights.clearance.shape, dtype=bool)
-        ends[::2] = (self._weights.clearance[::2] >= 0.05) & ring
-        return CostToGo(self._weights, ends)
-
     def _give_way(self, aside: CostToGo, pose: Pose, points: Floats, say: str | None) -> Actions:
-        if not aside.done and self._cost(aside, pose) > aside.reached:
+        cost = self._giving.cost(pose)
+        if cost > aside.reached:
             aside.expand(WORK_AT_REST)
             return self._stand("yielding", say)
-        if self._cost(aside, pose) < 0.1:
+        if cost < THERE:
             return self._stand("yielding", say)
         self._window.choose(pose, aside, points)
         return self._answer("yielding", say)
@@ -282,7 +243,7 @@ class Navigator:
         if self._plan is None:
             self._plan = CostToGo.to_point(self._active, self._goals[0], self._within / 2.0)
         plan = self._plan
-        here = self._cost(plan, pose)
+        here = plan.at_pose(pose)
         if plan.done and here == float("inf") and self._active is not self._weights:
             # There is no way round: wait on the way that the map has.
             self._active, self._plan = self._weights, None
@@ -291,9 +252,6 @@ class Navigator:
         if not plan.done and here + BEYOND > plan.reached:
             plan.expand(WORK if ready else WORK_AT_REST)
         return ready
-
-    def _cost(self, plan: CostToGo, pose: Pose) -> float:
-        return float(plan.at(np.array([pose[0]]), np.array([pose[1]]), np.array([pose[2]]))[0])
 
     def _answer(self, mode: str, say: str | None) -> Actions:
         left, right = powers(self._robot, *self._window.last)

@@ -23,7 +23,7 @@ SPACING: Final = 0.6
 """Distance between the points that are said, m."""
 LENGTH: Final = 3.6
 """Length of the way that is said, m."""
-ROOM: Final = 1.0
+ROOM: Final = 0.8
 """Distance between a way and the centre of a chair that has driven off it, m."""
 _WAY: Final = re.compile(r"way((?: -?\d{1,4}\.\d -?\d{1,4}\.\d)+)")
 
