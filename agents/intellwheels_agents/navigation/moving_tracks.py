@@ -29,6 +29,12 @@ MOVES: Final = 0.1
 """Speed from which a group counts as moving, m/s."""
 OLD: Final = 0.3
 """Time for which a group must be seen before its velocity counts, s."""
+MAY_START: Final = 0.25
+"""How much faster than it moves now a group may come nearer, m/s."""
+STANDS: Final = 3.0
+"""Time after which a group counts as one that stays, s."""
+STAYS: Final = 0.08
+"""The same for a group that stays, m/s."""
 FASTEST: Final = 2.0
 """Highest speed that is believed, m/s."""
 
@@ -63,9 +69,16 @@ class MovingTracks:
         self._period = period
         self.tracks: list[Track] = []
 
-    def update(self, points: Floats) -> Floats:
-        """Return the velocities of points of the map frame that are not on the map, as rows vx, vy."""
-        velocities = np.zeros((points.shape[0], 2))
+    def update(self, points: Floats) -> tuple[Floats, Floats]:
+        """Return the velocities of points that are not on the map, and how much faster than that each may come nearer.
+
+        Args:
+            points: The points in the map, m.
+
+        Returns:
+            Rows vx, vy, and a speed for each point, m/s.
+        """
+        velocities, growth = np.zeros((points.shape[0], 2)), np.full(points.shape[0], MAY_START)
         known, self.tracks = self.tracks, []
         for members in groups(points):
             part = points[members]
@@ -74,7 +87,9 @@ class MovingTracks:
             self.tracks.append(track)
             if track.speed:
                 velocities[members] = track.vx, track.vy
-        return velocities
+            elif track.still >= STANDS:
+                growth[members] = STAYS
+        return velocities, growth
 
     def _followed(self, x: float, y: float, known: list[Track]) -> Track:
         period = self._period

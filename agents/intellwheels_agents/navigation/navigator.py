@@ -49,13 +49,14 @@ ON_MAP: Final = 0.12
 """Points nearer to something on the map are taken for it, m."""
 FARTHEST: Final = 4.0
 """How far the sensors look, m."""
+CLOSE: Final = 0.25
+FINE: Final = 0.02
+"""Points nearer to the body than the first are thinned to cells of the second size, m."""
 POSES_KEPT: Final = 64
 """Ticks for which poses are kept, for readings that come late."""
-MAY_START: Final = 0.25
-"""How much faster than it moves now something that is not on the map may come nearer, m/s."""
 INSIST: Final = 6.0
 """Time for which it goes on asking after it has made progress again, s."""
-PATIENCE: Final = 6.0
+PATIENCE: Final = 2.0
 """Time without progress after which it plans around what stands in the way, s."""
 DOOR_RANGE: Final = 2.8
 """Distance at which a door hears that it shall open, m."""
@@ -118,7 +119,7 @@ class Navigator:
         self._arrived = False
         self._strange = np.zeros((0, 2))
         # Two chairs that meet must not lose their patience at the same tick.
-        self._patience = crc32(context.agent.encode()) % 8 * 0.7
+        self._patience = crc32(context.agent.encode()) % 8 * 0.4
         self._giving = GivingWay(context.agent, self._weights, self._patience)
         while self._goals and not self._planned((start.x, start.y, start.heading)):
             pass
@@ -283,12 +284,11 @@ class Navigator:
             seen.append(self._cones.update(measures, self._poses))
         found = np.concatenate(seen) if seen else np.zeros((0, 2))
         near = np.abs(found - np.array([[pose[0], pose[1]]])).max(axis=1) < FARTHEST
-        found = thinned(found[near])
+        found = self._thinned(found[near], pose)
         strange = self._map.at(found[:, 0], found[:, 1]) > ON_MAP
-        velocities = np.zeros((found.shape[0], 2))
-        velocities[strange] = self._tracks.update(found[strange])
+        velocities, growth = np.zeros((found.shape[0], 2)), np.zeros(found.shape[0])
         self._strange = found[strange]
-        growth = np.where(strange, MAY_START, 0.0)
+        velocities[strange], growth[strange] = self._tracks.update(self._strange)
         if self._unseen.shape[0]:
             off = np.abs(self._unseen - np.array([[pose[0], pose[1]]])).max(axis=1)
             hidden = self._unseen[off < reach]
@@ -302,3 +302,11 @@ class Navigator:
         s, c = sincos(pose[2])
         vx, vy = velocities[:, 0], velocities[:, 1]
         return np.stack([body[:, 0], body[:, 1], c * vx + s * vy, c * vy - s * vx, growth], axis=1)[keep]
+
+    def _thinned(self, points: Floats, pose: Pose) -> Floats:
+        """Return the nearest of the points of each cell; near the body the cells are small."""
+        body = into_body(points, pose)
+        gaps = self._window.gaps(body[:, 0], body[:, 1])
+        order = np.argsort(gaps, kind="stable")
+        points, close = points[order], gaps[order] < CLOSE
+        return np.concatenate([thinned(points[close], FINE), thinned(points[~close])])

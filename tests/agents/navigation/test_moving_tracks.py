@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from intellwheels_agents.navigation.moving_tracks import MovingTracks, groups
+from intellwheels_agents.navigation.moving_tracks import MAY_START, STAYS, MovingTracks, groups
 
 BODY = np.array([[0.0, 0.0], [0.2, 0.0], [0.2, 0.2]])
 
@@ -19,17 +19,19 @@ def test_velocity_of_a_walker_is_found() -> None:
     tracks = MovingTracks(0.05)
     found = np.zeros((3, 2))
     for tick in range(60):
-        found = tracks.update(BODY + np.array([[0.05 * tick, -0.02 * tick]]))
+        found, growth = tracks.update(BODY + np.array([[0.05 * tick, -0.02 * tick]]))
+        assert (growth == MAY_START).all()
     assert found == pytest.approx(np.array([[1.0, -0.4]] * 3), abs=0.05)
 
 
 def test_new_and_standing_groups_have_none() -> None:
     tracks = MovingTracks(0.05)
-    assert (tracks.update(BODY) == 0.0).all()
-    assert (tracks.update(BODY + 0.05) == 0.0).all()
-    for _ in range(60):
-        found = tracks.update(BODY + 0.05)
+    assert (tracks.update(BODY)[0] == 0.0).all()
+    assert (tracks.update(BODY + 0.05)[0] == 0.0).all()
+    for _ in range(80):
+        found, growth = tracks.update(BODY + 0.05)
     assert (found == 0.0).all()
+    assert (growth == STAYS).all()
     assert tracks.tracks[0].still > 1.0
 
 
