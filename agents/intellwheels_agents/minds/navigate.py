@@ -1,13 +1,23 @@
 """Drives to places on the map, around what is in the way, and touches nothing.
 
-to, via  places of the map; the chair drives to all of `via`, then to `to`
-points   "x y x y": points of the map, before those places, m
-speed    highest speed, m/s (default 0.8)
-within   distance from the goal that counts as arrived, m (default 0.15)
-truth    true: use the true pose from a truth sensor, which the simulation must allow (default false)
-lidar    true: two laser scanners at opposite corners see all around; false: only the robot's own sensors (default
-true)
-map      path of a map file, instead of the simulator's map
+    to, via  places of the map; the chair drives to all of `via`, then to `to`
+    points   "x y x y": points of the map, before those places, m
+    speed    highest speed, m/s (default 0.8)
+    within   distance from the goal that counts as arrived, m (default 0.15)
+    truth    true: use the true pose from a truth sensor, which the simulation must allow (default false)
+    lidar    true: add two laser scanners at opposite corners to a robot without any; false: only its own sensors
+             (default true)
+    map      path of a map file, instead of the simulator's map
+
+It plans with the footprint of the robot at every heading, parts and heights included, and chooses at every tick the
+command that is cheapest among those after which it can still stop before anything its sensors see (the package
+`navigation` says how, with sources). Its pose comes from odometry and a particle filter that matches scans, or cones of
+proximity sensors, with the map. A goal of the user, in the viewer or by `UserInput.Goal`, and the messages "go PLACE"
+and "go X Y" replace the goals.
+
+Where it makes no progress, it says "open" to a closed doorway, leaves room for the leaf, says its way to others, and
+gives way to those with more right. It plans around what is not on the map, and backs out of where it is stuck.
+It needs numpy: the extra `navigate`. It cannot see what is above or below its sensors and not on the map.
 """
 
 from __future__ import annotations
@@ -59,8 +69,12 @@ class Mind:
             from intellwheels_agents.navigation.navigator import Navigator  # noqa: PLC0415 - an optional dependency
         except ImportError as error:
             raise OptionError(f"mind navigate: expected numpy (extra navigate), got {error}") from None
-        options = context.options
+        options, robot = context.options, context.robot
         options.flag("lidar", True)
+        if options.flag("truth") and not robot.truth:
+            raise OptionError("option truth: expected false for a robot without a truth sensor, got true")
+        if not options.flag("truth") and not (robot.encoders or robot.odometry):
+            raise OptionError("option truth: expected true for a robot without encoders and odometry, got false")
         document = floor(options["map"]) if "map" in options else context.map
         self._navigator = Navigator(
             context,

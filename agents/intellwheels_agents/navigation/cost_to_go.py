@@ -28,7 +28,7 @@ TURN_COST: Final = 0.35
 """Cost of a turn in place, m per rad: a quarter turn is worth 0.55 m of way."""
 REVERSE: Final = 2.5
 """How much more a move in reverse costs."""
-TIGHT: Final = ((0.0, 8.0), (0.03, 3.0), (0.08, 1.6), (0.15, 1.2), (0.25, 1.0))
+TIGHT: Final = ((0.0, 20.0), (0.05, 4.0), (0.1, 1.8), (0.16, 1.2), (0.25, 1.0))
 """Factors of the cost by clearance: from so many metres on, so much."""
 LEFT_SIDE: Final = 0.6
 """What the left side of a passage adds to the factor; its middle adds half, a lane on the right nothing."""

@@ -31,10 +31,14 @@ OLD: Final = 0.3
 """Time for which a group must be seen before its velocity counts, s."""
 MAY_START: Final = 0.25
 """How much faster than it moves now a group may come nearer, m/s."""
-STANDS: Final = 3.0
-"""Time after which a group counts as one that stays, s."""
+STANDS: Final = 1.5
+"""Time after which something at one place counts as standing, s."""
+PLACE: Final = 0.1
+"""Size of a place, m: a group that is seen from another side has another middle, but its faces stay where they are."""
+GONE: Final = 0.3
+"""Time without a point after which a place is empty, s."""
 STAYS: Final = 0.08
-"""The same for a group that stays, m/s."""
+"""The same for what stands, m/s."""
 FASTEST: Final = 2.0
 """Highest speed that is believed, m/s."""
 
@@ -48,7 +52,6 @@ class Track:
     vx: float = 0.0
     vy: float = 0.0
     age: float = 0.0
-    still: float = 0.0
 
     @property
     def speed(self) -> float:
@@ -67,6 +70,8 @@ class MovingTracks:
     def __init__(self, period: float) -> None:
         """Take the time between two updates, s."""
         self._period = period
+        self._time = 0.0
+        self._places: dict[tuple[int, int], tuple[float, float]] = {}
         self.tracks: list[Track] = []
 
     def update(self, points: Floats) -> tuple[Floats, Floats]:
@@ -87,9 +92,25 @@ class MovingTracks:
             self.tracks.append(track)
             if track.speed:
                 velocities[members] = track.vx, track.vy
-            elif track.still >= STANDS:
-                growth[members] = STAYS
+        for index, age in enumerate(self._ages(points)):
+            if age >= STANDS:
+                # Something has been at that very place for a while. Of what passes, only the front is ever new.
+                velocities[index] = 0.0
+                growth[index] = STAYS
         return velocities, growth
+
+    def _ages(self, points: Floats) -> list[float]:
+        """Return for how long something has been in the cell of each point, s."""
+        now = self._time = self._time + self._period
+        cells = [(i, j) for i, j in np.floor(points[:, :2] / PLACE).astype(np.int64).tolist()]
+        first = {}
+        for cell in cells:
+            since, last = self._places.get(cell, (now, now))
+            first[cell] = since if now - last <= GONE else now
+        self._places.update((cell, (since, now)) for cell, since in first.items())
+        if len(self._places) > 2000:
+            self._places = {cell: place for cell, place in self._places.items() if now - place[1] <= GONE}
+        return [now - first[cell] for cell in cells]
 
     def _followed(self, x: float, y: float, known: list[Track]) -> Track:
         period = self._period
@@ -107,12 +128,10 @@ class MovingTracks:
         vx = best.vx + share * (x - expected_x) / max(period, 1e-6) * ALPHA
         vy = best.vy + share * (y - expected_y) / max(period, 1e-6) * ALPHA
         excess = max(hypot(vx, vy) / FASTEST, 1.0)
-        found = Track(
+        return Track(
             expected_x + ALPHA * (x - expected_x), expected_y + ALPHA * (y - expected_y), vx / excess, vy / excess,
             best.age + period,
         )  # fmt: skip
-        found.still = 0.0 if found.speed else best.still + period
-        return found
 
 
 def groups(points: Floats) -> list[list[int]]:

@@ -15,6 +15,7 @@ from intellwheels_schemas.messages import Position
 from tests.agents.arena import Arena
 from tests.agents.kinematics import context
 from tests.agents.navigate_trials import trial
+from tests.agents.navigation.rooms import room
 
 
 def near(arena: Arena, name: str, x: float, y: float, within: float = 0.3) -> bool:
@@ -67,11 +68,14 @@ def test_chair_asks_a_door_to_open_and_passes() -> None:
 
 
 def test_chair_plans_around_what_is_not_on_the_map() -> None:
-    arena = Arena("corridor15m")
-    arena.join("crate", "table", "crate", None, {}, Position(x=7.5, y=0.0, heading=0.0))
-    arena.join("chair", "navigate", "corridor-chair", "start", {"to": "goal", "truth": "true"})
-    arena.run(60.0, until=lambda now: near(now, "chair", 15.0, 0.0))
-    assert near(arena, "chair", 15.0, 0.0)
+    # Two gaps lead to the goal, and a crate that no map shows stands in the near one.
+    arena = Arena(room((3.9, 0.0, 4.1, 1.0), (3.9, 2.4, 4.1, 5.4), size=7.0))
+    arena.join("crate", "table", "crate", None, {}, Position(x=4.0, y=1.7, heading=1.57))
+    start = Position(x=1.5, y=2.0, heading=0.0)
+    arena.join("chair", "navigate", "mid-wheel", None, {"points": "5.5 2", "truth": "true"}, start)
+    arena.run(60.0, until=lambda now: near(now, "chair", 5.5, 2.0))
+    assert near(arena, "chair", 5.5, 2.0)
+    assert max(y for _, y, _ in arena.paths["chair"]) > 5.5
     assert arena.contacts() == []
 
 
@@ -103,6 +107,13 @@ def test_robot_gets_what_the_options_ask_for() -> None:
     own = equip(robot("mid-wheel"), Options({"lidar": "false"}))
     assert own.lidar == ()
     assert own.truth == ()
+
+
+def test_robot_without_a_pose_is_refused() -> None:
+    with pytest.raises(OptionError, match="option truth: expected true for a robot without encoders and odometry"):
+        Mind(context(robot("crate"), points="3 2"))
+    with pytest.raises(OptionError, match="option truth: expected false for a robot without a truth sensor"):
+        Mind(context(robot("mid-wheel"), points="3 2", truth="true"))
 
 
 def test_missing_numpy_is_named(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -110,7 +110,7 @@ def test_body_that_is_too_near_may_leave_and_never_comes_nearer() -> None:
 def test_without_a_safe_command_it_brakes() -> None:
     one = window()
     one.last = one.actual = type(one.last)(0.8, 0.0)
-    choice = one.choose((2.0, 6.0, 0.0), AHEAD, wall(2.72, 5.0, 7.0))
+    choice = one.choose((2.0, 6.0, 0.0), AHEAD, wall(0.72, -1.0, 1.0))
     assert choice.command == (0.0, 0.0)
     assert not choice.moves
 
