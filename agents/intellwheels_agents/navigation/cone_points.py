@@ -37,6 +37,7 @@ class ConePoints:
     def __init__(self, robot: Robot, field: MapDistance) -> None:
         """Take the proximity sensors that move with the body, and the map at their height."""
         self._sensors: dict[str, Proximity] = {one.id: one for one in robot.proximity if one.mount == "body"}
+        self._fans = {name: _fan(sensor) for name, sensor in self._sensors.items()}
         self._field = field
         self._points = np.zeros((0, 3))
         self._taken: dict[str, int] = {}
@@ -58,7 +59,8 @@ class ConePoints:
             self._taken[reading.id] = tick
             self._clear(sensor, min(metres, sensor.max_range), pose)
             if metres <= min(FARTHEST, sensor.max_range):
-                arc = into_map(_arc(sensor, metres), pose)
+                ahead, aside = self._fans[sensor.id]
+                arc = into_map(np.stack([sensor.x + metres * ahead, sensor.y + metres * aside], axis=1), pose)
                 if float(self._field.at(arc[:, 0], arc[:, 1]).min()) > ON_MAP:
                     added.append(np.concatenate([arc, np.full((arc.shape[0], 1), measures.time)], axis=1))
         if added:
@@ -79,9 +81,9 @@ class ConePoints:
         self._points = self._points[~(inside & (off < metres - SEEN_PAST))]
 
 
-def _arc(sensor: Proximity, metres: float) -> Floats:
-    """Return points on the arc of a reading, in the body's frame, m."""
+def _fan(sensor: Proximity) -> tuple[Floats, Floats]:
+    """Return the cosines and sines of the directions of an arc's points, in the body's frame."""
     width = sensor.cone_deg * math.pi / 180.0
-    count = max(2, int(width * metres / SPACING) + 2)
+    count = max(2, int(width * min(FARTHEST, sensor.max_range) / SPACING) + 2)
     s, c = sines((sensor.direction_deg * math.pi / 180.0) + width * (np.arange(count) / (count - 1) - 0.5))
-    return np.stack([sensor.x + metres * c, sensor.y + metres * s], axis=1)
+    return c, s

@@ -49,9 +49,8 @@ ON_MAP: Final = 0.12
 """Points nearer to something on the map are taken for it, m."""
 FARTHEST: Final = 4.0
 """How far the sensors look, m."""
-CLOSE: Final = 0.25
-FINE: Final = 0.02
-"""Points nearer to the body than the first are thinned to cells of the second size, m."""
+CELLS: Final = ((0.25, 0.02), (0.7, 0.05), (FARTHEST, 0.1))
+"""Points nearer to the body than the first number are thinned to cells of the second, m."""
 POSES_KEPT: Final = 64
 """Ticks for which poses are kept, for readings that come late."""
 INSIST: Final = 6.0
@@ -291,7 +290,7 @@ class Navigator:
         velocities[strange], growth[strange] = self._tracks.update(self._strange)
         if self._unseen.shape[0]:
             off = np.abs(self._unseen - np.array([[pose[0], pose[1]]])).max(axis=1)
-            hidden = self._unseen[off < reach]
+            hidden = self._thinned(self._unseen[off < reach], pose)
             found = np.concatenate([found, hidden])
             velocities = np.concatenate([velocities, np.zeros_like(hidden)])
             growth = np.concatenate([growth, np.zeros(hidden.shape[0])])
@@ -304,9 +303,10 @@ class Navigator:
         return np.stack([body[:, 0], body[:, 1], c * vx + s * vy, c * vy - s * vx, growth], axis=1)[keep]
 
     def _thinned(self, points: Floats, pose: Pose) -> Floats:
-        """Return the nearest of the points of each cell; near the body the cells are small."""
+        """Return the nearest of the points of each cell; the nearer to the body, the smaller are the cells."""
         body = into_body(points, pose)
         gaps = self._window.gaps(body[:, 0], body[:, 1])
         order = np.argsort(gaps, kind="stable")
-        points, close = points[order], gaps[order] < CLOSE
-        return np.concatenate([thinned(points[close], FINE), thinned(points[~close])])
+        ends = [int(end) for end in np.searchsorted(gaps[order], [limit for limit, _ in CELLS])]
+        parts = zip([0, *ends], ends, CELLS, strict=False)
+        return np.concatenate([thinned(points[order[start:end]], size) for start, end, (_, size) in parts])

@@ -25,7 +25,7 @@ from intellwheels_agents.navigation.map_distance import MapDistance
 from intellwheels_agents.navigation.scan_points import Pose
 from intellwheels_agents.portable_math import hypot, sincos
 from intellwheels_agents.range_scan import distance
-from intellwheels_schemas.messages import Measures, Position, Robot
+from intellwheels_schemas.messages import Measures, Position, Proximity, Robot
 
 PARTICLES: Final = 120
 POINTS: Final = 48
@@ -59,7 +59,7 @@ class ParticlePose:
         """Start at the pose at which the body joined."""
         self._odometry = Odometry(robot, start)
         self._field = field
-        self._cones = {sensor.id: sensor for sensor in robot.proximity if sensor.mount == "body"}
+        self._cones = {sensor.id: (sensor, *_arc(sensor)) for sensor in robot.proximity if sensor.mount == "body"}
         self._draw = np.random.PCG64(int.from_bytes(name.encode()[:16], "big"))
         noise = self._noise(3)
         self._x = start.x + START_NOISE[0] * noise[0]
@@ -152,21 +152,22 @@ class ParticlePose:
         return LOST + (1.0 - LOST) / (1.0 + share * share)
 
     def _cone_scores(self, measures: Measures, now: Pose) -> Floats:
-        total = np.ones(PARTICLES)
+        arcs = []
         for reading in measures.sensors.proximity if measures.sensors else ():
-            sensor = self._cones.get(reading.id)
-            metres = None if sensor is None or reading.status != "ok" else distance(reading, sensor)
+            cone = self._cones.get(reading.id)
+            metres = None if cone is None or reading.status != "ok" else distance(reading, cone[0])
             tick = measures.tick if reading.tick is None else reading.tick
-            if sensor is None or metres is None or tick not in self._then:
+            if cone is None or metres is None or tick not in self._then:
                 continue
+            sensor, ahead, aside = cone
             # A sensor that is slower than the simulation repeats its reading, which counts once.
-            if reading.tick is not None and measures.tick - reading.tick > sensor.latency + sensor.every:
-                continue
-            angles = (sensor.direction_deg + np.array(ARC) * sensor.cone_deg / 2.0) * (math.pi / 180.0)
-            s, c = sines(angles)
-            arc = self._since(tick, np.stack([sensor.x + metres * c, sensor.y + metres * s], axis=1), now)
-            total = total * np.sqrt(self._scores(arc).max(axis=0))
-        return total
+            if measures.tick - tick <= sensor.latency + sensor.every:
+                arc = np.stack([sensor.x + metres * ahead, sensor.y + metres * aside], axis=1)
+                arcs.append(self._since(tick, arc, now))
+        if not arcs:
+            return np.ones(PARTICLES)
+        best = self._scores(np.concatenate(arcs)).reshape(len(arcs), len(ARC), PARTICLES).max(axis=1)
+        return np.asarray(np.sqrt(best.prod(axis=0)))
 
     def _resample(self) -> None:
         first = float(self._draw.random_raw() >> 11) * TO_UNIT
@@ -183,3 +184,9 @@ class ParticlePose:
             float(np.cumsum(weight * self._y)[-1]),
             wrapped(near + float(np.cumsum(weight * turned)[-1])),
         )
+
+
+def _arc(sensor: Proximity) -> tuple[Floats, Floats]:
+    """Return the cosines and sines of the directions in a cone where its point may be, in the body's frame."""
+    s, c = sines((sensor.direction_deg + np.array(ARC) * sensor.cone_deg / 2.0) * (math.pi / 180.0))
+    return c, s
