@@ -9,7 +9,7 @@ import numpy as np
 
 from intellwheels_agents.navigation.array_angles import Floats
 from intellwheels_agents.navigation.cost_to_go import CostToGo, Weights, distances
-from intellwheels_agents.navigation.progress import Progress
+from intellwheels_agents.navigation.goal_progress import Progress
 from intellwheels_agents.navigation.right_of_way import ROOM, RightOfWay
 from intellwheels_agents.navigation.scan_points import Pose, thinned
 from intellwheels_agents.portable_math import dist

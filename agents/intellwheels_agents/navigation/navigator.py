@@ -25,11 +25,11 @@ from intellwheels_agents.navigation.footprint_clearance import (
 )
 from intellwheels_agents.navigation.giving_way import STALLED, THERE, GivingWay
 from intellwheels_agents.navigation.goal_orders import GoalOrders
+from intellwheels_agents.navigation.goal_progress import Progress
 from intellwheels_agents.navigation.map_distance import MapDistance
 from intellwheels_agents.navigation.motion_window import MotionWindow
 from intellwheels_agents.navigation.moving_tracks import MovingTracks
 from intellwheels_agents.navigation.particle_pose import ParticlePose
-from intellwheels_agents.navigation.progress import Progress
 from intellwheels_agents.navigation.right_of_way import LENGTH, SAY_PERIOD, way_message
 from intellwheels_agents.navigation.scan_points import ScanPoints, into_body, into_map, thinned
 from intellwheels_agents.navigation.strange_obstacles import entered

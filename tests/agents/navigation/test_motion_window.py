@@ -81,13 +81,12 @@ def test_speed_grows_at_the_comfortable_rate() -> None:
     assert abs(one.last.rate) <= TURN_RATE
 
 
-@pytest.mark.parametrize("curve", [0.0, 0.5, 0.95])
-@pytest.mark.parametrize("limit", [None, 0.3, 2.0])
+@pytest.mark.parametrize(("curve", "limit"), [(0.0, None), (0.5, 2.0), (0.95, 0.3)])
 def test_body_stands_before_a_wall(curve: float, limit: float | None) -> None:
     body = msgspec.structs.replace(CHAIR, acceleration_curve=curve, acceleration_limit=limit)
-    (x, _, _), least = drive(window(body), wall(6.0, 0.2, 11.8), 20.0)
+    (x, _, _), least = drive(window(body), wall(5.0, 4.0, 8.0), 12.0)
     assert least > 0.0
-    assert x > 4.5
+    assert x > 3.5
 
 
 def test_body_stands_before_what_comes_towards_it() -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from intellwheels_agents.navigation.progress import Progress
+from intellwheels_agents.navigation.goal_progress import Progress
 
 
 def test_stalled_counts_from_the_last_gain() -> None:
