@@ -162,6 +162,8 @@ class Navigator:
         if self._detour(time):
             return self._stand("planning", say)
         choice = self._window.choose(pose, self._plan, points)
+        if choice.moves and choice.cost == float("inf"):
+            return self._stand("unreachable", say)
         return self._answer("autonomous" if choice.moves else "waiting", say)
 
     def _take_goal(self, measures: Measures) -> None:

@@ -72,6 +72,12 @@ def test_points_are_passed_in_order() -> None:
     assert one.decide(measured(4, x=4.5)).mode == "arrived"
 
 
+def test_goal_without_a_way_is_reported() -> None:
+    answer = navigator(room((2.6, 0.0, 2.9, 6.0)), [(4.5, 3.0)]).decide(measured(1))
+    assert answer.mode == "unreachable"
+    assert (answer.left_motor, answer.right_motor) == (0.0, 0.0)
+
+
 def test_closed_door_is_asked_to_open() -> None:
     walls = tuple(
         Wall(thickness=0.1, corner=(Corner(x=3.5, y=low), Corner(x=3.5, y=high)))
