@@ -37,7 +37,10 @@ def test_command_has_help_under_its_own_name(name: str, capsys: pytest.CaptureFi
 @pytest.mark.parametrize("name", SCRIPTS)
 def test_wrong_usage_ends_with_2(name: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert run(name, "--no-such-option") == 2
-    assert f"{name}: error: " in capsys.readouterr().err
+    printed = capsys.readouterr().err
+    assert printed.startswith(f"{name}: ")
+    assert printed.endswith(f"; see {name} --help\n")
+    assert printed.count("\n") == 1
 
 
 def test_every_command_is_one_of_iw_and_in_the_readme() -> None:

@@ -69,6 +69,7 @@ OPENERS = {
     "intellwheels_server.service.arrival_reader",
     "intellwheels_schemas.present",
     "intellwheels_server.server_options",
+    "intellwheels_experiments.run.usage_checks",
     "intellwheels_experiments.testing.rig",
     "intellwheels_viewer.viewer_service",
     "intellwheels_experiments.batch.run_worker",

@@ -59,7 +59,7 @@ def test_second_example_of_the_public_interface_runs(
 def test_public_imports_are_there() -> None:
     table = README.split("## Use it from Python")[1].split("```")[0]
     rows = re.findall(r"^\| `(intellwheels_[\w.]+)` \| (.+) \|$", table, re.MULTILINE)
-    assert len(rows) == 7
+    assert len(rows) == 8
     for package, uses in rows:
         for name in re.findall(r"`([\w.]+)`", uses.split(":")[0]):
             if name == "intellwheels":  # the fixture

@@ -5,6 +5,10 @@ Run each command in a terminal of its own:
     iw-server --map room
     python 08_another_language.py
 
+To let it play a chair of a scene:
+
+    iw-run figure6 --view --command chair1="python 08_another_language.py {endpoint}"
+
 The chair drives, and turns where something is near. The agent uses Zenoh and JSON only. `schemas/KEYS.md` describes
 every key and field. The folder `other_languages` has complete agents, which also survive a restart of the simulator.
 """
@@ -16,7 +20,7 @@ import sys
 
 import zenoh
 
-KEY, JSON = "iw/v1/main", "application/json;iw.v1"
+KEY, JSON = "iw/v1/main", "application/json"
 INSTANCE = secrets.token_hex(8)  # new in each process
 EYE = {"Id": "front", "X": 0.6, "Y": 0.0, "Z": 0.4, "DirectionDeg": 0.0, "ConeDeg": 40.0, "MaxRange": 3.0}
 BODY = {"Length": 1.1, "Width": 0.6, "Center": 0.4, "TopSpeed": 1.0, "Track": 0.57}

@@ -11,15 +11,18 @@ from pathlib import Path
 from intellwheels_agents import minds, starter
 from intellwheels_agents.agent_peer import run_agent
 from intellwheels_agents.harness import NAME_TAKEN, PLACE_TAKEN
-from intellwheels_agents.mind_error import MindError
+from intellwheels_agents.mind_error import USER_ERRORS, MindError, failed
+from intellwheels_agents.mind_trial import check_mind_options
 from intellwheels_agents.options import OptionError, Options
-from intellwheels_agents.robot_document import equipped, joining, split_options
+from intellwheels_agents.robot_document import DEFAULT_ROBOT, default_robot, equipped, joining, split_options
 from intellwheels_maps import robot as robot_file
 from intellwheels_schemas.codec import Encoding
+from intellwheels_schemas.command_parser import CommandParser, naming, positive_seconds
 from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.link import add_link_options, link_of
-from intellwheels_schemas.messages import Robot
-from intellwheels_schemas.names import check_agent, new_hex
+from intellwheels_schemas.messages import Position, Robot
+from intellwheels_schemas.names import check_agent, check_word, new_hex
+from intellwheels_schemas.output_paths import check_output_folder
 from intellwheels_schemas.process import add_process_options, stop_on_signals
 
 EXAMPLES = """\
@@ -30,6 +33,8 @@ examples:
       iw-agent drive --name chair1 --option script="0:0.5,0.5; 2:0.1,0.4; 4:0,0"
   an automatic door with a noisy compass; a name that begins with a capital letter sets a field of the robot
       iw-agent door --name door --robot door --place hinge --option swing=right --option Compass.NoiseDeg=1
+  a chair at coordinates instead of a place
+      iw-agent avoid --name chair1 --position 3,2,90
   your own mind, a Python file with a class Mind, for a body that another process provides
       iw-agent ./my_mind.py --name chair1 --role mind
   a folder to start your own project from: a mind, a robot, a scene and tests, ready to run
@@ -40,15 +45,15 @@ The options of a mind are in its docstring: python -m pydoc intellwheels_agents.
 On standard output: `joined agent=chair1 run=... tick=...`; `run agent=chair1 run=...` when a new run begins;
 `left agent=chair1`. Exit codes: 0 done, 1 refused or failed, 2 wrong usage.
 """
-DEFAULT_ROBOTS = {"door": "door", "table": "table"}
-DEFAULT_ROBOT = "intellwheels"
+FARTHEST = 10_000.0
+"""Largest coordinate of --position, m; as in the contract."""
 NUMBERED_COPIES = 99
 """Largest number of names that --numbered tries."""
 
 
 def parser() -> argparse.ArgumentParser:
     """Return the command line."""
-    result = argparse.ArgumentParser(
+    result = CommandParser(
         prog="iw-agent",
         description="Join a simulation with a body, and let a mind drive it.",
         epilog=EXAMPLES,
@@ -77,6 +82,13 @@ def parser() -> argparse.ArgumentParser:
         help="a place of the map to start at; may be repeated, the first free one is used (default: any free place)",
     )
     result.add_argument(
+        "--position",
+        type=_position,
+        metavar="X,Y,DEG",
+        help="coordinates to start at instead of a place: metres, and the heading in degrees, anticlockwise from x; "
+        "write --position=-1,2,90 if X is negative",
+    )
+    result.add_argument(
         "--role",
         choices=("both", "body", "mind"),
         default="both",
@@ -98,7 +110,7 @@ def parser() -> argparse.ArgumentParser:
     )
     result.add_argument(
         "--retry-for",
-        type=_seconds,
+        type=positive_seconds,
         default=math.inf,
         metavar="S",
         help="give up after S seconds without a simulator (default: never)",
@@ -117,11 +129,18 @@ def main(arguments: Sequence[str] | None = None) -> int:
     # Before anything else: a signal may arrive while the arguments are still being checked.
     stop = stop_on_signals(options.lifeline)
     try:
+        where = link_of(options)
+        _check_together(options)
         source = minds.find(options.mind)
         robot_options, mind_options = split_options(_pairs(options.option))
-        where = link_of(options)
-        name = check_agent(options.name or _name_of(options.mind), "--name")
+        name = check_agent(_name_of(options.mind) if options.name is None else options.name, "--name")
+        for place in options.place or ():
+            check_word(place, "--place")
         body = _body(options, source, robot_options, mind_options)
+        driven = source.equip(_robot(options), Options(mind_options)) if options.role == "mind" else body
+        check_mind_options(
+            source, driven, mind_options, own_body=options.role != "mind", agent=name, position=options.position
+        )
         encoding = Encoding.XML if options.encoding == "xml" else Encoding.JSON
 
         def run(agent: str, place: str | None) -> int:
@@ -132,6 +151,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
                 instance=new_hex(),
                 place=place,
                 barrier=False if options.no_barrier else None,
+                position=options.position,
             )
             return run_agent(
                 robot, source.make, mind_options, where=where, encoding=encoding, retry_for=options.retry_for, stop=stop
@@ -147,13 +167,17 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _write_starter(words: list[str]) -> int:
-    new_parser = argparse.ArgumentParser(
+    new_parser = CommandParser(
         prog="iw-agent new", description="Write a mind, a robot, a scene and tests that are ready to run."
     )
     new_parser.add_argument("folder", type=Path, metavar="DIR", help="the folder to write to; created if needed")
     folder: Path = new_parser.parse_args(words).folder
     try:
+        check_output_folder(folder, "DIR")
         written = starter.write(folder)
+    except WireError as error:
+        print(f"iw-agent new: {error}", file=sys.stderr)
+        return 2
     except OSError as error:
         print(f"iw-agent new: {error}", file=sys.stderr)
         return 1
@@ -171,8 +195,45 @@ def _body(
             raise OptionError(f"option {name}: expected an option of the mind for --role mind, got a robot field")
         # `equip` also declares what the mind accepts, such as user input. That counts in every role.
         return source.equip(Robot(), Options(mind_options))
-    name = options.robot or DEFAULT_ROBOTS.get(options.mind, DEFAULT_ROBOT)
-    return source.equip(equipped(robot_file(name), robot_options), Options(mind_options))
+    robot = equipped(_robot(options), robot_options)
+    try:
+        return source.equip(robot, Options(mind_options))
+    except USER_ERRORS:
+        raise
+    except Exception as error:
+        raise failed(source.equip, error) from error
+
+
+def _robot(options: argparse.Namespace) -> Robot:
+    """Return the robot that is asked for, or the default one of the mind."""
+    name = default_robot(options.mind) if options.robot is None else options.robot
+    with naming("--robot"):
+        return robot_file(name)
+
+
+def _check_together(options: argparse.Namespace) -> None:
+    """Check that no option is given that another one makes meaningless.
+
+    Raises:
+        OptionError: One is.
+    """
+    if options.place and options.position is not None:
+        raise OptionError("--position: expected one of --place and --position, got both")
+    if options.role == "mind":
+        for name in ("robot", "place", "position"):
+            if getattr(options, name) is not None:
+                raise OptionError(f"--{name}: expected a role with a body, got --role mind")
+
+
+def _position(text: str) -> Position:
+    try:
+        x, y, degrees = (float(word) for word in text.split(","))
+    except ValueError:
+        x = math.nan
+    if math.isnan(x) or not (abs(x) <= FARTHEST and abs(y) <= FARTHEST and abs(degrees) <= 360.0):
+        expected = f"expected X,Y,DEG in metres up to {FARTHEST:g} and degrees up to 360"
+        raise argparse.ArgumentTypeError(f"{expected}, got {text[:40]!r}")
+    return Position(x=x, y=y, heading=math.radians(degrees))
 
 
 def _pairs(given: Sequence[str]) -> dict[str, str]:
@@ -213,13 +274,6 @@ def _names(name: str, numbered: bool) -> Iterator[str]:
 
 def _name_of(mind: str) -> str:
     return mind.rpartition("/")[2].removesuffix(".py").replace(".", "-")
-
-
-def _seconds(text: str) -> float:
-    value = float(text)
-    if not value > 0.0:
-        raise argparse.ArgumentTypeError(f"expected seconds above 0, got {text!r}")
-    return value
 
 
 if __name__ == "__main__":

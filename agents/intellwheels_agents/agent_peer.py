@@ -33,7 +33,7 @@ from intellwheels_agents.mind import Make
 from intellwheels_agents.mind_error import place_in
 from intellwheels_schemas import link, zenoh_inbox
 from intellwheels_schemas.channels import CHANNELS
-from intellwheels_schemas.codec import Encoding, decode, encoding_of
+from intellwheels_schemas.codec import MAX_BYTES, Encoding, decode, encoding_of
 from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.keys import Keys
 from intellwheels_schemas.messages import Map, Robot
@@ -50,8 +50,8 @@ SLOW_DECISION = 3.0
 """Seconds that a mind decides before it is reported."""
 WATCH_PERIOD = 0.5
 """Seconds between two looks at a mind that decides."""
-ARRIVAL_LIMIT = 1 << 18
-"""Largest arrival that is accepted, in bytes: four times the contract's limit for one message."""
+ARRIVAL_LIMIT = MAX_BYTES
+"""Largest arrival that is accepted, in bytes: the contract's limit for one message."""
 
 
 def run_agent(

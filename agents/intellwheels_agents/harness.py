@@ -10,6 +10,7 @@
     JOINED    Measures of a new run                        JOINED     new mind and its answer
     JOINED    Error not-joined or session                  SEEKING    retry, at most once a second
     JOINED    simulator disappears and comes back          ASKING     RequestJoin
+    any       Error deleted, of this run                   REMOVED    Print; nothing more until stop
     any       the mind leaves, or stop                     OVER       RequestLeave, Exit 0
 
 While the agent asks for a new session it keeps answering with the old one, because the simulator may still know it.
@@ -51,6 +52,7 @@ class Phase(Enum):
     SEEKING = auto()
     ASKING = auto()
     JOINED = auto()
+    REMOVED = auto()
     OVER = auto()
 
 
@@ -154,6 +156,7 @@ class Harness:
         self._seeking_since = 0.0
         self._asked_at = -math.inf
         self._simulator_gone = False
+        self._awaited_words = ""
         self._joined: Joined | None = None
         self._run = ""
         self._current: MindRun | None = None
@@ -185,6 +188,7 @@ class Harness:
             return self._over(1, f"the reply to join cannot be read: {error.text}")
         self.phase = Phase.JOINED
         self._simulator_gone = False
+        self._awaited_words = ""
         same = self._joined is not None and (joined.run, joined.session) == (self._run, self._joined.session)
         self._joined = joined
         outputs: list[Output] = [Print(f"joined agent={self._agent} run={joined.run} tick={joined.tick}")]
@@ -240,7 +244,7 @@ class Harness:
     def _retry_after(self, now: float, pause: float, why: str) -> list[Output]:
         if now + pause - self._seeking_since > self._retry_for:
             return self._over(1, why)
-        first = self._asked_at <= self._seeking_since
+        first, self._awaited_words = self._awaited_words != why, why
         self.phase = Phase.SEEKING
         self.deadline = now + pause
         return [Log(f"waiting why={why!r}")] if first else []
@@ -324,6 +328,8 @@ class Harness:
             error = decode(Error, *payload, strict=False)
         except WireError as wrong:
             return [Log(f"dropped message=Error why={wrong.text!r}")]
+        if error.code == "deleted" and error.run == self._run and self._publishes_actions:
+            return self._removed(error)
         if error.code in ("not-joined", "session") and self.phase is Phase.JOINED:
             self._seeking_since = now
             self.phase = Phase.SEEKING
@@ -334,6 +340,15 @@ class Harness:
         if str(count).strip("0") != "1":
             return []
         return [Log(f"erred code={error.code} count={count} tick={error.tick} text={error.text!r}")]
+
+    def _removed(self, error: Error) -> list[Output]:
+        """Stay away until somebody starts this program again: whoever deleted the body does not want it back."""
+        if self.phase in (Phase.REMOVED, Phase.OVER):
+            return []
+        self.phase = Phase.REMOVED
+        self.deadline = None
+        self._current = None
+        return [Print(f"removed agent={self._agent} reason=deleted"), Log(error.text or "deleted")]
 
     def powered(self, payload: Payload) -> list[Output]:
         """Handle the `Power` that a real chair must apply."""
@@ -350,7 +365,7 @@ class Harness:
         """Leave the simulation and end."""
         if self.phase is Phase.OVER:
             return []
-        if self._joined is None:
+        if self._joined is None or self.phase is Phase.REMOVED:
             return self._over(0, "")
         leave = RequestLeave(encode(Leave(run=self._run, session=self._joined.session), self._encoding))
         counts = Log(f"counted missed={self.missed} repeated={self.repeated} errors={self.errors}")

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import argparse
 import ast
-import difflib
 import importlib
 import sys
 from collections.abc import Callable, Sequence
@@ -19,8 +18,11 @@ import shtab
 
 from intellwheels_agents import minds
 from intellwheels_maps import floor, names, robot, scene
+from intellwheels_schemas.command_parser import CommandParser
 from intellwheels_schemas.errors import WireError
+from intellwheels_schemas.explain import did_you_mean
 from intellwheels_schemas.messages import Place
+from intellwheels_schemas.process import printing
 from intellwheels_schemas.version import add_version_option
 
 COMMANDS = {
@@ -45,7 +47,7 @@ def parser() -> argparse.ArgumentParser:
     """Return the parser of `iw`, without the commands' own options."""
     width = max(map(len, COMMANDS)) + 2
     lines = "\n".join(f"  iw {name:{width}}{text}" for name, text in COMMANDS.items())
-    found = argparse.ArgumentParser(
+    found = CommandParser(
         prog="iw",
         usage="iw COMMAND ...",
         formatter_class=argparse.RawDescriptionHelpFormatter,
@@ -70,19 +72,18 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Run a command and return its exit code: 0 done, 1 refused or failed, 2 wrong usage."""
     words = list(sys.argv[1:] if arguments is None else arguments)
     if words and not words[0].startswith("-") and words[0] not in (*COMMANDS, "list", "completion"):
-        near = difflib.get_close_matches(words[0], [*COMMANDS, "list", "completion"], n=1)
-        hint = f"; did you mean {near[0]!r}?" if near else ""
-        known = ", ".join([*COMMANDS, "list", "completion"])
-        print(f"iw: expected one of {known}, got {words[0]!r}{hint}", file=sys.stderr)
+        known = [*COMMANDS, "list", "completion"]
+        hint = did_you_mean(words[0], known)
+        print(f"iw: expected one of {', '.join(known)}, got {words[0]!r}{hint}", file=sys.stderr)
         return 2
     if not words:
         parser().print_help()
         return 2
     name = parser().parse_args(words[:1]).command
-    if name == "list":
-        return _list(words[1:])
-    if name == "completion":
-        return _completion(words[1:])
+    if name in ("list", "completion"):
+        with printing():
+            return _list(words[1:]) if name == "list" else _completion(words[1:])
+        return 0
     command = _loaded(name)
     if command is None:
         extra = _EXTRA.get(name, "all")
@@ -109,18 +110,18 @@ def _loaded(name: str) -> Callable[[Sequence[str]], int] | None:
 def _list(words: Sequence[str]) -> int:
     """Print what is included, one name a line, with its title where it has one."""
     about = "List what is included, or the places of a map. The kind `floors` lists the maps."
-    wanted = argparse.ArgumentParser(prog="iw list", description=about)
+    wanted = CommandParser(prog="iw list", description=about)
     wanted.add_argument("kind", metavar="KIND", choices=KINDS, help=", ".join(KINDS))
     wanted.add_argument("floor", metavar="MAP", nargs="?", help="for places: an included map, or a map file")
     given = wanted.parse_args(words)
     if (given.kind == "places") != (given.floor is not None):
         expected = "expected a MAP after places" if given.floor is None else f"expected no MAP after {given.kind}"
-        wanted.error(f"{expected}, got {given.floor!r}" if given.floor else f"{expected}, got none")
+        wanted.error(f"{expected}, got {'none' if given.floor is None else repr(given.floor)}")
     try:
         lines = _lines(given.kind, given.floor)
     except WireError as error:
-        print(f"iw list: {error}", file=sys.stderr)
-        return 1
+        print(f"iw list: MAP: {error}", file=sys.stderr)
+        return 2
     width = max((len(name) for name, _ in lines), default=0) + 2
     for name, text in lines:
         print(f"{name:{width}}{text}".rstrip())
@@ -164,8 +165,10 @@ def _parser_of(module: str) -> argparse.ArgumentParser:
 
 def _completion(words: Sequence[str]) -> int:
     """Print a completion script for all commands."""
-    wanted = argparse.ArgumentParser(prog="iw completion", description="Print a completion script for a shell.")
-    wanted.add_argument("shell", choices=shtab.SUPPORTED_SHELLS)
+    wanted = CommandParser(prog="iw completion", description="Print a completion script for a shell.")
+    wanted.add_argument(
+        "shell", metavar="SHELL", choices=shtab.SUPPORTED_SHELLS, help=", ".join(shtab.SUPPORTED_SHELLS)
+    )
     shell = wanted.parse_args(words).shell
     whole = argparse.ArgumentParser(prog="iw")
     below = whole.add_subparsers()

@@ -24,6 +24,7 @@ from functools import cached_property
 from typing import Protocol
 
 from intellwheels_agents.options import OptionError, Options
+from intellwheels_schemas.explain import did_you_mean
 from intellwheels_schemas.messages import Actions, Map, Measures, Parameters, Pose, Position, Robot
 
 
@@ -91,7 +92,8 @@ class Context:
         """
         if name not in self.places:
             known = ", ".join(sorted(self.places)) or "none"
-            raise OptionError(f"option {option}: expected a place of the map ({known}), got {name!r}")
+            hint = did_you_mean(name, self.places)
+            raise OptionError(f"option {option}: expected a place of the map ({known}), got {name!r}{hint}")
         return self.places[name]
 
     def route(self) -> list[tuple[float, float]]:

@@ -33,7 +33,7 @@ def failed(mind: object, error: BaseException) -> MindError:
     """Return the error for an exception that a mind raised.
 
     Args:
-        mind: The mind, or its class while it is made.
+        mind: The mind, or its class while it is made, or its file while it is read.
         error: The exception. The line is the innermost one in the mind's own file, or else the innermost one.
     """
     file = _file_of(mind)
@@ -70,6 +70,8 @@ def _shown(got: object) -> str:
 
 
 def _file_of(mind: object) -> str | None:
+    if isinstance(mind, Path):
+        return str(mind)
     kind: Any = mind if inspect.isclass(mind) else type(mind)
     try:
         return inspect.getfile(kind)

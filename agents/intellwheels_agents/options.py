@@ -9,6 +9,8 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping
 
+from intellwheels_schemas.explain import did_you_mean
+
 
 class OptionError(ValueError):
     """An option that cannot be used; the text says which option, what was expected and what came."""
@@ -102,7 +104,9 @@ class Options(Mapping[str, str]):
         unknown = sorted(set(self._given) - self._known)
         if unknown:
             known = ", ".join(sorted(self._known)) or "none"
-            raise OptionError(f"option {unknown[0]}: expected an option of this mind ({known}), got {unknown[0]!r}")
+            hint = did_you_mean(unknown[0], self._known)
+            text = f"option {unknown[0]}: expected an option of this mind ({known}), got {unknown[0]!r}{hint}"
+            raise OptionError(text)
 
 
 def _number(text: str) -> float | None:

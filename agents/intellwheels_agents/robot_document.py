@@ -13,10 +13,21 @@ from typing import Any
 import msgspec
 
 from intellwheels_agents.options import OptionError
-from intellwheels_schemas.messages import Robot, Role
+from intellwheels_schemas.errors import WireError
+from intellwheels_schemas.explain import check_plain
+from intellwheels_schemas.messages import Position, Robot, Role
 from intellwheels_schemas.rules import check_robot
+from intellwheels_schemas.shapes import shape_of
 
+DEFAULT_ROBOT = "intellwheels"
+"""The robot of a mind that has none of its own."""
+_OWN_ROBOTS = {"door": "door", "table": "table"}
 _NUMBER = re.compile(r"-?\d+(\.\d+)?([eE][-+]?\d+)?")
+
+
+def default_robot(mind: str) -> str:
+    """Return the name of the included robot that a mind drives if no robot is given."""
+    return _OWN_ROBOTS.get(mind, DEFAULT_ROBOT)
 
 
 def split_options(given: Mapping[str, str]) -> tuple[dict[str, str], dict[str, str]]:
@@ -49,9 +60,18 @@ def equipped(robot: Robot, changes: Mapping[str, str]) -> Robot:
         try:
             robot = msgspec.convert(plain, Robot)
         except msgspec.ValidationError as error:
-            raise OptionError(f"option {name}: expected a value of the robot document, got {text!r}: {error}") from None
+            raise OptionError(f"option {name}: {_explained(plain, text, error)}") from None
     check_robot(robot)
     return robot
+
+
+def _explained(plain: dict[str, Any], text: str, error: Exception) -> str:
+    """Return what is wrong with a robot document: what was expected and what came, without the place."""
+    try:
+        check_plain(shape_of(Robot), plain, "Robot", strict=True)
+    except WireError as wrong:
+        return wrong.text.partition(": ")[2]
+    return f"expected a value of the robot document, got {text!r}: {error}"
 
 
 def _plain(text: str) -> Any:
@@ -62,7 +82,16 @@ def _plain(text: str) -> Any:
     return text
 
 
-def joining(robot: Robot, *, agent: str, role: Role, instance: str, place: str | None, barrier: bool | None) -> Robot:
+def joining(
+    robot: Robot,
+    *,
+    agent: str,
+    role: Role,
+    instance: str,
+    place: str | None,
+    barrier: bool | None,
+    position: Position | None = None,
+) -> Robot:
     """Return the document that an agent joins with.
 
     Args:
@@ -72,6 +101,7 @@ def joining(robot: Robot, *, agent: str, role: Role, instance: str, place: str |
         instance: 16 hex digits, new for each process.
         place: A place of the map to start at; None leaves the choice to the simulator.
         barrier: Whether a lockstep waits for this agent; None keeps the robot's own value.
+        position: The pose to start at instead of a place.
     """
     awaited = robot.barrier if barrier is None else barrier
     if role == "mind":
@@ -85,5 +115,6 @@ def joining(robot: Robot, *, agent: str, role: Role, instance: str, place: str |
         role=role,
         instance=instance,
         place=robot.place if place is None else place,
+        position=robot.position if position is None else position,
         barrier=awaited,
     )

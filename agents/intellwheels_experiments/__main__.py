@@ -18,14 +18,18 @@ from rich.console import Console
 from intellwheels_experiments.batch.experiment_rows import Row, rows_of
 from intellwheels_experiments.run.cast_changes import with_changes
 from intellwheels_experiments.run.endpoints import free_endpoint
+from intellwheels_experiments.run.foreign_program import check_programs
 from intellwheels_experiments.run.launch_spec import WALL_LIMIT, LaunchSpec, resolved, wall_limit
 from intellwheels_experiments.run.progress import Progress
 from intellwheels_experiments.run.run_report import show, to_json
 from intellwheels_experiments.run.scene_run import perform
+from intellwheels_experiments.run.start_watch import once
+from intellwheels_experiments.run.usage_checks import check_cast_of, check_connection, first_agent
 from intellwheels_experiments.run.world_watch import watching
 from intellwheels_maps import floor, names, scene
 from intellwheels_maps.library import folder_of
-from intellwheels_schemas import defaults
+from intellwheels_schemas import command_parser, defaults, messages
+from intellwheels_schemas.command_parser import CommandParser, like_field, naming, readable_file, whole
 from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.link import Link
 from intellwheels_schemas.messages import Map, Pace, Scene
@@ -34,12 +38,17 @@ from intellwheels_schemas.output_paths import check_output_file, check_output_fo
 from intellwheels_schemas.process import stop_on_signals
 from intellwheels_schemas.version import add_version_option
 
+MOST_RUNS: Final = 100_000
+"""Largest number of --seeds and --jobs."""
+
 _EPILOG = """\
 examples:
   iw-run figure6 --view                      three chairs, a table and a door, on a page in your browser
   iw-run figure6                             the same without a page, as fast as possible
   iw-run figure6 --seed 7 --json result.json
   iw-run my/scene.xml --encoding xml --logs logs
+  iw-run figure6 --command chair1="./mine {name} {endpoint}"
+      your program drives chair1
   iw-run table1 --seeds 40 --jobs 2 --out t1
       an experiment: every row with 40 seeds, and a report; after an interruption, run the same command again
   iw-run table1 --row real-autonomous --branch t1/runs/real-autonomous/3/input.jsonl --at 200 \\
@@ -53,7 +62,7 @@ exit codes: 0 all conditions of the scene held or, in a batch or branch, every r
 
 def parser() -> argparse.ArgumentParser:
     """Return the parser of the command line."""
-    found = argparse.ArgumentParser(
+    found = CommandParser(
         prog="iw-run",
         description="Run a scene: start the simulator and all agents of the scene, show the progress, end all\n"
         "processes, and report whether the conditions of the scene held.",
@@ -70,7 +79,7 @@ def parser() -> argparse.ArgumentParser:
     )  # fmt: skip
     found.add_argument(
         "--view-port",
-        type=_port,
+        type=command_parser.port,
         metavar="N",
         default=8080,
         help="port of the page; 0 picks a free one (default: 8080)",
@@ -78,15 +87,22 @@ def parser() -> argparse.ArgumentParser:
     found.add_argument("--pace", choices=get_args(Pace), help="pace of the run (default: the scene's)")
     found.add_argument(
         "--speed",
-        type=_factor,
+        type=like_field(messages.Factor),
         metavar="F",
         default=1.0,
         help="simulated time over real time, at pace realtime (default: 1)",
     )
-    found.add_argument("--seed", metavar="TEXT", help="seed of all noise (default: the scene's)")
+    found.add_argument(
+        "--seed", type=like_field(messages.Seed), metavar="TEXT", help="seed of all noise (default: the scene's)"
+    )
     found.add_argument(
         "--mind", action="append", default=[], metavar="AGENT=MIND",
         help="give an agent another mind: its name, or a Python file; may be repeated",
+    )  # fmt: skip
+    found.add_argument(
+        "--command", action="append", default=[], metavar="AGENT=COMMAND",
+        help="let your program, in any language, play an agent; COMMAND may contain {name}, {endpoint} and {world}; "
+        "may be repeated",
     )  # fmt: skip
     found.add_argument(
         "--option", action="append", default=[], metavar="AGENT.NAME=VALUE",
@@ -111,7 +127,7 @@ def parser() -> argparse.ArgumentParser:
     found.add_argument("--logs", type=Path, metavar="DIR", help="keep the logs of the processes in this folder")
     found.add_argument(
         "--timeout",
-        type=_factor,
+        type=command_parser.positive_seconds,
         metavar="S",
         help=f"seconds of wall time after which the run is aborted (default: {WALL_LIMIT:g}, plus the scene's time "
         "limit at pace realtime; none with --view)",
@@ -119,8 +135,12 @@ def parser() -> argparse.ArgumentParser:
     batch = found.add_argument_group(
         "batch", "run every row of the scene's experiment with every seed; needs the extra `experiments`"
     )
-    batch.add_argument("--seeds", type=_count, metavar="N", help="run with the seeds 1 to N and write a report")
-    batch.add_argument("--jobs", type=_count, metavar="N", default=1, help="number of runs at a time (default: 1)")
+    batch.add_argument(
+        "--seeds", type=whole(1, MOST_RUNS), metavar="N", help="run with the seeds 1 to N and write a report"
+    )
+    batch.add_argument(
+        "--jobs", type=whole(1, MOST_RUNS), metavar="N", default=1, help="number of runs at a time (default: 1)"
+    )
     batch.add_argument("--row", metavar="ROW", action="append", help="run only this row; may be repeated")
     batch.add_argument(
         "--out",
@@ -133,10 +153,17 @@ def parser() -> argparse.ArgumentParser:
         "what if: repeat a recorded run up to a tick, continue with changes, and write a report of both runs to --out",
     )
     branch.add_argument(
-        "--branch", type=Path, metavar="LOG", help="input log of a run of this scene; with --row, of a run of that row"
+        "--branch",
+        type=readable_file,
+        metavar="LOG",
+        help="input log of a run of this scene; with --row, of a run of that row",
     )
     branch.add_argument(
-        "--at", type=_tick, metavar="TICK", default=0, help="tick up to which the log is followed (default: 0)"
+        "--at",
+        type=whole(0, messages.MAX_INTEGER, "a tick"),
+        metavar="TICK",
+        default=0,
+        help="tick up to which the log is followed (default: 0)",
     )
     link = found.add_argument_group("connection", "by default the simulator listens at a free port of this machine")
     link.add_argument(
@@ -150,7 +177,9 @@ def parser() -> argparse.ArgumentParser:
     link.add_argument(
         "--connect", action="append", default=[], metavar="ENDPOINT", help="router to which all processes connect"
     )
-    link.add_argument("--config", type=Path, metavar="FILE", help="Zenoh configuration (JSON5) of all processes")
+    link.add_argument(
+        "--config", type=readable_file, metavar="FILE", help="Zenoh configuration (JSON5) of all processes"
+    )
     return found
 
 
@@ -160,13 +189,18 @@ def main(arguments: Sequence[str] | None = None) -> int:
     options = grammar.parse_args(arguments)
     try:
         _check_together(grammar, options)
-        chosen = scene(options.scene)
-        folder = folder_of(options.scene)
-        chosen_floor = floor(chosen.map, beside=folder)
+        check_connection(options)
+        with naming("SCENE"):
+            chosen = scene(options.scene)
+            folder = folder_of(options.scene)
+            chosen_floor = floor(chosen.map, beside=folder)
         if options.branch is None:
-            chosen = with_changes(chosen, options.mind, options.option)
-    except WireError as error:
-        print(f"iw-run: {error.text}", file=sys.stderr)
+            chosen = with_changes(chosen, options.mind, options.option, options.command)
+            if options.seeds is None:
+                check_programs(chosen.cast, folder, _meeting(options))
+                check_cast_of([chosen], folder, options)
+    except (WireError, ConnectionError) as error:
+        print(f"iw-run: {error}", file=sys.stderr)
         return 2
     if options.seeds is not None or options.branch is not None:
         return _batch(options, chosen, chosen_floor, folder)
@@ -208,6 +242,23 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _batch(options: argparse.Namespace, chosen: Scene, chosen_floor: Map, folder: Path | None) -> int:
+    out = options.out or Path(f"{chosen.name}-runs")
+    try:
+        rows = _rows(rows_of(chosen), options.row)
+        subject = chosen.experiment.subject if chosen.experiment else first_agent(chosen)
+        check_output_folder(out, "--out")
+        if options.branch is not None:
+            cast = with_changes(rows[0].scene, options.mind, options.option, options.command, robot_fields=False)
+            changed = dataclasses.replace(rows[0], scene=cast)
+            scenes = [cast]
+        else:
+            scenes = [row.scene for row in rows]
+        for one in scenes:
+            check_programs(one.cast, folder)
+        check_cast_of(scenes, folder, options)
+    except WireError as error:
+        print(f"iw-run: {error.text}", file=sys.stderr)
+        return 2
     try:
         # These import numpy, scipy, shapely and matplotlib: a single run needs none of them.
         from intellwheels_experiments.batch.batch_command import OtherBatchError, perform_batch  # noqa: PLC0415
@@ -217,27 +268,25 @@ def _batch(options: argparse.Namespace, chosen: Scene, chosen_floor: Map, folder
     except ModuleNotFoundError as error:
         print(f"iw-run: --seeds: needs {error.name}; pip install 'intellwheels[experiments]'", file=sys.stderr)
         return 2
-    subject = chosen.experiment.subject if chosen.experiment else chosen.cast[0].name
+    console = Console(stderr=True)
+    batch = Batch(
+        rows=rows,
+        seeds=tuple(str(seed) for seed in range(1, (options.seeds or 1) + 1)),
+        subject=subject,
+        floor=chosen_floor,
+        source=resolved(options.scene, None),
+        folder=folder,
+        out=out,
+        jobs=options.jobs,
+        timeout=options.timeout or WALL_LIMIT,
+        say=once(lambda text: console.print(text, markup=False, highlight=False)),
+    )
+    stop = stop_on_signals()
     try:
-        rows = _rows(rows_of(chosen), options.row)
-        batch = Batch(
-            rows=rows,
-            seeds=tuple(str(seed) for seed in range(1, (options.seeds or 1) + 1)),
-            subject=subject,
-            floor=chosen_floor,
-            source=resolved(options.scene, None),
-            folder=folder,
-            out=options.out or Path(f"{chosen.name}-runs"),
-            jobs=options.jobs,
-            timeout=options.timeout or WALL_LIMIT,
-        )
-        stop = stop_on_signals()
         if options.branch is not None:
-            cast = with_changes(rows[0].scene, options.mind, options.option, robot_fields=False)
-            changed = dataclasses.replace(rows[0], scene=cast)
             summary = perform_branch(batch, chosen, changed, options.branch, options.at, stop)
         else:
-            summary = perform_batch(batch, chosen, Console(stderr=True), stop)
+            summary = perform_batch(batch, chosen, console, stop)
     except WireError as error:
         print(f"iw-run: {error.text}", file=sys.stderr)
         return 2
@@ -250,6 +299,12 @@ def _batch(options: argparse.Namespace, chosen: Scene, chosen_floor: Map, folder
     show_batch(summary, Console(), chosen.experiment)
     print(f"report={batch.out / 'report.html'} csv={batch.out / 'batch.csv'}")
     return 1 if stop.is_set() or any(row.died for row in summary.lines) else 0
+
+
+def _meeting(options: argparse.Namespace) -> list[str] | None:
+    """Return the endpoints at which the processes meet, or None if they meet at a free port of this machine."""
+    given = [*options.connect, *options.listen]
+    return given if given or options.config is not None else None
 
 
 _BATCH_ONLY: Final = ("jobs", "row", "out")
@@ -292,34 +347,6 @@ def _rows(rows: tuple[Row, ...], names: Sequence[str] | None) -> tuple[Row, ...]
         if name not in known:
             raise WireError("value", f"--row: expected a row ({', '.join(known)}), got {name!r}", "--row")
     return tuple(row for row in rows if not names or row.name in names)
-
-
-def _factor(text: str) -> float:
-    try:
-        value = float(text)
-    except ValueError:
-        value = 0.0
-    if not 0.0 < value < 1e6:
-        raise argparse.ArgumentTypeError(f"expected a number above 0, got {text!r}")
-    return value
-
-
-def _port(text: str) -> int:
-    if not text.isdecimal() or int(text) > 65535:  # the last port there is
-        raise argparse.ArgumentTypeError(f"expected a port, 0 to 65535, got {text!r}")
-    return int(text)
-
-
-def _tick(text: str) -> int:
-    if not text.isdecimal():
-        raise argparse.ArgumentTypeError(f"expected a tick, got {text!r}")
-    return int(text)
-
-
-def _count(text: str) -> int:
-    if not text.isdecimal() or not 1 <= int(text) <= 100_000:
-        raise argparse.ArgumentTypeError(f"expected a whole number from 1 to 100000, got {text!r}")
-    return int(text)
 
 
 def _world(text: str) -> str:

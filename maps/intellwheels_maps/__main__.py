@@ -10,30 +10,43 @@ from pathlib import Path
 from intellwheels_maps import floor, names, robot, scene
 from intellwheels_maps.draw import draw
 from intellwheels_maps.hospital import hospital
+from intellwheels_maps.library import is_path
+from intellwheels_schemas.command_parser import CommandParser, naming, readable_file, whole
 from intellwheels_schemas.elements import parse
 from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.files import write_file
+from intellwheels_schemas.output_paths import check_output_file
+from intellwheels_schemas.process import printing
+
+
+class _UsageError(Exception):
+    """An argument is wrong."""
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run a command and return the exit code: 0 done, 1 for an invalid file. Wrong usage exits with 2."""
     parsed = _parser().parse_args(arguments)
     try:
-        return int(parsed.run(parsed))
+        with printing():
+            return int(parsed.run(parsed))
+        return 0  # noqa: TRY300 - the errors below are of the run
+    except _UsageError as error:
+        print(f"python -m intellwheels_maps: {error}", file=sys.stderr)
+        return 2
     except WireError as error:
         print(error.text, file=sys.stderr)
         return 1
 
 
 def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(prog="python -m intellwheels_maps", description=__doc__)
+    parser = CommandParser(prog="python -m intellwheels_maps", description=__doc__)
     commands = parser.add_subparsers(required=True, metavar="COMMAND")
 
     listing = commands.add_parser("list", help="print the included maps (as `floors`), robots and scenes")
     listing.set_defaults(run=_list)
 
     checking = commands.add_parser("check", help="check a map, robot or scene file, and print each fault with its line")
-    checking.add_argument("file", metavar="FILE", type=Path, help="a map, robot or scene file")
+    checking.add_argument("file", metavar="FILE", type=readable_file, help="a map, robot or scene file")
     checking.set_defaults(run=_check)
 
     drawing = commands.add_parser("draw", help="draw the plan of a map as SVG")
@@ -42,7 +55,9 @@ def _parser() -> argparse.ArgumentParser:
     drawing.set_defaults(run=_draw)
 
     making = commands.add_parser("hospital", help="print a generated hospital map with 120 rooms as XML")
-    making.add_argument("--seed", metavar="N", type=int, default=1, help="seed of the generator (default: %(default)s)")
+    making.add_argument(
+        "--seed", metavar="N", type=whole(0, 1 << 32), default=1, help="seed of the generator (default: %(default)s)"
+    )
     making.set_defaults(run=_hospital)
     return parser
 
@@ -76,6 +91,13 @@ def _root(file: Path) -> str:
 
 
 def _draw(parsed: argparse.Namespace) -> int:
+    try:
+        check_output_file(parsed.file, "FILE.svg")
+        if parsed.floor != "hospital" and not is_path(parsed.floor):
+            with naming("MAP"):
+                floor(parsed.floor)
+    except WireError as error:
+        raise _UsageError(error.text) from None
     document = hospital() if parsed.floor == "hospital" else floor(parsed.floor)
     parsed.file.write_text(draw(document), encoding="utf-8")
     return 0

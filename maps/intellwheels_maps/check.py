@@ -13,8 +13,10 @@ from collections.abc import Iterable, Iterator, Sequence
 from itertools import pairwise
 from typing import NamedTuple
 
-from intellwheels_maps.crossing import Point, find_crossing
-from intellwheels_schemas.codec import VERSION
+from intellwheels_maps.crossing import Point
+from intellwheels_maps.keyholes import find_fault
+from intellwheels_schemas.codec import MAX_BYTES, VERSION, Encoding, encode
+from intellwheels_schemas.explain import did_you_mean
 from intellwheels_schemas.messages import Corner, Doorway, Map, Robot, Scene, Wall
 
 # m: contact cannot tell corners apart that are closer.
@@ -23,6 +25,10 @@ _SHORTEST = 1e-9
 _WIDTH_TOLERANCE = 0.01
 # m: a wall farther away than this belongs to another opening.
 _JAMB_REACH = 5.0
+
+
+# Bytes: the simulator delivers its map in one message, which has a key and a header too.
+MAP_BYTES = MAX_BYTES - 4096
 
 
 class Finding(NamedTuple):
@@ -45,6 +51,7 @@ def check_map(document: Map) -> list[Finding]:
     findings += _duplicates("Map.Zone", "zone", [zone.name for zone in document.zone])
     places = document.grid.position if document.grid else ()
     findings += _duplicates("Map.Grid.Position", "place", [place.name for place in places])
+    findings += _check_size(document)
     if not findings:
         # The geometry below relies on valid shapes.
         findings += _check_doorways(document)
@@ -80,14 +87,18 @@ def check_scene(document: Scene, floor: Map) -> list[Finding]:
         if cast.place is None:
             continue
         if cast.place not in known:
-            findings.append(Finding(element, f"{expected}, got {cast.place!r}"))
+            findings.append(Finding(element, f"{expected}, got {cast.place!r}{did_you_mean(cast.place, known)}"))
         elif cast.place in taken:
             findings.append(Finding(element, f"place {cast.place!r} is already taken by agent {taken[cast.place]!r}"))
         taken.setdefault(cast.place, cast.name)
     reaches = document.end.reach if document.end else ()
     for index, reach in enumerate(reaches):
         if reach.place not in known:
-            findings.append(Finding(f"Scene.End.Reach[{index}]", f"{expected}, got {reach.place!r}"))
+            findings.append(
+                Finding(
+                    f"Scene.End.Reach[{index}]", f"{expected}, got {reach.place!r}{did_you_mean(reach.place, known)}"
+                )
+            )
     if document.hold and document.hold.reached and not reaches:
         findings.append(Finding("Scene.Hold", "Reached: expected a Reach in End, got none"))
     return findings
@@ -136,6 +147,18 @@ def ring_of(corners: Iterable[Corner]) -> list[Point]:
 # ---------------------------------------------------------------- parts of the checks
 
 
+def _check_size(document: Map) -> Iterator[Finding]:
+    for encoding in (Encoding.JSON, Encoding.XML):
+        size = len(encode(document, encoding))
+        if size > MAP_BYTES:
+            text = (
+                f"expected a map of at most {MAP_BYTES:,} bytes as one message in {encoding.name}, got {size:,}; "
+                "use fewer corners or fewer digits"
+            )
+            yield Finding("Map", text)
+            return
+
+
 def _check_shapes(document: Map) -> Iterator[Finding]:
     for index, wall in enumerate(document.wall):
         yield from _check_corners(f"Map.Wall[{index}]", "wall", wall.corner, closed=wall.thickness is None)
@@ -156,7 +179,7 @@ def _check_corners(element: str, what: str, corners: Sequence[Corner], *, closed
             fault = "the same corner twice in a row" if one == other else f"corners less than {_SHORTEST} m apart"
             yield Finding(f"{element}.Corner[{(index + 1) % len(points)}]", f"{what} has {fault}, {place}")
             return
-    if closed and (crossing := find_crossing(points)):
+    if closed and (crossing := find_fault(points)):
         yield Finding(element, f"{what} crosses itself: edges {crossing[0]} and {crossing[1]}, counted from 0")
     elif closed and _twice_area(points) == 0.0:
         yield Finding(element, f"{what} has no area: its corners are on one line")

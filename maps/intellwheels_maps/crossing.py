@@ -10,6 +10,7 @@ Source:
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from functools import cmp_to_key, partial
 from itertools import pairwise
 from typing import TypeAlias
 
@@ -40,7 +41,9 @@ def orientation(a: Point, b: Point, c: Point) -> int:
 
 
 def find_crossing(points: Sequence[Point]) -> tuple[int, int] | None:
-    """Return two edges of a ring that touch without being neighbours, or that fold back on each other.
+    """Return two edges of a ring that touch elsewhere than at a corner of both, or that fold back on each other.
+
+    An edge that the ring passes there and back counts once.
 
     Args:
         points: The corners of the ring, finite, each different from the next. Edge i leads from corner i to the next.
@@ -48,16 +51,14 @@ def find_crossing(points: Sequence[Point]) -> tuple[int, int] | None:
     Returns:
         The numbers of two such edges, the smaller one first, or None if there are none. A triangle has none.
     """
-    count = len(points)
-    if count <= 3:
+    if len(points) <= 3:
         return None
-    order = sorted(range(count), key=points.__getitem__)
-    for one, other in pairwise(order):
-        if points[one] == points[other]:
-            return _sorted(one, other)
+    corners: dict[Point, list[int]] = {}
+    for corner in sorted(range(len(points)), key=points.__getitem__):
+        corners.setdefault(points[corner], []).append(corner)
     sweep = _Sweep(points)
-    for corner in order:
-        found = sweep.pass_corner(corner)
+    for here, same in corners.items():
+        found = sweep.pass_point(here, same)
         if found is not None:
             return found
     return None
@@ -71,23 +72,25 @@ class _Sweep:
         self._count = len(points)
         self._cut: list[int] = []
 
-    def pass_corner(self, corner: int) -> tuple[int, int] | None:
-        """Move the line over a corner; return two edges that touch there or right of it, if any."""
-        points, cut = self._points, self._cut
-        here = points[corner]
-        both = ((corner - 1) % self._count, corner)
+    def pass_point(self, here: Point, corners: Sequence[int]) -> tuple[int, int] | None:
+        """Move the line over all corners at a point; return two edges that touch there or right of it, if any."""
+        cut = self._cut
         first = self._first(lambda edge: self._above(edge, here) <= 0)
         last = self._first(lambda edge: self._above(edge, here) < 0)
+        edges = [edge for corner in corners for edge in ((corner - 1) % self._count, corner)]
         for edge in cut[first:last]:
-            if edge not in both:
-                return _sorted(edge, min(both))
-        begun = [edge for edge in both if self._other(edge, corner) > here]
-        if len(begun) == 2:
-            turn = orientation(here, self._other(begun[0], corner), self._other(begun[1], corner))
-            if turn == 0:
-                return _sorted(*begun)
-            if turn < 0:
-                begun.reverse()
+            if here not in self._ends(edge):
+                return _sorted(edge, min(edges))
+        begun = [edge for edge in edges if self._other(edge, here) > here]
+        if len(begun) > 1:
+            begun.sort(key=cmp_to_key(partial(self._order, here)))
+            for one, other in pairwise(begun):
+                if self._turn(here, one, other) == 0 and not self._is_bridge(here, one, other):
+                    return _sorted(one, other)
+            for one, other in zip(begun, begun[2:], strict=False):
+                if self._turn(here, one, other) == 0:
+                    return _sorted(one, other)
+            begun = [edge for k, edge in enumerate(begun) if k == 0 or self._turn(here, begun[k - 1], edge) != 0]
         cut[first:last] = begun
         last = first + len(begun)
         for low in {first - 1, last - 1}:
@@ -111,18 +114,31 @@ class _Sweep:
         a, b = self._ends(edge)
         return orientation(min(a, b), max(a, b), point)
 
+    def _turn(self, here: Point, one: int, other: int) -> int:
+        """Return 1 if the second of two edges that begin at a point is above the first, -1 if it is below, else 0."""
+        return orientation(here, self._other(one, here), self._other(other, here))
+
+    def _order(self, here: Point, one: int, other: int) -> int:
+        """Return -1 if the first of two edges that begin at a point is below the second, 1 if it is above, else 0."""
+        return -self._turn(here, one, other)
+
+    def _is_bridge(self, here: Point, one: int, other: int) -> bool:
+        """Return whether two edges from a point are the same one, there and back."""
+        same = self._other(one, here) == self._other(other, here)
+        return same and self._ends(one)[0] != self._ends(other)[0]
+
     def _ends(self, edge: int) -> tuple[Point, Point]:
         return self._points[edge], self._points[(edge + 1) % self._count]
 
-    def _other(self, edge: int, corner: int) -> Point:
+    def _other(self, edge: int, here: Point) -> Point:
         a, b = self._ends(edge)
-        return b if edge == corner else a
+        return b if a == here else a
 
     def _touch(self, one: int, other: int) -> bool:
-        """Return whether two edges that are not neighbours share a point."""
-        if (one - other) % self._count in {1, self._count - 1}:
-            return False
+        """Return whether two edges that have no corner in common share a point."""
         (a, b), (c, d) = self._ends(one), self._ends(other)
+        if a in (c, d) or b in (c, d):
+            return False
         c_side, d_side, a_side, b_side = (
             orientation(a, b, c), orientation(a, b, d), orientation(c, d, a), orientation(c, d, b),
         )  # fmt: skip

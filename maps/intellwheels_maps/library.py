@@ -13,7 +13,9 @@ from pathlib import Path
 from typing import Final, Literal, TypeAlias, TypeVar, get_args
 
 from intellwheels_maps.check import Finding, check_map, check_robot, check_scene
+from intellwheels_maps.starts import check_starts
 from intellwheels_schemas.errors import WireError
+from intellwheels_schemas.explain import did_you_mean
 from intellwheels_schemas.files import read_with_lines
 from intellwheels_schemas.messages import Bridge, Map, Record, Robot, Scene
 
@@ -89,10 +91,13 @@ def scene(name_or_path: str | Path, *, beside: Path | None = None) -> Scene:
     folder = file.parent if isinstance(file, Path) else None
 
     def check(document: Scene) -> list[Finding]:
-        findings = check_scene(document, floor(document.map, beside=folder))
+        ground = floor(document.map, beside=folder)
+        findings = check_scene(document, ground)
+        bodies: dict[str, Robot] = {}
         for index, cast in enumerate(document.cast):
             try:
-                robot(cast.robot, beside=folder)
+                if cast.robot:
+                    bodies[cast.name] = robot(cast.robot, beside=folder)
             except WireError as error:
                 findings.append(Finding(f"Scene.Cast[{index}]", f"agent {cast.name!r}: {error.text}"))
         for where, bridge in _bridges(document):
@@ -101,7 +106,10 @@ def scene(name_or_path: str | Path, *, beside: Path | None = None) -> Scene:
                     robot(bridge.chair, beside=folder)
             except WireError as error:
                 findings.append(Finding(where, f"chair of {bridge.agent!r}: {error.text}"))
-        return findings
+        for bridge in document.bridge:
+            # Real chairs are accepted at any pose.
+            bodies.pop(bridge.agent, None)
+        return findings or check_starts(document, ground, bodies)
 
     return _load(Scene, file, check)
 
@@ -127,7 +135,7 @@ def _find(shelf: Shelf, name_or_path: str | Path, beside: Path | None) -> Path |
     if text not in known:
         kind = "maps" if shelf == "floors" else shelf
         expected = f"expected one of the {kind} ({', '.join(known)}) or a path ending in .xml"
-        raise WireError("value", f"{expected}, got {text!r}", shelf)
+        raise WireError("value", f"{expected}, got {text!r}{did_you_mean(text, known)}", shelf)
     return _shelf(shelf).joinpath(f"{text}.xml")
 
 

@@ -8,6 +8,7 @@ from pathlib import Path
 
 from intellwheels_schemas import elements, generate, rules
 from intellwheels_schemas.codec import LIMITS, Encoding, decode, encoding_of
+from intellwheels_schemas.command_parser import CommandParser
 from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.explain import too_long
 from intellwheels_schemas.files import read_bytes
@@ -18,8 +19,9 @@ _SCHEMAS = Path(__file__).resolve().parents[1]
 
 
 def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(
+    parser = CommandParser(
         prog="python -m intellwheels_schemas",
+        usage="%(prog)s [--release] [COMMAND ...]",
         description="Without COMMAND, generate KEYS.md, xsd/, json/ and vectors/ in the folder schemas of a checkout.",
     )
     parser.add_argument(
@@ -75,7 +77,7 @@ def _check(file: str, said: str | None) -> int:
     try:
         data = sys.stdin.buffer.read() if file == "-" else Path(file).read_bytes()
     except OSError as error:
-        print(f"{file}: expected a file, got {error.strerror}", file=sys.stderr)
+        print(f"FILE: expected a file, got {file!r}: {error.strerror}", file=sys.stderr)
         return 2
     try:
         encoding = encoding_of("", data.lstrip(b" \t\r\n"))

@@ -80,8 +80,12 @@ class Channel:
     express: bool = False
 
 
-_STATE: Final = (
+_CLOCK: Final = (
     "every tick, at most 60 per second; always the last tick before a stop; 2 per second while paused or waiting"
+)
+_STATE: Final = (
+    "every tick, at most 60 per second; always the last tick before a stop; 2 per second while nothing that it shows "
+    "changes; from a playback, as often as the clock"
 )
 
 CHANNELS: Final[dict[str, Channel]] = {
@@ -109,8 +113,8 @@ CHANNELS: Final[dict[str, Channel]] = {
     "body": Channel("body/<agent>", "simulator", "put", "on change", (Body,), (Body,), get=True),
     "state": Channel("state/<part>", "simulator", "put", _STATE, (WorldState,), (WorldState,), get=True),
     "map": Channel("map", "simulator", "put", "on change", (MapInfo,), (Map,), get=True),
-    "event": Channel("event", "simulator", "put", "at each event", (Event,), (Events,), get=True),
-    "clock": Channel("clock", "simulator", "put", _STATE, (Clock,), (Clock,), get=True, priority="real-time",
+    "event": Channel("event", "simulator", "put", "at each event", (Event,), (Events,), (Result,), get=True),
+    "clock": Channel("clock", "simulator", "put", _CLOCK, (Clock,), (Clock,), get=True, priority="real-time",
                      express=True),
     "crew_actions": Channel(
         "crew/<crew>/actions", "process with many agents", "put", "every tick", (CrewActions,),

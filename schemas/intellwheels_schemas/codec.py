@@ -47,10 +47,13 @@ _M = TypeVar("_M", bound=Record)
 
 
 class Encoding(enum.StrEnum):
-    """The encodings of a payload; the value is the text of Zenoh's encoding."""
+    """The encodings of a payload; the value is the text of Zenoh's encoding, as it is written.
 
-    JSON = "application/json;iw.v1"
-    XML = "application/xml;iw.v1"
+    The key says the version. With a suffix, Zenoh's own tools would not recognise the encoding and would print base64.
+    """
+
+    JSON = "application/json"
+    XML = "application/xml"
     TEXT = "text/plain"  # for a Say only
 
 
@@ -76,6 +79,12 @@ _TYPES: Final = {"application/json": Encoding.JSON, "application/xml": Encoding.
 _UNSAID: Final = frozenset({"", "zenoh/bytes", "zenoh/string"})
 
 _write = msgspec.json.Encoder().encode
+
+
+def is_known(encoding: str) -> bool:
+    """Return whether Zenoh's encoding, as text, is one of this contract, with or without the version."""
+    kind, _, schema = encoding.partition(";")
+    return kind in _TYPES and schema in {"", VERSION}
 
 
 def encoding_of(encoding: str, data: bytes = b"") -> Encoding:

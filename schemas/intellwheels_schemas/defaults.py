@@ -27,9 +27,17 @@ SAY_DELAY: Final = 0.0
 """Delay of a message in addition to one tick, s."""
 COMMAND_TIMEOUT: Final = 0.5
 """Simulated time after which a motor command is no longer valid, s."""
-GRACE: Final = 3.0
-"""Wall time from the loss of an agent's token to its removal, s."""
+LATE_COMMAND: Final = 0.3
+"""Simulated time by which a command may be late and still counts, in runs that do not wait for answers, s."""
+GRACE: Final = 15.0
+"""Wall time from the loss of an agent's token to its removal, s. A router that restarts takes all tokens with it."""
 STRICT_DEADLINE: Final = 10.0
 """Wall time for which strict lockstep waits for an answer, s."""
 ELASTIC_DEADLINE: Final = 1.0
 """Wall time for which elastic lockstep waits for an answer, s."""
+AGENT_RAYS: Final = 400_000
+"""Rays per second that the sensors of one agent may cast in real time."""
+WORLD_RAYS: Final = 1_000_000
+"""Rays per second that the sensors of all agents may cast in real time."""
+LOAD_TIME: Final = 5.0
+"""Wall time in which a request to load a map is answered, s."""

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import difflib
 import math
+from collections.abc import Iterable
 from typing import Any, Final
 
 from intellwheels_schemas.errors import WireError
@@ -28,6 +29,12 @@ _NOUNS: Final = {
 _HEIGHT_HINTS: Final = {
     "Robot": "in the paper Height is a size on the plan: write Length and Width, and Top for the upper face",
     "Part": "write Bottom and Top",
+}
+
+
+# Why a value is refused that a reader of the paper may expect to pass, by the end of its place.
+_VALUE_HINTS: Final = {
+    (".AccelerationCurve", 1.0): "with 1 the motors would keep their last power for ever and never move: write 0.999",
 }
 
 
@@ -65,6 +72,12 @@ def shown(value: object) -> str:
     if isinstance(value, str):
         return repr(value) if len(value) <= 40 else f"{value[:37]!r} and {len(value) - 37} characters more"
     return "a list" if isinstance(value, list) else "an object"
+
+
+def did_you_mean(got: str, known: Iterable[str]) -> str:
+    """Return `; did you mean 'ward'?` if a known word is similar to what came, else nothing."""
+    near = difflib.get_close_matches(got, list(known), n=1)
+    return f"; did you mean {near[0]!r}?" if near else ""
 
 
 def _bound(value: float | None, none: str) -> str:
@@ -121,7 +134,11 @@ def _wrong_scalar(scalar: Scalar, value: object, where: str) -> WireError:
                 "value", f"{where}: expected XML 1.0 characters except carriage return, got {bad!r}", where
             )
     code: Any = "version" if scalar.words == ("iw.v1",) and isinstance(value, str) else "value"
-    return WireError(code, f"{where}: expected {expected(scalar)}, got {shown(value)}", where)
+    text = f"{where}: expected {expected(scalar)}, got {shown(value)}"
+    for (place, refused), hint in _VALUE_HINTS.items():
+        if where.endswith(place) and value == refused:
+            text = f"{text}; {hint}"
+    return WireError(code, text, where)
 
 
 def too_long(where: str, most: int, things: str, got: int) -> WireError:
@@ -143,8 +160,23 @@ def check_scalar(scalar: Scalar, value: object, where: str) -> None:
         raise _wrong_scalar(scalar, value, where)
 
 
+def _other_form(shape: Shape, member: Member) -> str:
+    """Return how a field is written in XML, for one that was written in another form."""
+    root, wire = shape.root, member.wire
+    if member.form in {Form.ATTRIBUTE, Form.LIST}:
+        example = member.scalar.words[0] if member.scalar is not None and member.scalar.words else "..."
+        return f'expected an attribute, as in <{root} {wire}="{example}">, got an element'
+    if member.form is Form.CONTENT:
+        return f"expected the text of the element, as in <{root}>...</{root}>, got {wire}"
+    example = f"<{wire}>...</{wire}>" if member.form is Form.ELEMENT else f"<{wire} .../>"
+    return f"expected an element, as in <{root}>{example}</{root}>, got an attribute"
+
+
 def unknown_field(shape: Shape, name: str, where: str) -> WireError:
     """Return the error for a field that the class does not have, with the name of its most similar field."""
+    known = shape.by_wire.get(name)
+    if known is not None:
+        return WireError("field", f"{where}.{name}: {_other_form(shape, known)}", f"{where}.{name}")
     hint = _HEIGHT_HINTS.get(shape.cls.__name__, "") if name == "Height" else ""
     if not hint:
         near = difflib.get_close_matches(name, list(shape.by_wire), n=1)

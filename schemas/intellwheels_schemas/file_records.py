@@ -28,6 +28,7 @@ from intellwheels_schemas.messages import (
     Position,
     Robot,
     UserInput,
+    Word,
 )
 
 FORMAT: Final = "iw.v1"
@@ -66,6 +67,8 @@ class Join(FileRecord, frozen=True, kw_only=True, tag="Join", tag_field="Do"):
     agent: AgentName
     robot: Robot
     """Robot that the agent requested."""
+    reserved: tuple[Word, ...] = ()
+    """Places of the map that are kept for other agents."""
 
 
 class Depart(FileRecord, frozen=True, kw_only=True, tag="Depart", tag_field="Do"):
@@ -85,6 +88,8 @@ class SpawnBody(FileRecord, frozen=True, kw_only=True, tag="Spawn", tag_field="D
     """Body to add; its Name is the name of the new agent."""
     position: Position | None = None
     """Start pose; absent means the robot's Place or Position, or the first free place for its Kind."""
+    reserved: tuple[Word, ...] = ()
+    """Places of the map that are kept for agents."""
 
 
 class DeleteBody(FileRecord, frozen=True, kw_only=True, tag="Delete", tag_field="Do"):
@@ -389,8 +394,7 @@ def read_header(cls: type[_H], line: bytes, where: str) -> _H:
             raise WireError("version", f"{where}: expected {file} of format {FORMAT}, got {form[:40]!r}", where)
         if found.version not in _VERSIONS[cls]:
             known = " or ".join(map(str, _VERSIONS[cls]))
-            text = f"{where}: expected {file} of version {known}, got version {found.version}"
-            raise WireError("version", f"{text}; this release reads no other", where)
+            raise WireError("version", f"{where}: expected {file} of version {known}, got {found.version}", where)
         return msgspec.json.decode(line, type=cls)
     except (msgspec.MsgspecError, UnicodeDecodeError) as error:
         raise WireError("malformed", f"{where}: expected the header of {file}, got {error}", where) from None

@@ -12,6 +12,8 @@ from intellwheels_schemas.explain import expected
 from intellwheels_schemas.json_schema import json_schemas
 from intellwheels_schemas.keys_page import keys_page
 from intellwheels_schemas.messages import Record
+from intellwheels_schemas.reader_xsd import reader_files
+from intellwheels_schemas.schematron import schematron
 from intellwheels_schemas.shapes import Member, number_text, shape_of
 from intellwheels_schemas.vectors import GROWN, NAMES, REFUSED, VALID, class_of, encoding_of_file, index_of
 from intellwheels_schemas.xsd import xsd_files
@@ -38,8 +40,12 @@ def _refusal(name: str, data: bytes) -> str:
 
 def generated() -> dict[str, bytes]:
     """Return all generated files by their paths in `schemas/`."""
-    files = {f"xsd/{name}": text.encode() for name, text in xsd_files().items()}
-    files |= {f"json/{name}.json": _pretty(schema) for name, schema in json_schemas().items()}
+    files = {f"xsd/writer/{name}": text.encode() for name, text in xsd_files().items()}
+    files |= {f"xsd/reader/{name}": text.encode() for name, text in reader_files().items()}
+    files["xsd/rules.sch"] = schematron().encode()
+    for folder, grows in (("reader", True), ("writer", False)):
+        for name, schema in json_schemas(grows=grows).items():
+            files[f"json/{folder}/{name}.json"] = _pretty(schema)
     files["KEYS.md"] = keys_page().encode()
     for name, message in VALID.items():
         for encoding, ending in _ENDINGS.items():

@@ -8,6 +8,7 @@ import msgspec
 
 from intellwheels_schemas import file_records, messages
 from intellwheels_schemas.field_docs import field_docs
+from intellwheels_schemas.field_rules import json_rules
 from intellwheels_schemas.file_records import LINES, FileRecord
 from intellwheels_schemas.messages import Record
 from intellwheels_schemas.shapes import Form, Member, Scalar, shape_of
@@ -59,24 +60,27 @@ def _member(member: Member, text: str) -> Schema:
     return schema
 
 
-def _record(cls: type[Record]) -> Schema:
+def _record(cls: type[Record], grows: bool) -> Schema:
     shape, docs = shape_of(cls), field_docs(cls)
     schema: Schema = {
         "type": "object",
         "description": (cls.__doc__ or "").partition("\n")[0],
         "properties": {member.wire: _member(member, docs[member.name]) for member in shape.members},
-        "additionalProperties": False,
     }
+    if not grows:
+        schema["additionalProperties"] = False
     if required := [member.wire for member in shape.members if member.required]:
         schema["required"] = required
+    if rules := json_rules(cls):
+        schema["allOf"] = rules
     return schema
 
 
-def _add(cls: type[Record], definitions: dict[str, Schema]) -> None:
+def _add(cls: type[Record], definitions: dict[str, Schema], grows: bool) -> None:
     for member in shape_of(cls).members:
         if member.record is not None and member.record.__name__ not in definitions:
-            definitions[member.record.__name__] = _record(member.record)
-            _add(member.record, definitions)
+            definitions[member.record.__name__] = _record(member.record, grows)
+            _add(member.record, definitions, grows)
 
 
 def _portable(schema: Any) -> Any:
@@ -95,7 +99,7 @@ def _line(cls: type[FileRecord]) -> Schema:
     definitions: dict[str, Schema] = {}
     for name, found in components.items():
         message = getattr(messages, name, None)
-        definitions[name] = _record(message) if message is not None else _described(name, found)
+        definitions[name] = _record(message, True) if message is not None else _described(name, found)
     return {**definitions.pop(cls.__name__), "$defs": dict(sorted(definitions.items()))}
 
 
@@ -111,19 +115,20 @@ def _described(name: str, found: Schema) -> Schema:
     return schema
 
 
-def json_schemas() -> dict[str, Schema]:
-    """Return the schemas of all documents, and of all kinds of lines in files, by name.
+def json_schemas(*, grows: bool) -> dict[str, Schema]:
+    """Return the schemas of documents by name.
 
-    The schemas of documents refuse unknown fields, as the simulator does. Other programs must ignore them, because a
-    later version may add some.
+    Args:
+        grows: Whether unknown fields pass, as in every program that reads a document. The others are for programs that
+            write one: the simulator refuses unknown fields. The schemas of the lines of files are only for readers.
     """
     schemas: dict[str, Schema] = {}
     for name, cls in NAMES.items():
         definitions: dict[str, Schema] = {}
-        _add(cls, definitions)
-        schemas[name] = {"$schema": _DIALECT, "title": name, **_record(cls)}
+        _add(cls, definitions, grows)
+        schemas[name] = {"$schema": _DIALECT, "title": name, **_record(cls, grows)}
         if definitions:
             schemas[name]["$defs"] = dict(sorted(definitions.items()))
-    for line in LINES:
+    for line in LINES if grows else ():
         schemas[line.__name__] = {"$schema": _DIALECT, "title": line.__name__, **_line(line)}
     return schemas

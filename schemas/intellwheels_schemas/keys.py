@@ -72,6 +72,7 @@ class Keys:
         map, event, clock, alive: The keys without a name in them.
         every_join, every_leave, every_in, every_user, every_ctl: Key expressions for the simulator.
         every_claim: Key expression for the liveliness tokens of the simulators that claim the world.
+        every_put: Key expressions for everything that agents and users put, also on unknown keys.
         every_token: Key expression for the liveliness tokens of all agents.
         every_body, every_state: Key expressions for recorders and viewers.
 
@@ -91,6 +92,7 @@ class Keys:
         self.every_leave = f"{p}leave/*"
         self.every_in = f"{p}in/*/*"
         self.every_user = f"{p}user/*"
+        self.every_put = (f"{p}in/**", f"{p}user/**")
         self.every_ctl = f"{p}ctl/*"
         self.every_token = f"{p}in/*/alive/*/*"
         self.every_body = f"{p}body/*"
@@ -203,6 +205,17 @@ class Keys:
             case ["in", agent, kind] if kind in IN_KINDS and is_name(agent):
                 return In(agent, IN_KINDS[kind])
         return None
+
+    def parse_stray(self, key: str) -> str | None:
+        """Return the agent of a key below `in` or `user`, empty if that is no name; None if it is another key.
+
+        Call it for keys that are neither of those that agents write nor that of a `UserInput`.
+        """
+        head, _, rest = key.removeprefix(self.prefix).partition("/")
+        if not key.startswith(self.prefix) or head not in {"in", "user"}:
+            return None
+        agent = rest.partition("/")[0]
+        return agent if is_name(agent) else ""
 
     def parse_out(self, key: str) -> Out | None:
         """Return the addressee and the kind of message, or None if it is another key."""

@@ -7,26 +7,31 @@ from typing import Any
 
 from msgspec import NODEFAULT, inspect
 
-from intellwheels_schemas import codes, file_records, rules
+from intellwheels_schemas import codes, defaults, file_records, rules
 from intellwheels_schemas.channels import CHANNELS, VERB_CLASSES, Channel
-from intellwheels_schemas.codec import LIMITS, MAX_BYTES
+from intellwheels_schemas.codec import LIMITS, MAX_BYTES, Encoding, encode
 from intellwheels_schemas.explain import expected
 from intellwheels_schemas.field_docs import field_docs
 from intellwheels_schemas.file_records import LINES, FileRecord
 from intellwheels_schemas.messages import (
+    LidarReading,
     Load,
     Map,
+    Measures,
     OperatorSay,
     Pose,
     Record,
     Robot,
     Scene,
+    Sensors,
     Spawn,
+    Status,
     UserInput,
 )
 from intellwheels_schemas.names import EXPECTED, RESERVED
+from intellwheels_schemas.schema_gaps import GAPS
 from intellwheels_schemas.shapes import Form, Member, number_text, scalar_of, shape_of
-from intellwheels_schemas.vectors import NAMES
+from intellwheels_schemas.vectors import NAMES, REFUSED, RUN
 
 _HEAD = """<!-- Made by python -m intellwheels_schemas from the message classes; do not edit. -->
 
@@ -34,7 +39,7 @@ _HEAD = """<!-- Made by python -m intellwheels_schemas from the message classes;
 
 This page is the reference of the contract, the protocol between the simulator and other programs.
 [FIRST-AGENT.md](FIRST-AGENT.md) is the introduction. Examples with their exact bytes are in [vectors](vectors), and
-schemas are in [xsd](xsd) and [json](json).
+[Schemas](#schemas) are in [xsd](xsd) and [json](json).
 
 Every key starts with `iw/v1/<world>/`. Each of `<world>`, `<agent>` and `<crew>` is
 {name}. The name {reserved} is reserved.
@@ -61,16 +66,28 @@ Terms:
 _NOTES = """
 - Every put is sent with congestion control *drop*. A slow reader delays no other process, and loses messages instead.
   Gaps in `Tick` and `Seq` show the loss.
-- A refused query gets an error reply with the message in the last column. If a query gets no reply at all, no simulator
-  is running or access is not allowed.
+- A query that fails, for whatever reason, gets an error reply with the message in the last column. A `Result` in an
+  ordinary reply therefore always has the code `ok`. If a query gets no reply at all, no simulator is running or access
+  is not allowed.
+- A `get` may have wildcards, as in `iw/v1/*/clock` or `iw/v1/main/*`. It brings a reply on each key that it matches and
+  that has `get` in its row. A control verb, a join and a leave need their own key.
 - Messages are ordered by (`Run`, `Tick`). A start, reset, load or restore gives a new `Run`. All messages of an earlier
   `Run` are then invalid.
 - `join` takes `?session=S`, the `Session` of the last join. With it, a process gets its body back even while the token
   of its old instance exists. Without it, the reply is `already-here` until that token has disappeared.
+- In a run that does not wait for answers (`realtime`, `free`), `Actions` with the present `Run` count even if they are
+  late, by at most <late> s of simulated time. They act on the current tick, unless newer ones have acted. Others are
+  dropped with the Error `late`. In lockstep, only answers to the current tick count.
 - An agent can send one message to other agents per tick. If `Actions` and a `Say` both have one for the same tick, the
   simulator drops the `Say` and the sender gets an Error `too-many`.
+- `ctl/load` may take some seconds, and the world goes on meanwhile. `ctl/reset`, `restore`, `save`, `spawn`, `delete`
+  and `teleport` that arrive after it wait until it is answered. All other requests are answered at once.
 - `event` takes `?since=N`, and replies with the events from number N on. `Oldest` in the reply is the number of the
-  oldest event that is kept.
+  oldest event that is kept. A `since` that is no number gets an error reply.
+- A message on an unknown key below `in/<agent>/` or `user/<agent>` is dropped, and `out/<agent>/error` gets an Error
+  `field` with the key. `UserInput` for an agent that has no `UserInput` in its `Robot` and is not taken is dropped, and
+  `out/<agent>/error` gets an Error `role`; for an agent that is not there, `not-joined`. These errors come at most once
+  in 5 s for an agent, after the first two. Who steers an agent should subscribe to that key.
 - To follow `state/*`, subscribe first and then `get` the same keys. Drop each message that is older than the newest one
   you have.
 - To find worlds, query the liveliness tokens `iw/v1/*/alive`.
@@ -83,14 +100,15 @@ _NOTES = """
 
 | Encoding | Payload |
 |---|---|
-| `application/json;iw.v1` | a JSON object with the fields of the message |
-| `application/xml;iw.v1` | an element with the name of the message |
+| `application/json` | a JSON object with the fields of the message |
+| `application/xml` | an element with the name of the message |
 | `text/plain` | the text, on `in/<agent>/say` only |
 | none, `zenoh/bytes`, `zenoh/string` | JSON if the first byte is `{`, XML if it is `<` |
 
-The suffix `;iw.v1` may be left out. The simulator accepts JSON and XML on all keys. It writes `out/<agent>/...` in the
-encoding of the `join`: measures in that of the mind, and power in that of the body. Puts for all processes (`state`,
-`clock`, `event`, `map`, `body`) are in JSON. The reply to a `get` on these keys has the encoding of the query.
+The key has the version, so the encoding needs none. A reader also accepts the suffix `;iw.v1`, and refuses that of
+another version. The simulator accepts JSON and XML on all keys. It writes `out/<agent>/...` in the encoding of the
+`join`: measures in that of the mind, and power in that of the body. Puts for all processes (`state`, `clock`, `event`,
+`map`, `body`) are in JSON. The reply to a `get` on these keys has the encoding of the query.
 
 - In XML, scalars are attributes and records are child elements. A list of records is a repeated child element, and a
   list of scalars is one attribute with spaces between the items. `Text` is the text of the element. In JSON, a list has
@@ -99,13 +117,33 @@ encoding of the `join`: measures in that of the mind, and power in that of the b
   XML). A field may occur only once in a record.
 - Numbers follow the JSON grammar in both encodings: no `+5`, `.5`, `007`, `NaN` or `INF`, and no fraction or exponent
   in a whole number.
+- The simulator writes a number as the shortest decimal that reads back as the same double-precision number. A number
+  that need not be whole has a fraction or an exponent: `5.0`, `0.00001`, `1e-7`. A reader takes `5` for `5.0`.
+- The simulator rounds what it measures to 1e-6: readings, true states, contacts, distances and times. It never writes
+  `-0.0` there. What a program declared or commanded is repeated as it was. `Measures` with a scan of 180 rays below
+  100 m have at most {scan_json:,} bytes in JSON and {scan_xml:,} bytes in XML.
 - Text consists of XML 1.0 characters without carriage return. Its length is counted in code points. XML documents have
   no document type and define no entities.
 - The simulator refuses unknown fields. All other programs must ignore them.
 - Errors name the place of the wrong value, with list items counted from 0, as in `Robot.Proximity[2].ConeDeg: expected
   degrees in (0, 360], got 0`.
+"""
 
-## Limits
+_SCHEMAS = """## Schemas
+
+There are two kinds of schemas. Those for writers refuse unknown fields, as the simulator does. Those for readers let
+them pass, as every other program must.
+
+| For | JSON Schema 2020-12 | XML Schema 1.0 |
+|---|---|---|
+| writers | `json/writer/<Document>.json` | `xsd/writer/iw.xsd`; `xsd/writer/operator-say.xsd` for `ctl/say` |
+| readers | `json/reader/<Document>.json` | `xsd/reader/<Document>.xsd` |
+| both | | `xsd/rules.sch`, Schematron with XPath 1.0: rules that XML Schema cannot express |
+
+Every document that the simulator accepts is valid. Of the {refused} documents in `vectors/refused`, the schemas for
+writers accept {accepted}. They accept these kinds of wrong documents, because the language cannot express the rule.
+`python -m intellwheels_schemas check` refuses them.
+
 """
 
 
@@ -122,6 +160,10 @@ Each line of an input log ends with a checksum, `Chain`, over itself and all lin
 version 1 have no `Chain` and no `InputEnd`.
 
 """
+
+
+# A run of a day and a half at 20 ticks a second.
+_MANY_TICKS = 2_000_000
 
 
 def _table(head: Iterable[str], rows: Iterable[Iterable[str]]) -> str:
@@ -148,6 +190,25 @@ def _row(channel: Channel) -> tuple[str, ...]:
     )  # fmt: skip
 
 
+def _notes() -> str:
+    rays = 180
+    ok: Status = "ok"
+    scan = LidarReading(
+        id="l" * 32, tick=_MANY_TICKS, stamp=100000.123456, start_deg=-134.99999, step_deg=1.5083798882681565,
+        ranges=(12.345678,) * rays, statuses=(ok,) * rays,
+    )  # fmt: skip
+    message = Measures(run=RUN, tick=_MANY_TICKS, time=100000.123456, sensors=Sensors(lidar=(scan,)))
+    sizes = (len(encode(message, encoding)) for encoding in (Encoding.JSON, Encoding.XML))
+    notes = _NOTES.replace("<late>", f"{defaults.LATE_COMMAND:g}")
+    return notes.replace("{scan_json:,}", f"{next(sizes):,}").replace("{scan_xml:,}", f"{next(sizes):,}")
+
+
+def _schemas() -> str:
+    accepted = {name for gap in GAPS for name in gap.vectors}
+    text = _SCHEMAS.format(refused=len(REFUSED), accepted=len(accepted))
+    return f"{text}{_table(('What', 'Language', 'Why'), ((gap.what, gap.language, gap.why) for gap in GAPS))}\n"
+
+
 def _limits() -> str:
     rows = [(f"bytes of {_name(cls)}", f"{LIMITS[cls]:,}") for cls in (Robot, Spawn, Pose, UserInput, Load)]
     rows[3] = (f"bytes of Actions, {_name(UserInput)}, Say, Leave and any other control verb", f"{LIMITS[UserInput]:,}")
@@ -159,6 +220,13 @@ def _limits() -> str:
         ("parts of a robot", str(rules.MAX_PARTS)),
         ("sensors of a robot", str(rules.MAX_SENSORS)),
         ("rays of a lidar", f"{rules.MAX_RAYS:,}"),
+        (
+            "rays per second of an agent's sensors in real time",
+            f"{defaults.AGENT_RAYS:,}, or what `iw-server --agent-rays` says; a wedge counts as 2 rays, a sonar as 4",
+        ),
+        ("rays per second of all sensors in real time", f"{defaults.WORLD_RAYS:,}, or what `--world-rays` says"),
+        ("bytes of the readings of an agent", "786,432, counting 512 for a sensor and 32 more for a ray"),
+        ("seconds in which a `load` is answered", f"{defaults.LOAD_TIME:g}"),
         ("bodies of a crew", str(rules.MAX_CREW)),
         ("absolute value of X and Y", "10,000 m"),
         ("whole numbers", "2^53 - 1"),
@@ -300,7 +368,7 @@ def keys_page() -> str:
         map(_row, CHANNELS.values()),
     )
     parts = [
-        head, "\n", keys, _NOTES, "\n", _limits(),
+        head, "\n", keys, _notes(), "\n", _schemas(), "## Limits\n\n", _limits(),
         "\n## Codes\n\n### Codes of Refused\n\n", _codes({str(code): text for code, text in codes.REFUSED.items()}),
         "\n### Codes of Error\n\n", _codes({str(code): text for code, text in codes.ERROR.items()}),
         "\n### Codes of Event\n\n", _codes({str(code): text for code, text in codes.EVENT.items()}),

@@ -20,7 +20,10 @@ import zenoh
 
 from intellwheels_schemas import defaults
 from intellwheels_schemas.channels import Channel
-from intellwheels_schemas.codec import MAX_BYTES, Encoding
+from intellwheels_schemas.codec import MAX_BYTES, Encoding, is_known
+from intellwheels_schemas.command_parser import readable_file
+from intellwheels_schemas.endpoint_form import cannot_listen, check_endpoint, config_reason, zenoh_reason
+from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.names import check_name
 from intellwheels_schemas.zenoh_inbox import Inbox
 
@@ -107,7 +110,7 @@ def add_link_options(parser: argparse.ArgumentParser, *, listens: bool = False) 
         help=f"listen there, so that others need no router; may be repeated{said}",
     )  # fmt: skip
     group.add_argument(
-        "--config", type=Path, metavar="FILE", help="Zenoh configuration file (JSON5) for everything else"
+        "--config", type=readable_file, metavar="FILE", help="Zenoh configuration file (JSON5) for everything else"
     )
     group.set_defaults(link_listens=listens)
 
@@ -116,7 +119,7 @@ def link_of(options: argparse.Namespace) -> Link:
     """Return the link that the parsed options describe.
 
     Raises:
-        WireError: `value`, if the name of the world is invalid.
+        WireError: `value`, if the name of the world, an endpoint or the configuration file is invalid.
     """
     listen, connect = tuple(options.listen), tuple(options.connect)
     if not listen and not connect and options.config is None:
@@ -124,7 +127,27 @@ def link_of(options: argparse.Namespace) -> Link:
             listen = (defaults.ENDPOINT,)
         else:
             connect = (defaults.ENDPOINT,)
-    return Link(check_name(options.world, "--world"), listen, connect, options.config)
+    link = Link(check_name(options.world, "--world"), listen, connect, options.config)
+    check_link(link)
+    return link
+
+
+def check_link(link: Link) -> None:
+    """Check the endpoints and the configuration file of a link that options describe.
+
+    Raises:
+        WireError: One is invalid; the text names the option.
+    """
+    for endpoint in link.connect:
+        check_endpoint(endpoint, "--connect")
+    for endpoint in link.listen:
+        check_endpoint(endpoint, "--listen")
+    if link.config is None:
+        return
+    try:
+        config_of(link)
+    except ConnectionError as error:
+        raise WireError("value", f"--config: {error}", "--config") from None
 
 
 def config_of(link: Link) -> zenoh.Config:
@@ -147,7 +170,9 @@ def config_of(link: Link) -> zenoh.Config:
         for key, value in settings.items():
             config.insert_json5(key, json.dumps(value))
     except (zenoh.ZError, OSError, ValueError) as error:
-        raise ConnectionError(f"link: expected a Zenoh configuration and endpoints, got {error}") from None
+        where = "link" if link.config is None else str(link.config)
+        wrong = config_reason(str(error))
+        raise ConnectionError(f"{where}: expected a Zenoh configuration and endpoints, got {wrong}") from None
     return config
 
 
@@ -179,14 +204,8 @@ def open_session(
         try:
             return zenoh.open(config)
         except zenoh.ZError as error:
-            if link.listen and "in use" in str(error):
-                taken = ", ".join(link.listen)
-                raise ConnectionError(
-                    f"cannot listen at {taken}: the port is in use, perhaps by another simulator; "
-                    "choose another with --listen, or join that simulator with --connect"
-                ) from None
             if link.listen:
-                raise ConnectionError(f"cannot listen at {', '.join(link.listen)}: {_reason(error)}") from None
+                raise ConnectionError(cannot_listen(", ".join(link.listen), zenoh_reason(str(error)))) from None
             words = f"nobody answers at {link.where()}"
         if waiting is not None:
             waiting(words)
@@ -228,17 +247,12 @@ def open_router(listen: Sequence[str]) -> zenoh.Session:
         config.insert_json5("listen/timeout_ms", "0")
         return zenoh.open(config)
     except (zenoh.ZError, ValueError) as error:
-        why = "the port is in use" if "in use" in str(error) else _reason(error)
+        why = "the port is in use; choose another with --listen" if "in use" in str(error) else zenoh_reason(str(error))
         raise ConnectionError(f"cannot listen at {', '.join(listen)}: {why}") from None
 
 
 def _until(moment: float, deadline: float | None) -> float:
     return min(moment, moment if deadline is None else deadline) - time.monotonic()
-
-
-def _reason(error: Exception) -> str:
-    # Zenoh's error texts end with a position in Zenoh's source.
-    return str(error).partition(" at ")[0][:200]
 
 
 # ---------------------------------------------------------------- out
@@ -302,7 +316,7 @@ def query(
     def on_reply(reply: zenoh.Reply) -> None:
         if (sample := reply.ok) is not None:
             answers.append(Answer(str(sample.key_expr), sample.payload.to_bytes(), str(sample.encoding), True))
-        elif (error := reply.err) is not None and str(error.encoding) in {member.value for member in Encoding}:
+        elif (error := reply.err) is not None and is_known(str(error.encoding)):
             answers.append(Answer("", error.payload.to_bytes(), str(error.encoding), False))
 
     session.get(

@@ -96,6 +96,15 @@ OptionalText = Annotated[
 ContentText = Annotated[str, Meta(pattern=TEXT_PATTERN, description="text", max_length=1000, extra=_CONTENT)]
 OptionValue = Annotated[str, Meta(pattern=TEXT_PATTERN, description="Value of the option, as text.", max_length=1000)]
 
+CommandLine = Annotated[
+    str,
+    Meta(
+        pattern=TEXT_PATTERN,
+        description="Words of a command line, in the quotes of a shell; {name}, {endpoint} and {world} are replaced.",
+        max_length=1000,
+    ),
+]
+
 # Whole numbers.
 Tick = Annotated[int, Meta(ge=0, le=MAX_INTEGER, description="a tick")]
 Count = Annotated[int, Meta(ge=0, le=MAX_INTEGER, description="a count")]
@@ -189,6 +198,7 @@ MotorState = Literal["drive", "timeout", "rested", "paused", "taken", "stale"]
 ClockState = Literal["waiting", "running", "paused", "ended"]
 Pace = Literal["realtime", "free", "lockstep"]
 Miss = Literal["strict", "elastic"]
+NewRun = Literal["follow", "restart"]
 FormatTag = Literal["iw.v1"]
 RefusedCode = Literal[
     "already-here", "no-token", "no-body", "no-place", "overlaps", "name", "field", "value", "limit", "version",
@@ -196,7 +206,7 @@ RefusedCode = Literal[
 ]  # fmt: skip
 ErrorCode = Literal[
     "malformed", "encoding", "version", "field", "value", "too-long", "too-many", "late", "early", "answered",
-    "session", "lease", "not-joined", "role",
+    "session", "lease", "not-joined", "role", "deleted",
 ]  # fmt: skip
 EventCode = Literal[
     "joined", "left", "lost", "returned", "contact", "parted", "stale", "fresh", "late", "rested", "back", "timeout",
@@ -542,7 +552,7 @@ class Robot(Record, frozen=True, kw_only=True):
     top_speed: TopSpeed = 0.0
     """Speed of a wheel's rim at power 1; 0 means that the body has no motors."""
     acceleration_curve: Inertia = 0.0
-    """Inertia of the motors: share of the last power that is kept after 50 ms; 0 means no inertia."""
+    """Inertia of the motors: share of the last power that is kept after 50 ms; 0 means none, 1 would never move."""
     track: Size = 0.6
     """Nominal distance between the left and the right wheel."""
     wheel_diameter: Size = 0.35
@@ -875,7 +885,7 @@ class Heard(Record, frozen=True, kw_only=True):
 class UserInput(Record, frozen=True, kw_only=True):
     """The input of a person who steers a robot.
 
-    The robot stops if no input arrives for 0.3 s of wall time, or of simulated time in strict lockstep.
+    The motors get power 0 if no input arrives for 0.3 s of wall time, or of simulated time in strict lockstep.
     """
 
     lease: Hex | None = None
@@ -991,9 +1001,13 @@ class Entity(Record, frozen=True, kw_only=True):
     y: MapY
     heading: MapHeading
     speed: Velocity = 0.0
-    """Speed of the centre of movement, forward positive."""
+    """Speed of the centre of movement, forward positive: the mean over the last tick."""
     turn_rate: TurnRate = 0.0
-    """Rate of turn, positive anticlockwise."""
+    """Rate of turn, positive anticlockwise: the mean over the last tick."""
+    left_output: Power = 0.0
+    """Output of the left motor at the end of the last tick, formula (1) of the paper, positive forward."""
+    right_output: Power = 0.0
+    """Output of the right motor at the end of the last tick, formula (1) of the paper, positive forward."""
     collision: bool = False
     """Whether an obstacle prevented the commanded motion in the last step."""
     contact: bool = False
@@ -1008,6 +1022,8 @@ class Entity(Record, frozen=True, kw_only=True):
     """Where the mind says it is going, from its Actions."""
     say: ElementText | None = None
     """Last message that the agent sent, shown for 3 s of simulated time."""
+    command_age: Seconds = 0.0
+    """Mean time from the Measures to the effect of the commands that answer them; 0 below half a tick."""
 
 
 class WorldState(Record, frozen=True, kw_only=True):
@@ -1094,6 +1110,12 @@ class Clock(Record, frozen=True, kw_only=True):
     """Measured speed: simulated time divided by wall time; 0 if unknown."""
     late: Count = 0
     """Number of ticks of this run that started after their deadline."""
+    load: Ratio = 0.0
+    """Share of the last second of wall time in which the simulator was busy; ticks are late when it nears 1."""
+    rays: Count = 0
+    """Rays per tick of the sensors of all bodies; a cone counts as several rays."""
+    costliest: Name | None = None
+    """Agent whose sensors cast the most rays; absent if no sensor casts any."""
     hash: Kept
     stamp: Stamp
     """Unix time at which the message was written."""
@@ -1380,14 +1402,20 @@ class Cast(Record, frozen=True, kw_only=True):
     """An agent of a scene: its name, body, mind and start."""
 
     name: AgentName
-    robot: Title
-    """Body of the agent: the name of an included robot, or the path of a robot file."""
-    mind: Title
+    robot: Title = ""
+    """Body of the agent: the name of an included robot, or the path of a robot file; empty means the mind's own."""
+    mind: Title = ""
     """Mind of the agent: the name of an included mind, or the path of a Python file."""
     place: Word | None = None
     """Place on the map to start at; absent means the first free place for its Kind."""
     option: tuple[Option, ...] = ()
     """Options of the mind; an option with a capital first letter sets a field of the robot."""
+    command: CommandLine | None = None
+    """Command line of any program that plays the agent, in place of a Mind; the program brings its own body."""
+    folder: Title | None = None
+    """Folder where the program of Command starts; absent means the folder of the scene."""
+    new_run: NewRun = "follow"
+    """What a program does when a new run begins: it follows the new Run, or it is ended and started again."""
 
 
 class Hold(Record, frozen=True, kw_only=True):

@@ -11,13 +11,14 @@ import secrets
 from typing import Final
 
 from intellwheels_schemas.errors import WireError
-from intellwheels_schemas.messages import HEX_PATTERN, NAME_PATTERN
+from intellwheels_schemas.messages import HEX_PATTERN, NAME_PATTERN, WORD_PATTERN
 
 EXPECTED: Final = "a name of a-z, 0-9, _ and -, a letter first, at most 32 characters"
 RESERVED: Final = frozenset({"operator"})
 """Names that no agent may have; `operator` is the sender of messages from operators."""
 
 _NAME = re.compile(NAME_PATTERN)
+_WORD = re.compile(WORD_PATTERN)
 _HEX = re.compile(HEX_PATTERN)
 
 
@@ -46,6 +47,18 @@ def check_agent(text: str, where: str = "") -> str:
         raise WireError(
             "value", f"{where}: expected a name that is not reserved, got {text!r}".removeprefix(": "), where
         )
+    return text
+
+
+def check_word(text: str, where: str = "") -> str:
+    """Return `text` if it is a word, such as the name of a place.
+
+    Raises:
+        WireError: `value`, if it is not.
+    """
+    if _WORD.match(text) is None:
+        expected = "a word of letters, digits, _, . and -, at most 64 characters"
+        raise WireError("value", f"{where}: expected {expected}, got {text[:40]!r}".removeprefix(": "), where)
     return text
 
 

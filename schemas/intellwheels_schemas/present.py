@@ -5,32 +5,38 @@ Exit code 0: it is running; 1: it is not running, or the endpoint does not answe
 
 from __future__ import annotations
 
-import argparse
 import sys
 import threading
 from collections.abc import Sequence
 
 from intellwheels_schemas import link
+from intellwheels_schemas.command_parser import CommandParser
 from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.keys import Keys
+from intellwheels_schemas.names import check_name
 
 TIMEOUT = 3.0
 """Seconds to wait for the endpoint to answer."""
 
 
-def main(arguments: Sequence[str] | None = None) -> int:
-    """Check once and return the exit code."""
-    parser = argparse.ArgumentParser(prog="python -m intellwheels_schemas.present", description=__doc__)
-    parser.add_argument(
+def parser() -> CommandParser:
+    """Return the command line."""
+    result = CommandParser(prog="python -m intellwheels_schemas.present", description=__doc__)
+    result.add_argument(
         "--agent", metavar="NAME", help="check for this agent (default: for the simulator of the world)"
     )
-    parser.add_argument("--router", action="store_true", help="only check whether the endpoint answers")
-    link.add_link_options(parser)
-    options = parser.parse_args(arguments)
+    result.add_argument("--router", action="store_true", help="only check whether the endpoint answers")
+    link.add_link_options(result)
+    return result
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Check once and return the exit code."""
+    options = parser().parse_args(arguments)
     try:
         route = link.link_of(options)
         keys = Keys(route.world)
-        wanted = keys.alive if options.agent is None else keys.tokens(options.agent)
+        wanted = keys.alive if options.agent is None else keys.tokens(check_name(options.agent, "--agent"))
         session = link.open_session(route, threading.Event(), timeout=TIMEOUT)
     except WireError as error:
         print(f"present: {error.text}", file=sys.stderr)

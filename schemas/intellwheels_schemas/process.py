@@ -11,10 +11,13 @@ import argparse
 import contextlib
 import os
 import signal
+import sys
 import threading
 import time
+from collections.abc import Iterator
 from types import FrameType
 
+from intellwheels_schemas.command_parser import open_descriptor
 from intellwheels_schemas.version import add_version_option
 
 SLICE = 0.2
@@ -29,7 +32,7 @@ def add_process_options(parser: argparse.ArgumentParser) -> None:
     add_version_option(parser)
     parser.add_argument(
         "--lifeline",
-        type=int,
+        type=open_descriptor,
         metavar="FD",
         help="stop when a pipe closes; FD is the inherited file descriptor of its read end",
     )
@@ -62,6 +65,19 @@ def stop_on_signals(lifeline: int | None = None) -> threading.Event:
     if lifeline is not None:
         threading.Thread(target=_watch, args=(lifeline, stop), name="lifeline", daemon=True).start()
     return stop
+
+
+@contextlib.contextmanager
+def printing() -> Iterator[None]:
+    """Let a reader of standard output leave early, as `head` does, without an error."""
+    try:
+        yield
+        sys.stdout.flush()
+    except BrokenPipeError:
+        # Python writes what is left when it ends. Nobody reads it any more.
+        nowhere = os.open(os.devnull, os.O_WRONLY)
+        os.dup2(nowhere, sys.stdout.fileno())
+        os.close(nowhere)
 
 
 def _watch(lifeline: int, stop: threading.Event) -> None:

@@ -82,9 +82,11 @@ SENSOR_RECORDS: Final = _sensor_records()
 SENSOR_KINDS: Final = tuple(SENSOR_RECORDS)
 """The names of those fields."""
 
-# The only fields that a mind may send if its body belongs to another process.
-_MIND_FIELDS: Final = frozenset({"role", "instance", "barrier", "crew", "user_input", "name"})
-_FILE_LACKS: Final = ("name", "role", "instance", "place")
+MIND_FIELDS: Final = frozenset({"role", "instance", "barrier", "crew", "user_input", "name"})
+"""The only fields that a mind may send if its body belongs to another process."""
+
+FILE_LACKS: Final = ("name", "role", "instance", "place")
+"""The fields that a robot file may not have."""
 
 
 def _wire(cls: type[Record], name: str) -> str:
@@ -134,14 +136,14 @@ def joins_barrier(robot: Robot) -> bool:
 
 def _check_form(robot: Robot, where: str) -> None:
     if robot.format is not None:
-        for name in _FILE_LACKS:
+        for name in FILE_LACKS:
             value = getattr(robot, name)
             if value is not None and value != "both":
                 wire = _wire(Robot, name)
                 raise wrong_value(f"{where}.{wire}", f"no {wire} in a file (it has Format)", shown(value), "field")
     if robot.role == "mind":
         for member in shape_of(Robot).members:
-            if member.name not in _MIND_FIELDS and getattr(robot, member.name) != member.default:
+            if member.name not in MIND_FIELDS and getattr(robot, member.name) != member.default:
                 place = f"{where}.{member.wire}"
                 text = "only Name, Role, Instance, Barrier, Crew and UserInput of a mind"
                 raise wrong_value(place, text, member.wire, "field")
@@ -196,7 +198,7 @@ def _check_lidar(reading: LidarReading, place: str) -> None:
             raise wrong_value(f"{place}.Ranges[{index}]", wanted, shown(value))
 
 
-def _values_of(reading: type[Record]) -> tuple[tuple[str, str], ...]:
+def values_of(reading: type[Record]) -> tuple[tuple[str, str], ...]:
     """Return the fields that a reading has only with `Status` ok, as names in Python and on the wire."""
     members = shape_of(reading).members
     if all(member.name != "status" for member in members):
@@ -211,7 +213,7 @@ def _values_of(reading: type[Record]) -> tuple[tuple[str, str], ...]:
 _VALUES: Final = {
     field: (_wire(Sensors, field), values)
     for field, records in SENSOR_RECORDS.items()
-    if (values := _values_of(records.reading))
+    if (values := values_of(records.reading))
 }
 
 

@@ -7,9 +7,10 @@ from __future__ import annotations
 
 from itertools import product
 
+from intellwheels_schemas.command_line import words_of
 from intellwheels_schemas.errors import wrong_value
 from intellwheels_schemas.explain import shown
-from intellwheels_schemas.messages import Experiment, Map, Scene
+from intellwheels_schemas.messages import Cast, Experiment, Map, Scene
 
 
 def check_map(floor: Map, where: str = "Map") -> None:
@@ -43,7 +44,9 @@ def check_scene(scene: Scene, where: str) -> None:
         WireError: `value` or `field`.
     """
     names: set[str] = set()
+    bridged = bridged_agents(scene)
     for index, cast in enumerate(scene.cast):
+        _check_program(cast, bridged, f"{where}.Cast[{index}]")
         if cast.name in names:
             raise wrong_value(f"{where}.Cast[{index}].Name", "each name once", f"{shown(cast.name)} twice")
         names.add(cast.name)
@@ -61,7 +64,40 @@ def check_scene(scene: Scene, where: str) -> None:
         if reach.agent not in names:
             raise wrong_value(f"{where}.End.Reach[{index}].Agent", "an agent of the cast", shown(reach.agent))
     if scene.experiment is not None:
+        for number, factor in enumerate(scene.experiment.factor):
+            for at, level in enumerate(factor.level):
+                for index, cast in enumerate(level.cast):
+                    place = f"{where}.Experiment.Factor[{number}].Level[{at}].Cast[{index}]"
+                    _check_program(cast, bridged, place)
         _check_experiment(scene.experiment, names, f"{where}.Experiment")
+
+
+def bridged_agents(scene: Scene) -> set[str]:
+    """Return the agents whose body is a bridge, in all runs or in the rows of some level."""
+    factors = scene.experiment.factor if scene.experiment is not None else ()
+    levels = [level for factor in factors for level in factor.level]
+    return {bridge.agent for bridges in (scene.bridge, *(level.bridge for level in levels)) for bridge in bridges}
+
+
+def _check_program(cast: Cast, bridged: set[str], where: str) -> None:
+    """Check that an agent has either a mind or a command, and nothing that its program would ignore."""
+    if cast.command is None:
+        if not cast.mind:
+            raise wrong_value(where, "a Mind or a Command", "neither")
+        if cast.folder is not None:
+            raise wrong_value(f"{where}.Folder", "none without a Command", shown(cast.folder))
+        return
+    if cast.mind:
+        raise wrong_value(where, "a Mind or a Command", "both")
+    words_of(cast.command, f"{where}.Command")
+    if cast.robot and cast.name not in bridged:
+        raise wrong_value(f"{where}.Robot", "none with a Command, whose program brings its own body", shown(cast.robot))
+    for at, option in enumerate(cast.option):
+        if cast.name not in bridged or not option.name[:1].isupper():
+            place = f"{where}.Option[{at}].Name"
+            raise wrong_value(place, "no option with a Command: write it into the line", shown(option.name))
+    if cast.new_run == "restart" and cast.name in bridged:
+        raise wrong_value(f"{where}.NewRun", "follow for an agent with a Bridge", "'restart'")
 
 
 def _check_experiment(experiment: Experiment, cast: set[str], where: str) -> None:

@@ -347,7 +347,8 @@ VALID: Final[dict[str, Record]] = {
         run=RUN, tick=42, time=2.1, parts=2,
         entity=(
             Entity(
-                name="chair1", x=1.5, y=2.5, heading=-3.0, speed=0.5, turn_rate=-0.25, collision=True, contact=True,
+                name="chair1", x=1.5, y=2.5, heading=-3.0, speed=0.5, turn_rate=-0.25, left_output=0.25,
+                right_output=0.75, collision=True, contact=True,
                 contacts=2, state="taken", mode="manual", goal=Goal(x=5.0, y=1.0), say="follow me",
             ),
             Entity(name="table", x=4.5, y=4.5, heading=0.0),
@@ -362,7 +363,7 @@ VALID: Final[dict[str, Record]] = {
     "Events": Events(run=RUN, oldest=7, next=8, event=(Event(run=RUN, tick=1, number=7, code="joined", agent="a"),)),
     "Clock": Clock(
         run=RUN, tick=42, time=2.1, state="waiting", pace="realtime", speed=2.0, factor=1.98, late=1, hash=HASH,
-        stamp=1700000000.0, waiting=("chair1", "door"),
+        load=0.25, rays=5760, costliest="chair1", stamp=1700000000.0, waiting=("chair1", "door"),
     ),
     "Clock-played": Clock(
         run=RUN, tick=42, time=2.1, state="paused", pace="realtime", hash=HASH, stamp=1700000000.0, last=2400,
@@ -386,7 +387,10 @@ VALID: Final[dict[str, Record]] = {
     "Scene-options": Scene(
         format="iw.v1", name="other", map="floors/own.xml", seed="a b", period=0.1, pace="realtime", miss="elastic",
         truth=True, say_range=4.0, say_walls=True, say_loss=0.1, say_delay=0.2,
-        cast=(Cast(name="a", robot="r", mind="m"),),
+        cast=(
+            Cast(name="a", robot="r", mind="m"),
+            Cast(name="b", place="p", command="./mine {name} {endpoint}", folder="own", new_run="restart"),
+        ),
         bridge=(Bridge(agent="a", option=(Option(name="pose", value="raw"),)),),
     ),
     "Scene-experiment": Scene(
@@ -498,6 +502,11 @@ def _measures(sensors: str) -> bytes:
 
 def _map(inside: str, attributes: str = 'Format="iw.v1" Name="m"') -> bytes:
     return f"<Map {attributes}>{inside}</Map>".encode()
+
+
+def _experiment(inside: str) -> bytes:
+    scene = '<Scene Format="iw.v1" Name="s" Map="m"><Cast Name="a" Robot="r" Mind="m"/><Experiment Subject="a">'
+    return f"{scene}{inside}</Experiment></Scene>".encode()
 
 
 _CORNER = '<Corner X="0.0" Y="0.0"/>'
@@ -657,6 +666,11 @@ REFUSED: Final = (
     Wrong("Scene-cast-twice.xml",
           b'<Scene Format="iw.v1" Name="s" Map="m"><Cast Name="a" Robot="r" Mind="m"/>'
           b'<Cast Name="a" Robot="r" Mind="m"/></Scene>', "value", "Scene.Cast[1].Name"),
+    Wrong("Scene-cast-mindless.xml",
+          b'<Scene Format="iw.v1" Name="s" Map="m"><Cast Name="a" Robot="r"/></Scene>', "value", "Scene.Cast[0]"),
+    Wrong("Scene-command-placeholder.xml",
+          b'<Scene Format="iw.v1" Name="s" Map="m"><Cast Name="a" Command="./mine {nmae}"/></Scene>', "value",
+          "Scene.Cast[0].Command"),
     Wrong("Scene-experiment-on-nobody.xml",
           b'<Scene Format="iw.v1" Name="s" Map="m"><Experiment Subject="a"/></Scene>', "value",
           "Scene.Experiment.Subject"),
@@ -667,6 +681,90 @@ REFUSED: Final = (
     Wrong("Scene-reach-nobody.xml",
           b'<Scene Format="iw.v1" Name="s" Map="m"><End><Reach Agent="a" Place="p" Within="1"/></End></Scene>',
           "value", "Scene.End.Reach[0].Agent"),
+    # Rules that span fields, in the other encoding or in another place.
+    Wrong("Robot-id-twice.json", b'{"Length":1.0,"Width":1.0,"Bumper":[{"Id":"a"}],"Compass":[{"Id":"a"}]}', "value",
+          "Robot.Bumper[0].Id"),
+    Wrong("Robot-sensors.json", b'{"Length":1.0,"Width":1.0,"Bumper":['
+          + b",".join(b'{"Id":"b%d"}' % index for index in range(65)) + b"]}", "too-many", "Robot"),
+    Wrong("Robot-ranges.json", b'{"Length":1.0,"Width":1.0,"Proximity":[{"Id":"a","X":0.0,"Y":0.0,"Z":0.4,'
+          b'"DirectionDeg":0.0,"ConeDeg":30.0,"MinRange":4.0,"MaxRange":4.0}]}',
+          "value", "Robot.Proximity[0].MaxRange"),
+    Wrong("Robot-part-flat.json",
+          b'{"Part":[{"X":0.0,"Y":0.0,"Length":1.0,"Width":1.0,"Bottom":1.0,"Top":1.0}]}', "value",
+          "Robot.Part[0].Top"),
+    Wrong("Robot-both-forms.json",
+          b'{"Width":1.0,"Part":[{"X":0.0,"Y":0.0,"Length":1.0,"Width":1.0,"Bottom":0.0,"Top":1.0}]}', "field",
+          "Robot.Width"),
+    Wrong("Robot-no-form.xml", _robot("", 'Length="1.0"'), "field", "Robot.Width"),
+    Wrong("Robot-mind-with-part.xml",
+          _robot('<Part X="0" Y="0" Length="1" Width="1" Bottom="0" Top="1"/>', 'Role="mind"'), "field", "Robot.Part"),
+    Wrong("Robot-file-with-role.json", b'{"Format":"iw.v1","Role":"body","Length":1.0,"Width":1.0}', "field",
+          "Robot.Role"),
+    Wrong("Robot-source-real.json", b'{"Length":1.0,"Width":1.0,"Bumper":[{"Id":"a","Source":"real"}]}', "value",
+          "Robot.Bumper[0].Source"),
+    Wrong("Robot-source-real.xml", _robot('<Bumper Id="a" Source="real"/>'), "value", "Robot.Bumper[0].Source"),
+    Wrong("Robot-position-twice.xml", _robot('<Position X="0" Y="0" Heading="0"/>' * 2), "malformed", "Robot"),
+    Wrong("Robot-type-element.xml", _robot("<Type>real</Type>"), "field", "Robot.Type"),
+    Wrong("Robot-top-speed-space.xml", _robot("", 'Length="1.0" Width="0.5" TopSpeed="1.0 "'), "value",
+          "Robot.TopSpeed"),
+    Wrong("Robot-many-parts.json", b'{"Part":[' + b",".join(
+        [b'{"X":0.0,"Y":0.0,"Length":1.0,"Width":1.0,"Bottom":0.0,"Top":1.0}'] * 33) + b"]}", "too-many", "Robot.Part"),
+    Wrong("Measures-lidar-value-none.json",
+          _measures('{"Lidar":[{"Id":"l","StartDeg":0,"StepDeg":1,"Ranges":[1.0,2.0],"Statuses":["ok","none"]}]}'),
+          "value", "Measures.Sensors.Lidar[0].Ranges[1]"),
+    Wrong("Measures-lidar-value-none.xml",
+          f'<Measures Run="{RUN}" Tick="1" Time="0.0"><Sensors><Lidar Id="l" StartDeg="0" StepDeg="1" Ranges="1.0 2.0" '
+          'Statuses="ok none"/></Sensors></Measures>'.encode(), "value", "Measures.Sensors.Lidar[0].Ranges[1]"),
+    Wrong("Measures-lidar-lengths.xml",
+          f'<Measures Run="{RUN}" Tick="1" Time="0.0"><Sensors><Lidar Id="l" StartDeg="0" StepDeg="1" Ranges="1.0 2.0" '
+          'Statuses="ok"/></Sensors></Measures>'.encode(), "value", "Measures.Sensors.Lidar[0].Statuses"),
+    Wrong("Measures-value-without-ok.xml",
+          f'<Measures Run="{RUN}" Tick="1" Time="0.0"><Sensors><Compass Id="c" Value="0.5" Status="fault"/></Sensors>'
+          "</Measures>".encode(), "field", "Measures.Sensors.Compass[0].Value"),
+    Wrong("Measures-sensors-twice.xml",
+          f'<Measures Run="{RUN}" Tick="1" Time="0.0"><Sensors/><Sensors/></Measures>'.encode(), "malformed",
+          "Measures"),
+    Wrong("Pose-covariance.json", b'{"X":0.0,"Y":0.0,"Heading":0.0,"Covariance":[1.0,0.0,0.0]}', "value",
+          "Pose.Covariance"),
+    Wrong("Pose-covariance-negative.json",
+          b'{"X":0.0,"Y":0.0,"Heading":0.0,"Covariance":[1.0,0.0,0.0,-1.0,0.0,1.0]}', "value", "Pose.Covariance"),
+    Wrong("Pose-covariance-negative.xml", b'<Pose X="0" Y="0" Heading="0" Covariance="1 0 0 -1 0 1"/>', "value",
+          "Pose.Covariance"),
+    Wrong("CrewActions-twice.json", b'{"Crew":"c","Parts":1,"Actions":[{"Agent":"a"},{"Agent":"a"}]}', "value",
+          "CrewActions.Actions[1].Agent"),
+    Wrong("CrewActions-part.json", b'{"Crew":"c","Part":1,"Parts":1}', "value", "CrewActions.Part"),
+    Wrong("CrewActions-part.xml", b'<CrewActions Crew="c" Part="1" Parts="1"/>', "value", "CrewActions.Part"),
+    Wrong("Load-both.xml", b'<Load Name="ward"><Map Format="iw.v1" Name="m"/></Load>', "field", "Load"),
+    Wrong("Load-wall-line.json",
+          b'{"Map":{"Format":"iw.v1","Name":"m","Wall":[{"Corner":[{"X":0.0,"Y":0.0},{"X":1.0,"Y":0.0}]}]}}', "value",
+          "Load.Map.Wall[0]"),
+    Wrong("Spawn-real.xml", b'<Spawn><Robot Type="real" Length="1" Width="1"/></Spawn>', "value", "Spawn.Robot"),
+    Wrong("Map-wall-under.xml", _map(f'<Wall Bottom="2.5">{_CORNER * 3}</Wall>'), "value", "Map.Wall[0].Height"),
+    Wrong("Map-wall-low.xml", _map(f'<Wall Bottom="1" Height="1">{_CORNER * 3}</Wall>'), "value",
+          "Map.Wall[0].Height"),
+    Wrong("Map-zone-line.xml", _map(f'<Zone Name="z">{_CORNER * 2}</Zone>'), "value", "Map.Zone[0]"),
+    Wrong("Map-zone-line.json",
+          b'{"Format":"iw.v1","Name":"m","Zone":[{"Name":"z","Corner":[{"X":0.0,"Y":0.0},{"X":1.0,"Y":0.0}]}]}',
+          "value", "Map.Zone[0]"),
+    Wrong("Scene-option-twice.xml",
+          b'<Scene Format="iw.v1" Name="s" Map="m"><Cast Name="a" Robot="r" Mind="m"><Option Name="o" Value="1"/>'
+          b'<Option Name="o" Value="2"/></Cast></Scene>', "value", "Scene.Cast[0].Option[1].Name"),
+    Wrong("Scene-bridge-nobody.xml",
+          b'<Scene Format="iw.v1" Name="s" Map="m"><Bridge Agent="a"/></Scene>', "value", "Scene.Bridge[0].Agent"),
+    Wrong("Scene-bridge-twice.xml",
+          b'<Scene Format="iw.v1" Name="s" Map="m"><Cast Name="a" Robot="r" Mind="m"/><Bridge Agent="a"/>'
+          b'<Bridge Agent="a"/></Scene>', "value", "Scene.Bridge[1].Agent"),
+    Wrong("Scene-no-level.xml", _experiment('<Factor Name="f"/>'), "value", "Scene.Experiment.Factor[0]"),
+    Wrong("Scene-level-twice.xml", _experiment('<Factor Name="f"><Level Name="x"/><Level Name="x"/></Factor>'), "value",
+          "Scene.Experiment.Factor[0].Level[1].Name"),
+    Wrong("Scene-compare-alone.xml", _experiment('<Factor Name="f"><Level Name="x"/></Factor><Compare First="x"/>'),
+          "value", "Scene.Experiment.Compare[0]"),
+    Wrong("Scene-two-factors-no-row.xml",
+          _experiment('<Factor Name="f"><Level Name="x"/></Factor><Factor Name="g"><Level Name="y"/></Factor>'
+                      '<Compare First="x" Expect="collision-free"/>'), "value", "Scene.Experiment.Compare[0].First"),
+    Wrong("Scene-umbmark-same.xml",
+          _experiment('<Factor Name="f"><Level Name="x"/></Factor><Umbmark Left="x" Right="x" Side="1"/>'), "value",
+          "Scene.Experiment.Umbmark.Right"),
 )  # fmt: skip
 """Documents that must be refused, each for one reason."""
 

@@ -1,8 +1,8 @@
-"""XML Schema 1.0 of every document, made from the shapes.
+"""XML Schema 1.0 of every document, made from the shapes, for programs that write it: unknown fields are not valid.
 
 If no child of a class is repeated, the schema allows the children in any order. Otherwise it allows any number of each
-child in any order, since XML Schema 1.0 cannot express more. Every document that the simulator accepts is valid, but a
-valid document may still be refused: `python -m intellwheels_schemas check` decides.
+child in any order, since XML Schema 1.0 cannot express more; `schematron` has the rest. Every document that the
+simulator accepts is valid. `reader_xsd` makes the schemas for programs that read.
 """
 
 from __future__ import annotations
@@ -23,6 +23,9 @@ _NUMBER: Final = r"-?(0|[1-9][0-9]*)(\.[0-9]+)?([eE][+\-]?[0-9]+)?"
 _INTEGER: Final = r"-?(0|[1-9][0-9]*)"
 
 
+MADE: Final = "Made by python -m intellwheels_schemas; do not edit."
+
+
 def _facets(scalar: Scalar) -> tuple[str, list[str]]:
     """Return the base type of a scalar and its facets."""
     facets: list[str] = []
@@ -31,9 +34,9 @@ def _facets(scalar: Scalar) -> tuple[str, list[str]]:
     if scalar.kind == "word":
         return "xs:string", [f"<xs:enumeration value={quoteattr(word)}/>" for word in scalar.words]
     if scalar.kind == "text":
-        # XML itself limits the characters of a text without a pattern.
-        if scalar.expected and scalar.pattern is not None:
-            pattern = scalar.pattern.pattern.removeprefix("^").removesuffix(r"\Z")
+        if scalar.pattern is not None:
+            # XML itself limits the characters of other texts, except the carriage return.
+            pattern = scalar.pattern.pattern.removeprefix("^").removesuffix(r"\Z") if scalar.expected else r"[^\r]*"
             facets.append(f"<xs:pattern value={quoteattr(pattern)}/>")
         if scalar.min_length:
             facets.append(f'<xs:minLength value="{scalar.min_length}"/>')
@@ -83,10 +86,21 @@ def _named_scalars() -> dict[tuple[Any, ...], tuple[str, Scalar]]:
     return named
 
 
-class _Writer:
-    def __init__(self) -> None:
+class Types:
+    """The types of a schema; `used` has the simple ones that were asked for, by name.
+
+    Args:
+        grows: Whether unknown attributes and children pass.
+    """
+
+    def __init__(self, *, grows: bool = False) -> None:
+        self.grows = grows
         self.named = _named_scalars()
         self.used: dict[str, str] = {}
+
+    def simple_types(self) -> str:
+        """Return the definitions of the simple types that were used."""
+        return "".join(self.used[name] for name in sorted(self.used))
 
     def type_of(self, scalar: Scalar) -> tuple[str, str]:
         """Return the name of a scalar's type, or an empty name and the definition of the type."""
@@ -98,6 +112,7 @@ class _Writer:
         return name, ""
 
     def attribute(self, member: Member, text: str) -> str:
+        """Return the declaration of an attribute."""
         if member.scalar is None:
             return ""
         note = _note(text)
@@ -117,6 +132,7 @@ class _Writer:
         return f"{opening}>{note}<xs:simpleType>{item}</xs:simpleType></xs:attribute>"
 
     def child(self, member: Member, occurs: str, text: str) -> str:
+        """Return the declaration of a child element."""
         if member.record is not None:
             name = member.record.__name__
         else:
@@ -124,6 +140,7 @@ class _Writer:
         return f'<xs:element name="{member.wire}" type="{name}"{occurs}>{_note(text)}</xs:element>'
 
     def complex(self, shape: Shape) -> str:
+        """Return the type of a class."""
         docs = field_docs(shape.cls)
         attributes = "".join(
             self.attribute(member, docs[member.name])
@@ -133,6 +150,8 @@ class _Writer:
         children = [m for m in shape.members if m.form in {Form.RECORD, Form.RECORDS, Form.ELEMENT}]
         note = _note((shape.cls.__doc__ or "").partition("\n")[0])
         opening = f'<xs:complexType name="{shape.cls.__name__}">{note}'
+        if self.grows:
+            attributes += '<xs:anyAttribute processContents="skip"/>'
         if shape.content is not None and shape.content.scalar is not None:
             # An element with optional text is empty if the text is absent.
             name, _ = self.type_of(dataclasses.replace(shape.content.scalar, min_length=0))
@@ -140,7 +159,11 @@ class _Writer:
                 f'{opening}<xs:simpleContent><xs:extension base="{name}">{attributes}</xs:extension>'
                 "</xs:simpleContent></xs:complexType>"
             )
-        if any(member.form is Form.RECORDS for member in children):
+        if self.grows:
+            # Known elements are declared for the whole document. XML Schema 1.0 allows no wildcard beside them here.
+            any_child = '<xs:any processContents="lax" minOccurs="0" maxOccurs="unbounded"/>'
+            inside = f"<xs:sequence>{any_child}</xs:sequence>"
+        elif any(member.form is Form.RECORDS for member in children):
             inside = "".join(self.child(member, "", docs[member.name]) for member in children)
             inside = f'<xs:choice minOccurs="0" maxOccurs="unbounded">{inside}</xs:choice>'
         elif children:
@@ -151,7 +174,8 @@ class _Writer:
         return f"{opening}{inside}{attributes}</xs:complexType>"
 
 
-def _classes_below(roots: list[type[Record]]) -> list[type[Record]]:
+def classes_below(roots: list[type[Record]]) -> list[type[Record]]:
+    """Return the classes of the roots and of everything in them, each once."""
     found: dict[type[Record], None] = {}
 
     def add(cls: type[Record]) -> None:
@@ -166,7 +190,8 @@ def _classes_below(roots: list[type[Record]]) -> list[type[Record]]:
     return list(found)
 
 
-def _file(inside: str, about: str) -> str:
+def schema_file(inside: str, about: str) -> str:
+    """Return the text of a schema with this content."""
     root = etree.fromstring(
         '<xs:schema xmlns:xs="http://www.w3.org/2001/XMLSchema">'
         f"<xs:annotation><xs:documentation>{escape(about)}</xs:documentation></xs:annotation>{inside}</xs:schema>"
@@ -177,20 +202,18 @@ def _file(inside: str, about: str) -> str:
 
 def xsd_files() -> dict[str, str]:
     """Return the schema files by name: `iw.xsd`, `operator-say.xsd` for the message of ctl/say, and `types.xsd`."""
-    writer = _Writer()
-    classes = _classes_below(list(ROOTS))
-    complexes = "".join(writer.complex(shape_of(cls)) for cls in classes)
-    simples = "".join(writer.used[name] for name in sorted(writer.used))
+    types = Types()
+    complexes = "".join(types.complex(shape_of(cls)) for cls in classes_below(list(ROOTS)))
+    simples = types.simple_types()
     include = '<xs:include schemaLocation="types.xsd"/>'
     elements = "".join(
         f'<xs:element name="{root}" type="{cls.__name__}"/>' for cls, root in ROOTS.items() if cls is not OperatorSay
     )
-    made = "Made by python -m intellwheels_schemas; do not edit."
     return {
-        "types.xsd": _file(simples + complexes, f"Types of all documents, version iw.v1. {made}"),
-        "iw.xsd": _file(include + elements, f"All documents, version iw.v1. {made}"),
-        "operator-say.xsd": _file(
+        "types.xsd": schema_file(simples + complexes, f"Types of all documents, version iw.v1, to write. {MADE}"),
+        "iw.xsd": schema_file(include + elements, f"All documents, version iw.v1, to write. {MADE}"),
+        "operator-say.xsd": schema_file(
             f'{include}<xs:element name="Say" type="{OperatorSay.__name__}"/>',
-            f"The Say of ctl/say, which has the same root element as that of an agent. {made}",
+            f"The Say of ctl/say, which has the same root element as that of an agent. {MADE}",
         ),
     }

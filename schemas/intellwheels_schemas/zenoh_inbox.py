@@ -9,6 +9,8 @@ from __future__ import annotations
 import contextlib
 import threading
 from collections import deque
+from collections.abc import Callable
+from functools import partial
 from typing import NamedTuple
 
 import zenoh
@@ -32,13 +34,18 @@ class TooLong(NamedTuple):
 
 
 class Ask(NamedTuple):
-    """A query that arrived. The query ends when this object is deleted, so answer it soon."""
+    """A query that arrived. The query ends when this object is deleted, so answer it soon.
+
+    Attributes:
+        served: Key of the queryable, if its callback noted it.
+    """
 
     key: str
     parameters: str
     data: bytes
     encoding: str
     query: zenoh.Query
+    served: str = ""
 
     def reply(self, data: bytes, encoding: Encoding, key: str | None = None) -> None:
         """Answer with a payload, on the key of the query or on one that it matches. Whoever asked may be gone."""
@@ -117,6 +124,13 @@ class Inbox:
 
     def on_query(self, query: zenoh.Query) -> None:
         """Keep a query. This is the callback for `declare_queryable`."""
+        self._keep_query(query, "")
+
+    def queries_of(self, key: str) -> Callable[[zenoh.Query], None]:
+        """Return the callback for the queryable of a key. It notes that key, for queries that match several keys."""
+        return partial(self._keep_query, served=key)
+
+    def _keep_query(self, query: zenoh.Query, served: str) -> None:
         payload = query.payload
         length = 0 if payload is None else len(payload)
         key = str(query.key_expr)
@@ -125,7 +139,7 @@ class Inbox:
             return
         data = b"" if payload is None else payload.to_bytes()
         encoding = "" if query.encoding is None else str(query.encoding)
-        self._keep(Ask(key, str(query.parameters), data, encoding, query), length + len(key) + 1)
+        self._keep(Ask(key, str(query.parameters), data, encoding, query, served), length + len(key) + 1)
 
     def on_token(self, sample: zenoh.Sample) -> None:
         """Keep the appearance or disappearance of a token. This is the callback for a liveliness subscriber."""

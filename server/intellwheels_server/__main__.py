@@ -8,6 +8,7 @@ import sys
 from pathlib import Path
 
 from intellwheels_schemas import defaults
+from intellwheels_schemas.endpoint_form import check_free
 from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.input_reader import cut_text, unchained_text
 from intellwheels_schemas.link import link_of
@@ -34,11 +35,11 @@ def main(arguments: list[str] | None = None) -> int:
     grammar = parser()
     given = grammar.parse_args(arguments)
     if given.trace is not None and given.resimulate is None:
-        grammar.error("--trace: only with --resimulate")
+        grammar.error("--trace: expected with --resimulate, got none")
     if given.prove and (given.resimulate is None or given.trace is not None):
-        grammar.error("--prove: only with --resimulate, and without --trace")
+        grammar.error("--prove: expected with --resimulate and without --trace")
     if given.reported is not None and given.play is None:
-        grammar.error("--reported: only with --play")
+        grammar.error("--reported: expected with --play, got none")
     try:
         _check_outputs(given)
     except WireError as error:
@@ -51,9 +52,10 @@ def main(arguments: list[str] | None = None) -> int:
     if given.play is not None:
         for name in LIVE_OPTIONS:
             if getattr(given, name):
-                grammar.error(f"--play: --{name.replace('_', '-')} is for live runs; here the log decides it")
+                option = f"--{name.replace('_', '-')}"
+                grammar.error(f"{option}: expected a live run, got --play, whose log decides it")
         return _play(given)
-    given.world = given.world or defaults.WORLD
+    given.world = defaults.WORLD if given.world is None else given.world
     try:
         options, route = options_of(given)
     except WireError as error:
@@ -64,6 +66,11 @@ def main(arguments: list[str] | None = None) -> int:
         return 2
     except ValueError as error:
         grammar.error(str(error))
+    try:
+        check_free(route.listen)
+    except ConnectionError as error:
+        print(f"iw-server: {error}", file=sys.stderr)
+        return 1
     stop = stop_on_signals(given.lifeline)
     # Imported late: numba and zenoh are slow to load, and `--help` and usage errors do not need them.
     from intellwheels_server.service.simulator_peer import WorldTakenError, serve  # noqa: PLC0415
@@ -78,10 +85,14 @@ def main(arguments: list[str] | None = None) -> int:
     except (ConnectionError, WorldTakenError) as error:
         print(f"iw-server: {error}", file=sys.stderr)
     except OSError as error:
-        file = Path(error.filename or given.log or given.runs or "")
-        option = "--log" if given.runs is None or file == given.log else "--runs"
-        print(f"iw-server: {option} {file}: {error.strerror}", file=sys.stderr)
+        print(f"iw-server: {written_by(given, error)}: {error.strerror}", file=sys.stderr)
     return 1
+
+
+def written_by(given: argparse.Namespace, error: OSError) -> str:
+    """Return the option and the file that could not be written."""
+    file = Path(error.filename or given.log or given.runs or "")
+    return f"{'--log' if given.runs is None or file == given.log else '--runs'} {file}"
 
 
 def _check_outputs(given: argparse.Namespace) -> None:
@@ -107,8 +118,14 @@ def _play(given: argparse.Namespace) -> int:
         if given.reported is not None:
             with given.reported.open("rb") as file:
                 read_header(file, str(given.reported))
-        given.world = check_name(given.world or f"{world[:PLAY_NAME_LENGTH]}{PLAY_SUFFIX}", "--world")
+        if given.world is None:
+            given.world = f"{world[:PLAY_NAME_LENGTH]}{PLAY_SUFFIX}"
+        check_name(given.world, "--world")
         route = link_of(given)
+        check_free(route.listen)
+    except ConnectionError as error:
+        print(f"iw-server: {error}", file=sys.stderr)
+        return 1
     except (WireError, LogError) as error:
         print(f"iw-server: {error.text if isinstance(error, WireError) else error}", file=sys.stderr)
         return 2 if isinstance(error, WireError) else 1

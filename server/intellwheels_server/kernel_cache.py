@@ -41,8 +41,8 @@ def choose() -> Path:
 
 
 def is_cold(folder: Path) -> bool:
-    """Return whether no kernel has been compiled into `folder` yet."""
-    return next(folder.rglob("*.nbc"), None) is None
+    """Return whether `folder` has no kernel of this version of Python, which is in the names of numba's indexes."""
+    return next(folder.rglob(f"*.py{sys.version_info.major}{sys.version_info.minor}*.nbi"), None) is None
 
 
 def source_digest() -> str:

@@ -8,12 +8,22 @@ from pathlib import Path
 import msgspec
 
 from intellwheels_maps import floor, scene
+from intellwheels_maps.cast_places import cast_places
 from intellwheels_maps.library import folder_of
-from intellwheels_schemas import defaults
+from intellwheels_schemas import defaults, messages
+from intellwheels_schemas.command_parser import (
+    CommandParser,
+    like_field,
+    naming,
+    positive_seconds,
+    readable_file,
+    share,
+    whole,
+)
 from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.link import Link, add_link_options, link_of
 from intellwheels_schemas.messages import Map, Scene
-from intellwheels_schemas.names import check_name
+from intellwheels_schemas.names import check_agent, check_name
 from intellwheels_schemas.process import add_process_options
 from intellwheels_server.log.branch import read_branch
 from intellwheels_server.service.service_state import Options
@@ -35,13 +45,16 @@ Standard output has `ready ...` when agents may join, `running tick=0 run=R` whe
 `ended tick=N hash=H run=R` when the end condition is met. Exit codes: 0 done, 1 refused or failed, 2 wrong usage.
 """
 
+LAST_TICK = 1 << 40
+"""Largest tick of `--at`."""
+
 PLAY_SUFFIX = "-play"
 """The suffix that a playback adds to the name of the world in the log."""
 
 
 def parser() -> argparse.ArgumentParser:
     """Return the parser of the command line."""
-    found = argparse.ArgumentParser(
+    found = CommandParser(
         prog="iw-server",
         description="Simulate intelligent wheelchairs, doors and tables on a map. "
         "Each of them is an agent:\na process of its own that joins over Zenoh.",
@@ -66,10 +79,14 @@ def _add_world_options(group: argparse._ArgumentGroup) -> None:
     group.add_argument(
         "--map", metavar="NAME|FILE", help=f"the map: an included one, or a file (default: {DEFAULT_FLOOR})"
     )
-    group.add_argument("--seed", metavar="TEXT", help=f"the seed of all noise (default: {defaults.SEED})")
     group.add_argument(
-        "--period", type=_positive, metavar="S", help=f"simulated seconds per tick (default: {defaults.PERIOD:g})"
-    )
+        "--seed", type=like_field(messages.Seed), metavar="TEXT",
+        help=f"the seed of all noise (default: {defaults.SEED})",
+    )  # fmt: skip
+    group.add_argument(
+        "--period", type=like_field(messages.Period), metavar="S",
+        help=f"simulated seconds per tick (default: {defaults.PERIOD:g})",
+    )  # fmt: skip
     group.add_argument("--truth", action="store_true", default=None, help="allow sensors that give the true pose")
     group.add_argument(
         "--hide-truth",
@@ -79,11 +96,11 @@ def _add_world_options(group: argparse._ArgumentGroup) -> None:
         "in another world",
     )
     group.add_argument(
-        "--say-limit", type=_count, default=defaults.SAY_LIMIT, metavar="N",
+        "--say-limit", type=whole(1, 1000), default=defaults.SAY_LIMIT, metavar="N",
         help="largest number of characters in a message between agents (default: %(default)s)",
     )  # fmt: skip
     group.add_argument(
-        "--say-range", type=_positive, metavar="M",
+        "--say-range", type=like_field(messages.SayRange), metavar="M",
         help=f"distance in metres up to which an agent is heard (default: the scene's, or {defaults.SAY_RANGE:g})",
     )  # fmt: skip
     group.add_argument(
@@ -91,16 +108,16 @@ def _add_world_options(group: argparse._ArgumentGroup) -> None:
         help="whether walls and closed doors stop speech (default: the scene's, or no)",
     )  # fmt: skip
     group.add_argument(
-        "--say-loss", type=_share, metavar="P",
+        "--say-loss", type=share, metavar="P",
         help=f"share of messages that a listener misses, in [0, 1] (default: the scene's, or {defaults.SAY_LOSS:g})",
     )  # fmt: skip
     group.add_argument(
-        "--say-delay", type=_seconds, metavar="S",
+        "--say-delay", type=like_field(messages.SayDelay), metavar="S",
         help="simulated seconds by which a message is delayed, in addition to one tick "
         f"(default: the scene's, or {defaults.SAY_DELAY:g})",
     )  # fmt: skip
     group.add_argument(
-        "--command-timeout", type=_positive, default=defaults.COMMAND_TIMEOUT, metavar="S",
+        "--command-timeout", type=positive_seconds, default=defaults.COMMAND_TIMEOUT, metavar="S",
         help="simulated seconds after which a motor command expires, for robots that do not set a time themselves "
         "(default: %(default)g)",
     )  # fmt: skip
@@ -113,13 +130,18 @@ def _add_time_options(group: argparse._ArgumentGroup) -> None:
         "(default: realtime)",
     )  # fmt: skip
     group.add_argument(
-        "--speed", type=_positive, default=1.0, metavar="F", help="simulated time over real time (default: %(default)g)"
-    )
+        "--speed", type=like_field(messages.Factor), default=1.0, metavar="F",
+        help="simulated time over real time (default: %(default)g)",
+    )  # fmt: skip
     group.add_argument(
         "--miss", choices=("strict", "elastic"),
         help="what lockstep does when an answer is missing: end the run, or keep the last command (default: strict)",
     )  # fmt: skip
     group.add_argument("--expect", metavar="A,B,C", help="wait at tick 0 until these agents have joined")
+    group.add_argument(
+        "--reserve", action="append", metavar="AGENT=PLACE",
+        help="keep a place of the map for an agent; may be repeated (default: the places of the scene's agents)",
+    )  # fmt: skip
     group.add_argument(
         "--await-page",
         action="store_true",
@@ -130,12 +152,21 @@ def _add_time_options(group: argparse._ArgumentGroup) -> None:
         help="at pace free, also accept agents that ask the simulator to wait for them; the simulator does not wait",
     )  # fmt: skip
     group.add_argument(
-        "--deadline", type=_positive, metavar="S",
+        "--deadline", type=positive_seconds, metavar="S",
         help="seconds that lockstep waits for an answer "
         f"(default: strict {defaults.STRICT_DEADLINE:g}, elastic {defaults.ELASTIC_DEADLINE:g})",
     )  # fmt: skip
     group.add_argument(
-        "--grace", type=_positive, default=defaults.GRACE, metavar="S",
+        "--agent-rays", type=whole(0, 10**12, "rays per second"), default=defaults.AGENT_RAYS, metavar="N",
+        help="rays per second that the sensors of an agent may cast in real time; an agent with more is refused "
+        "(default: %(default)s)",
+    )  # fmt: skip
+    group.add_argument(
+        "--world-rays", type=whole(0, 10**12, "rays per second"), default=defaults.WORLD_RAYS, metavar="N",
+        help="rays per second that the sensors of all agents may cast in real time (default: %(default)s)",
+    )  # fmt: skip
+    group.add_argument(
+        "--grace", type=positive_seconds, default=defaults.GRACE, metavar="S",
         help="seconds after which an agent that vanished is removed (default: %(default)g)",
     )  # fmt: skip
 
@@ -146,16 +177,16 @@ def _add_run_options(group: argparse._ArgumentGroup) -> None:
         "--runs", type=Path, metavar="DIR", help="write the input log and the true trace of each run into DIR"
     )
     group.add_argument(
-        "--branch", type=Path, metavar="FILE",
+        "--branch", type=readable_file, metavar="FILE",
         help="repeat the run of this input log up to tick --at, then follow the agents; "
         "map, seed, period and end condition are those of the log",
     )  # fmt: skip
     group.add_argument(
-        "--at", type=_tick, metavar="TICK", default=0,
+        "--at", type=whole(0, LAST_TICK, "a tick"), metavar="TICK", default=0,
         help="with --branch: the first tick at which the agents' answers count (default: %(default)s)",
     )  # fmt: skip
     group.add_argument(
-        "--resimulate", type=Path, metavar="FILE", help="run an input log again, compare every hash, and exit"
+        "--resimulate", type=readable_file, metavar="FILE", help="run an input log again, compare every hash, and exit"
     )
     group.add_argument(
         "--prove", action="store_true",
@@ -166,13 +197,13 @@ def _add_run_options(group: argparse._ArgumentGroup) -> None:
         "--trace", type=Path, metavar="FILE", help="with --resimulate: write the true state at each tick"
     )
     group.add_argument(
-        "--play", type=Path, metavar="FILE",
+        "--play", type=readable_file, metavar="FILE",
         help="show an input log on the network, as a world of its own: --world, or by default the name in the log with "
         f"{PLAY_SUFFIX} added; the playback starts when a page opens or somebody resumes it, or at once with "
         "--quit-at-end",
     )  # fmt: skip
     group.add_argument(
-        "--reported", type=Path, metavar="FILE",
+        "--reported", type=readable_file, metavar="FILE",
         help="with --play of the log of a laboratory: also show the poses that the chairs reported; FILE is the log of "
         "the world that they joined; both logs must be of a lockstep run, because their runs and ticks are paired "
         "in order",
@@ -189,7 +220,9 @@ def options_of(given: argparse.Namespace) -> tuple[Options, Link]:
         OSError: It cannot be read.
         ValueError: Two options exclude each other, or a value is out of range.
     """
-    written = scene(given.scene) if given.scene is not None else None
+    world, link = check_name(given.world, "--world"), link_of(given)
+    with naming("--scene"):
+        written = scene(given.scene) if given.scene is not None else None
     pace = given.pace or (written.pace if written else "realtime")
     miss = given.miss or (written.miss if written else "strict")
     if given.expect is not None:
@@ -200,8 +233,6 @@ def options_of(given: argparse.Namespace) -> tuple[Options, Link]:
         raise ValueError(f"--speed: expected pace realtime, got {pace}")
     if given.open_loop and pace != "free":
         raise ValueError(f"--open-loop: expected pace free, got {pace}")
-    if given.period is not None and not 0.001 <= given.period <= 1.0:
-        raise ValueError(f"--period: expected seconds in [0.001, 1], got {given.period}")
     if given.hide_truth and (given.truth or (written and written.truth)):
         raise ValueError(
             "--hide-truth: expected a world without truth sensors, got one that allows them (--truth, or the scene)"
@@ -228,20 +259,39 @@ def options_of(given: argparse.Namespace) -> tuple[Options, Link]:
         setup = branch.setup({"strict": strict})
         expect = expect or branch.agents
     options = Options(
-        world=check_name(given.world, "--world"),
+        world=world,
         setup=setup,
         pace=pace,
         speed=given.speed,
         expect=expect,
         open_loop=given.open_loop,
         grace=given.grace,
+        agent_rays=given.agent_rays,
+        world_rays=given.world_rays,
         deadline=given.deadline or (defaults.STRICT_DEADLINE if strict else defaults.ELASTIC_DEADLINE),
         quit_at_end=given.quit_at_end,
         await_page=given.await_page,
         branch=branch,
         hide_truth=bool(given.hide_truth),
+        reserved=_reserved(given, written, setup.floor),
     )
-    return options, link_of(given)
+    return options, link
+
+
+def _reserved(given: argparse.Namespace, written: Scene | None, floor: Map) -> dict[str, str]:
+    """Return the place that is kept for each agent."""
+    if given.reserve is None:
+        return cast_places(written.cast, floor, beside=folder_of(given.scene)) if written else {}
+    known = [spot.name for spot in floor.grid.position] if floor.grid is not None else []
+    found = {}
+    for text in given.reserve:
+        agent, _, place = text.partition("=")
+        check_agent(agent, "--reserve")
+        if place not in known:
+            places = ", ".join(known) or "none"
+            raise ValueError(f"--reserve: expected AGENT=PLACE with a place of the map ({places}), got {text!r}")
+        found[agent] = place
+    return found
 
 
 def _with_speech_rules(setup: Setup, given: argparse.Namespace, written: Scene | None) -> Setup:
@@ -268,40 +318,6 @@ def check_walls(floor: Map) -> None:
 
 def _floor(given: argparse.Namespace, written: Scene | None) -> Map:
     if given.map is not None or written is None:
-        return floor(given.map or DEFAULT_FLOOR)
+        with naming("--map"):
+            return floor(DEFAULT_FLOOR if given.map is None else given.map)
     return floor(written.map, beside=folder_of(given.scene))
-
-
-def _tick(text: str) -> int:
-    value = int(text)
-    if not 0 <= value <= 1 << 40:
-        raise argparse.ArgumentTypeError(f"expected a tick, got {text}")
-    return value
-
-
-def _positive(text: str) -> float:
-    value = float(text)
-    if not 0.0 < value < 1e9:
-        raise argparse.ArgumentTypeError(f"expected a number above 0, got {text}")
-    return value
-
-
-def _share(text: str) -> float:
-    value = float(text)
-    if not 0.0 <= value <= 1.0:
-        raise argparse.ArgumentTypeError(f"expected a number in [0, 1], got {text}")
-    return value
-
-
-def _seconds(text: str) -> float:
-    value = float(text)
-    if not 0.0 <= value <= 3600.0:
-        raise argparse.ArgumentTypeError(f"expected seconds in [0, 3600], got {text}")
-    return value
-
-
-def _count(text: str) -> int:
-    value = int(text)
-    if not 0 < value <= 1000:
-        raise argparse.ArgumentTypeError(f"expected a number in [1, 1000], got {text}")
-    return value

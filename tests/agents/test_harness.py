@@ -284,6 +284,26 @@ def test_forgotten_agent_joins_again(mind: Recorder, code: ErrorCode) -> None:
     assert len(mind.contexts) == 2
 
 
+def test_deleted_agent_says_so_and_does_not_join_again(mind: Recorder) -> None:
+    harness = joined_harness(mind)
+    outputs = harness.erred(error("deleted"), 5.0)
+    assert outputs == [Print("removed agent=chair1 reason=deleted"), Log("words")]
+    assert harness.phase is Phase.REMOVED
+    for code in ("deleted", "not-joined", "session"):
+        harness.erred(error(code), 6.0)
+    assert harness.deadline is None
+    assert harness.wake(100.0) == harness.measured([measures(4)]) == harness.present(7.0) == []
+    harness.absent(8.0)
+    assert harness.present(9.0) == []
+    assert harness.stop() == [Exit(0)]
+
+
+def test_deletion_in_another_run_is_not_ours(mind: Recorder) -> None:
+    harness = joined_harness(mind)
+    harness.erred(bytes_of(Error(run=OTHER_RUN, tick=3, code="deleted", text="words")), 5.0)
+    assert harness.phase is Phase.JOINED
+
+
 def test_errors_just_after_a_join_cause_no_join_loop(mind: Recorder) -> None:
     harness = joined_harness(mind)
     harness.erred(error("session"), 0.2)
@@ -405,3 +425,16 @@ def test_repeated_tick_without_an_answer_is_not_answered_with_an_older_one(mind:
     mind.answer = Actions()  # nobody waits for it, so nothing is sent
     assert harness.measured([measures(1)]) == []
     assert harness.measured([measures(1)]) == []
+
+
+def test_each_new_reason_to_wait_is_said_once(mind: Recorder) -> None:
+    harness = Harness(ROBOT, mind.make)
+    said = harness.start(0.0)
+    for now, words in ((1.0, "no-token"), (2.0, "no-body"), (3.0, "no-body"), (4.0, "")):
+        said += harness.refused(refused(words), now) if words else harness.unanswered(now)  # type: ignore[arg-type]
+        said += harness.wake(now + 1.0)
+    assert [output.line for output in said if isinstance(output, Log)] == [
+        "waiting why='refused (no-token): because'",
+        "waiting why='refused (no-body): because'",
+        "waiting why='no simulator at the simulator, or not allowed'",
+    ]

@@ -60,7 +60,7 @@ def test_list_has_the_places_of_a_floor_with_their_poses(capsys: pytest.CaptureF
 @pytest.mark.parametrize(("words", "text"), [
     (["list", "places"], "expected a MAP after places, got none"),
     (["list", "minds", "ward"], "expected no MAP after minds, got 'ward'"),
-    (["list", "flors"], "argument KIND"),
+    (["list", "flors"], "KIND: expected one of floors, robots, scenes, minds, places, got 'flors'; did you mean"),
 ])  # fmt: skip
 def test_wrong_lists_are_refused(words: list[str], text: str, capsys: pytest.CaptureFixture[str]) -> None:
     with pytest.raises(SystemExit) as ended:
@@ -70,8 +70,8 @@ def test_wrong_lists_are_refused(words: list[str], text: str, capsys: pytest.Cap
 
 
 def test_places_of_an_unknown_floor_are_refused(capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["list", "places", "wrad"]) == 1
-    assert "wrad" in capsys.readouterr().err
+    assert main(["list", "places", "wrad"]) == 2
+    assert "got 'wrad'; did you mean 'ward'?" in capsys.readouterr().err
 
 
 @pytest.mark.process

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import subprocess
 import sys
 
@@ -9,7 +10,7 @@ import pytest
 
 from intellwheels_agents import __main__ as command
 from intellwheels_agents.harness import NAME_TAKEN, PLACE_TAKEN
-from intellwheels_schemas.messages import Robot
+from intellwheels_schemas.messages import Position, Robot
 
 
 def iw_agent(*arguments: str) -> subprocess.CompletedProcess[str]:
@@ -38,7 +39,7 @@ def test_help_shows_examples_and_minds() -> None:
     [
         (
             ["dance"],
-            "mind: expected one of aided, avoid, car, door, drive, driver, follow, joystick, person, seek, table, "
+            "MIND: expected one of aided, avoid, car, door, drive, driver, follow, joystick, person, seek, table, "
             "waypoints or a Python file",
         ),
         (["drive", "--name", "Chair 1"], "--name: expected a name"),
@@ -92,6 +93,33 @@ def test_first_free_place_is_used(monkeypatch: pytest.MonkeyPatch, free: str, co
     places = ["--place", "start1", "--place", "spare1", "--place", "spare2"]
     assert command.main(["drive", "--name", "chair", *places]) == code
     assert asked == ["start1", "spare1", "spare2"]
+
+
+def test_a_chair_starts_at_coordinates(monkeypatch: pytest.MonkeyPatch) -> None:
+    asked: list[tuple[Position | None, str | None]] = []
+
+    def run_agent(robot: Robot, *_: object, **__: object) -> int:
+        asked.append((robot.position, robot.place))
+        return 0
+
+    monkeypatch.setattr(command, "run_agent", run_agent)
+    assert command.main(["drive", "--name", "chair", "--position=-1.5,2,90"]) == 0
+    assert asked == [(Position(x=-1.5, y=2.0, heading=math.pi / 2), None)]
+
+
+@pytest.mark.parametrize(
+    ("words", "text"),
+    [
+        (["--position", "1,2,0", "--place", "start1"], "--position: expected one of --place and --position, got both"),
+        (["--position", "1,2,0", "--role", "mind"], "--position: expected a role with a body, got --role mind"),
+        (["--robot", "table", "--role", "mind"], "--robot: expected a role with a body, got --role mind"),
+    ],
+)
+def test_what_another_option_makes_meaningless_is_refused(
+    words: list[str], text: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert command.main(["drive", *words]) == 2
+    assert capsys.readouterr().err == f"iw-agent: {text}\n"
 
 
 def test_taken_name_exits_with_1(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from tests.bench import bystanders, network, tick, viewer
+from tests.bench import bystanders, loads, network, tick, viewer
 from tests.bench.rows import append, show
 
 
@@ -13,7 +13,10 @@ def main() -> None:
     """Run the named benchmarks, or the default ones; print the table and append the rows."""
     parser = argparse.ArgumentParser(prog="python -m tests.bench", description=__doc__)
     parser.add_argument(
-        "benches", nargs="*", metavar="BENCH", help="tick, network, viewer or bystanders (default: the first three)"
+        "benches",
+        nargs="*",
+        metavar="BENCH",
+        help="tick, network, viewer, loads or bystanders (default: all but the last)",
     )
     parser.add_argument("--quick", action="store_true", help="run short versions, to check that the benchmarks work")
     parser.add_argument(
@@ -21,7 +24,7 @@ def main() -> None:
         help="the CSV file (default: tests/bench/results.csv)",
     )  # fmt: skip
     options = parser.parse_args()
-    wanted = options.benches or ["tick", "network", "viewer"]
+    wanted = options.benches or ["tick", "network", "viewer", "loads"]
     rows = []
     if "tick" in wanted:
         rows += tick.bench((1, 10) if options.quick else (1, 10, 100, 1000), quick=options.quick)
@@ -29,6 +32,8 @@ def main() -> None:
         rows += network.bench(seconds=2.0, lockstep_seconds=1.0, small=True) if options.quick else network.bench()
     if "viewer" in wanted:
         rows += viewer.bench((2,), seconds=1.0, settle=2.0) if options.quick else viewer.bench()
+    if "loads" in wanted:
+        rows += loads.bench(corners=500, shapes=("circle",), settle=0.3) if options.quick else loads.bench()
     if "bystanders" in wanted:
         quick = {"chairs": 2, "count": 1, "pages": 2}
         rows += bystanders.bench(**quick, seconds=1.0, settle=0.3) if options.quick else bystanders.bench()

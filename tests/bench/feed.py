@@ -112,7 +112,7 @@ def main() -> None:
         for state in simulator.states:
             simulator.put(keys.state(state.part), state)
         for number, name in enumerate(names):
-            session.put(keys.measures(name), encode(measures(tick, number)), encoding="application/json;iw.v1")
+            session.put(keys.measures(name), encode(measures(tick, number)), encoding="application/json")
 
 
 if __name__ == "__main__":

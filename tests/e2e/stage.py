@@ -24,8 +24,8 @@ from intellwheels_experiments.run.endpoints import free_port
 
 __all__ = ["DEADLINE", "JSON", "XML", "Peer", "Stage", "children_of", "free_port", "is_gone", "resident", "run"]
 
-JSON = "application/json;iw.v1"
-XML = "application/xml;iw.v1"
+JSON = "application/json"
+XML = "application/xml"
 
 
 def is_gone(pid: int, within: float = 0.0) -> bool:
@@ -88,7 +88,9 @@ class Stage(ChildProcesses):
 
     def server(self, *words: str, ready: bool = True) -> str:
         """Start a simulator, and wait until it is ready."""
-        child = self.start("server", "intellwheels_server", "--listen", self.endpoint, "--world", self.world, *words)
+        link = ["--listen", self.endpoint, "--world", self.world]
+        # A shorter grace time than the default, for the sake of the tests that wait for its end.
+        child = self.start("server", "intellwheels_server", *link, "--grace", "3", *words)
         self.simulator = child
         if ready:
             self.line(child, "ready")

@@ -204,7 +204,9 @@ def test_wildcard_put_moves_nobody(stage: Stage) -> None:
             peer.put("in/*/actions", {"LeftMotor": 1.0, "RightMotor": 1.0})
             peer.put("in/**", {"LeftMotor": 1.0, "RightMotor": 1.0})
         peer.ticks_on(10)
-        assert peer.entities()["chair1"] | {"State": ""} == before | {"State": ""}
+        # On a busy machine its own commands may be late.
+        other = {"State": "", "CommandAge": 0.0}
+        assert peer.entities()["chair1"] | other == before | other
 
 
 def test_delete_sample_is_dropped(stage: Stage) -> None:

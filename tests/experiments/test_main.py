@@ -2,9 +2,18 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
+import threading
+from pathlib import Path
+
 import pytest
 
 from intellwheels_experiments.__main__ import main
+from intellwheels_experiments.run.endpoints import free_endpoint
+
+DEADLINE = 120.0
+"""Seconds for a simulator to start on a busy machine."""
 
 
 def test_unknown_scene_is_wrong_usage_and_the_known_are_named(capsys: pytest.CaptureFixture[str]) -> None:
@@ -26,10 +35,18 @@ def test_unknown_scene_is_wrong_usage_and_the_known_are_named(capsys: pytest.Cap
         (["--seeds", "2", "--seed", "3"], "--seed: expected with a single run"),
         (["--seeds", "2", "--json", "x"], "--json: expected with a single run"),
         (["--seeds", "2", "--connect", "tcp/127.0.0.1:1"], "--connect: expected with a single run"),
-        (["--branch", "x.jsonl", "--log", "y"], "--log: expected with a single run"),
-        (["--branch", "x.jsonl", "--seeds", "2"], "--seeds: expected without --branch"),
+        (["--branch", "/dev/null", "--log", "y"], "--log: expected with a single run"),
+        (["--branch", "/dev/null", "--seeds", "2"], "--seeds: expected without --branch"),
         (["--mind", "nobody=drive"], "--mind: expected AGENT=MIND, with an agent of the scene (chair1, "),
         (["--mind", "chair1"], "--mind: expected AGENT=MIND"),
+        (["--command", "char1=./mine"], "--command: expected AGENT=COMMAND, with an agent of the scene (chair1, "),
+        (["--command", "chair1=./mine {nam}"], "--command: chair1: expected the placeholders {name}, "),
+        (["--command", "chair1=pythn x"], "agent 'chair1': Command: expected a program, got 'pythn', which does not"),
+        (["--seeds", "1", "--command", "chair1=pythn x"], "agent 'chair1': Command: expected a program, got 'pythn'"),
+        (
+            ["--config", "x.json5", "--command", "chair1=python {endpoint}"],
+            "agent 'chair1': Command: expected --connect",
+        ),
         (["--option", "chair1.speed"], "--option: expected AGENT.NAME=VALUE"),
         (["--json", "nowhere/result.json"], "--json: expected a folder that exists, got nowhere"),
         (["--log", "nowhere/run.jsonl"], "--log: expected a folder that exists, got nowhere"),
@@ -56,3 +73,23 @@ def test_wrong_option_is_wrong_usage(words: list[str], capsys: pytest.CaptureFix
         main(words)
     assert ended.value.code == 2
     assert words[1] in capsys.readouterr().err
+
+
+@pytest.mark.process
+def test_a_router_that_nobody_runs_is_waited_for_in_words(tmp_path: Path) -> None:
+    endpoint = free_endpoint()
+    command = [sys.executable, "-m", "intellwheels_experiments", "figure6", "--connect", endpoint]
+    with subprocess.Popen(
+        [*command, "--logs", str(tmp_path / "logs")], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True
+    ) as child:
+        assert child.stderr is not None
+        watchdog = threading.Timer(DEADLINE, child.kill)
+        watchdog.start()
+        lines = iter(child.stderr.readline, "")
+        found = next((line for line in lines if line.startswith("waiting ")), None)
+        child.terminate()
+        rest = child.stderr.read()
+        watchdog.cancel()
+    assert found == f"waiting why='nobody answers at {endpoint}'\n"
+    assert child.returncode == 1
+    assert "Traceback" not in rest

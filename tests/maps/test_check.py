@@ -167,7 +167,9 @@ def scene(*cast: Cast, **fields: object) -> Scene:
 def test_unknown_place_of_a_scene_is_found_with_the_known_ones() -> None:
     document = scene(Cast(name="a", robot="r", mind="m", place="bed9"))
     assert check_scene(document, PLACES) == [
-        Finding("Scene.Cast[0]", "expected one of the places of 'floor' (bed1, goal1), got 'bed9'")
+        Finding(
+            "Scene.Cast[0]", "expected one of the places of 'floor' (bed1, goal1), got 'bed9'; did you mean 'bed1'?"
+        )
     ]
 
 
@@ -181,10 +183,27 @@ def test_two_agents_at_one_place_are_found() -> None:
 def test_reach_of_an_unknown_place_is_found() -> None:
     end = End(reach=(Reach(agent="a", place="goal9", within=0.3),))
     assert check_scene(scene(Cast(name="a", robot="r", mind="m"), end=end), PLACES) == [
-        Finding("Scene.End.Reach[0]", "expected one of the places of 'floor' (bed1, goal1), got 'goal9'")
+        Finding(
+            "Scene.End.Reach[0]",
+            "expected one of the places of 'floor' (bed1, goal1), got 'goal9'; did you mean 'goal1'?",
+        )
     ]
 
 
 def test_hold_reached_without_a_reach_is_found() -> None:
     document = scene(hold=Hold(reached="all"))
     assert texts(check_scene(document, PLACES)) == ["Reached: expected a Reach in End, got none"]
+
+
+def test_wall_with_a_hole_in_its_ring_is_valid() -> None:
+    outside, hole = [(0, 0), (10, 0), (10, 10), (0, 10)], [(2, 2), (2, 8), (8, 8), (8, 2)]
+    ring = [*outside, outside[0], *hole, hole[0]]
+    assert check_map(floor(wall=(Wall(corner=corners(*ring)),))) == []
+    assert check_map(floor(wall=(Wall(corner=corners(*ring, ring[0])),))) == []
+
+
+def test_map_that_no_message_holds_is_found() -> None:
+    long = line(*((k / 7.0, (k % 2) / 7.0) for k in range(30_000)))
+    (finding,) = check_map(floor(wall=(long,)))
+    assert finding.element == "Map"
+    assert finding.text.startswith("expected a map of at most 1,044,480 bytes as one message in JSON, got ")

@@ -75,7 +75,8 @@ def test_unknown_name_is_refused_with_the_known_ones() -> None:
     with pytest.raises(WireError) as caught:
         floor("wart")
     assert caught.value.text == (
-        f"expected one of the maps ({', '.join(names('floors'))}) or a path ending in .xml, got 'wart'"
+        f"expected one of the maps ({', '.join(names('floors'))}) or a path ending in .xml, got 'wart'; "
+        "did you mean 'ward'?"
     )
 
 
@@ -159,4 +160,4 @@ def test_scene_with_an_unknown_place_or_robot_is_refused_with_its_line(tmp_path:
     place, body = caught.value.text.splitlines()
     assert place == f"{path}:3: expected one of the places of 'mine' (goal, start), got 'bed'"
     assert body.startswith(f"{path}:3: agent 'b': expected one of the robots (")
-    assert body.endswith("got 'create'")
+    assert body.endswith("got 'create'; did you mean 'crate'?")

@@ -51,9 +51,16 @@ def test_check_names_the_place_in_a_wrong_file_and_exits_with_1(
 
 
 @pytest.mark.parametrize("command", [["check", "none.xml"], ["draw", "wart", "out.svg"]])
-def test_missing_file_exits_with_1(command: list[str], capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(command) == 1
-    assert "expected" in capsys.readouterr().err
+def test_missing_file_is_wrong_usage(command: list[str], capsys: pytest.CaptureFixture[str]) -> None:
+    try:
+        code: object = main(command)
+    except SystemExit as ended:
+        code = ended.code
+    assert code == 2
+    printed = capsys.readouterr().err
+    assert printed.startswith("python -m intellwheels_maps")
+    assert "expected" in printed
+    assert printed.count("\n") == 1
 
 
 def test_wrong_usage_exits_with_2(capsys: pytest.CaptureFixture[str]) -> None:

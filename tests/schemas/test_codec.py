@@ -9,7 +9,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from intellwheels_schemas import rules
-from intellwheels_schemas.codec import LIMITS, MAX_BYTES, Encoding, decode, encode, encoding_of, from_plain
+from intellwheels_schemas.codec import LIMITS, MAX_BYTES, Encoding, decode, encode, encoding_of, from_plain, is_known
 from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.messages import (
     ERROR_CODES,
@@ -276,6 +276,12 @@ def test_other_encodings_are_refused_in_words(encoding: str, data: bytes, code: 
         encoding_of(encoding, data)
     assert caught.value.code == code
     assert caught.value.text.startswith("encoding: expected ")
+
+
+def test_encodings_are_written_without_a_suffix_and_known_with_the_version() -> None:
+    assert [one.value for one in Encoding] == ["application/json", "application/xml", "text/plain"]
+    assert all(is_known(f"{one.value}{suffix}") for one in Encoding for suffix in ("", ";iw.v1"))
+    assert not any(is_known(text) for text in ("application/json;iw.v2", "zenoh/string", "", "image/png"))
 
 
 def test_plain_text_is_a_say_and_nothing_else() -> None:

@@ -4,10 +4,12 @@ import json
 
 import pytest
 
+from intellwheels_schemas.codec import Encoding, decode
 from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.explain import Repeated, check_plain, expected, object_of_pairs, shown
 from intellwheels_schemas.messages import Actions
 from intellwheels_schemas.shapes import Scalar, shape_of
+from intellwheels_schemas.vectors import NAMES
 
 
 @pytest.mark.parametrize(
@@ -56,3 +58,32 @@ def test_strange_name_of_a_field_is_not_repeated_as_a_place() -> None:
         check_plain(shape_of(Actions), {"\x1b[31m": 1}, "Actions", strict=True)
     assert caught.value.where == "Actions"
     assert "\x1b" not in caught.value.text
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("<Robot><Type>real</Type></Robot>",
+         'Robot.Type: expected an attribute, as in <Robot Type="real">, got an element'),
+        ("<Robot Part='1'/>", "Robot.Part: expected an element, as in <Robot><Part .../></Robot>, got an attribute"),
+        ("<Actions Say='a'/>",
+         "Actions.Say: expected an element, as in <Actions><Say>...</Say></Actions>, got an attribute"),
+        ("<Say Text='a'/>", "Say.Text: expected the text of the element, as in <Say>...</Say>, got Text"),
+        ("<UserInput><Buttons/></UserInput>",
+         'UserInput.Buttons: expected an attribute, as in <UserInput Buttons="...">, got an element'),
+    ],
+)  # fmt: skip
+def test_field_in_another_form_of_xml_is_told_how_to_write_it(text: str, words: str) -> None:
+    root = text[1:].partition(">")[0].partition(" ")[0]
+    with pytest.raises(WireError) as caught:
+        decode(NAMES[root], text.encode(), Encoding.XML)
+    assert (caught.value.code, caught.value.text) == ("field", words)
+
+
+def test_curve_of_one_is_refused_with_the_reason() -> None:
+    with pytest.raises(WireError) as caught:
+        decode(NAMES["Robot"], b'{"Length":1.0,"Width":1.0,"AccelerationCurve":1.0}')
+    assert caught.value.text == (
+        "Robot.AccelerationCurve: expected a number in [0, 1), got 1; "
+        "with 1 the motors would keep their last power for ever and never move: write 0.999"
+    )

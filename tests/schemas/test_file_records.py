@@ -72,7 +72,7 @@ EXAMPLES: list[FileRecord] = [
 def test_line_is_valid_and_read_as_it_was_written(line: FileRecord) -> None:
     data = msgspec.json.encode(line)
     assert msgspec.json.decode(data, type=type(line)) == line
-    schema = json.loads((SCHEMAS / "json" / f"{type(line).__name__}.json").read_bytes())
+    schema = json.loads((SCHEMAS / "json" / "reader" / f"{type(line).__name__}.json").read_bytes())
     jsonschema.Draft202012Validator.check_schema(schema)
     assert [error.message for error in jsonschema.Draft202012Validator(schema).iter_errors(json.loads(data))] == []
 
@@ -82,7 +82,7 @@ def test_every_kind_of_line_has_an_example() -> None:
 
 
 def test_line_with_a_wrong_command_is_not_valid() -> None:
-    schema = json.loads((SCHEMAS / "json" / "InputTick.json").read_bytes())
+    schema = json.loads((SCHEMAS / "json" / "reader" / "InputTick.json").read_bytes())
     validator = jsonschema.Draft202012Validator(schema)
     wrong = {"Tick": 3, "Inputs": {"Actions": {"chair1": {"LeftMotor": 2.0}}}, "Hash": HASH}
     assert not validator.is_valid(wrong)
@@ -110,9 +110,9 @@ def test_header_of_a_log_with_checksums_is_read() -> None:
         (
             InputHeader,
             INPUT,
-            "f:1: expected an input log of version 1 or 2, got version 3; this release reads no other",
+            "f:1: expected an input log of version 1 or 2, got 3",
         ),
-        (TraceHeader, TRACE, "f:1: expected a trace of version 1, got version 2; this release reads no other"),
+        (TraceHeader, TRACE, "f:1: expected a trace of version 1, got 2"),
     ],
 )
 def test_header_of_another_version_is_refused_whatever_else_it_has(

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import re
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -11,6 +13,8 @@ from intellwheels_schemas.codec import Encoding, decode, encode
 from intellwheels_schemas.keys import Keys
 from intellwheels_schemas.messages import Actions, Joined, Measures, Record, Refused, Robot
 from intellwheels_schemas.vectors import CHAIR
+
+DEADLINE = 120.0
 
 PAGE = (Path(__file__).parents[2] / "schemas" / "FIRST-AGENT.md").read_text(encoding="utf-8")
 LINES = [line.strip() for line in PAGE.splitlines()]
@@ -45,7 +49,7 @@ def test_page_shows_a_refusal() -> None:
     assert decode(Refused, refusal[1].encode()).code == "already-here"
 
 
-def test_page_uses_the_keys_of_the_contract_and_no_python() -> None:
+def test_page_uses_the_keys_of_the_contract() -> None:
     keys = Keys("main")
     for key in (
         keys.outs("chair1"),
@@ -55,4 +59,16 @@ def test_page_uses_the_keys_of_the_contract_and_no_python() -> None:
         keys.alive,
     ):
         assert f"`{key}`" in PAGE
-    assert "```python" not in PAGE
+
+
+@pytest.mark.process
+def test_whole_agent_of_the_page_has_22_lines_and_keeps_the_contract(tmp_path: Path) -> None:
+    (program,) = re.findall(r"```python\n(.*?)```", PAGE, re.DOTALL)
+    assert len([line for line in program.splitlines() if line]) == 22
+    file = tmp_path / "agent.py"
+    file.write_text(program, encoding="utf-8")
+    check = (sys.executable, "-m", "intellwheels_experiments.conformance", "--", sys.executable, str(file))
+    done = subprocess.run(
+        [*check, "{name}", "{endpoint}"], capture_output=True, text=True, timeout=DEADLINE, check=False
+    )
+    assert done.returncode == 0, done.stdout + done.stderr

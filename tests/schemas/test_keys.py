@@ -90,3 +90,15 @@ def test_no_key_is_made_of_what_is_no_name(name: str) -> None:
 def test_no_token_is_made_of_what_is_no_instance() -> None:
     with pytest.raises(ValueError, match="16 hex digits"):
         Keys().token("a", "both", "1")
+
+
+@pytest.mark.parametrize(
+    ("key", "agent"),
+    [
+        ("in/a/acton", "a"), ("in/a", "a"), ("in/a/actions/x", "a"), ("in/A/actions", ""), ("in", ""),
+        ("user/a/b", "a"), ("user/*", ""), ("out/a/measures", None), ("state/0", None),
+    ],
+)  # fmt: skip
+def test_key_that_nobody_reads_says_whom_it_may_be_of(key: str, agent: str | None) -> None:
+    assert Keys("lab").parse_stray(f"iw/v1/lab/{key}") == agent
+    assert Keys("other").parse_stray(f"iw/v1/lab/{key}") is None

@@ -71,17 +71,35 @@ def parsed(*arguments: str, listens: bool = False) -> Link:
 # ---------------------------------------------------------------- options
 
 
-def test_simulator_listens_and_others_connect_where_nothing_is_said() -> None:
+def test_simulator_listens_and_others_connect_where_nothing_is_said(tmp_path: Path) -> None:
+    config = tmp_path / "z.json5"
+    config.write_text("{}")
     assert parsed(listens=True) == Link(listen=(defaults.ENDPOINT,))
     assert parsed() == Link(connect=(defaults.ENDPOINT,))
     assert parsed("--connect", "tcp/10.0.0.5:1", listens=True) == Link(connect=("tcp/10.0.0.5:1",))
-    assert parsed("--config", "z.json5", "--world", "lab") == Link(world="lab", config=Path("z.json5"))
+    assert parsed("--config", str(config), "--world", "lab") == Link(world="lab", config=config)
     assert parsed("--connect", "tcp/a:1", "--connect", "tcp/b:1").connect == ("tcp/a:1", "tcp/b:1")
 
 
 def test_world_that_is_no_name_is_refused() -> None:
     with pytest.raises(WireError, match=r"--world: expected a name"):
         parsed("--world", "*")
+
+
+def test_endpoints_and_the_configuration_are_checked_before_zenoh_sees_them(tmp_path: Path) -> None:
+    with pytest.raises(WireError, match=r"^--connect: expected an endpoint .* did you mean tcp/10\.0\.0\.5:7447\?$"):
+        parsed("--connect", "http://10.0.0.5")
+    with pytest.raises(WireError, match=r"^--listen: expected an endpoint such as tcp/127\.0\.0\.1:7447, got ''$"):
+        parsed("--listen", "")
+    config = tmp_path / "z.json5"
+    config.write_text("{\n mode: 'boss' }")
+    with pytest.raises(
+        WireError, match=r"^--config: .*, got in line 2: unknown variant `boss`, expected one of"
+    ) as wrong:
+        parsed("--config", str(config))
+    assert "zenoh-config" not in wrong.value.text
+    with pytest.raises(SystemExit):
+        parsed("--config", str(tmp_path / "none"))
 
 
 def test_configuration_finds_nobody_by_itself_and_bounds_what_comes() -> None:
@@ -179,9 +197,9 @@ def test_samples_arrive_with_key_bytes_and_encoding_and_deletes_do_not(
     actions.put(b"<Actions/>")
     key = KEYS.actions("chair1")
     assert take(inbox, 3) == [
-        Put(key, b"<Actions/>", "application/xml;iw.v1"),
+        Put(key, b"<Actions/>", "application/xml"),
         TooLong(key, 101),
-        Put(key, b"<Actions/>", "application/xml;iw.v1"),
+        Put(key, b"<Actions/>", "application/xml"),
     ]
     assert inbox.deleted == 1
 
@@ -221,11 +239,27 @@ def test_query_brings_the_reply_or_the_error_reply(pair: tuple[zenoh.Session, ze
     thread = serve(inbox, lambda ask: ask.reply(ask.data, Encoding.XML))
     (answer,) = query(client, key, b"<Robot/>", Encoding.XML)
     thread.join()
-    assert answer == (key, b"<Robot/>", "application/xml;iw.v1", True)
+    assert answer == (key, b"<Robot/>", "application/xml", True)
     thread = serve(inbox, lambda ask: ask.refuse(b"{}", Encoding.JSON))
     (answer,) = query(client, key, b"{}")
     thread.join()
-    assert answer == ("", b"{}", "application/json;iw.v1", False)
+    assert answer == ("", b"{}", "application/json", False)
+
+
+@pytest.mark.process
+@pytest.mark.parametrize("suffix", ["", ";iw.v1"])
+def test_error_reply_of_another_simulator_may_have_the_version(
+    pair: tuple[zenoh.Session, zenoh.Session], suffix: str
+) -> None:
+    server, client = pair
+    inbox = Inbox()
+    server.declare_queryable(KEYS.every_join, inbox.on_query)
+    _token = joined(server, client, inbox)
+    encoding = f"application/json{suffix}"
+    thread = serve(inbox, lambda ask: ask.query.reply_err(b"{}", encoding=zenoh.Encoding(encoding)))
+    (answer,) = query(client, KEYS.join("chair1"), b"{}")
+    thread.join()
+    assert answer == ("", b"{}", encoding, False)
 
 
 @pytest.mark.process

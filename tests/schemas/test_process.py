@@ -59,3 +59,19 @@ def test_end_of_the_parents_pipe_stops_a_process() -> None:
         assert child.stdout.readline() == "ready\n"
         os.close(writing)
         assert child.communicate(timeout=10.0)[0] == "stopped\n"
+
+
+@pytest.mark.process
+def test_a_reader_that_leaves_early_is_no_error() -> None:
+    program = (
+        "import sys\nfrom intellwheels_schemas.process import printing\ninput()\n"
+        "with printing():\n    print('x' * 1_000_000)\nprint('and more')"
+    )
+    reading, writing = os.pipe()
+    with subprocess.Popen(
+        [sys.executable, "-c", program], stdin=subprocess.PIPE, stdout=writing, stderr=subprocess.PIPE, text=True
+    ) as child:
+        os.close(writing)
+        os.close(reading)
+        _, err = child.communicate("go\n", timeout=60.0)
+    assert (child.returncode, err) == (0, "")

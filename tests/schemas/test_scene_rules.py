@@ -14,13 +14,14 @@ from intellwheels_schemas.messages import (
     Level,
     Map,
     Obstacle,
+    Option,
     Scene,
     Umbmark,
     Varied,
     Wall,
 )
 from intellwheels_schemas.rules import check
-from intellwheels_schemas.scene_rules import check_map
+from intellwheels_schemas.scene_rules import check_map, check_scene
 
 
 def refusal(message: Scene) -> str:
@@ -64,3 +65,46 @@ def test_bridge_and_squares_are_of_what_the_scene_has() -> None:
     same = msgspec.structs.replace(squares, umbmark=Umbmark(left="x", right="x", side=4.0))
     asked = msgspec.structs.replace(lab, bridge=(), experiment=same)
     assert refusal(asked) == "Scene.Experiment.Umbmark.Right: expected another row than Left, got 'x'"
+
+
+BRIDGE = Bridge(agent="a")
+
+
+@pytest.mark.parametrize(
+    ("cast", "bridges", "text"),
+    [
+        (Cast(name="a", robot="r"), (), "Scene.Cast[0]: expected a Mind or a Command, got neither"),
+        (Cast(name="a", mind="m", command="c"), (), "Scene.Cast[0]: expected a Mind or a Command, got both"),
+        (Cast(name="a", mind="m", folder="f"), (), "Scene.Cast[0].Folder: expected none without a Command, got 'f'"),
+        (
+            Cast(name="a", robot="r", command="c"),
+            (),
+            "Scene.Cast[0].Robot: expected none with a Command, whose program brings its own body, got 'r'",
+        ),
+        (
+            Cast(name="a", command="c", option=(Option(name="MotorNoise", value="1"),)),
+            (),
+            "Scene.Cast[0].Option[0].Name: expected no option with a Command: write it into the line, got 'MotorNoise'",
+        ),
+        (
+            Cast(name="a", robot="r", command="c", new_run="restart"),
+            (BRIDGE,),
+            "Scene.Cast[0].NewRun: expected follow for an agent with a Bridge, got 'restart'",
+        ),
+    ],
+)
+def test_agent_has_a_mind_or_a_command_and_nothing_that_would_be_ignored(
+    cast: Cast, bridges: tuple[Bridge, ...], text: str
+) -> None:
+    scene = Scene(format="iw.v1", name="s", map="m", cast=(cast,), bridge=bridges)
+    assert refusal(scene) == text
+    if not bridges:
+        level = Level(name="x", cast=(cast,))
+        varied = Experiment(subject="a", factor=(Varied(name="f", level=(level,)),))
+        other = msgspec.structs.replace(scene, cast=(Cast(name="b", mind="m"),), experiment=varied)
+        assert refusal(other) == text.replace("Cast[0]", "Experiment.Factor[0].Level[0].Cast[0]")
+
+
+def test_command_has_the_robot_of_a_bridge() -> None:
+    cast = Cast(name="a", robot="r", command="c", option=(Option(name="MotorNoise", value="1"),))
+    check_scene(Scene(format="iw.v1", name="s", map="m", cast=(cast,), bridge=(BRIDGE,)), "Scene")

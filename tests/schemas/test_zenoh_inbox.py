@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import zenoh
 
-from intellwheels_schemas.zenoh_inbox import Inbox, Presence, Put, TooLong
+from intellwheels_schemas.zenoh_inbox import Ask, Inbox, Presence, Put, TooLong
 
 
 class Payload(bytes):
@@ -71,3 +71,24 @@ def test_wait_ends_in_time() -> None:
     assert not inbox.wait(-1.0)
     assert not inbox.wait(0.01)
     assert inbox.take() == []
+
+
+@dataclass(frozen=True)
+class Query:
+    """What the inbox reads of a query."""
+
+    key_expr: str
+    payload: Payload | None = None
+    parameters: str = ""
+    encoding: str | None = None
+
+
+def test_query_is_kept_with_the_key_of_its_queryable() -> None:
+    inbox = Inbox()
+    query = Query("iw/v1/main/*")
+    inbox.on_query(query)  # type: ignore[arg-type]
+    inbox.queries_of("iw/v1/main/clock")(query)  # type: ignore[arg-type]
+    asks = inbox.take()
+    assert [(ask.key, ask.served) for ask in asks if isinstance(ask, Ask)] == [
+        ("iw/v1/main/*", ""), ("iw/v1/main/*", "iw/v1/main/clock"),
+    ]  # fmt: skip

@@ -9,7 +9,6 @@ import msgspec
 
 from intellwheels_maps import floor, robot
 from intellwheels_schemas.codec import Encoding, encode
-from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.file_records import Inputs
 from intellwheels_schemas.messages import (
     Actions,
@@ -19,8 +18,6 @@ from intellwheels_schemas.messages import (
     Error,
     Event,
     Joined,
-    Load,
-    Map,
     MapInfo,
     Measures,
     Pose,
@@ -34,10 +31,32 @@ from intellwheels_server import world
 from intellwheels_server.log.input_log import Line, Log
 from intellwheels_server.service.arrival import Put, PutKind, Query, Token, Topic
 from intellwheels_server.service.live_run import LiveRun
+from intellwheels_server.service.load_floor import LoadFault, LoadRequest, PackedFloor, load_floor
 from intellwheels_server.service.service_state import Options
+from intellwheels_server.service.side_process import Outcome
 
 RUN = "0123456789abcdef"
 JSON = Encoding.JSON
+
+
+class FloorsAtOnce:
+    """Loads floors in this process: at once, or when the test gives an outcome."""
+
+    def __init__(self) -> None:
+        self.holds = False
+        self.begun: list[tuple[LoadRequest, float]] = []
+        self.outcomes: list[Outcome[PackedFloor | LoadFault]] = []
+
+    def begin(self, request: LoadRequest, limit: float) -> None:
+        self.begun.append((request, limit))
+        if not self.holds:
+            self.finish()
+
+    def finish(self) -> None:
+        self.outcomes.append(Outcome("done", load_floor(self.begun[-1][0])))
+
+    def take(self) -> Outcome[PackedFloor | LoadFault] | None:
+        return self.outcomes.pop(0) if self.outcomes else None
 
 
 class Stage:
@@ -50,16 +69,18 @@ class Stage:
         strict = pace == "lockstep" if strict is None else strict
         setup = world.Setup(floor=floor("room"), strict=strict, end=end, truth=True)
         options.setdefault("deadline", 10.0 if strict else 1.0)
+        options.setdefault("grace", 3.0)
         self.now = 100.0
         self.sent: list[tuple[str, str, Record, Encoding]] = []
         self.lines: list[str] = []
         self.notes: list[str] = []
         self.sessions: dict[str, str] = {}
         self.log = Log(log, setup, RUN) if log else None
+        self.floors = FloorsAtOnce()
         self.live_run = LiveRun(
             Options(world="main", setup=setup, **options),
             self,
-            self._load_floor,
+            self.floors,
             lambda: 1.8e9 + self.now,
             record=self._record if log else None,
             run=RUN,
@@ -103,13 +124,6 @@ class Stage:
 
     def log_line(self, line: str) -> None:
         self.notes.append(line)
-
-    def _load_floor(self, load: Load) -> Map:
-        if load.map is not None:
-            return load.map
-        if load.name != "corner":
-            raise WireError("value", f"no floor {load.name}")
-        return floor("corner")
 
     def _record(self, tick: int, inputs: Inputs, digest: str, *, stepped: bool) -> None:
         assert self.log is not None

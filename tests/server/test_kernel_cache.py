@@ -51,7 +51,10 @@ def test_digest_is_that_of_the_kernels_sources() -> None:
 
 def test_cold_folder_becomes_warm(tmp_path: Path) -> None:
     assert kernel_cache.is_cold(tmp_path)
-    (tmp_path / "x.nbc").write_bytes(b"")
+    (tmp_path / "x-1.py27.nbi").write_bytes(b"")
+    (tmp_path / "x-1.py27.1.nbc").write_bytes(b"")
+    assert kernel_cache.is_cold(tmp_path)  # of another Python
+    (tmp_path / f"x-1.py{sys.version_info.major}{sys.version_info.minor}.nbi").write_bytes(b"")
     assert not kernel_cache.is_cold(tmp_path)
 
 
@@ -71,6 +74,7 @@ def test_kernels_of_an_image_are_copied_to_a_writable_folder(tmp_path: Path, mon
     baked = tmp_path / "baked" / "kernels_1"
     baked.mkdir(parents=True)
     (baked / "x.nbc").write_bytes(b"code")
+    (baked / f"x-1.py{sys.version_info.major}{sys.version_info.minor}.nbi").write_bytes(b"index")
     monkeypatch.setenv("HOME", str(tmp_path))
     monkeypatch.setenv(kernel_cache.BAKED, str(tmp_path / "baked"))
     folder = kernel_cache.choose()

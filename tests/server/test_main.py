@@ -1,11 +1,12 @@
 from __future__ import annotations
 
+import argparse
 from pathlib import Path
 
 import pytest
 
 from intellwheels_maps import floor
-from intellwheels_server.__main__ import PLAY_NAME_LENGTH, main
+from intellwheels_server.__main__ import PLAY_NAME_LENGTH, main, written_by
 from intellwheels_server.log.input_log import Log
 from intellwheels_server.world import Setup
 from tests.server.log.test_branch import written
@@ -21,10 +22,10 @@ def outcome(*words: str) -> int | str | None:
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        (["--map", "ward"], "--map is for live runs"),
-        (["--pace", "lockstep"], "--pace is for live runs"),
-        (["--open-loop"], "--open-loop is for live runs"),
-        (["--log", "other"], "--log is for live runs"),
+        (["--map", "ward"], "--map: expected a live run, got --play"),
+        (["--pace", "lockstep"], "--pace: expected a live run, got --play"),
+        (["--open-loop"], "--open-loop: expected a live run, got --play"),
+        (["--log", "other"], "--log: expected a live run, got --play"),
         (["--world", "No Name"], "--world: expected a name"),
     ],
 )
@@ -38,11 +39,20 @@ def test_playback_refuses_options_of_a_live_run(
 
 
 def test_missing_or_invalid_log_is_reported(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert outcome("--play", str(tmp_path / "none")) == 1
-    assert "No such file" in capsys.readouterr().err
+    assert outcome("--play", str(tmp_path / "none")) == 2
+    assert "--play: expected a file that exists, got" in capsys.readouterr().err
     (tmp_path / "text").write_text("hello\n")
     assert outcome("--play", str(tmp_path / "text")) == 1
     assert "text:1: expected the header of an input log" in capsys.readouterr().err
+
+
+def test_file_that_could_not_be_written_is_named_with_its_option() -> None:
+    given = argparse.Namespace(log=Path("run.jsonl"), runs=Path("runs"))
+    assert written_by(given, OSError(28, "No space", "run.jsonl")) == "--log run.jsonl"
+    assert written_by(given, OSError(28, "No space", "runs/1/input.jsonl")) == "--runs runs/1/input.jsonl"
+    assert (
+        written_by(argparse.Namespace(log=Path("run.jsonl"), runs=None), OSError(28, "No space")) == "--log run.jsonl"
+    )
 
 
 def test_name_of_a_playback_fits() -> None:
@@ -52,12 +62,12 @@ def test_name_of_a_playback_fits() -> None:
 def test_log_of_reported_poses_needs_a_playback_and_must_exist(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    assert outcome("--reported", "ward.jsonl") == 2
-    assert "--reported: only with --play" in capsys.readouterr().err
+    assert outcome("--reported", "/dev/null") == 2
+    assert "--reported: expected with --play, got none" in capsys.readouterr().err
     path = tmp_path / "log"
     Log(path, Setup(floor=floor("room")), "0" * 16).close()
-    assert outcome("--play", str(path), "--reported", str(tmp_path / "none")) == 1
-    assert f"{tmp_path / 'none'}: No such file" in capsys.readouterr().err
+    assert outcome("--play", str(path), "--reported", str(tmp_path / "none")) == 2
+    assert "--reported: expected a file that exists, got" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(
@@ -84,10 +94,10 @@ def test_output_that_cannot_be_written_is_refused_before_anything_starts(
     assert {path: path.read_bytes() for path in tmp_path.iterdir()} == before
 
 
-@pytest.mark.parametrize("words", [["--prove"], ["--prove", "--resimulate", "log", "--trace", "trace"]])
+@pytest.mark.parametrize("words", [["--prove"], ["--prove", "--resimulate", "/dev/null", "--trace", "trace"]])
 def test_proof_needs_a_log_and_is_all_there_is(words: list[str], capsys: pytest.CaptureFixture[str]) -> None:
     assert outcome(*words) == 2
-    assert "--prove: only with --resimulate, and without --trace" in capsys.readouterr().err
+    assert "--prove: expected with --resimulate and without --trace" in capsys.readouterr().err
 
 
 def test_trace_of_a_cut_log_is_written_and_the_cut_is_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -22,6 +22,9 @@ from intellwheels_server.world import Outcome, Setup, State, advance, apply, beg
 
 RUN = "0123456789abcdef"
 
+ROUNDED = 5.1e-7
+"""How far a reading may be from the exact number: readings are rounded to 1e-6."""
+
 
 def box_wall(x0: float, y0: float, x1: float, y1: float) -> Wall:
     """Return a solid wall over a rectangle."""

@@ -33,7 +33,7 @@ def test_what_is_no_port_is_wrong_usage(port: str, capsys: pytest.CaptureFixture
     with pytest.raises(SystemExit) as ended:
         parser().parse_args([f"--port={port}"])
     assert ended.value.code == 2
-    assert "expected a port from 0 to 65535, got" in capsys.readouterr().err
+    assert "--port: expected a port in [0, 65535], got" in capsys.readouterr().err
 
 
 def test_a_world_that_is_no_name_is_wrong_usage(capsys: pytest.CaptureFixture[str]) -> None:
@@ -88,6 +88,6 @@ def test_a_port_that_is_taken_ends_it_in_words() -> None:
 
 def test_an_endpoint_that_is_none_ends_it_in_words() -> None:
     done = run("intellwheels_viewer", "--port", str(free_port()), "--connect", "nonsense")
-    assert done.returncode == 1
-    assert "iw-viewer: link: expected" in done.stderr
+    assert done.returncode == 2
+    assert "iw-viewer: --connect: expected an endpoint such as" in done.stderr
     assert "Traceback" not in done.stderr

@@ -41,6 +41,24 @@ def test_the_clock_is_the_one_with_the_newest_stamp(store: StateStore) -> None:
     assert found.tick == 5
 
 
+def test_the_clock_goes_on_after_the_wall_clock_was_set_back(store: StateStore) -> None:
+    store.on_clock(clock(5, stamp=7200.0))
+    store.on_clock(clock(6, stamp=3600.0))
+    assert snapshot(store).clock == clock(6, stamp=3600.0)
+    store.on_clock(clock(4, stamp=3599.9))
+    assert snapshot(store).clock == clock(6, stamp=3600.0)
+    store.on_clock(clock(0, OTHER, stamp=60.0))
+    assert snapshot(store).clock == clock(0, OTHER, stamp=60.0)
+
+
+def test_late_clock_of_a_playback_does_not_undo_a_seek(store: StateStore) -> None:
+    for tick, stamp in ((900, 100.0), (5, 100.2), (901, 100.1)):
+        store.on_clock(clock(tick, stamp=stamp, last=1000))
+    found = snapshot(store).clock
+    assert found is not None
+    assert found.tick == 5
+
+
 def test_another_run_makes_the_old_one_forgotten(store: StateStore) -> None:
     store.on_clock(clock(9))
     store.on_state(state(9, entity("a", say="hello")))

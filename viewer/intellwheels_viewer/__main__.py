@@ -8,10 +8,12 @@ from pathlib import Path
 from typing import Final
 
 from intellwheels_schemas import defaults
+from intellwheels_schemas.command_parser import CommandParser, number, port
 from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.link import add_link_options, link_of
 from intellwheels_schemas.output_paths import check_output_file
 from intellwheels_schemas.process import add_process_options, stop_on_signals
+from intellwheels_viewer.page_hosts import check_page_hosts
 
 LONGEST: Final = 600.0
 """Longest recording, in seconds: a browser takes minutes to open a longer one."""
@@ -30,7 +32,7 @@ restart it at any time. The page has no login: do not expose it to a network tha
 
 def parser() -> argparse.ArgumentParser:
     """Return the parser of the command line."""
-    found = argparse.ArgumentParser(
+    found = CommandParser(
         prog="iw-viewer",
         description="Serve a web page that shows a run and controls it. Any number of browsers can open it.",
         epilog=_EPILOG,
@@ -42,7 +44,7 @@ def parser() -> argparse.ArgumentParser:
         help="address to serve the page at (default: 127.0.0.1, this machine only)",
     )  # fmt: skip
     page.add_argument(
-        "--port", type=_port, default=8080, metavar="N", help="port of the page; 0 picks a free one (default: 8080)"
+        "--port", type=port, default=8080, metavar="N", help="port of the page; 0 picks a free one (default: 8080)"
     )
     page.add_argument(
         "--allow-host", action="append", default=[], metavar="NAME",
@@ -55,7 +57,7 @@ def parser() -> argparse.ArgumentParser:
         help="record the current run, or the next one, as a page that plays without a server; then exit",
     )  # fmt: skip
     kept.add_argument(
-        "--seconds", type=_seconds, default=20.0, metavar="S",
+        "--seconds", type=number("seconds", 0.0, LONGEST, low_open=True), default=20.0, metavar="S",
         help="simulated seconds to record (default: 20; less if the run ends earlier)",
     )  # fmt: skip
     add_process_options(found)
@@ -68,10 +70,11 @@ def main(arguments: list[str] | None = None) -> int:
     """Run the command and return its exit code."""
     given = parser().parse_args(arguments)
     chosen = given.world is not None
-    given.world = given.world or defaults.WORLD
+    given.world = given.world if chosen else defaults.WORLD
     try:
         check_output_file(given.record, "--record")
         link = link_of(given)
+        check_page_hosts(given.host, given.allow_host)
     except WireError as error:
         print(f"iw-viewer: {error.text}", file=sys.stderr)
         return 2
@@ -92,22 +95,6 @@ def main(arguments: list[str] | None = None) -> int:
         link,
         stop,
     )
-
-
-def _port(text: str) -> int:
-    if not text.isdecimal() or int(text) > 65535:
-        raise argparse.ArgumentTypeError(f"expected a port from 0 to 65535, got {text!r}")
-    return int(text)
-
-
-def _seconds(text: str) -> float:
-    try:
-        seconds = float(text)
-    except ValueError:
-        seconds = 0.0
-    if not 0.0 < seconds <= LONGEST:
-        raise argparse.ArgumentTypeError(f"expected seconds above 0 and up to {LONGEST:g}, got {text!r}")
-    return seconds
 
 
 if __name__ == "__main__":

@@ -22,6 +22,8 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
+from intellwheels_schemas.command_parser import CommandParser
+
 if TYPE_CHECKING:
     from playwright.sync_api import Browser, Page
 
@@ -66,7 +68,7 @@ class GalleryError(Exception):
 
 def parser() -> argparse.ArgumentParser:
     """Return the parser of the command line."""
-    found = argparse.ArgumentParser(
+    found = CommandParser(
         prog="python -m intellwheels_viewer.gallery",
         description="Take the eight pictures of the viewer: run the scene figure6 and open its page in Chromium.",
         epilog="It takes a few minutes and needs a Chromium and the package playwright (pip install playwright).",

@@ -77,7 +77,7 @@ class StateStore:
         """Take a clock. A clearly newer clock of a past run makes that run the current one again."""
         if clock.run in self._past and clock.stamp > self._stamp + RETURNS:
             self._past.remove(clock.run)
-        if self._is_current_run(clock.run) and (self._clock is None or clock.stamp >= self._clock.stamp):
+        if self._is_current_run(clock.run) and (self._clock is None or self._is_newer(clock, self._clock)):
             self._clock, self._stamp = clock, clock.stamp
 
     def on_state(self, state: WorldState) -> None:
@@ -226,6 +226,14 @@ class StateStore:
         self._reported = {}
         self._info = None
         return True
+
+    def _is_newer(self, clock: Clock, known: Clock) -> bool:
+        """Return whether a clock is newer than the known one of the same run.
+
+        While a run stands still, its ticks are equal and the stamp tells. A stamp alone would not do: whoever writes it
+        may set the wall clock back. In a playback the tick may go back too.
+        """
+        return clock.stamp >= known.stamp or (clock.tick > known.tick and not self.is_log)
 
     def _is_seek_back(self, tick: int, newest: int) -> bool:
         """Return whether an older tick is a seek in a playback rather than a late message."""

@@ -7,6 +7,7 @@ thread of this file.
 
 from __future__ import annotations
 
+import sys
 import threading
 import time
 from collections import deque
@@ -339,7 +340,7 @@ class Network:
 
     def _open(self) -> None:
         try:
-            session = open_session(self._link, self._stop)
+            session = open_session(self._link, self._stop, waiting=_announce)
         except ConnectionError as error:
             self.failure = str(error)
             self._stop.set()
@@ -366,3 +367,9 @@ def _deliver(kind: type[_M], put: Put | Answer, take: Callable[[_M], None]) -> N
         # Any peer can publish in a world; what cannot be decoded is ignored.
         return
     take(message)
+
+
+def _announce(why: str) -> None:
+    """Say on standard error what the viewer waits for; the page says it too."""
+    sys.stderr.write(f"waiting why={why!r}\n")
+    sys.stderr.flush()

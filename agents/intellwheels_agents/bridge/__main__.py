@@ -20,7 +20,7 @@ from intellwheels_agents.bridge.pose_source import Calibration, PoseSource
 from intellwheels_agents.bridge.real_chair import RealChair
 from intellwheels_agents.bridge.resume_gate import ResumeGate
 from intellwheels_agents.bridge.sensor_merge import SensorMerge
-from intellwheels_agents.bridge.serial_driver import SerialDriver
+from intellwheels_agents.bridge.serial_driver import SerialDriver, check_port
 from intellwheels_agents.bridge.terminal_lines import read_lines
 from intellwheels_agents.bridge.world_driver import WorldDriver, with_receiver
 from intellwheels_agents.joystick.joystick_peer import operate
@@ -29,11 +29,13 @@ from intellwheels_agents.options import OptionError
 from intellwheels_agents.robot_document import equipped, joining
 from intellwheels_maps import robot as robot_file
 from intellwheels_schemas.codec import Encoding, decode, encoding_of
+from intellwheels_schemas.command_parser import naming
+from intellwheels_schemas.endpoint_form import check_endpoint
 from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.keys import Keys
 from intellwheels_schemas.link import Link, add_link_options, link_of, open_session
 from intellwheels_schemas.messages import Body, Event, Robot
-from intellwheels_schemas.names import check_agent, check_name, new_hex
+from intellwheels_schemas.names import check_agent, check_name, check_word, new_hex
 from intellwheels_schemas.process import SLICE, add_process_options, stop_on_signals
 from intellwheels_schemas.zenoh_inbox import Arrival, Inbox, Put
 
@@ -53,6 +55,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if (given.driver == "serial") != (given.port is not None):
         got = "none" if given.port is None else repr(given.port)
         command.error(f"--port: expected a device with the driver serial, none with the driver world, got {got}")
+    for option in bridge_options.OTHER_DRIVER[given.driver]:
+        value = getattr(given, option.removeprefix("--").replace("-", "_"))
+        if value != command.get_default(option.removeprefix("--").replace("-", "_")):
+            command.error(f"{option}: expected the other driver, got {given.driver}")
     # First, because a signal may arrive while the other arguments are read.
     stop = stop_on_signals(given.lifeline)
     try:
@@ -74,8 +80,14 @@ class _BridgeProcess:
         self._agent = check_agent(given.name, "--name")
         self._where = link_of(given)
         self._encoding = Encoding.XML if given.encoding == "xml" else Encoding.JSON
-        robot = equipped(robot_file(given.robot), _fields("--option", given.option))
-        chair = equipped(robot_file(given.chair or given.robot), _fields("--chair-option", given.chair_option))
+        for option, place in (("--place", given.place), ("--lab-place", given.lab_place)):
+            if place is not None:
+                check_word(place, option)
+        if given.port is not None:
+            check_port(given.port)
+        robot = _changed(_robot("--robot", given.robot), "--option", given.option)
+        chair = _robot("--robot", given.robot) if given.chair is None else _robot("--chair", given.chair)
+        chair = _changed(chair, "--chair-option", given.chair_option)
         faults = Faults(given.delay, given.jitter, given.loss, f"{given.seed}/{self._agent}")
         default: Literal["real", "simulated"] = "real" if given.driver == "serial" else "simulated"
         hardware = given.hardware or default
@@ -209,6 +221,8 @@ class _BridgeProcess:
 
     def _world_driver(self, chair: Robot) -> Driver:
         given = self._given
+        for endpoint in given.lab_connect:
+            check_endpoint(endpoint, "--lab-connect")
         where = Link(
             check_name(given.lab_world, "--lab-world"),
             connect=tuple(given.lab_connect) or self._where.connect,
@@ -252,6 +266,24 @@ def _print(line: str) -> None:
 
 def _log(line: str) -> None:
     print(f"iw-bridge: {line}", file=sys.stderr, flush=True)
+
+
+def _robot(option: str, name: str) -> Robot:
+    with naming(option):
+        return robot_file(name)
+
+
+def _changed(robot: Robot, option: str, given: Sequence[str]) -> Robot:
+    """Return a robot with the fields that an option gives.
+
+    Raises:
+        OptionError: One cannot be set; the text names the option.
+    """
+    fields = _fields(option, given)
+    try:
+        return equipped(robot, fields)
+    except OptionError as error:
+        raise OptionError(f"{option}: {error}") from None
 
 
 def _fields(option: str, given: Sequence[str]) -> dict[str, str]:

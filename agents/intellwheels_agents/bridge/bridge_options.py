@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import argparse
 import math
-from collections.abc import Callable
 from typing import Final
 
 from intellwheels_agents.bridge.pose_source import DRIFT, POSE_SOURCES
 from intellwheels_agents.bridge.sensor_merge import SENSORS
+from intellwheels_schemas import messages
+from intellwheels_schemas.command_parser import CommandParser, like_field, number, positive_seconds, share, whole
 
 EXAMPLES = """\
 examples:
@@ -37,13 +38,21 @@ Standard output has lines that begin with one of these words:
 Exit codes: 0 done, 1 refused or failed, 2 wrong usage.
 """
 DEFAULT_ROBOT: Final = "intellwheels"
+OTHER_DRIVER: Final = {
+    "serial": ("--lab-world", "--lab-connect", "--lab-place", "--lab-role", "--fix-every", "--fix-noise"),
+    "world": ("--baud",),
+}
+"""Options of the other driver, which a driver refuses."""
 MAX_COUNT: Final = 2**31 - 1
 """Largest value of --baud and --fix-every."""
+MAX_OFFSET: Final = 1e12
+"""Largest clock offset, s: the largest time stamp."""
+_DELAY = number("seconds", 0.0, 3600.0)
 
 
 def parser() -> argparse.ArgumentParser:
     """Return the parser of this command's own options."""
-    result = argparse.ArgumentParser(
+    result = CommandParser(
         prog="iw-bridge",
         description="Bring a real chair into a simulation, as the body of an agent.",
         epilog=EXAMPLES,
@@ -97,7 +106,7 @@ def parser() -> argparse.ArgumentParser:
         "--encoding", choices=("json", "xml"), default="json", help="encoding of messages (default: json)"
     )
     result.add_argument(
-        "--retry-for", type=_positive, default=math.inf, metavar="S",
+        "--retry-for", type=positive_seconds, default=math.inf, metavar="S",
         help="give up after S seconds without the chair or the simulator (default: never)",
     )  # fmt: skip
     return result
@@ -114,21 +123,27 @@ def _add_pose_options(result: argparse.ArgumentParser) -> None:
         ("--wheel-scale", "mean wheel diameter over the nominal one"),
         ("--track-ratio", "track over the nominal one (UMBmark's E_b)"),
     ):
-        pose.add_argument(name, type=_ratio, default=1.0, metavar="R", help=f"calibration: {meaning} (default: 1)")
+        pose.add_argument(
+            name,
+            type=like_field(messages.FigureRatio),
+            default=1.0,
+            metavar="R",
+            help=f"calibration: {meaning} (default: 1)",
+        )
     pose.add_argument(
-        "--drift", type=_not_negative, default=DRIFT, metavar="K",
+        "--drift", type=like_field(messages.WayVariance), default=DRIFT, metavar="K",
         help=f"variance of the travel of a wheel, in m2 per metre, for the covariance (default: {DRIFT:g})",
     )  # fmt: skip
     pose.add_argument(
-        "--fix-every", type=_count, default=20, metavar="TICKS",
+        "--fix-every", type=whole(1, MAX_COUNT), default=20, metavar="TICKS",
         help="driver world: ticks between position fixes, for a chair without a GPS of its own (default: 20)",
     )  # fmt: skip
     pose.add_argument(
-        "--fix-noise", type=_not_negative, default=0.05, metavar="M",
+        "--fix-noise", type=like_field(messages.Length), default=0.05, metavar="M",
         help="driver world: standard deviation of a fix on each axis (default: 0.05)",
     )  # fmt: skip
     pose.add_argument(
-        "--clock-offset", type=_finite, default=0.0, metavar="S",
+        "--clock-offset", type=number("seconds", -MAX_OFFSET, MAX_OFFSET), default=0.0, metavar="S",
         help="seconds added to the time stamps of poses: the simulator's clock minus this machine's (default: 0)",
     )  # fmt: skip
 
@@ -151,43 +166,21 @@ def _add_line_options(result: argparse.ArgumentParser) -> None:
     )  # fmt: skip
     line = result.add_argument_group("driver serial")
     line.add_argument("--port", metavar="DEVICE|URL", help="serial device such as /dev/ttyUSB0, or socket://HOST:PORT")
-    line.add_argument("--baud", type=_count, default=115_200, metavar="N", help="bits a second (default: 115200)")
+    line.add_argument(
+        "--baud", type=whole(1, MAX_COUNT), default=115_200, metavar="N", help="bits a second (default: 115200)"
+    )
     faults = result.add_argument_group(
         "faults for experiments, on the line between chair and bridge, in both directions"
     )
-    faults.add_argument("--delay", type=_not_negative, default=0.0, metavar="S", help="delay in seconds (default: 0)")
+    faults.add_argument("--delay", type=_DELAY, default=0.0, metavar="S", help="delay in seconds (default: 0)")
     faults.add_argument(
         "--jitter",
-        type=_not_negative,
+        type=_DELAY,
         default=0.0,
         metavar="S",
         help="largest additional delay in seconds (default: 0)",
     )
-    faults.add_argument("--loss", type=_share, default=0.0, metavar="SHARE", help="share of messages lost (default: 0)")
-    faults.add_argument("--seed", default="1", metavar="TEXT", help="seed of the faults (default: 1)")
-
-
-def _number(expected: str, fits: Callable[[float], bool]) -> Callable[[str], float]:
-    def read(text: str) -> float:
-        try:
-            value = float(text)
-        except ValueError:
-            value = math.nan  # outside every range
-        if not fits(value):
-            raise argparse.ArgumentTypeError(f"expected {expected}, got {text!r}")
-        return value
-
-    return read
-
-
-_positive = _number("a number above 0", lambda value: 0.0 < value < math.inf)
-_not_negative = _number("a number of at least 0", lambda value: 0.0 <= value < math.inf)
-_finite = _number("a number", math.isfinite)
-_share = _number("a share in [0, 1]", lambda value: 0.0 <= value <= 1.0)
-_ratio = _number("a ratio in [0.5, 2]", lambda value: 0.5 <= value <= 2.0)
-
-
-def _count(text: str) -> int:
-    if not (text.isascii() and text.isdigit() and 1 <= int(text) <= MAX_COUNT):
-        raise argparse.ArgumentTypeError(f"expected a whole number in [1, {MAX_COUNT}], got {text!r}")
-    return int(text)
+    faults.add_argument("--loss", type=share, default=0.0, metavar="SHARE", help="share of messages lost (default: 0)")
+    faults.add_argument(
+        "--seed", type=like_field(messages.Seed), default="1", metavar="TEXT", help="seed of the faults (default: 1)"
+    )

@@ -36,9 +36,13 @@ from intellwheels_agents.bridge.line_protocol import (
 )
 from intellwheels_agents.bridge.timeouts import CONTROLLER_WATCHDOG
 from intellwheels_agents.bridge.wrapping_counter import MAX_SIGNED, MODULUS, to_signed, to_unsigned
+from intellwheels_schemas.command_parser import CommandParser, number, readable_file, whole
 from intellwheels_schemas.errors import WireError
+from intellwheels_schemas.output_paths import check_output_file
 from intellwheels_schemas.process import add_process_options, stop_on_signals
 
+PROGRAM: Final = "python -m intellwheels_agents.bridge.firmware_stand_in"
+"""How it is started, and what its errors begin with."""
 STEP: Final = 0.005
 """Seconds of one step of its loop. The watchdog fires a step early rather than late."""
 MAX_STEP: Final = 0.02
@@ -213,7 +217,11 @@ class FaultyController:
     def command(self, line: str) -> None:
         """Obey a line of standard input."""
         word, *numbers = line.split() or [""]
-        values = [float(number) for number in numbers]
+        try:
+            values = [float(text) for text in numbers]
+            whole_values = [int(value) for value in values]
+        except (ValueError, OverflowError):
+            word, values, whole_values = "", [], []
         match word, values:
             case "cut", [seconds]:
                 self._cut = seconds
@@ -225,12 +233,12 @@ class FaultyController:
             case "boot", []:
                 self._boot += 1
                 self.controller = Controller(self._boot, *self._equipment)
-            case "stick", [forward, turn]:
-                self.controller.joystick = (int(forward), int(turn))
-            case "fix", [x, y, sd]:
-                self._terminal.write(self.controller.position_fix(int(x), int(y), int(sd)))
+            case "stick", [_, _]:
+                self.controller.joystick = (whole_values[0], whole_values[1])
+            case "fix", [_, _, _]:
+                self._terminal.write(self.controller.position_fix(*whole_values))
             case _:
-                sys.stderr.write(f"firmware: expected cut, noise, unplug, boot, stick or fix, got {line!r}\n")
+                _log(f"expected cut, noise, unplug, boot, stick or fix with their numbers, got {line!r}")
 
     def step(self, seconds: float) -> list[str]:
         """Advance by some seconds; return the lines to print."""
@@ -259,28 +267,41 @@ class FaultyController:
         return noise + self._random.randbytes(self._random.randrange(4))
 
 
-def main(arguments: Sequence[str] | None = None) -> int:
-    """Run the stand-in and return its exit code."""
-    parser = argparse.ArgumentParser(
-        prog="python -m intellwheels_agents.bridge.firmware_stand_in",
+def parser() -> CommandParser:
+    """Return the command line."""
+    result = CommandParser(
+        prog=PROGRAM,
         description="Play the controller of a chair on a pseudo-terminal, to which iw-bridge serial connects.",
         epilog=FAULTS,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
-    parser.add_argument("--link", type=Path, metavar="PATH", help="make this symbolic link to the pseudo-terminal")
-    parser.add_argument(
-        "--ask", type=Path, metavar="PIPE", help="named pipe to read faults from (default: standard input)"
+    result.add_argument("--link", type=Path, metavar="PATH", help="make this symbolic link to the pseudo-terminal")
+    result.add_argument(
+        "--ask", type=readable_file, metavar="PIPE", help="named pipe to read faults from (default: standard input)"
     )
-    parser.add_argument("--sonars", type=int, default=8, metavar="N", help="number of sonars (default: 8)")
-    parser.add_argument(
-        "--counts", type=float, default=1730.0, metavar="N",
+    result.add_argument("--sonars", type=whole(0, 64), default=8, metavar="N", help="number of sonars (default: 8)")
+    result.add_argument(
+        "--counts", type=number("a number", 0.0, 1e6, low_open=True), default=1730.0, metavar="N",
         help="encoder counts a second at full power (default: 1730, which is 1 m/s on 0.368 m wheels with 2000 a turn)",
     )  # fmt: skip
-    parser.add_argument(
-        "--wrap-in", type=float, metavar="S", help="start with counters that all wrap within S seconds at half power"
+    result.add_argument(
+        "--wrap-in",
+        type=number("seconds", 0.0, 1e6),
+        metavar="S",
+        help="start with counters that all wrap within S seconds at half power",
     )
-    add_process_options(parser)
-    given = parser.parse_args(arguments)
+    add_process_options(result)
+    return result
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the stand-in and return its exit code."""
+    given = parser().parse_args(arguments)
+    try:
+        _check_link(given.link)
+    except WireError as error:
+        _log(error.text)
+        return 2
     stop = stop_on_signals(given.lifeline)
     terminal = Terminal(given.link)
     controller = FaultyController(terminal, given.sonars, given.counts, given.wrap_in)
@@ -304,6 +325,22 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if given.link is not None:
         given.link.unlink(missing_ok=True)
     return 0
+
+
+def _check_link(link: Path | None) -> None:
+    """Check that a symbolic link can be made. An old link of that name is replaced, a file is not.
+
+    Raises:
+        WireError: It cannot.
+    """
+    if link is not None and link.exists() and not link.is_symlink():
+        raise WireError("value", f"--link: expected a path without a file, got {link}", "--link")
+    if link is None or not link.is_symlink():
+        check_output_file(link, "--link")
+
+
+def _log(line: str) -> None:
+    print(f"{PROGRAM}: {line}", file=sys.stderr, flush=True)  # noqa: T201 - the log
 
 
 def _print(line: str) -> None:

@@ -36,11 +36,25 @@ if TYPE_CHECKING:
 
 MAX_READINGS: Final = 3000
 """Readings kept until they are read: a minute at 50 Hz."""
+_URLS: Final = ("socket", "rfc2217", "loop", "hwgrep", "spy", "alt", "cp2110")
+"""Kinds of URL that pyserial knows."""
 _READ_TIMEOUT: Final = 0.05
 _WRITE_TIMEOUT: Final = 0.1
 _LOCKED: Final = (errno.EWOULDBLOCK, errno.EBUSY)
 """Errors of opening a device that another program has locked, by `flock` or by TIOCEXCL."""
 _STATUS: Final = {"n": "none", "c": "near", "f": "fault"}
+
+
+def check_port(port: str) -> None:
+    """Check the form of `--port`. A device need not exist yet.
+
+    Raises:
+        WireError: It is empty, or a URL of an unknown kind.
+    """
+    kind, is_url, _ = port.partition("://")
+    if not port or (is_url and kind not in _URLS):
+        expected = f"--port: expected a device such as /dev/ttyUSB0, or a URL ({', '.join(_URLS)})"
+        raise WireError("value", f"{expected}, got {port!r}", "--port")
 
 
 class SerialDriver:

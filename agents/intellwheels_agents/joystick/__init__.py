@@ -3,7 +3,7 @@
 A source (keyboard, terminal, gamepad, script, words) gives an `InputState`. `InputTiming` decides when it is sent,
 `LeaseClient` keeps the lease of `--take`. These are pure; `pygame_source` knows pygame, `terminal_source` the terminal
 and `joystick_peer` the network. Only this process repeats the input: when it dies, the simulator hears nothing and
-stops the chair after 0.3 s.
+cuts the power of the motors after 0.3 s.
 """
 
 from __future__ import annotations

@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import argparse
-import math
 import sys
 import threading
 from collections.abc import Sequence
 from contextlib import ExitStack
-from pathlib import Path
 
 from intellwheels_agents.joystick.input_state import Source
 from intellwheels_agents.joystick.joystick_peer import operate
@@ -22,6 +20,7 @@ from intellwheels_agents.joystick.pygame_source import (
 from intellwheels_agents.joystick.script_source import ScriptError, ScriptSource, read
 from intellwheels_agents.joystick.terminal_source import TerminalSource
 from intellwheels_agents.joystick.words_source import SpokenWords, WordsSource
+from intellwheels_schemas.command_parser import CommandParser, positive_seconds, readable_file, share
 from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.link import add_link_options, link_of
 from intellwheels_schemas.names import check_agent
@@ -35,7 +34,7 @@ examples:
       iw-joystick chair1 --take
   drive by voice, with a recogniser that prints forward, back, left, right or stop; the mind also gets other words
       recogniser | iw-joystick chair1 --source words
-  drive over ssh, with the keys of the terminal; releasing them stops the chair within 0.3 s
+  drive over ssh, with the keys of the terminal; releasing them cuts the motors' power within 0.4 s
       iw-joystick chair1 --source terminal
   play a script: on each line seconds, forward, turn, and optionally buttons and a word
       iw-joystick chair1 --source script --script drive.txt
@@ -49,7 +48,7 @@ Exit codes: 0 done, 1 refused or failed, 2 wrong usage.
 
 def parser() -> argparse.ArgumentParser:
     """Return the command line."""
-    result = argparse.ArgumentParser(
+    result = CommandParser(
         prog="iw-joystick",
         description="Drive a chair by hand: send the input of a person to the key user/AGENT.",
         epilog=EXAMPLES,
@@ -63,7 +62,7 @@ def parser() -> argparse.ArgumentParser:
         help="input device; auto chooses a gamepad if one is connected, else the keyboard. The keyboard is read in a "
         "window, or in this terminal if there is no display (default: auto)",
     )
-    result.add_argument("--script", type=Path, metavar="FILE", help="the file for --source script")
+    result.add_argument("--script", type=readable_file, metavar="FILE", help="the file for --source script")
     result.add_argument(
         "--clock",
         choices=("wall", "simulated"),
@@ -76,21 +75,21 @@ def parser() -> argparse.ArgumentParser:
         help="drive the chair instead of its mind, under a lease from the simulator",
     )
     result.add_argument(
-        "--forward", type=_share, default=1.0, metavar="SHARE", help="power at full forward, in [0, 1] (default: 1)"
+        "--forward", type=share, default=1.0, metavar="SHARE", help="power at full forward, in [0, 1] (default: 1)"
     )
     result.add_argument(
-        "--turn", type=_share, default=0.5, metavar="SHARE", help="power at full turn, in [0, 1] (default: 0.5)"
+        "--turn", type=share, default=0.5, metavar="SHARE", help="power at full turn, in [0, 1] (default: 0.5)"
     )
     result.add_argument(
         "--hold",
-        type=_seconds,
+        type=positive_seconds,
         default=2.0,
         metavar="S",
         help="seconds for which a spoken word drives the chair (default: 2)",
     )
     result.add_argument(
         "--retry-for",
-        type=_seconds,
+        type=positive_seconds,
         metavar="S",
         help="give up after S seconds without a router or simulator (default: never)",
     )
@@ -145,28 +144,6 @@ def _automatic() -> str:
     except DeviceError:
         return "terminal" if has_terminal else "keyboard"
     return "terminal" if has_terminal and not has_display() else "keyboard"
-
-
-def _share(text: str) -> float:
-    value = _number(text)
-    if not 0.0 <= value <= 1.0:
-        raise argparse.ArgumentTypeError(f"expected a share in [0, 1], got {text!r}")
-    return value
-
-
-def _seconds(text: str) -> float:
-    value = _number(text)
-    if not 0.0 < value < math.inf:
-        raise argparse.ArgumentTypeError(f"expected seconds above 0, got {text!r}")
-    return value
-
-
-def _number(text: str) -> float:
-    """Return a number, or NaN when the text is not one: NaN is outside every range."""
-    try:
-        return float(text)
-    except ValueError:
-        return math.nan
 
 
 if __name__ == "__main__":

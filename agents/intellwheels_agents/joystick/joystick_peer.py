@@ -24,7 +24,7 @@ from intellwheels_schemas.channels import CHANNELS
 from intellwheels_schemas.codec import Encoding, decode, encode, encoding_of
 from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.keys import Keys
-from intellwheels_schemas.messages import Body, Clock, Result, Take, UserInput
+from intellwheels_schemas.messages import Body, Clock, Error, Result, Take, UserInput
 
 ANSWER_TIMEOUT: Final = 1.5
 """Seconds to wait for an answer: less than a lease."""
@@ -56,8 +56,9 @@ def operate(
         keys = Keys(where.world)
         inbox = zenoh_inbox.Inbox()
         clock = session.declare_subscriber(keys.clock, inbox.on_sample)
+        errors = session.declare_subscriber(keys.error(agent), inbox.on_sample)
         publisher = link.declare(session, keys.user(agent), CHANNELS["user"], Encoding.JSON)
-        with publisher, clock:
+        with publisher, clock, errors:
             requests = _LeaseRequests(session, keys.ctl("take"))
             _check_agent(session, keys.body(agent), agent, take=take)
             return _Loop(agent, source, requests, inbox, publisher, take=take).run(stop)
@@ -113,7 +114,7 @@ class _Loop:
         try:
             while not stop.is_set():
                 now = time.monotonic()
-                self._read_clock()
+                self._read_inbox()
                 state = self._source.state(now, self._time)
                 if state is None:
                     break
@@ -161,14 +162,23 @@ class _Loop:
             user = msgspec.structs.replace(user, lease=self._lease.lease)
         self._publisher.put(encode(user, Encoding.JSON))
 
-    def _read_clock(self) -> None:
+    def _read_inbox(self) -> None:
         for arrival in self._inbox.take():
             if isinstance(arrival, zenoh_inbox.Put):
                 try:
-                    encoding = encoding_of(arrival.encoding, arrival.data)
-                    self._time = decode(Clock, arrival.data, encoding, strict=False).time
+                    self._read(arrival)
                 except WireError as error:
-                    _log(f"dropped message=Clock why={error.text!r}")
+                    _log(f"dropped key={arrival.key} why={error.text!r}")
+
+    def _read(self, put: zenoh_inbox.Put) -> None:
+        encoding = encoding_of(put.encoding, put.data)
+        if not put.key.endswith("/error"):
+            self._time = decode(Clock, put.data, encoding, strict=False).time
+            return
+        error = decode(Error, put.data, encoding, strict=False)
+        # The others are about what the agent itself sends.
+        if (error.where or "").startswith("UserInput"):
+            _log(f"ignored agent={self._agent} code={error.code} why={error.text!r}")
 
 
 def _check_agent(session: zenoh.Session, key: str, agent: str, *, take: bool) -> None:

@@ -81,9 +81,15 @@ def half_width(robot: Robot) -> float:
 def _solids(floor: Map) -> Iterable[tuple[float, float, Any]]:
     for wall in floor.wall:
         for piece in wall_pieces(wall):
-            yield wall.bottom, wall.height, shapely.polygons(piece)
+            yield wall.bottom, wall.height, _polygon(piece)
     for obstacle in floor.obstacle:
-        yield obstacle.bottom, obstacle.top, shapely.polygons([(corner.x, corner.y) for corner in obstacle.corner])
+        yield obstacle.bottom, obstacle.top, _polygon([(corner.x, corner.y) for corner in obstacle.corner])
+
+
+def _polygon(ring: Sequence[tuple[float, float]]) -> Any:
+    """Return the polygon of a ring, which may go round holes too."""
+    found = shapely.polygons(ring)
+    return found if found.is_valid else shapely.make_valid(found)
 
 
 def _overlap(bottom: float, top: float, other_bottom: float, other_top: float) -> bool:

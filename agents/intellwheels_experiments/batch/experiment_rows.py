@@ -128,6 +128,9 @@ def _period(setting: Setting) -> float:
 
 
 def _with_option(cast: Cast, setting: Setting) -> Cast:
+    if cast.command is not None:
+        where, got = "Setting.Agent", cast.name
+        raise WireError("value", f"{where}: expected an agent with a mind, got {got!r}, which has a Command", where)
     option = Option(name=setting.name, value=setting.value)
     others = tuple(one for one in cast.option if one.name != setting.name)
     return msgspec.structs.replace(cast, option=(*others, option))

@@ -42,6 +42,7 @@ class Batch:
         out: The batch's folder.
         jobs: Number of workers at a time.
         timeout: Seconds of wall time that a run may take.
+        say: Tells people why a simulator is not ready yet.
     """
 
     rows: tuple[Row, ...]
@@ -53,6 +54,7 @@ class Batch:
     out: Path
     jobs: int
     timeout: float
+    say: Callable[[str], None] = lambda _: None
 
 
 def pending_runs(batch: Batch) -> list[tuple[Row, tuple[str, ...]]]:
@@ -108,8 +110,9 @@ def _run_seeds(
     while remaining:
         scratch = Path(tempfile.mkdtemp(prefix=".worker-", dir=batch.out))
         settings = WorkerSettings(
-            source=batch.source, folder=batch.folder, logs=scratch, runs=scratch / "runs", timeout=batch.timeout
-        )
+            source=batch.source, folder=batch.folder, logs=scratch, runs=scratch / "runs", timeout=batch.timeout,
+            say=batch.say,
+        )  # fmt: skip
         try:
             with RunWorker(settings, row, stop) as worker:
                 while remaining:

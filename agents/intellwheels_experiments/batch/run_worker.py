@@ -14,6 +14,7 @@ from __future__ import annotations
 import sys
 import threading
 import time
+from collections.abc import Callable
 from contextlib import ExitStack, suppress
 from dataclasses import dataclass
 from functools import partial
@@ -23,12 +24,12 @@ from typing import Final, NamedTuple, NoReturn, Self
 from intellwheels_experiments.batch.experiment_rows import Row
 from intellwheels_experiments.run.child_processes import READY_LIMIT, ChildProcesses, WaitError
 from intellwheels_experiments.run.endpoints import free_endpoint
+from intellwheels_experiments.run.foreign_program import launch_agent
 from intellwheels_experiments.run.launch_spec import (
     ANSWER_DEADLINE,
     LAB,
     LABORATORY,
     SERVER,
-    agent_child,
     agent_command,
     bridge_child,
     bridge_command,
@@ -37,11 +38,15 @@ from intellwheels_experiments.run.launch_spec import (
     mind_command,
     resolved,
 )
+from intellwheels_experiments.run.program_restarts import ProgramRestarts
+from intellwheels_experiments.run.start_watch import await_ready
 from intellwheels_experiments.run.world_watch import WorldWatch, watching
+from intellwheels_maps import floor
+from intellwheels_maps.cast_places import cast_places
 from intellwheels_schemas import defaults
 from intellwheels_schemas.keys import Verb
 from intellwheels_schemas.link import Link
-from intellwheels_schemas.messages import Cast, End, Pause, Record, Reset, Resume
+from intellwheels_schemas.messages import Cast, Delete, End, Pause, Record, Reset, Resume
 
 JOIN_LIMIT: Final = 90.0
 """Seconds for the agents to join, and for a run to start: other runs keep the machine busy."""
@@ -92,6 +97,7 @@ class WorkerSettings:
         runs: A folder for the files that the simulators write of each run.
         timeout: Seconds of wall time that a run may take.
         branch: A run whose beginning each run repeats, or None.
+        say: Tells people why a simulator is not ready yet.
     """
 
     source: str
@@ -100,6 +106,7 @@ class WorkerSettings:
     runs: Path
     timeout: float
     branch: Branch | None = None
+    say: Callable[[str], None] = lambda _: None
 
 
 class RunFolders(NamedTuple):
@@ -135,6 +142,8 @@ class RunWorker:
         self._children = self._stack.enter_context(ChildProcesses(settings.logs))
         self._watches: dict[str, WorldWatch] = {}
         self._endpoints: dict[str, str] = {}
+        self._agents: dict[str, str] = {}
+        self._restarts = ProgramRestarts(self._children, self._start_agent)
 
     def __enter__(self) -> Self:
         try:
@@ -160,6 +169,8 @@ class RunWorker:
             StoppedError: `stop` was set.
         """
         deadline = time.monotonic() + self._settings.timeout
+        for agent in self._restarts.end():
+            self._control(SERVER, "delete", Delete(agent=agent))
         mirror = self._reset(SERVER, seed)
         truth = self._reset(LABORATORY, seed) if self._row.bridges else mirror
         for server in self._servers:
@@ -181,7 +192,7 @@ class RunWorker:
             self._endpoints[server] = free_endpoint()
             self._children.launch(server, partial(self._server_command, server, world))
             # One after the other: the first start compiles the kernels, and the second finds them compiled.
-            self._await(server, "ready", READY_LIMIT)
+            self._await_ready(server)
             link = Link(world, connect=(self._endpoints[server],))
             try:
                 self._watches[server] = self._stack.enter_context(watching(link, self._stop, subscribes=False))
@@ -190,10 +201,16 @@ class RunWorker:
         for cast in self._row.scene.cast:
             if cast.name in self._row.bridges:
                 self._children.launch(bridge_child(cast.name), partial(self._bridge_command, cast))
-            self._children.launch(agent_child(cast.name), partial(self._agent_command, cast))
+            self._restarts.add(cast, self._start_agent(cast))
         for server in self._servers:
             self._await(server, "running", JOIN_LIMIT)
         self._pause()
+
+    def _start_agent(self, cast: Cast) -> str:
+        values = {"endpoint": self._endpoints[SERVER], "world": defaults.WORLD}
+        child = launch_agent(self._children, cast, partial(self._agent_command, cast), values, self._settings.folder)
+        self._agents[cast.name] = child
+        return child
 
     def _pause(self) -> None:
         for server in self._servers:
@@ -205,6 +222,8 @@ class RunWorker:
         if self._row.bridges and server == SERVER:
             end = End(timeout=end.timeout) if end is not None else None
         run = self._control(server, "reset", Reset(seed=seed, end=end))
+        if server == SERVER:
+            self._restarts.start_ended()
         self._await(server, "running", JOIN_LIMIT, run=run)
         return run
 
@@ -220,6 +239,9 @@ class RunWorker:
             arguments += ["--expect", ",".join(row.bridges), "--hide-truth"]
         else:
             arguments += ["--expect", ",".join(cast.name for cast in row.scene.cast)]
+            place_map = floor(row.scene.map, beside=settings.folder)
+            for agent, place in cast_places(row.scene.cast, place_map, beside=settings.folder).items():
+                arguments += ["--reserve", f"{agent}={place}"]
             if settings.branch is None:
                 arguments += ["--scene", resolved(settings.source, settings.folder), *row.arguments]
         if settings.branch is not None:
@@ -272,6 +294,19 @@ class RunWorker:
         except WaitError:
             self._fail(server, f"did not print {verb!r} within {limit:.0f} s")
 
+    def _await_ready(self, server: str) -> None:
+        """Wait until a simulator is ready, however long it compiles."""
+
+        def check() -> None:
+            if self._stop.is_set():
+                raise StoppedError
+            self._check()
+
+        try:
+            await_ready(self._children, server, READY_LIMIT, check=check, say=self._settings.say, interval=INTERVAL)
+        except WaitError:
+            self._fail(server, f"is not ready, and printed nothing for {READY_LIMIT:.0f} s")
+
     def _check(self) -> None:
         """Raise if a simulator ended its run early, or if a process ended."""
         self._check_misses()
@@ -284,7 +319,7 @@ class RunWorker:
                 continue
             for verb in ("miss", "differs"):
                 if (values := self._children.find_line(server, verb)) is not None:
-                    who = agent_child(values["agent"]) if "agent" in values else server
+                    who = self._agents.get(values.get("agent", ""), server)
                     self._fail(who, " ".join([verb, *(f"{name}={value}" for name, value in values.items())]))
 
     def _fail(self, child: str, what: str) -> NoReturn:

@@ -67,7 +67,7 @@ def perform_branch(batch: Batch, scene: Scene, changed: Row, log: Path, at: int,
         seed = parent.heading.seed
         settings = WorkerSettings(
             source=batch.source, folder=batch.folder, logs=scratch, runs=scratch / "runs", timeout=batch.timeout,
-            branch=Branch(log=log, at=at, mirror=mirror_log),
+            branch=Branch(log=log, at=at, mirror=mirror_log), say=batch.say,
         )  # fmt: skip
         with RunWorker(settings, changed, stop) as worker:
             truth, mirror = worker.run(seed)
@@ -132,6 +132,10 @@ def _changes(row: Row, changed: Row) -> str:
 
 
 def _change(old: Cast, new: Cast) -> str:
-    changes = [f"{new.name} with {new.mind}"] if new.mind != old.mind else []
+    changes = [f"{new.name} with {_program(new)}"] if _program(new) != _program(old) else []
     changes += [f"{new.name}.{option.name}={option.value}" for option in new.option if option not in old.option]
     return ", ".join(changes)
+
+
+def _program(cast: Cast) -> str:
+    return cast.command or cast.mind

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import shutil
 import sys
 import textwrap
 from collections.abc import Sequence
@@ -11,11 +12,13 @@ from intellwheels_experiments.conformance.agent_session import Patience
 from intellwheels_experiments.conformance.contract_points import Outcome, check, described
 from intellwheels_experiments.conformance.scripted_simulator import NetworkProbe
 from intellwheels_experiments.run.endpoints import free_endpoint
-from intellwheels_experiments.run.launch_spec import filled
 from intellwheels_maps import floor, robot
 from intellwheels_schemas import defaults
+from intellwheels_schemas.command_line import check_placeholders, filled
+from intellwheels_schemas.command_parser import CommandParser, positive_seconds
+from intellwheels_schemas.endpoint_form import check_free
 from intellwheels_schemas.errors import WireError
-from intellwheels_schemas.link import Link
+from intellwheels_schemas.link import Link, check_link
 from intellwheels_schemas.names import check_agent, check_name
 from intellwheels_schemas.process import add_process_options, stop_on_signals
 
@@ -41,7 +44,7 @@ exit codes: 0 all points passed, 1 otherwise, 2 wrong usage
 
 def parser() -> argparse.ArgumentParser:
     """Return the command line."""
-    result = argparse.ArgumentParser(
+    result = CommandParser(
         prog="iw-check-agent",
         usage="iw-check-agent [options] -- COMMAND ...",
         description="Run a program, in any language, against a scripted simulator, and report which points of the "
@@ -64,7 +67,7 @@ def parser() -> argparse.ArgumentParser:
     ):
         result.add_argument(
             f"--{what}-within",
-            type=_seconds,
+            type=positive_seconds,
             default=default,
             metavar="S",
             help=f"seconds within which the program {does} (default: {default:g})",
@@ -80,14 +83,17 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         agent = check_agent(options.name, "--name")
         world = check_name(options.world, "--world")
+        check_placeholders(options.command, "COMMAND")
+        link = _link(world, options.listen, options.connect)
+        _check_program(options.command[0])
+        check_free(link.listen)
     except WireError as error:
         print(f"iw-check-agent: {error}", file=sys.stderr)
         return 2
-    if options.listen and options.connect:
-        print("iw-check-agent: expected one of --listen and --connect, got both", file=sys.stderr)
-        return 2
-    endpoint = options.connect or options.listen or free_endpoint()
-    link = Link(world, connect=(endpoint,)) if options.connect else Link(world, listen=(endpoint,))
+    except ConnectionError as error:
+        print(f"iw-check-agent: {error}", file=sys.stderr)
+        return 1
+    endpoint = link.where()
     values = {"endpoint": endpoint, "world": world, "name": agent}
     command = [filled(argument, values) for argument in options.command]
     environment = {f"IW_{name.upper()}": value for name, value in values.items()}
@@ -106,25 +112,39 @@ def main(arguments: Sequence[str] | None = None) -> int:
     return 0 if passed == checked else 1
 
 
+def _link(world: str, listen: str | None, connect: str | None) -> Link:
+    """Return where the simulator of the check is.
+
+    Raises:
+        WireError: An endpoint is wrong, or there are two.
+    """
+    if listen is not None and connect is not None:
+        raise WireError("value", "--listen: expected one of --listen and --connect, got both", "--listen")
+    listens = () if connect is not None else (free_endpoint() if listen is None else listen,)
+    link = Link(world, listens, () if connect is None else (connect,))
+    check_link(link)
+    return link
+
+
+def _check_program(program: str) -> None:
+    """Check that the first word of the command is a program.
+
+    Raises:
+        WireError: It is not.
+    """
+    if shutil.which(program) is None:
+        raise WireError("value", f"COMMAND: expected a program that can be run, got {program!r}", "COMMAND")
+
+
 def _show(outcome: Outcome) -> None:
     if outcome.passed:
-        print(f"passed  {outcome.point:<8} {outcome.expected}", flush=True)
+        print(f"passed  {outcome.point:<10} {outcome.expected}", flush=True)
         return
     how = "skipped" if outcome.passed is None else "FAILED "
-    print(f"{how} {outcome.point:<8} expected {outcome.expected}\n{'':17}got {outcome.got}")
+    print(f"{how} {outcome.point:<10} expected {outcome.expected}\n{'':19}got {outcome.got}")
     for line in outcome.output.splitlines()[-10:]:
-        print(f"{'':17}| {line}")
+        print(f"{'':19}| {line}")
     sys.stdout.flush()
-
-
-def _seconds(text: str) -> float:
-    try:
-        value = float(text)
-    except ValueError:
-        value = 0.0
-    if not 0.0 < value < 1e6:
-        raise argparse.ArgumentTypeError(f"expected seconds above 0, got {text!r}")
-    return value
 
 
 if __name__ == "__main__":

@@ -45,6 +45,8 @@ TOKEN_WITHIN: Final = 1.0
 """Seconds that a token may arrive after its join: Zenoh keeps no order between the two."""
 QUIET: Final = 0.5
 """Seconds to wait for a message that must not come. An answer takes milliseconds."""
+SAY_LIMIT: Final = 100
+"""Characters of a message that the check's world allows."""
 SHOWN: Final = 240
 """Bytes of a payload that a finding shows."""
 
@@ -105,6 +107,7 @@ class AgentSession:
         exit_code: The exit code of its process; None while it runs.
         last_measures: The Measures that were answered last.
         last_answer: The answer to them.
+        last_put: That answer as it was put.
     """
 
     def __init__(self, probe: Probe, world: str, agent: str, body: Robot, patience: Patience) -> None:
@@ -125,6 +128,7 @@ class AgentSession:
         self.pending: JoinRequest | None = None
         self.exit_code: int | None = None
         self.last_measures = self.last_answer = b""
+        self.last_put = ActionsPut(b"", "")
         self.tokens.clear()
         self._joined: Joined | None = None
 
@@ -204,8 +208,8 @@ class AgentSession:
             tick=0,
             session=self.session,
             parameters=Parameters(
-                world=self._world, period=_SCENE.period, pace="lockstep", say_limit=100, say_range=_SCENE.say_range,
-                command_timeout=0.5, grace=3.0,
+                world=self._world, period=_SCENE.period, pace="lockstep", say_limit=SAY_LIMIT,
+                say_range=_SCENE.say_range, command_timeout=0.5, grace=3.0,
             ),
             position=Position(x=2.0, y=2.0, heading=0.0),
             robot=msgspec.structs.replace(self.robot, name=self.agent, role="both", format=None),
@@ -285,19 +289,19 @@ class AgentSession:
                 right = (self.tick, self.run, self.session)
                 if any(name not in (None, value) for name, value in zip(named, right, strict=True)) or actions.leave:
                     raise PointError(expected, shown(event.data))
-                self.last_answer = event.data
+                self.last_answer, self.last_put = event.data, event
                 self.tick += 1
                 return self.probe.now() - began
         raise PointError(f"{expected} within {self.patience.answer:g} s", f"{got} in answer to {shown(payload)}")
 
     def read(self, put: ActionsPut) -> Actions:
-        """Return decoded Actions.
+        """Return decoded Actions, by their first byte: their encoding is a point of its own.
 
         Raises:
             PointError: They are not valid.
         """
         try:
-            return decode(Actions, put.data, encoding_of(put.encoding, put.data))
+            return decode(Actions, put.data, encoding_of("", put.data))
         except WireError as error:
             raise PointError("valid Actions", f"{error.text}: {shown(put.data)}") from None
 

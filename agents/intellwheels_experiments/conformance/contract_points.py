@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping
 from typing import Final, NamedTuple
 
-from intellwheels_experiments.conformance import input_points, join_points, tick_points
+from intellwheels_experiments.conformance import input_points, join_points, message_points, tick_points
 from intellwheels_experiments.conformance.agent_session import AgentSession, Patience, PointError
 from intellwheels_experiments.conformance.probe import Probe
 from intellwheels_schemas.messages import Robot
@@ -17,10 +17,15 @@ from intellwheels_schemas.messages import Robot
 POINTS: Final[Mapping[str, Callable[[AgentSession], str]]] = {
     "join": join_points.join,
     "refusal": join_points.refusal,
+    "token": join_points.token,
     "ticks": tick_points.ticks,
     "lost": tick_points.lost,
     "again": tick_points.again,
     "late": tick_points.late,
+    "names": message_points.names,
+    "encoding": message_points.encoding,
+    "congestion": message_points.congestion,
+    "say": message_points.say,
     "reset": tick_points.reset,
     "restart": join_points.restart,
     "unknown": input_points.unknown,
@@ -50,7 +55,7 @@ class Outcome(NamedTuple):
 
 def described() -> str:
     """Return one line per point: its name, and what the program must do."""
-    return "\n".join(f"{name:<9} {(point.__doc__ or '').splitlines()[0]}" for name, point in POINTS.items())
+    return "\n".join(f"{name:<10} {(point.__doc__ or '').splitlines()[0]}" for name, point in POINTS.items())
 
 
 def check(probe: Probe, world: str, agent: str, body: Robot, patience: Patience | None = None) -> Iterator[Outcome]:

@@ -9,6 +9,8 @@ from intellwheels_experiments.conformance.probe import ActionsPut, JoinRequest, 
 from intellwheels_schemas.messages import Refused
 from intellwheels_schemas.names import new_hex
 
+ASKS_AGAIN: Final = 10.0
+"""Seconds in which a program must ask again after `no-token`."""
 REFUSED_FOR: Final = 3.0
 """Seconds in which a refused program must print the text of the refusal, and may end."""
 
@@ -43,6 +45,20 @@ def refusal(session: AgentSession) -> str:
     outcome = "ends" if session.exit_code is not None else "keeps running without a body"
     session.close()
     return f"prints the text and {outcome}"
+
+
+def token(session: AgentSession) -> str:
+    """Is refused with the code no-token, as its token was late: asks again after a moment."""
+    session.close()
+    session.probe.start_program()
+    session.refuse(session.await_join(), Refused(code="no-token", text="the liveliness token was not found; try again"))
+    within = min(ASKS_AGAIN, session.patience.start)
+    expected = f"another query to join/{session.agent} within {within:g} s of no-token"
+    request = session.next_event((JoinRequest,), within, expected)
+    if not isinstance(request, JoinRequest):
+        raise PointError(expected, "none")
+    session.grant(request)
+    return "asked again"
 
 
 def restart(session: AgentSession) -> str:

@@ -24,10 +24,17 @@ class JoinRequest(NamedTuple):
 
 
 class ActionsPut(NamedTuple):
-    """The program put something on its `actions` key."""
+    """The program put something on its `actions` key.
+
+    Attributes:
+        data: The payload.
+        encoding: The encoding of the put, as on the wire.
+        blocks: Whether this put, or an earlier one of the program, had the congestion control block.
+    """
 
     data: bytes
     encoding: str
+    blocks: bool = False
 
 
 class TokenChange(NamedTuple):

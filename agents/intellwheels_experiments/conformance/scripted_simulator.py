@@ -18,6 +18,8 @@ from pathlib import Path
 from types import TracebackType
 from typing import Final, Literal, Self
 
+import zenoh
+
 from intellwheels_experiments.conformance.probe import (
     ActionsPut,
     JoinRequest,
@@ -121,6 +123,8 @@ class NetworkProbe:
             self._gather(SLICE)
         self._gather(0.0)
         self._events.clear()
+        if self._simulator is not None:
+            self._simulator.blocks = False
 
     def output(self) -> str:
         """Return what the program printed since its start, on standard output and standard error."""
@@ -193,7 +197,8 @@ class NetworkProbe:
     def _take(self, arrival: Arrival) -> None:
         if isinstance(arrival, Put):
             if arrival.key == self._keys.actions(self._agent):
-                self._events.append(ActionsPut(arrival.data, arrival.encoding))
+                blocks = self._simulator is not None and self._simulator.blocks
+                self._events.append(ActionsPut(arrival.data, arrival.encoding, blocks))
         elif isinstance(arrival, Presence):
             token = self._keys.parse_token(arrival.key)
             if token is not None and token.agent == self._agent:
@@ -226,6 +231,9 @@ class NetworkProbe:
 class _Simulator:
     """The agent's view of a simulator: its presence, its answers to queries, and Measures.
 
+    Attributes:
+        blocks: Whether a program has put Actions that block, since this was last reset.
+
     Raises:
         ConnectionError: The port is in use, the router does not answer, or this process must end.
     """
@@ -235,10 +243,11 @@ class _Simulator:
         if session is None:
             raise ConnectionError(_STOPPED)
         self._inbox = Inbox()
+        self.blocks = False
         with ExitStack() as stack:
             stack.enter_context(session)
             stack.enter_context(watch_tokens(session, keys.tokens(agent), self._inbox))
-            stack.enter_context(session.declare_subscriber(keys.actions(agent), self._inbox.on_sample))
+            stack.enter_context(session.declare_subscriber(keys.actions(agent), self._on_actions))
             for key in (keys.join(agent), keys.leave(agent), keys.map):
                 stack.enter_context(session.declare_queryable(key, self._inbox.on_query))
             self._publishers = {
@@ -250,6 +259,12 @@ class _Simulator:
 
     def put(self, kind: Literal["measures", "error"], data: bytes, encoding: Encoding) -> None:
         self._publishers[kind].put(data, encoding=encoding.value)
+
+    def _on_actions(self, sample: zenoh.Sample) -> None:
+        # Zenoh calls this on a thread of its own. A flag that is set too early only names the fault too early.
+        if sample.congestion_control != zenoh.CongestionControl.DROP:
+            self.blocks = True
+        self._inbox.on_sample(sample)
 
     def take(self, seconds: float) -> list[Arrival]:
         self._inbox.wait(seconds)

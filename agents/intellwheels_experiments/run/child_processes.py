@@ -29,7 +29,7 @@ DEADLINE: Final = 30.0
 """Seconds of wall time that a wait may take by default; the machine may be busy."""
 
 READY_LIMIT: Final = 180.0
-"""Seconds for a simulator to print `ready`: its first start compiles the kernels, which is slow on a small machine."""
+"""Seconds for which a simulator that is not `ready` may print nothing. While it compiles kernels, it prints."""
 
 GRACE: Final = 3.0
 """Seconds that a child has to end after SIGTERM before it is killed."""
@@ -112,6 +112,7 @@ class ChildProcesses:
         self._output: SimpleQueue[_Output] = SimpleQueue()
         self._unread: dict[str, deque[str]] = {}
         self._exits: dict[str, Exited] = {}
+        self._dismissed: set[str] = set()
 
     def __enter__(self) -> Self:
         return self
@@ -191,8 +192,8 @@ class ChildProcesses:
 
     @property
     def exits(self) -> Mapping[str, Exited]:
-        """The children that ended, by name, in the order in which `receive` learned of it."""
-        return self._exits
+        """The children that ended, by name, in the order in which `receive` learned of it. Not those dismissed."""
+        return {child: exited for child, exited in self._exits.items() if child not in self._dismissed}
 
     def exited(self, child: str) -> Exited | None:
         """Return how a child ended, or None if `receive` has not learned of its end."""
@@ -318,6 +319,12 @@ class ChildProcesses:
         for child in ending:
             self._threads[child].join(timeout=2.0)
         return killed
+
+    def dismiss(self, children: Iterable[str], grace: float = GRACE) -> None:
+        """End children that others replace. `exits` does not list them, as their end is no fault."""
+        ending = list(children)
+        self._dismissed.update(ending)
+        self.end(ending, grace)
 
     def close(self, grace: float = GRACE) -> None:
         """End all children that still run, and close the lifeline. A second call does nothing.

@@ -227,13 +227,6 @@ def resolved(name_or_path: str, folder: Path | None) -> str:
     return str((folder or Path()).absolute() / name_or_path) if is_path(name_or_path) else name_or_path
 
 
-def filled(argument: str, values: Mapping[str, str]) -> str:
-    """Return an argument with each `{name}` replaced by its value. Other braces stay."""
-    for name, value in values.items():
-        argument = argument.replace(f"{{{name}}}", value)
-    return argument
-
-
 def wall_limit(scene: Scene, speed: float) -> float:
     """Return how many seconds of wall time a run of the scene may take.
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import shlex
 from collections.abc import Iterator
 from typing import Final, Literal, TypeAlias
 
@@ -18,7 +19,7 @@ from intellwheels_schemas.version import UNKNOWN, versions_of
 Finish: TypeAlias = Literal["ended", "missed", "died", "interrupted", "overtime"]
 
 _DISTRIBUTIONS: Final = ("intellwheels", "eclipse-zenoh", "msgspec", "numpy", "numba")
-_HEADS: Final = ("agent", "mind", "robot", "place", "reached", "distance", "contacts", "path", "turned")
+_HEADS: Final = ("agent", "mind", "robot", "place", "reached", "distance", "contacts", "path", "age", "turned")
 
 
 class Result(msgspec.Struct, frozen=True, kw_only=True):
@@ -93,7 +94,9 @@ def show(result: Result, console: Console) -> None:
 def lines(result: Result) -> Iterator[str]:
     """Return the result as lines for a script: the verb first, then `name=value`."""
     for agent in result.agents:
-        yield "agent " + " ".join(f"{head}={value}" for head, value in zip(_KEYS, _cells(agent), strict=True))
+        # A command line has spaces.
+        cells = [shlex.quote(cell) for cell in _cells(agent)]
+        yield "agent " + " ".join(f"{head}={value}" for head, value in zip(_KEYS, cells, strict=True))
     yield _figures(result)
     yield from (f"failed {sentence}" for sentence in result.failed)
     yield _headline(result)
@@ -104,19 +107,20 @@ def versions() -> dict[str, str]:
     return {name: version for name, version in versions_of(*_DISTRIBUTIONS).items() if version != UNKNOWN}
 
 
-_KEYS: Final = ("name", "mind", "robot", "place", "reached", "distance", "contacts", "path", "turned_deg")
+_KEYS: Final = ("name", "mind", "robot", "place", "reached", "distance", "contacts", "path", "age", "turned_deg")
 
 
 def _cells(agent: AgentResult) -> tuple[str, ...]:
     return (
         agent.name,
         agent.mind,
-        agent.robot,
+        agent.robot or "-",
         agent.place or "-",
         {True: "yes", False: "no", None: "-"}[agent.reached],
         "-" if agent.distance is None else f"{agent.distance:.3f}m",
         str(agent.contacts),
         f"{agent.path:.2f}m",
+        f"{agent.command_age:.3f}s",
         f"{math.degrees(agent.turned):.0f}",
     )
 

@@ -15,6 +15,7 @@ from functools import partial
 from typing import Final, Protocol
 
 from intellwheels_experiments.run.child_processes import READY_LIMIT, ChildProcesses, Exited, WaitError
+from intellwheels_experiments.run.foreign_program import launch_agent
 from intellwheels_experiments.run.launch_spec import (
     LABORATORY,
     SERVER,
@@ -23,10 +24,13 @@ from intellwheels_experiments.run.launch_spec import (
     agent_child,
     bridge_child,
 )
+from intellwheels_experiments.run.program_restarts import Controls, ProgramRestarts
 from intellwheels_experiments.run.progress import Progress
 from intellwheels_experiments.run.run_record import RunRecord
 from intellwheels_experiments.run.run_report import Finish, Result, versions
+from intellwheels_experiments.run.start_watch import await_ready
 from intellwheels_experiments.run.verdict import judge
+from intellwheels_schemas.messages import Cast
 
 START_LIMIT: Final = 60.0
 """Seconds for all agents to join once they were started."""
@@ -34,21 +38,15 @@ START_LIMIT: Final = 60.0
 VIEW_LIMIT: Final = 60.0
 """Seconds for the viewer to serve its page."""
 
-COLD_START: Final = 5.0
-"""Seconds after which a start that is not finished must be compiling the kernels."""
-
 INTERVAL: Final = 0.1
 """Seconds between two checks of a run."""
 
 
-class Watch(Protocol):
-    """Receives what a world publishes, and queries it."""
+class Watch(Controls, Protocol):
+    """Receives what a world publishes, queries it and controls it."""
 
     def drain(self, record: RunRecord) -> None:
         """Put what arrived since the last call into the record."""
-
-    def query_all(self, record: RunRecord) -> None:
-        """Ask the simulator for its clock, the present state and the events that were missed."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -87,15 +85,16 @@ def perform(
     record = RunRecord()
     stopwatch = _Stopwatch()
     with ChildProcesses(spec.logs) as children:
+        restarts = ProgramRestarts(children, partial(_start_agent, spec, children))
         try:
-            _start(spec, children, progress, stop)
+            _start(spec, children, restarts, progress, stop)
             with watching(stop) as watch:
-                finish = _follow(spec, children, watch, record, progress, stop, stopwatch)
+                finish = _follow(spec, children, restarts, watch, record, progress, stop, stopwatch)
                 watch.drain(record)
                 if SERVER in children.running:
                     watch.query_all(record)
                 if finish.how == "ended" and VIEWER in children.running:
-                    _keep_page(spec, children, watch, progress, stop)
+                    _keep_page(spec, children, restarts, watch, progress, stop)
         except _StartError as error:
             finish = error.finish
         except ConnectionError as error:
@@ -139,7 +138,18 @@ class _Stopwatch:
         return (self._end or time.monotonic()) - self._begin
 
 
-def _start(spec: LaunchSpec, children: ChildProcesses, progress: Progress, stop: threading.Event) -> None:
+def _start_agent(spec: LaunchSpec, children: ChildProcesses, cast: Cast) -> str:
+    values = {"endpoint": next(iter(spec.meeting), ""), "world": spec.world}
+    return launch_agent(children, cast, partial(spec.agent_command, cast), values, spec.folder)
+
+
+def _start(
+    spec: LaunchSpec,
+    children: ChildProcesses,
+    restarts: ProgramRestarts,
+    progress: Progress,
+    stop: threading.Event,
+) -> None:
     """Start all processes, the simulator first.
 
     Raises:
@@ -152,13 +162,13 @@ def _start(spec: LaunchSpec, children: ChildProcesses, progress: Progress, stop:
         _await_ready(server, READY_LIMIT, children, stop, progress)
     if spec.view is not None:
         children.launch(VIEWER, spec.viewer_command)
-        ready = _await_ready(VIEWER, VIEW_LIMIT, children, stop)
+        ready = _await_ready(VIEWER, VIEW_LIMIT, children, stop, progress)
         # Before anything moves.
         progress.say(f"view it at {ready.get('url', '?')}; the scene starts when the page is open")
     for cast in spec.scene.cast:
         if cast.name in spec.bridges:
             children.launch(bridge_child(cast.name), partial(spec.bridge_command, cast))
-        children.launch(agent_child(cast.name), partial(spec.agent_command, cast))
+        restarts.add(cast, _start_agent(spec, children, cast))
     progress.say(
         f"started world={spec.world} at={','.join(spec.meeting)} agents={len(spec.scene.cast)} logs={spec.logs}"
     )
@@ -167,45 +177,43 @@ def _start(spec: LaunchSpec, children: ChildProcesses, progress: Progress, stop:
 
 
 def _await_ready(
-    child: str, limit: float, children: ChildProcesses, stop: threading.Event, progress: Progress | None = None
+    child: str, limit: float, children: ChildProcesses, stop: threading.Event, progress: Progress
 ) -> Mapping[str, str]:
     """Wait until a process prints `ready`; return the values of that line.
 
     Args:
         child: The process.
-        limit: Seconds that it has.
+        limit: Seconds that it may print nothing.
         children: All processes.
         stop: Set to abort.
-        progress: Where to say that the kernels are being compiled, if it takes long; None: do not say it.
+        progress: Where to say what it waits for, or that it compiles kernels.
 
     Raises:
-        _StartError: A process ended, the time is over, or `stop` was set.
+        _StartError: A process ended or was silent for too long, or `stop` was set.
     """
-    begun = time.monotonic()
-    announced = progress is None
 
-    def look() -> Mapping[str, str] | None:
-        nonlocal announced
-        if (values := children.find_line(child, "ready")) is not None:
-            return values
+    def check() -> None:
         for exited in children.exits.values():
             raise _StartError(_died(children, exited))
         if stop.is_set():
             raise _StartError(_Finished("interrupted", f"before the {child} was ready"))
-        if progress is not None and not announced and time.monotonic() - begun > COLD_START:
-            progress.say("compiling the simulator's kernels: only at the first start, about 45 s")
-            announced = True
-        return None
 
     try:
-        return children.wait(look, f"line 'ready' of {child}", limit, interval=INTERVAL)
+        return await_ready(
+            children, child, limit, check=check, say=progress.say, doing=progress.doing, interval=INTERVAL
+        )
     except WaitError:
-        finish = _Finished("overtime", _with_tail(children, child, f"not ready after {limit:.0f} s"))
+        finish = _Finished("overtime", _with_tail(children, child, f"not ready, and silent for {limit:.0f} s"))
         raise _StartError(finish) from None
 
 
 def _keep_page(
-    spec: LaunchSpec, children: ChildProcesses, watch: Watch, progress: Progress, stop: threading.Event
+    spec: LaunchSpec,
+    children: ChildProcesses,
+    restarts: ProgramRestarts,
+    watch: Watch,
+    progress: Progress,
+    stop: threading.Event,
 ) -> None:
     """Keep the scene and its page until `stop` is set, or until the simulator or the viewer ends.
 
@@ -218,6 +226,7 @@ def _keep_page(
     def over() -> bool | None:
         nonlocal record
         watch.drain(record)
+        restarts.follow(record, watch)
         if children.find_line(SERVER, "ended") is not None:
             watch.query_all(record)
             verdict = judge(spec.scene, spec.floor, record)
@@ -231,6 +240,7 @@ def _keep_page(
 def _follow(
     spec: LaunchSpec,
     children: ChildProcesses,
+    restarts: ProgramRestarts,
     watch: Watch,
     record: RunRecord,
     progress: Progress,
@@ -255,6 +265,7 @@ def _follow(
             if child in (SERVER, LABORATORY) or (child != VIEWER and exited.code != 0):
                 return _died(children, exited)
         watch.drain(record)
+        restarts.follow(record, watch)
         progress.follow(record)
         if stop.is_set():
             return _Finished("interrupted")

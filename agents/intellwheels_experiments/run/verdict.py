@@ -18,7 +18,7 @@ class AgentResult(Struct, frozen=True, kw_only=True):
 
     Attributes:
         name: The agent.
-        mind: Its mind, as the scene names it.
+        mind: Its mind or command, as the scene has it.
         robot: Its body, as the scene names it.
         place: The place that it had to reach; None without one.
         distance: From its centre of movement to that place when last seen, in m; None if there is no place, or if the
@@ -27,6 +27,7 @@ class AgentResult(Struct, frozen=True, kw_only=True):
         contacts: Number of contacts. A contact that lasts counts once.
         path: Length of its path as far as it was seen, in m: a lower bound.
         turned: Largest angle from its first heading, in rad, in [0, pi].
+        command_age: Mean age of its commands when they took effect, in s; 0 if none was late.
         seen: Whether it was seen at all.
     """
 
@@ -39,6 +40,7 @@ class AgentResult(Struct, frozen=True, kw_only=True):
     contacts: int = 0
     path: float = 0.0
     turned: float = 0.0
+    command_age: float = 0.0
     seen: bool = False
 
 
@@ -99,7 +101,7 @@ def _agents(scene: Scene, floor: Map, record: RunRecord) -> tuple[AgentResult, .
         agents.append(
             AgentResult(
                 name=cast.name,
-                mind=cast.mind,
+                mind=cast.command or cast.mind,
                 robot=cast.robot,
                 place=reach.place if reach else None,
                 distance=distance,
@@ -108,6 +110,7 @@ def _agents(scene: Scene, floor: Map, record: RunRecord) -> tuple[AgentResult, .
                 contacts=track.last.contacts if track else 0,
                 path=track.length if track else 0.0,
                 turned=track.turned if track else 0.0,
+                command_age=track.last.command_age if track else 0.0,
                 seen=track is not None,
             )
         )

@@ -13,7 +13,11 @@ from typing import Final
 
 from intellwheels_experiments.run.child_processes import READY_LIMIT, REPORT_LINES, ChildProcesses, WaitError
 from intellwheels_experiments.run.endpoints import free_endpoint
-from intellwheels_experiments.run.launch_spec import SERVER, agent_child, agent_command, filled, link_arguments
+from intellwheels_experiments.run.foreign_program import check_program, check_programs, launch_agent, launch_program
+from intellwheels_experiments.run.launch_spec import SERVER, agent_child, agent_command, link_arguments
+from intellwheels_experiments.run.program_restarts import ProgramRestarts
+from intellwheels_experiments.run.start_watch import await_ready
+from intellwheels_schemas.command_line import check_placeholders, filled
 from intellwheels_schemas.messages import Cast, Option
 from intellwheels_schemas.names import check_agent
 
@@ -49,6 +53,10 @@ class ProcessGroup:
         self._simulator = SERVER
         self._router_child = ROUTER
         self._agents: dict[str, str] = {}
+        self._folders: dict[str, Path | None] = {}
+        self._restarts = ProgramRestarts(
+            self.processes, lambda cast: self._launch_cast(cast, self._folders[cast.name], "json")
+        )
         self._may_end: set[str] = set()
         self._frozen: set[str] = set()
 
@@ -167,7 +175,7 @@ class ProcessGroup:
 
     def _start_simulator(self) -> None:
         self._simulator = self.processes.start(SERVER, "intellwheels_server", *self._arguments)
-        self.processes.line(self._simulator, "ready", READY_LIMIT)
+        await_ready(self.processes, self._simulator, READY_LIMIT)
 
     def _kill_simulator(self) -> None:
         self._may_end.add(self._simulator)
@@ -194,17 +202,31 @@ class ProcessGroup:
             raise ValueError(
                 f"agent {name!r}: expected no robot, place or options with a command; put them into the command"
             )
-        values = {"endpoint": self._meeting, "world": WORLD, "name": name}
-        command = [filled(argument, values) for argument in mind]
-        environment = {f"IW_{key.upper()}": value for key, value in values.items()}
-        self._agents[name] = self.processes.launch(agent_child(name), lambda _: command, environment)
+        check_placeholders(mind, "mind")
+        folder = (self._folder or Path()).absolute()
+        check_program(filled(mind[0], {"name": name}), folder, "mind")
+        self._agents[name] = launch_program(
+            self.processes, agent_child(name), mind, {"name": name, **self._values}, folder
+        )
 
     def _start_cast(self, cast: Cast, folder: Path | None, encoding: str) -> None:
+        check_programs([cast], folder)
+        self._folders[cast.name] = folder
+        self._restarts.add(cast, self._launch_cast(cast, folder, encoding))
+
+    def _launch_cast(self, cast: Cast, folder: Path | None, encoding: str) -> str:
         arguments = [*link_arguments(WORLD, connect=[self._meeting]), "--encoding", encoding]
         command = agent_command(cast, folder, arguments)
-        self._agents[cast.name] = self.processes.launch(
-            agent_child(cast.name), lambda lifeline: [*command, "--lifeline", str(lifeline)]
+        child = launch_agent(
+            self.processes, cast, lambda lifeline: [*command, "--lifeline", str(lifeline)], self._values, folder
         )
+        self._agents[cast.name] = child
+        return child
+
+    @property
+    def _values(self) -> dict[str, str]:
+        """What replaces the placeholders in a command, besides the name."""
+        return {"endpoint": self._meeting, "world": WORLD}
 
     @property
     def _meeting(self) -> str:

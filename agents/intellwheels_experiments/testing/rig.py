@@ -34,7 +34,7 @@ from intellwheels_maps import scene as scene_file
 from intellwheels_schemas.channels import VERB_CLASSES
 from intellwheels_schemas.keys import Verb
 from intellwheels_schemas.link import Link
-from intellwheels_schemas.messages import Event, Miss, Pace, Result, Step
+from intellwheels_schemas.messages import Delete, Event, Miss, Pace, Result, Step
 
 ROUNDING: Final = 1e-9
 """Seconds by which a simulated time may be too short, as sums of periods are rounded."""
@@ -159,7 +159,7 @@ class Rig(ProcessGroup):
                 `MotorNoise=0.02`. Not for a command.
 
         Raises:
-            WireError: The name is not a valid name of an agent.
+            WireError: The name is not a valid name of an agent, or the command cannot be started.
             ValueError: A command was given with a robot, a place or options.
             WaitError: It did not join, or a process ended.
         """
@@ -313,7 +313,16 @@ class Rig(ProcessGroup):
         Raises:
             ConnectionError: No answer came in time.
         """
-        return self._watched().control(verb, VERB_CLASSES[verb](**fields), DEADLINE)
+        watch, message = self._watched(), VERB_CLASSES[verb](**fields)
+        if verb not in ("reset", "load", "restore"):
+            return watch.control(verb, message, DEADLINE)
+        ended = self._restarts.end()
+        for agent in ended if verb != "restore" else ():
+            watch.control("delete", Delete(agent=agent), DEADLINE)
+        result = watch.control(verb, message, DEADLINE)
+        self._restarts.start_ended()
+        self._await_joined(ended, 0)
+        return result
 
     # ------------------------------------------------------------ what happened
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from intellwheels_server.log.input_log import Header, Line, LogError, LogReader
@@ -28,7 +28,7 @@ class Resimulation:
     ticks: int
     tick: int
     hash: str
-    header: Header
+    header: Header = field(repr=False)
     runs: int = 1
     cut: bool = False
     differs: str | None = None

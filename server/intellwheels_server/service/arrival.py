@@ -8,9 +8,11 @@ from typing import Literal, NamedTuple
 
 from intellwheels_schemas.codec import Encoding, encoding_of
 from intellwheels_schemas.errors import WireError
-from intellwheels_schemas.messages import Record, Role
+from intellwheels_schemas.messages import Record, Result, Role
 
-PutKind = Literal["actions", "say", "pose", "user"]
+PutKind = Literal["actions", "say", "pose", "user", "stray"]
+"""What a message is. A stray one is on a key that is none of an agent's."""
+
 Topic = Literal["join", "leave", "ctl", "map", "event", "body", "state", "clock"]
 
 
@@ -18,11 +20,12 @@ class Put(NamedTuple):
     """A message on a key that agents or users write.
 
     Attributes:
-        agent: The agent in the key.
+        agent: The agent in the key; empty for a stray message if that is no name.
         kind: Which of its keys.
         data: The payload; empty if it was too long to keep.
         encoding: Zenoh's encoding, as text.
         size: Bytes that arrived; more than `len(data)` if the payload was too long.
+        key: For a stray message, the start of its key after the prefix of the world.
     """
 
     agent: str
@@ -30,6 +33,7 @@ class Put(NamedTuple):
     data: bytes
     encoding: str
     size: int = 0
+    key: str = ""
 
 
 class Token(NamedTuple):
@@ -77,8 +81,9 @@ class Query:
         return Encoding.XML if found is Encoding.XML else Encoding.JSON
 
     def reply(self, message: Record) -> None:
-        """Send the only reply and end the query."""
-        self.send(message, self.reply_encoding(), True, None)
+        """Send the only reply and end the query. A `Result` that is not ok is an error reply, as every refusal is."""
+        ok = not isinstance(message, Result) or message.code == "ok"
+        self.send(message, self.reply_encoding(), ok, None)
         self.close()
 
     def refuse(self, message: Record) -> None:

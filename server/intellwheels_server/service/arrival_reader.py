@@ -13,6 +13,8 @@ from intellwheels_server.service.arrival import Arrival, Put, PutKind, Query, To
 
 MAX_KEYS: Final = 4_096
 """Keys whose parts are remembered."""
+MAX_SHOWN: Final = 200
+"""Characters of an unknown key that are kept."""
 TOPICS: Final[dict[str, Topic]] = {topic: topic for topic in get_args(Topic)}
 
 
@@ -32,14 +34,21 @@ class ArrivalReader:
         """Return what an arrival is, or None if it is to be ignored."""
         if isinstance(arrival, zenoh_inbox.Put):
             target = self._put_target(arrival.key)
-            return Put(target[0], target[1], arrival.data, arrival.encoding) if target else None
+            return Put(target[0], target[1], arrival.data, arrival.encoding) if target else self._stray(arrival.key)
         if isinstance(arrival, zenoh_inbox.Ask):
             return self._query(arrival)
         if isinstance(arrival, zenoh_inbox.Presence):
             token = self._keys.parse_token(arrival.key)
             return Token(token.agent, token.role, token.instance, arrival.alive) if token else None
         target = self._put_target(arrival.key)
-        return Put(target[0], target[1], b"", "", arrival.length) if target else None
+        return Put(target[0], target[1], b"", "", arrival.length) if target else self._stray(arrival.key)
+
+    def _stray(self, key: str) -> Put | None:
+        """Return a message on a key below `in` or `user` that nobody reads, without its bytes."""
+        agent = self._keys.parse_stray(key)
+        if agent is None:
+            return None
+        return Put(agent, "stray", b"", "", key=key[len(self._keys.prefix) :][:MAX_SHOWN])
 
     def _put_target(self, key: str) -> tuple[str, PutKind] | None:
         """Return the agent and the kind of message in a key."""
@@ -61,8 +70,10 @@ class ArrivalReader:
 
     def _query(self, arrival: zenoh_inbox.Ask) -> Query | None:
         keys = self._keys
-        chunk = arrival.key.removeprefix(keys.prefix).partition("/")[0]
-        topic = TOPICS.get(chunk) if arrival.key.startswith(keys.prefix) else None
+        # A query with wildcards may ask for several keys. The queryable says which one of them this is about.
+        served = arrival.served or arrival.key
+        chunk = served.removeprefix(keys.prefix).partition("/")[0]
+        topic = TOPICS.get(chunk) if served.startswith(keys.prefix) else None
         if topic is None:
             arrival.close()
             return None
@@ -93,7 +104,9 @@ class ArrivalReader:
     ) -> None:
         data = encode(message, encoding)
         if ok:
-            arrival.reply(data, encoding, None if name is None else f"{self._keys.prefix}{topic}/{name}")
+            key = (arrival.served or None) if name is None else f"{self._keys.prefix}{topic}/{name}"
+            # A reply needs a key without wildcards.
+            arrival.reply(data, encoding, key if name is not None or "*" in arrival.key else None)
         else:
             arrival.refuse(data, encoding)
 

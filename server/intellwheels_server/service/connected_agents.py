@@ -46,6 +46,7 @@ class ConnectedAgents:
         bridges: The reports of each real body.
         encodings: How each agent gets its measures.
         waiting_joins: Joins that wait for their token, the oldest first.
+        deleted: The session of each agent whose body an operator deleted, until the agent joins again.
     """
 
     def __init__(self) -> None:
@@ -54,6 +55,7 @@ class ConnectedAgents:
         self.bridges: dict[str, BridgeStatus] = {}
         self.encodings: dict[str, Encoding] = {}
         self.waiting_joins: list[WaitingJoin] = []
+        self.deleted: dict[str, str] = {}
 
     def expected_answers(self) -> frozenset[Answer]:
         """Return what lockstep expects of all members at each tick."""

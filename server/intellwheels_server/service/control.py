@@ -12,7 +12,7 @@ import msgspec
 
 from intellwheels_schemas.channels import VERB_CLASSES
 from intellwheels_schemas.codec import Encoding, decode, encoding_of
-from intellwheels_schemas.errors import WireError
+from intellwheels_schemas.errors import RequestRefusedError, WireError
 from intellwheels_schemas.file_records import (
     DeleteBody,
     GoOn,
@@ -25,7 +25,6 @@ from intellwheels_schemas.file_records import (
 )
 from intellwheels_schemas.messages import (
     Delete,
-    Load,
     OperatorSay,
     Pause,
     Quit,
@@ -43,18 +42,27 @@ from intellwheels_schemas.messages import (
 )
 from intellwheels_server.service import joining, outbound, saved_states
 from intellwheels_server.service.arrival import Query
+from intellwheels_server.service.error_replies import DELETED
+from intellwheels_server.service.floor_queue import MAX_LOADS
+from intellwheels_server.service.load_floor import LoadedFloor, LoadFault, LoadRequest
 from intellwheels_server.service.new_run import begin_new_run
 from intellwheels_server.service.pacing import PendingSteps
 from intellwheels_server.service.roster import OPERATOR, new_hex
+from intellwheels_server.service.sensor_budget import check_sensor_budget
 from intellwheels_server.service.service_state import ServiceState
-from intellwheels_server.world import Outcome
+from intellwheels_server.world import Outcome, Walls
 
 MAX_NOTED_SPEED = 100.0
 """Largest speed that an event can carry."""
+IN_ORDER = (Reset, Restore, Save, Spawn, Delete, Teleport)
+"""Messages that do not overtake a load, as they mean another thing on another map."""
 
 
 def handle_control(service: ServiceState, query: Query, now: float) -> None:
     """Handle a control message and send its result."""
+    if query.name == "load":
+        _queue_load(service, query, now)
+        return
     message = read_message(service, query)
     if message is not None:
         handle(message, service, query, now)
@@ -63,6 +71,9 @@ def handle_control(service: ServiceState, query: Query, now: float) -> None:
 def read_message(service: ServiceState, query: Query) -> Record | None:
     """Return the control message of a query. If it cannot be read, send an error reply and return None."""
     cls = VERB_CLASSES.get(query.name)
+    if cls is None and query.has_wildcards:  # it asks for whatever there is, and a verb is nothing to get
+        query.close()
+        return None
     if cls is None:
         query.refuse(service.result("unsupported", "no such verb"))
         return None
@@ -83,7 +94,11 @@ def read_message(service: ServiceState, query: Query) -> Record | None:
 @singledispatch
 def handle(message: Record, service: ServiceState, query: Query, _now: float) -> None:
     """Handle a control message at once, or queue it if it changes the world."""
-    service.queue_change(partial(change, message, service, query))
+    request = partial(change, message, service, query)
+    if service.floors.is_empty or not isinstance(message, IN_ORDER):
+        service.queue_change(request)
+    else:
+        service.floors.add(request)
 
 
 @handle.register
@@ -164,26 +179,27 @@ def _reset(message: Reset, service: ServiceState, query: Query, now: float) -> N
     _restart(service, query, Restart(run=new_hex(), seed=seed, end=message.end), now)
 
 
-@change.register
-def _load(message: Load, service: ServiceState, query: Query, now: float) -> None:
-    seed = message.seed if message.seed is not None else service.run.state.setup.seed
-    try:
-        floor = service.load_floor(message)
-    except WireError as error:
-        query.reply(service.result("not-found" if message.map is None else "failed", error.text))
+def _queue_load(service: ServiceState, query: Query, now: float) -> None:
+    """Load a floor beside the world, as that may take long; even reading the request may."""
+    service.publisher.outlet.log_line(f"asked verb=load tick={service.run.state.tick}")
+    request = LoadRequest(query.data, query.encoding)
+    if not service.floors.add_load(request, partial(_begin_on_floor, service, query), now):
+        query.reply(service.result("failed", f"Load: expected at most {MAX_LOADS} that wait, got more; ask again"))
+
+
+def _begin_on_floor(service: ServiceState, query: Query, found: LoadedFloor | LoadFault, now: float) -> None:
+    if isinstance(found, LoadFault):
+        answer = query.refuse if found.malformed else query.reply
+        answer(service.result(found.code, found.text))
         return
-    _restart(service, query, Restart(run=new_hex(), seed=seed, map=floor, end=message.end), now)
+    seed = found.seed if found.seed is not None else service.run.state.setup.seed
+    restart = Restart(run=new_hex(), seed=seed, map=found.floor, end=found.end)
+    _restart(service, query, restart, now, found.walls)
 
 
-def _restart(service: ServiceState, query: Query, restart: Restart, now: float) -> None:
+def _restart(service: ServiceState, query: Query, restart: Restart, now: float, walls: Walls | None = None) -> None:
     before = service.run.state
-    try:
-        outcome = service.apply(restart)
-    except ValueError as error:  # a fault of the map that only the world finds
-        if restart.map is None:
-            raise
-        query.reply(service.result("failed", f"Load.Map: {error}"))
-        return
+    outcome = service.apply(restart, walls)
     if outcome.code != "ok":
         query.reply(service.result(outcome.code, outcome.text))
         return
@@ -213,20 +229,31 @@ def _spawn(message: Spawn, service: ServiceState, query: Query, _now: float) -> 
     if name == OPERATOR:
         query.reply(service.result("failed", f"Spawn.Robot.Name: the name '{OPERATOR}' is reserved for people"))
         return
-    outcome = service.apply(SpawnBody(robot=message.robot, position=message.position))
+    try:
+        check_sensor_budget(service, name or "", message.robot)
+    except RequestRefusedError as refusal:
+        query.reply(service.result("failed", f"Spawn.{refusal.text}"))
+        return
+    # An operator may put a body anywhere. One that goes to any place leaves those of the scene's agents free.
+    anywhere = message.position is None and message.robot.position is None and message.robot.place is None
+    reserved = joining.reserved_places(service) if anywhere else ()
+    outcome = service.apply(SpawnBody(robot=message.robot, position=message.position, reserved=reserved))
     if outcome.code == "ok" and name is not None:
         outbound.publish_body(service, name)
     _reply(service, query, outcome)
 
 
 @change.register
-def _delete(message: Delete, service: ServiceState, query: Query, _now: float) -> None:
+def _delete(message: Delete, service: ServiceState, query: Query, now: float) -> None:
     agent = message.agent
     outcome = service.apply(DeleteBody(agent=agent))
     if outcome.code == "ok":
         members = service.agents.roster.members(agent)
         joining.forget_body(service, agent)
         if members:
+            outbound.send_error(service, agent, DELETED, now)
+            mind = service.agents.roster.mind(agent)
+            service.agents.deleted[agent] = (mind or members[0]).session
             joining.remove_member(service, members[0])
         else:
             service.publisher.outlet.undeclare_agent(agent)

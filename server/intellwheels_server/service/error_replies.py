@@ -16,6 +16,10 @@ ERROR_RATE: Final = 5.0
 """Error replies a second to one agent."""
 ERROR_BURST: Final = 10.0
 """Error replies in a row before the rate limit applies."""
+UNASKED_RATE: Final = 0.2
+"""Reports a second about user input that an agent did not ask for, and about keys that nobody reads."""
+UNASKED_BURST: Final = 2.0
+"""Such reports in a row before the rate applies."""
 STRANGERS: Final = 256
 """Senders that have not joined whose names are remembered."""
 STRANGER_RATE: Final = 20.0
@@ -36,6 +40,10 @@ class Fault(NamedTuple):
     text: str
     where: str | None = None
     seq: int | None = None
+
+
+DELETED: Final = Fault("deleted", "an operator deleted the body of this agent; to join again, start its program again")
+"""What an agent is told when its body was deleted, and when it goes on sending."""
 
 
 class Bucket:
@@ -71,15 +79,21 @@ class Bucket:
 class _Account:
     __slots__ = ("bucket", "suppressed")
 
-    def __init__(self, now: float) -> None:
-        self.bucket = Bucket(ERROR_RATE, ERROR_BURST, now)
+    def __init__(self, bucket: Bucket) -> None:
+        self.bucket = bucket
         self.suppressed = 0
 
 
 class ErrorLimit:
-    """Decides which error replies are sent."""
+    """Decides which error replies are sent.
 
-    def __init__(self) -> None:
+    Args:
+        rate: Error replies a second to one agent.
+        burst: Error replies in a row before the rate applies.
+    """
+
+    def __init__(self, rate: float = ERROR_RATE, burst: float = ERROR_BURST) -> None:
+        self._rate, self._burst = rate, burst
         self._known: dict[str, _Account] = {}
         self._strangers: OrderedDict[str, _Account] = OrderedDict()
         self._all_strangers = Bucket(STRANGER_RATE, STRANGER_RATE, 0.0)
@@ -105,13 +119,16 @@ class ErrorLimit:
 
     def _account(self, agent: str, known: bool, now: float) -> _Account:
         if known:
-            return self._known.setdefault(agent, _Account(now)) if agent not in self._known else self._known[agent]
+            return self._known[agent] if agent in self._known else self._known.setdefault(agent, self._new(now))
         account = self._strangers.get(agent)
         if account is None:
-            account = self._strangers[agent] = _Account(now)
+            account = self._strangers[agent] = self._new(now)
             if len(self._strangers) > STRANGERS:
                 self._strangers.popitem(last=False)
         return account
+
+    def _new(self, now: float) -> _Account:
+        return _Account(Bucket(self._rate, self._burst, now))
 
 
 class MessageLimit:

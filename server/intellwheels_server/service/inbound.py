@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import difflib
+
 import msgspec
 
-from intellwheels_schemas.codec import Encoding, decode, encoding_of
+from intellwheels_schemas.codec import decode, encoding_of
 from intellwheels_schemas.errors import WireError
+from intellwheels_schemas.explain import shown
+from intellwheels_schemas.keys import IN_KINDS
 from intellwheels_schemas.messages import (
     Actions,
-    Error,
     Pose,
     Say,
     UserInput,
@@ -16,22 +19,21 @@ from intellwheels_schemas.messages import (
 from intellwheels_server.service import joining
 from intellwheels_server.service.arrival import Put
 from intellwheels_server.service.barrier import AnswerKind
-from intellwheels_server.service.error_replies import Fault
+from intellwheels_server.service.error_replies import DELETED, Fault
 from intellwheels_server.service.input_latch import check_time
+from intellwheels_server.service.outbound import send_error, send_unasked_error
 from intellwheels_server.service.pacing import Pacing
-from intellwheels_server.service.roster import check_session
+from intellwheels_server.service.roster import Member, check_session
 from intellwheels_server.service.service_state import ServiceState
 from intellwheels_server.world import State
-
-WHERE_LIMIT = 200
-"""Characters of the place in an error."""
-TEXT_LIMIT = 1000
-"""Characters of the text of an error."""
 
 
 def take_put(service: ServiceState, put: Put, now: float) -> None:
     """Take a message on a key of an agent; the agent gets an error if something is wrong with it."""
     agent, kind, pacing = put.agent, put.kind, service.pacing
+    if kind == "stray":
+        _report_stray(service, put, now)
+        return
     if kind in ("actions", "pose") and pacing.barrier_open and pacing.barrier.repeats(agent, kind, put.data):
         return
     # A user who floods must not use up what the agent itself may send. No agent's name has a slash.
@@ -61,13 +63,15 @@ def take_put(service: ServiceState, put: Put, now: float) -> None:
 def _take_actions(service: ServiceState, agent: str, actions: Actions, data: bytes, now: float) -> Fault | None:
     roster, state, barrier = service.agents.roster, service.run.state, service.pacing.barrier
     member = roster.mind(agent)
-    fault = check_session(member, roster.members(agent), actions.session, "Actions")
+    fault = _check_session(service, agent, member, actions.session, "Actions")
     if fault is None:
         fault = check_time(actions.run, actions.tick, state.run, state.tick, "Actions")
         if fault is not None and fault.code == "late" and actions.run in (None, state.run):
             if barrier.repeats_late(agent, "actions", data):
                 return None
             barrier.revive(agent)
+            if not service.pacing.lockstep:
+                fault = service.command_ages.check_late(agent, actions, state.run, state.tick)
     if fault is not None or member is None:
         return fault._replace(seq=actions.seq) if fault else None
     fault = _answer(service.pacing, state.tick, agent, "actions", data, "Actions")
@@ -76,6 +80,8 @@ def _take_actions(service: ServiceState, agent: str, actions: Actions, data: byt
     if actions.say is not None and len(actions.say) > state.setup.say_limit:
         send_error(service, agent, _too_long(state, "Actions.Say", actions.say, actions.seq), now)
         actions = msgspec.structs.replace(actions, say=None)
+    if not service.pacing.lockstep:
+        service.command_ages.take(agent, actions, state.tick)
     replaced_say = service.latch.act(agent, actions)
     if actions.leave:
         joining.queue_leave(service, member)
@@ -85,7 +91,7 @@ def _take_actions(service: ServiceState, agent: str, actions: Actions, data: byt
 def _take_pose(service: ServiceState, agent: str, pose: Pose, data: bytes, now: float) -> Fault | None:
     roster, state, pacing = service.agents.roster, service.run.state, service.pacing
     member = roster.body(agent)
-    fault = check_session(member, roster.members(agent), pose.session, "Pose")
+    fault = _check_session(service, agent, member, pose.session, "Pose")
     if fault is None and member is not None and not member.real:
         fault = Fault("role", "Pose: expected a robot of Type real, got a simulated one", "Pose")
     if fault is None:
@@ -107,6 +113,16 @@ def _take_pose(service: ServiceState, agent: str, pose: Pose, data: bytes, now: 
     if bridge is not None:
         bridge.reported_at = now
     return None
+
+
+def _check_session(
+    service: ServiceState, agent: str, member: Member | None, session: str | None, where: str
+) -> Fault | None:
+    """Return what is wrong with the session of a message, or None. An agent that was deleted is told so."""
+    fault = check_session(member, service.agents.roster.members(agent), session, where)
+    if fault is not None and session is not None and service.agents.deleted.get(agent) == session:
+        return DELETED
+    return fault
 
 
 def _answer(pacing: Pacing, tick: int, agent: str, kind: AnswerKind, data: bytes, where: str) -> Fault | None:
@@ -142,8 +158,15 @@ def _too_long(state: State, where: str, text: str, seq: int | None) -> Fault:
 
 
 def _take_user_input(service: ServiceState, agent: str, user: UserInput, now: float) -> Fault | None:
-    if agent not in service.run.state.body_set.models:
-        return None  # there is no body to steer, and no agent that could get an error
+    model = service.run.state.body_set.models.get(agent)
+    if model is None:
+        text = f"UserInput: expected the name of an agent that is here, got '{agent}'"
+        send_unasked_error(service, agent, Fault("not-joined", text, "UserInput", user.seq), now)
+        return None
+    if not model.wants_user and user.lease is None and service.agents.leases.active(agent) is None:
+        text = f"UserInput: expected an agent whose Robot has UserInput, or a lease of ctl/take, got '{agent}'"
+        send_unasked_error(service, agent, Fault("role", text, "UserInput", user.seq), now)
+        return None
     checked = service.agents.leases.check_input(agent, user, now)
     if isinstance(checked, Fault):
         return checked._replace(seq=user.seq)
@@ -152,20 +175,15 @@ def _take_user_input(service: ServiceState, agent: str, user: UserInput, now: fl
     return None
 
 
-def send_error(service: ServiceState, agent: str, fault: Fault, now: float) -> None:
-    """Send an agent an error about one of its messages, unless it got too many errors recently."""
-    roster, state = service.agents.roster, service.run.state
-    suppressed = service.error_limit.admit(agent, agent in roster, now)
-    if suppressed is None:
-        return
-    member = roster.mind(agent) or roster.body(agent)
-    error = Error(
-        run=state.run,
-        tick=state.tick,
-        code=fault.code,
-        where=fault.where[:WHERE_LIMIT] if fault.where else None,
-        seq=fault.seq,
-        suppressed=suppressed,
-        text=fault.text[:TEXT_LIMIT],
-    )
-    service.publisher.outlet.agent(agent, "error", error, member.encoding if member else Encoding.JSON)
+def _report_stray(service: ServiceState, put: Put, now: float) -> None:
+    """Report a message on a key that nobody reads: to the agent in it, or in the log if there is no such name."""
+    head = put.key.partition("/")[0]
+    valid = [f"user/{put.agent}"] if head == "user" else [f"in/{put.agent}/{kind}" for kind in IN_KINDS]
+    near = difflib.get_close_matches(put.key, valid, n=1) if put.agent else []
+    hint = f"; did you mean {near[0]}?" if near else ""
+    pattern = "user/<agent>" if head == "user" else f"in/<agent>/ and one of {', '.join(IN_KINDS)}"
+    text = f"key: expected {pattern}, got {shown(put.key)}{hint}"
+    if put.agent:
+        send_unasked_error(service, put.agent, Fault("field", text, put.key), now)
+    elif service.unasked_limit.admit("", False, now) is not None:
+        service.publisher.outlet.log_line(f"dropped why={text!r}")

@@ -1,7 +1,7 @@
 """The messages of agents that act on the next step, kept until the step is made. Pure.
 
-Of several actions for one tick the newest counts, by sequence number. Fields that it leaves out keep the values of the
-earlier ones.
+Of several actions for one step the newest counts, by tick and sequence number. Fields that it leaves out keep the
+values of the earlier ones.
 """
 
 from __future__ import annotations
@@ -39,7 +39,8 @@ class InputLatch:
         """Keep actions, unless newer ones for this tick came before; return the fault of a say that they replace."""
         earlier = self.actions.get(agent)
         if earlier is not None:
-            if actions.seq is not None and earlier.seq is not None and actions.seq <= earlier.seq:
+            later = actions.tick is not None and earlier.tick is not None and actions.tick > earlier.tick
+            if not later and actions.seq is not None and earlier.seq is not None and actions.seq <= earlier.seq:
                 return None
             actions = _merge(earlier, actions)
         self.actions[agent] = actions

@@ -24,7 +24,9 @@ from intellwheels_schemas.rules import has_motors
 from intellwheels_server.service import outbound
 from intellwheels_server.service.arrival import Query, Token
 from intellwheels_server.service.connected_agents import BridgeStatus, WaitingJoin
+from intellwheels_server.service.error_replies import Fault
 from intellwheels_server.service.roster import Member, Roster, new_hex, same_body
+from intellwheels_server.service.sensor_budget import check_sensor_budget
 from intellwheels_server.service.service_state import ServiceState
 from intellwheels_server.service.truth_filter import nominal
 from intellwheels_server.world import State
@@ -173,6 +175,7 @@ def _admit(
     else:
         body = robot
         _check_real(service, robot)
+        check_sensor_budget(service, agent, robot)
     barrier = robot.barrier if robot.barrier is not None else has_motors(body)
     if barrier and pacing.pace == "free" and not service.options.open_loop:
         raise RequestRefusedError(
@@ -192,6 +195,7 @@ def _admit(
     )
     position = _give_body(service, member, current, keeps_body)
     agents.roster.add(member)
+    agents.deleted.pop(agent, None)
     pacing.barrier.reset_member(agent)
     if member.real and member.has_body:
         # The entry of a body that stays is kept: it records what the world knows, such as that the pose is old.
@@ -232,7 +236,7 @@ def _give_body(service: ServiceState, member: Member, current: Member | None, ke
             forget_body(service, agent)
         else:
             service.latch.forget(agent)
-    outcome = service.apply(Join(agent=agent, robot=_named(member.robot, agent)))
+    outcome = service.apply(_body_join(service, member))
     if outcome.code != "ok":
         if current is not None:
             remove_member(service, current)
@@ -240,6 +244,26 @@ def _give_body(service: ServiceState, member: Member, current: Member | None, ke
     for mind in other_minds:  # they join the new body
         service.apply(Join(agent=agent, robot=_named(mind.robot, agent)))
     return outcome.position or position_of(service.run.state, agent)
+
+
+def _body_join(service: ServiceState, member: Member) -> Join:
+    """Return the change by which a member joins: its body at its place in the scene, and at nobody else's."""
+    agent, robot = member.agent, member.robot
+    if not member.has_body:
+        return Join(agent=agent, robot=_named(robot, agent))
+    others = reserved_places(service, besides=agent)
+    own = service.options.reserved.get(agent)
+    if own in reserved_places(service) and robot.place is None and robot.position is None:
+        robot = msgspec.structs.replace(robot, place=own)
+    return Join(agent=agent, robot=_named(robot, agent), reserved=others)
+
+
+def reserved_places(service: ServiceState, besides: str = "") -> tuple[str, ...]:
+    """Return the places that are kept for agents, sorted. A place that this map does not have is nobody's."""
+    grid = service.run.state.setup.floor.grid
+    known = {spot.name for spot in grid.position} if grid is not None else set()
+    reserved = service.options.reserved.items()
+    return tuple(sorted(place for agent, place in reserved if agent != besides and place in known))
 
 
 def is_unowned(service: ServiceState, agent: str) -> bool:
@@ -324,8 +348,11 @@ def queue_leave(service: ServiceState, member: Member, query: Query | None = Non
     service.queue_change(partial(_leave, service, member, query))
 
 
-def _leave(service: ServiceState, member: Member, query: Query | None, _now: float) -> None:
+def _leave(service: ServiceState, member: Member, query: Query | None, now: float) -> None:
     if member in service.agents.roster.members(member.agent):
+        if member.role == "body" and service.agents.roster.mind(member.agent) is not None:
+            fault = Fault("not-joined", f"agent '{member.agent}' has no body any more, so its mind has left too")
+            outbound.send_error(service, member.agent, fault, now)
         service.apply(Depart(agent=member.agent, role=member.role))
         remove_member(service, member)
     if query is not None:
@@ -350,6 +377,7 @@ def forget_body(service: ServiceState, agent: str) -> None:
     """Drop everything that belonged to a body which is gone."""
     service.pacing.barrier.forget(agent)
     service.latch.forget(agent)
+    service.command_ages.forget(agent)
     service.agents.leases.forget(agent)
     service.agents.bridges.pop(agent, None)
 
@@ -363,6 +391,7 @@ def _update_members(service: ServiceState, agent: str) -> None:
     if reader is None:
         agents.encodings.pop(agent, None)
         service.error_limit.forget(agent)
+        service.unasked_limit.forget(agent)
         outlet.undeclare_agent(agent)
     else:
         agents.encodings[agent] = reader.encoding

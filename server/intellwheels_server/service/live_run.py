@@ -11,11 +11,12 @@ from collections.abc import Callable
 from typing import Final
 
 from intellwheels_schemas.file_records import Verdict
-from intellwheels_schemas.messages import Event, Load, Map
+from intellwheels_schemas.messages import Event
 from intellwheels_server.log.branch import Branch
 from intellwheels_server.service import control, inbound, joining, outbound
 from intellwheels_server.service.arrival import Arrival, Put, Query, Token
 from intellwheels_server.service.connected_agents import BridgeStatus
+from intellwheels_server.service.load_floor import FloorWorker
 from intellwheels_server.service.publisher import Outlet
 from intellwheels_server.service.run_state import Recorder
 from intellwheels_server.service.service_state import Options, ServiceState
@@ -32,13 +33,13 @@ class LiveRun:
         self,
         options: Options,
         outlet: Outlet,
-        load_floor: Callable[[Load], Map],
+        floor_worker: FloorWorker,
         unix_time: Callable[[], float],
         record: Recorder | None = None,
         run: str | None = None,
     ) -> None:
         """Begin a run; the arguments are those of `ServiceState`."""
-        self._service = ServiceState(options, outlet, load_floor, unix_time, record, run)
+        self._service = ServiceState(options, outlet, floor_worker, unix_time, record, run)
         self._service.pacing.paused = options.await_page
 
     @property
@@ -78,13 +79,14 @@ class LiveRun:
         if service.exit is not None:
             return
         joining.handle_deadlines(service, now)
+        for request in service.floors.work(now):
+            service.queue_change(request)
         if service.has_queued_changes and service.may_change():
             service.make_queued_changes(now)
         if self._may_start():
             self._start(now)
         self._move(now)
-        if service.publisher.schedule.take_due(now):
-            outbound.publish(service, now)
+        outbound.publish_due(service, now)
         outbound.put_idle_powers(service, now)
 
     def due(self, now: float) -> float:
@@ -94,6 +96,7 @@ class LiveRun:
             service.publisher.schedule.due(),
             agents.leases.due(),
             agents.roster.due(service.options.grace),
+            service.floors.due(now),
             *(join.until for join in agents.waiting_joins),
         ]
         if agents.bridges and service.is_stopped():
@@ -111,10 +114,16 @@ class LiveRun:
                 return now
         return min(times)
 
+    def spend(self, seconds: float, now: float) -> None:
+        """Note that the work of this run has taken so many seconds of wall time until now."""
+        self._service.pacing.busy_share.spend(seconds, now)
+
     def finish(self, now: float) -> None:
         """Publish and record what is left before the service ends."""
         service = self._service
         service.answer_steps("failed", "the simulator ends")
+        for request in service.floors.close():
+            request(now)
         for join in service.agents.waiting_joins:
             join.query.close()
         service.agents.waiting_joins.clear()
@@ -142,6 +151,9 @@ class LiveRun:
     def _start(self, now: float) -> None:
         service, pacing, state = self._service, self._service.pacing, self._service.run.state
         pacing.waiting_to_start = False
+        if service.run.unrecorded:
+            # Who joined before the first step is in a line of its own, so that files of the run begin with all bodies.
+            service.run.record_changes(state.tick)
         pacing.metronome.start(now)
         service.publisher.schedule.mark_changed()
         service.publisher.outlet.print_line(f"running tick={state.tick} run={state.run}")

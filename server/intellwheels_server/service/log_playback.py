@@ -8,16 +8,17 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import singledispatchmethod
-from typing import Final, NoReturn
+from typing import Final
 
 from intellwheels_schemas.codec import Encoding
-from intellwheels_schemas.messages import Load, Pause, Quit, Record, Refused, Resume, Seek, Speed, Step
+from intellwheels_schemas.messages import Pause, Quit, Record, Refused, Resume, Seek, Speed, Step
 from intellwheels_server.log.reported_poses import ReportedPoses
 from intellwheels_server.log.seekable_log import Place, SeekableLog
-from intellwheels_server.service import control, inbound, outbound
+from intellwheels_server.service import control, outbound
 from intellwheels_server.service.arrival import Arrival, Put, Query, Token
 from intellwheels_server.service.error_replies import Fault
 from intellwheels_server.service.event_buffer import EventBuffer
+from intellwheels_server.service.load_floor import LoadRequest
 from intellwheels_server.service.pacing import PendingSteps
 from intellwheels_server.service.publisher import Outlet
 from intellwheels_server.service.service_state import Options, PlaybackProgress, ServiceState
@@ -48,7 +49,7 @@ class Playback:
             log: What is played.
             reported: The poses that the bridges of its chairs reported, if another log has them.
         """
-        self._service = ServiceState(options, outlet, _no_floor, unix_time, run=log.header.run)
+        self._service = ServiceState(options, outlet, _NoFloors(), unix_time, run=log.header.run)
         self._service.pacing.waiting_to_start = False
         # It waits for a viewer: the first page that opens resumes it. With `quit_at_end` it plays at once.
         self._service.pacing.paused = not options.quit_at_end
@@ -87,7 +88,7 @@ class Playback:
                 return  # the playback puts these poses itself, and receives them too
             fault = Fault("not-joined", f"{arrival.kind}: {READ_ONLY}")
             if service.message_limit.admit(arrival.agent, service.run.state.tick, now):
-                inbound.send_error(service, arrival.agent, fault, now)
+                outbound.send_error(service, arrival.agent, fault, now)
         elif not isinstance(arrival, Token):
             self._take_query(arrival, now)
 
@@ -109,6 +110,10 @@ class Playback:
         """Return when to call `work` next if nothing arrives; `now` or less means at once."""
         due = self._service.publisher.schedule.due()
         return min(due, max(self._service.pacing.metronome.due(), now)) if self._moves() else due
+
+    def spend(self, seconds: float, now: float) -> None:
+        """Note that the work of this playback has taken so many seconds of wall time until now."""
+        self._service.pacing.busy_share.spend(seconds, now)
 
     def finish(self, now: float) -> None:
         """Publish what is left before the service ends."""
@@ -281,5 +286,11 @@ class Playback:
         query.reply(service.result("ok"))
 
 
-def _no_floor(_load: Load) -> NoReturn:
-    raise TypeError("expected no load in a playback")
+class _NoFloors:
+    """Takes the place of the worker that loads floors. A playback refuses loads."""
+
+    def begin(self, request: LoadRequest, limit: float) -> None:
+        raise TypeError(f"expected no load in a playback, got {request!r} within {limit} s")
+
+    def take(self) -> None:
+        return None

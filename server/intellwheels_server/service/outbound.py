@@ -6,10 +6,12 @@ from typing import Final
 
 import msgspec
 
+from intellwheels_schemas.codec import Encoding
 from intellwheels_schemas.messages import (
     Body,
     Clock,
     ClockState,
+    Error,
     MapInfo,
     PowerInForce,
     Role,
@@ -17,14 +19,20 @@ from intellwheels_schemas.messages import (
 )
 from intellwheels_server import world
 from intellwheels_server.service.arrival import Query
+from intellwheels_server.service.error_replies import Fault
 from intellwheels_server.service.publisher import Publisher
 from intellwheels_server.service.roster import Roster
 from intellwheels_server.service.run_state import RunState
+from intellwheels_server.service.sensor_budget import costliest, total_rays
 from intellwheels_server.service.service_state import ServiceState
 from intellwheels_server.service.state_parts import split_state
 from intellwheels_server.service.truth_filter import nominal
 from intellwheels_server.world import State
 
+WHERE_LIMIT: Final = 200
+"""Characters of the place in an error."""
+TEXT_LIMIT: Final = 1000
+"""Characters of the text of an error."""
 IDLE_POWER_INTERVAL: Final = 0.1
 """Seconds between two powers to a real chair while the run is stopped."""
 
@@ -44,6 +52,33 @@ def put_all_measures(service: ServiceState) -> None:
     state, put = service.run.state, service.publisher.outlet.agent
     for agent, encoding in service.agents.encodings.items():
         put(agent, "measures", world.measures(state, agent), encoding)
+
+
+def send_error(service: ServiceState, agent: str, fault: Fault, now: float) -> None:
+    """Send an agent an error about one of its messages, unless it got too many errors recently."""
+    _send_error(service, agent, fault, service.error_limit.admit(agent, agent in service.agents.roster, now))
+
+
+def send_unasked_error(service: ServiceState, agent: str, fault: Fault, now: float) -> None:
+    """Send an error about a message that the agent's own program may not have sent, so send it seldom."""
+    _send_error(service, agent, fault, service.unasked_limit.admit(agent, agent in service.agents.roster, now))
+
+
+def _send_error(service: ServiceState, agent: str, fault: Fault, suppressed: int | None) -> None:
+    roster, state = service.agents.roster, service.run.state
+    if suppressed is None:
+        return
+    member = roster.mind(agent) or roster.body(agent)
+    error = Error(
+        run=state.run,
+        tick=state.tick,
+        code=fault.code,
+        where=fault.where[:WHERE_LIMIT] if fault.where else None,
+        seq=fault.seq,
+        suppressed=suppressed,
+        text=fault.text[:TEXT_LIMIT],
+    )
+    service.publisher.outlet.agent(agent, "error", error, member.encoding if member else Encoding.JSON)
 
 
 def put_powers(service: ServiceState, tick: int) -> None:
@@ -93,9 +128,28 @@ def publish(service: ServiceState, now: float) -> None:
     """Put the state and the clock."""
     publisher = service.publisher
     publisher.schedule.mark_published(now)
-    for part in _state_parts(service.run.state, publisher):
-        publisher.outlet.state(part)
-    publisher.outlet.clock(_clock(service, now))
+    parts = _state_parts(service)
+    publisher.schedule.mark_state(_shown(service, parts), now)
+    _put_state_and_clock(service, parts, now)
+
+
+def publish_due(service: ServiceState, now: float) -> None:
+    """Put the clock if it is due, and the state with it unless it was published and nothing has moved since."""
+    publisher = service.publisher
+    if publisher.schedule.take_due(now):
+        parts = _state_parts(service)
+        due = publisher.schedule.take_state(_shown(service, parts), now)
+        _put_state_and_clock(service, parts if due else [], now)
+
+
+def _shown(service: ServiceState, parts: list[WorldState]) -> object:
+    return service.run.state.run, [part.entity for part in parts]
+
+
+def _put_state_and_clock(service: ServiceState, parts: list[WorldState], now: float) -> None:
+    for part in parts:
+        service.publisher.outlet.state(part)
+    service.publisher.outlet.clock(_clock(service, now))
 
 
 def publish_map(run: RunState, publisher: Publisher) -> None:
@@ -132,11 +186,18 @@ def body_of(service: ServiceState, agent: str) -> Body:
     )
 
 
-def _state_parts(state: State, publisher: Publisher) -> list[WorldState]:
+def _state_parts(service: ServiceState) -> list[WorldState]:
     """Return the state in parts that each fit into a message; none if the truth is hidden."""
-    if publisher.hide_truth:
+    if service.publisher.hide_truth:
         return []
-    return split_state(state.run, state.tick, state.time, world.entities(state))
+    state, ages = service.run.state, service.command_ages.means()
+    entities = world.entities(state)
+    if ages:
+        entities = tuple(
+            msgspec.structs.replace(entity, command_age=ages[entity.name]) if entity.name in ages else entity
+            for entity in entities
+        )
+    return split_state(state.run, state.tick, state.shown_time, entities)
 
 
 def _clock(service: ServiceState, now: float) -> Clock:
@@ -144,12 +205,15 @@ def _clock(service: ServiceState, now: float) -> Clock:
     return Clock(
         run=state.run,
         tick=state.tick,
-        time=state.time,
+        time=state.shown_time,
         state=_clock_state(service, now),
         pace=pacing.pace,
         speed=pacing.metronome.speed,
-        factor=pacing.real_time_factor.value(now),
+        factor=round(pacing.real_time_factor.value(now), 6),
         late=pacing.metronome.late,
+        load=round(pacing.busy_share.value(now), 3),
+        rays=total_rays(state),
+        costliest=costliest(state),
         hash=service.run.digest(),
         stamp=service.publisher.unix_time(),
         waiting=_awaited_agents(service, now),
@@ -195,7 +259,7 @@ def answer_query(service: ServiceState, query: Query, now: float) -> None:
         case "body":
             query.reply_each({name: body_of(service, name) for name in run.state.names if query.matches(name)})
         case "state":
-            parts = {str(part.part): part for part in _state_parts(run.state, publisher)}
+            parts = {str(part.part): part for part in _state_parts(service)}
             query.reply_each({name: part for name, part in parts.items() if query.matches(name)})
 
 

@@ -96,3 +96,30 @@ class RealTimeFactor:
     def reset(self) -> None:
         """Forget everything; measuring starts with the next tick."""
         self._since, self._ticks, self._factor = None, 0, 0.0
+
+
+class BusyShare:
+    """The share of wall time that was spent on work, measured over the last second."""
+
+    def __init__(self) -> None:
+        self._since: float | None = None
+        self._spent = 0.0
+        self._share = 0.0
+
+    def spend(self, seconds: float, now: float) -> None:
+        """Note that work has taken so many seconds until now."""
+        if self._since is None:
+            self._since = now - seconds
+        self._spent += seconds
+        elapsed = now - self._since
+        if elapsed >= WINDOW:
+            self._share = self._spent / elapsed
+            self._since, self._spent = now, 0.0
+
+    def value(self, now: float) -> float:
+        """Return the share over the last window, or over the part of the first window that has passed."""
+        if self._since is None or now <= self._since:
+            return self._share
+        if self._share == 0.0 or now - self._since > 2.0 * WINDOW:
+            return min(self._spent / (now - self._since), 1.0)
+        return self._share

@@ -10,12 +10,15 @@ import sys
 from collections.abc import Sequence
 
 from intellwheels_schemas import defaults, link
+from intellwheels_schemas.command_parser import CommandParser
+from intellwheels_schemas.endpoint_form import check_endpoint
+from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.process import SLICE, add_process_options, stop_on_signals
 
 
 def parser() -> argparse.ArgumentParser:
     """Return the parser of the command line."""
-    found = argparse.ArgumentParser(
+    found = CommandParser(
         prog="iw-router",
         description="Run a router through which a simulator and its agents connect. Start each of them with "
         "--connect ENDPOINT, where ENDPOINT is an endpoint of this router.",
@@ -35,6 +38,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Run the router until it is stopped; return the exit code: 0 done, 1 failed, 2 wrong usage."""
     options = parser().parse_args(arguments)
     listen = options.listen or [defaults.ENDPOINT]
+    try:
+        for endpoint in listen:
+            check_endpoint(endpoint, "--listen")
+    except WireError as error:
+        print(f"iw-router: {error}", file=sys.stderr)
+        return 2
     if options.print:
         print(link.router_settings(listen), end="")
         return 0

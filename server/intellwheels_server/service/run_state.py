@@ -9,7 +9,7 @@ import msgspec
 from intellwheels_schemas.file_records import Change, Inputs
 from intellwheels_schemas.messages import Event, Result, ResultCode
 from intellwheels_server import world
-from intellwheels_server.world import Outcome, Outputs, State
+from intellwheels_server.world import Outcome, Outputs, State, Walls
 
 TEXT_LIMIT = 1000
 """Characters of a text in a reply."""
@@ -55,9 +55,14 @@ class RunState:
         words = text[:TEXT_LIMIT] if text else None
         return Result(code=code, run=self.state.run, tick=self.state.tick, hash=self.digest(), text=words)
 
-    def apply(self, change: Change) -> tuple[Outcome, tuple[Event, ...]]:
-        """Change the world at the current tick; return the outcome and the events."""
-        self.state, outputs = world.apply(self.state, (change,))
+    def apply(self, change: Change, walls: Walls | None = None) -> tuple[Outcome, tuple[Event, ...]]:
+        """Change the world at the current tick; return the outcome and the events.
+
+        Args:
+            change: The change.
+            walls: The walls of its map, if it has one and they are cut already.
+        """
+        self.state, outputs = world.apply(self.state, (change,), walls)
         self._unrecorded.append(change)
         return outputs.outcomes[0], outputs.events
 

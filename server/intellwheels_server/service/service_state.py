@@ -6,22 +6,25 @@ publishes, and `live_run` moves the world.
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
 
 from intellwheels_schemas import defaults
 from intellwheels_schemas.file_records import Change
-from intellwheels_schemas.messages import Load, Map, Pace, Result, ResultCode
+from intellwheels_schemas.messages import Pace, Result, ResultCode
 from intellwheels_server import world
 from intellwheels_server.log.branch import Branch
+from intellwheels_server.service.command_ages import CommandAges
 from intellwheels_server.service.connected_agents import ConnectedAgents
-from intellwheels_server.service.error_replies import ErrorLimit, MessageLimit
+from intellwheels_server.service.error_replies import UNASKED_BURST, UNASKED_RATE, ErrorLimit, MessageLimit
+from intellwheels_server.service.floor_queue import FloorQueue
 from intellwheels_server.service.input_latch import InputLatch
+from intellwheels_server.service.load_floor import FloorWorker
 from intellwheels_server.service.pacing import Pacing
 from intellwheels_server.service.publisher import Outlet, Publisher
 from intellwheels_server.service.roster import new_hex
 from intellwheels_server.service.run_state import Recorder, RunState
-from intellwheels_server.world import Outcome, Setup
+from intellwheels_server.world import Outcome, Setup, Walls
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -36,11 +39,14 @@ class Options:
         expect: Agents whose minds must have joined before tick 0 is left.
         open_loop: Whether, at pace `free`, agents may join that want the simulator to wait for their answers.
         grace: Seconds until an agent whose token is gone is removed.
+        agent_rays: Rays per second that the sensors of an agent may cast in real time.
+        world_rays: Rays per second that all sensors together may cast in real time.
         deadline: Seconds lockstep waits for an answer.
         quit_at_end: Whether the service ends when the run ends.
         await_page: Whether the run starts paused, until a page opens or somebody resumes it.
         branch: The run that this one repeats at first, if any.
         hide_truth: Whether true poses stay off the network: the world is a laboratory (`truth_filter`).
+        reserved: The place that is kept for each agent of the scene.
     """
 
     world: str
@@ -50,11 +56,14 @@ class Options:
     expect: tuple[str, ...] = ()
     open_loop: bool = False
     grace: float = defaults.GRACE
+    agent_rays: int = defaults.AGENT_RAYS
+    world_rays: int = defaults.WORLD_RAYS
     deadline: float = defaults.ELASTIC_DEADLINE
     quit_at_end: bool = False
     await_page: bool = False
     branch: Branch | None = None
     hide_truth: bool = False
+    reserved: Mapping[str, str] = field(default_factory=dict)
 
 
 @dataclass(slots=True)
@@ -75,10 +84,12 @@ class ServiceState:
         pacing: When ticks begin.
         agents: The agents that have joined.
         latch: The messages of agents that act on the next step.
+        command_ages: How late the commands of agents are, in a run that does not wait for them.
         message_limit: How many messages of a sender are read.
         error_limit: How many error replies a sender gets.
+        unasked_limit: How many reports there are about input that nobody asked for, and about unknown keys.
         publisher: The outgoing side.
-        load_floor: Returns the map that a `load` asks for, or raises `WireError`.
+        floors: The requests to load a floor, and those that wait for them.
         playback: How far the playback is; None in a live run.
     """
 
@@ -86,7 +97,7 @@ class ServiceState:
         self,
         options: Options,
         outlet: Outlet,
-        load_floor: Callable[[Load], Map],
+        floor_worker: FloorWorker,
         unix_time: Callable[[], float],
         record: Recorder | None = None,
         run: str | None = None,
@@ -96,7 +107,7 @@ class ServiceState:
         Args:
             options: How the service runs.
             outlet: Where messages go.
-            load_floor: Returns the map that a `load` asks for, or raises `WireError`.
+            floor_worker: Loads the floors that operators ask for.
             unix_time: Returns Unix time in seconds, for stamps.
             record: Writes the input log; None for no log.
             run: The name of the run; random if not given.
@@ -107,10 +118,12 @@ class ServiceState:
         self.pacing = Pacing(options.pace, options.setup, speed=options.speed, deadline=options.deadline)
         self.agents = ConnectedAgents()
         self.latch = InputLatch()
+        self.command_ages = CommandAges(options.setup.period)
         self.message_limit = MessageLimit()
         self.error_limit = ErrorLimit()
+        self.unasked_limit = ErrorLimit(UNASKED_RATE, UNASKED_BURST)
         self.publisher = Publisher(outlet, unix_time, hide_truth=options.hide_truth)
-        self.load_floor = load_floor
+        self.floors = FloorQueue(floor_worker)
         self.playback: PlaybackProgress | None = None
         self._queue: list[Callable[[float], None]] = []
 
@@ -150,9 +163,14 @@ class ServiceState:
             for request in queue:
                 request(now)
 
-    def apply(self, change: Change) -> Outcome:
-        """Change the world, publish what happened and return the outcome."""
-        outcome, events = self.run.apply(change)
+    def apply(self, change: Change, walls: Walls | None = None) -> Outcome:
+        """Change the world, publish what happened and return the outcome.
+
+        Args:
+            change: The change.
+            walls: The walls of its map, if it has one and they are cut already.
+        """
+        outcome, events = self.run.apply(change, walls)
         self.publisher.schedule.mark_changed()
         for event in events:
             self.publisher.put_event(event)

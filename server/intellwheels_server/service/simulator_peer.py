@@ -10,6 +10,7 @@ import contextlib
 import threading
 import time
 from collections.abc import Callable
+from contextlib import closing
 from pathlib import Path
 from typing import Any, Final, Protocol
 
@@ -34,6 +35,7 @@ from intellwheels_server.service.load_floor import load_floor
 from intellwheels_server.service.log_playback import Playback
 from intellwheels_server.service.roster import new_hex
 from intellwheels_server.service.service_state import Options
+from intellwheels_server.service.side_process import SideProcess
 from intellwheels_server.service.world_claim import WorldClaim
 from intellwheels_server.world import State
 
@@ -163,6 +165,9 @@ class Service(Protocol):
     def due(self, now: float) -> float:
         """Return when to call `work` next if nothing arrives."""
 
+    def spend(self, seconds: float, now: float) -> None:
+        """Note that its work has taken so many seconds until now."""
+
     def finish(self, now: float) -> None:
         """Publish what is left before the service ends."""
 
@@ -193,21 +198,25 @@ def serve(
         OSError: The log cannot be written.
     """
     keys = Keys(options.world)
-    session = link.open_session(route, stop, waiting=lambda why: console.log_line(f"waiting why={why!r}"))
-    if session is None:
-        return 0
-    with session:
+    with contextlib.ExitStack() as stack:
+        # Before the session is opened: a process with a session must not fork.
+        floors = stack.enter_context(closing(SideProcess(load_floor)))
+        session = link.open_session(route, stop, waiting=lambda why: console.log_line(f"waiting why={why!r}"))
+        if session is None:
+            return 0
+        stack.enter_context(session)
         _check_free(session, keys, route)
         outlet = ZenohOutlet(session, keys)
+        unix_time = steady_unix_time(time.time, _boot_time)
         if recording is not None:
             poses = None if reported is None else ReportedPoses(recording.runs, reported)
-            return _serve(options, route, session, keys, stop, Playback(options, outlet, time.time, recording, poses))
+            return _serve(options, route, session, keys, stop, Playback(options, outlet, unix_time, recording, poses))
         run = new_hex()
         log = Log(log_file, options.setup, run, options.world) if log_file is not None else None
         files = None if runs is None else RunFiles(runs, options.world, lambda: live_run.state)
         with RunRecorder(log, files) as recorder:
             write = recorder.write if recorder.is_wanted else None
-            live_run = LiveRun(options, outlet, load_floor, time.time, record=write, run=run)
+            live_run = LiveRun(options, outlet, floors, unix_time, record=write, run=run)
             if files is not None:
                 live_run.observe_events(files.add_event)
             return _serve(options, route, session, keys, stop, live_run, recorder.flush_if_due)
@@ -283,6 +292,17 @@ class ClaimWatch:
             self._claim.remove(claim)
 
 
+def steady_unix_time(wall: Callable[[], float], steady: Callable[[], float]) -> Callable[[], float]:
+    """Return a clock of Unix time in seconds that never goes back, as stamps order messages.
+
+    Args:
+        wall: The wall clock, which may be set at any time. It is read once.
+        steady: Seconds of a clock that cannot be set.
+    """
+    offset = wall() - steady()
+    return lambda: offset + steady()
+
+
 def _boot_time() -> float:
     """Return seconds of a clock that goes on while the machine sleeps."""
     return time.clock_gettime(time.CLOCK_BOOTTIME)
@@ -299,14 +319,14 @@ def _serve(
 ) -> int:
     inbox = zenoh_inbox.Inbox()
     with contextlib.ExitStack() as stack:
-        claim = stack.enter_context(contextlib.closing(ClaimWatch(session, keys)))
+        claim = stack.enter_context(closing(ClaimWatch(session, keys)))
         service.begin()
-        for key in (keys.every_in, keys.every_user):
+        for key in keys.every_put:
             stack.enter_context(session.declare_subscriber(key, inbox.on_sample))
         stack.enter_context(link.watch_tokens(session, keys.every_token, inbox))
         for key in (keys.every_join, keys.every_leave, keys.every_ctl, keys.every_body, keys.every_state, keys.map,
                     keys.event, keys.clock):  # fmt: skip
-            stack.enter_context(session.declare_queryable(key, inbox.on_query))
+            stack.enter_context(session.declare_queryable(key, inbox.queries_of(key)))
         token: Any = link.declare_token(session, keys.alive)
         floor_name = service.state.setup.floor.name
         console.log_line(f"serving world={options.world} pace={options.pace} map={floor_name} at={route.where()}")
@@ -345,6 +365,8 @@ def _loop(
                 service.take(arrival, now)
         service.work(now)
         flush_if_due(now)
+        done = time.monotonic()
+        service.spend(done - now, done)
         if inbox.dropped != dropped:
             console.log_line(f"dropped arrivals={inbox.dropped - dropped} why='more than can be read'")
             dropped = inbox.dropped

@@ -34,6 +34,7 @@ from intellwheels_server.world.changes import Outcome, Outputs, change
 from intellwheels_server.world.digest import digest, map_hash
 from intellwheels_server.world.empty_world import empty_world
 from intellwheels_server.world.ending import check_end
+from intellwheels_server.world.kernels.arrays import Walls
 from intellwheels_server.world.map_geometry import walls_of
 from intellwheels_server.world.observations import entities, measures, power_in_force
 from intellwheels_server.world.state import Setup, State
@@ -44,6 +45,7 @@ __all__ = [
     "Outputs",
     "Setup",
     "State",
+    "Walls",
     "advance",
     "apply",
     "begin",
@@ -71,16 +73,17 @@ def begin(setup: Setup, run: str) -> State:
     return empty_world(setup, run, walls_of(setup.floor))
 
 
-def apply(state: State, changes: Sequence[Change]) -> tuple[State, Outputs]:
+def apply(state: State, changes: Sequence[Change], walls: Walls | None = None) -> tuple[State, Outputs]:
     """Return the state after changes at its tick, with sensors sampled, and the outcome of each change.
 
     Args:
         state: Is not changed.
         changes: They are made in this order.
+        walls: `walls_of` the map of a `Restart` among them, if it is known already: cutting walls takes time.
     """
     if not changes:
         return state, Outputs()
-    return change(state, changes)
+    return change(state, changes, walls)
 
 
 def advance(state: State, inputs: Inputs) -> tuple[State, Outputs]:

@@ -6,7 +6,7 @@ A body model is one body as accepted; a body set is all of them, sorted by name.
 from __future__ import annotations
 
 import math
-from collections.abc import Set
+from collections.abc import Sequence, Set
 from typing import TYPE_CHECKING
 
 import msgspec
@@ -15,11 +15,12 @@ import numpy as np
 from intellwheels_schemas.errors import RequestRefusedError
 from intellwheels_schemas.messages import Position, Robot
 from intellwheels_schemas.rules import parts_of
-from intellwheels_server.world.kernels.arrays import Bodies, Box, Floats, Ints, Shape, bodies_from, key_of
-from intellwheels_server.world.kernels.motor_model import MOTOR_ROWS, motor_figures
+from intellwheels_server.world.kernels.arrays import Bodies, Box, Floats, Ints, Shape, bodies_from, key_of, radius_of
+from intellwheels_server.world.kernels.contact_steps import MOST_STEPS
+from intellwheels_server.world.kernels.motor_model import MOTOR_ROWS, most_motion, motor_figures
 from intellwheels_server.world.kernels.noise import noise_key
 from intellwheels_server.world.kernels.wheel_slip import FLAW_ROWS, slip_figures
-from intellwheels_server.world.sensors import SensorPlan, check_sensors, plan_sensors
+from intellwheels_server.world.sensors import SensorPlan, check_sensors, plan_sensors, rays_of
 
 if TYPE_CHECKING:
     from intellwheels_server.world.state import Setup, State
@@ -39,6 +40,7 @@ class BodyModel(msgspec.Struct, frozen=True, kw_only=True):
         externally_posed: Whether it is a real chair, whose pose only its bridge sets.
         timeout: Steps after which a command no longer counts.
         start: Where it joined.
+        rays: Rays per tick that its sensors cost.
         mind_input: The user input that a mind in a process of its own declared.
     """
 
@@ -49,6 +51,7 @@ class BodyModel(msgspec.Struct, frozen=True, kw_only=True):
     externally_posed: bool
     timeout: int
     start: Position
+    rays: float = 0.0
     mind_input: tuple[str, ...] = ()
 
     @property
@@ -103,13 +106,16 @@ def body_model_of(name: str, robot: Robot, setup: Setup) -> BodyModel:
         raise RequestRefusedError(
             "field", "Robot: expected Length, Width, Center and Top, or at least 1 Part, got none"
         )
+    boxes = [Box(part.x, part.y, part.length, part.width, part.bottom, part.top) for part in parts]
+    if not externally_posed:
+        _check_motion(robot, boxes, setup.period)
     timeout = setup.command_timeout if robot.command_timeout is None else robot.command_timeout
     return BodyModel(
         name=name,
         robot=robot,
         shape=Shape(
             name=name,
-            boxes=[Box(part.x, part.y, part.length, part.width, part.bottom, part.top) for part in parts],
+            boxes=boxes,
             externally_posed=externally_posed,
             anchored=robot.anchored,
         ),
@@ -117,7 +123,25 @@ def body_model_of(name: str, robot: Robot, setup: Setup) -> BodyModel:
         externally_posed=externally_posed,
         timeout=math.ceil(timeout / setup.period - 1e-9),
         start=Position(x=0.0, y=0.0, heading=0.0),
+        rays=rays_of(robot),
     )
+
+
+def _check_motion(robot: Robot, boxes: Sequence[Box], period: float) -> None:
+    """Refuse a robot that could pass through something.
+
+    No sub-step may move it farther than half its thinnest part. Then it leaves a wall on the side from which it came,
+    however thin the wall is. And a tick has a largest number of sub-steps.
+    """
+    thinnest = min(min(box.length, box.width) for box in boxes)
+    most, motion = 0.5 * thinnest * MOST_STEPS, most_motion(robot, period, radius_of(boxes))
+    if motion > most:
+        raise RequestRefusedError(
+            "value",
+            f"Robot: expected a body that moves at most {most:.3g} m in a tick, because its thinnest part measures "
+            f"{thinnest:.3g} m, got {motion:.3g} m in a tick of {period:g} s; "
+            "lower TopSpeed or TurnLimit, or give the simulation a shorter period",
+        )
 
 
 def assemble(

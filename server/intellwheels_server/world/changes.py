@@ -19,6 +19,7 @@ from intellwheels_server.world.draft import Draft
 from intellwheels_server.world.empty_world import empty_world
 from intellwheels_server.world.ending import check_end
 from intellwheels_server.world.kernels import rows
+from intellwheels_server.world.kernels.arrays import Walls
 from intellwheels_server.world.map_geometry import walls_of
 from intellwheels_server.world.placement import TOUCH, OccupiedSpace, place, with_wrapped_heading
 from intellwheels_server.world.state import SavedState, State, Utterance
@@ -61,9 +62,15 @@ class Outputs(msgspec.Struct, frozen=True, kw_only=True):
     ended: bool = False
 
 
-def change(state: State, changes: Sequence[do.Change]) -> tuple[State, Outputs]:
-    """Return the state after the changes, with sensors sampled, and the outcome of each change."""
-    draft = Draft(state)
+def change(state: State, changes: Sequence[do.Change], walls: Walls | None = None) -> tuple[State, Outputs]:
+    """Return the state after the changes, with sensors sampled, and the outcome of each change.
+
+    Args:
+        state: Is not changed.
+        changes: They are made in this order.
+        walls: The walls of the map of a `Restart` among them, if they are known already.
+    """
+    draft = Draft(state, walls)
     outcomes = []
     for one in changes:
         try:
@@ -91,7 +98,7 @@ def _join(one: do.Join, draft: Draft) -> Outcome:
         return _join_mind(one, draft)
     if one.agent in draft.models:
         raise RequestRefusedError("already-here", f"agent '{one.agent}' is already here")
-    outcome = _place_robot(one.agent, one.robot, draft)
+    outcome = _place_robot(one.agent, one.robot, draft, one.reserved)
     draft.event("joined", one.agent)
     return outcome
 
@@ -109,10 +116,10 @@ def _join_mind(one: do.Join, draft: Draft) -> Outcome:
     )
 
 
-def _place_robot(name: str, robot: Robot, draft: Draft) -> Outcome:
+def _place_robot(name: str, robot: Robot, draft: Draft, reserved: Sequence[str] = ()) -> Outcome:
     """Check a robot and put it at its place."""
     model = body_model_of(name, robot, draft.state.setup)
-    position = place(model, draft.state.setup.floor, draft.space)
+    position = place(model, draft.state.setup.floor, draft.space, reserved)
     model = msgspec.structs.replace(model, start=position)
     draft.put(name, model, position)
     if model.externally_posed:  # a real chair is accepted at any pose, so what it overlaps it may keep overlapping
@@ -143,7 +150,7 @@ def _spawn(one: do.SpawnBody, draft: Draft) -> Outcome:
     robot = one.robot
     if one.position is not None:
         robot = msgspec.structs.replace(robot, position=one.position, place=None)
-    outcome = _place_robot(name, robot, draft)
+    outcome = _place_robot(name, robot, draft, one.reserved)
     draft.event("spawned", name)
     return outcome
 
@@ -253,7 +260,7 @@ def _restart(one: do.Restart, draft: Draft) -> Outcome:
     if setup.end is not None:
         check_end(setup.end, setup.floor)
     try:
-        walls = walls_of(setup.floor) if one.map is not None else old.walls
+        walls = old.walls if one.map is None else draft.new_walls or walls_of(setup.floor)
     except ValueError as error:
         return Outcome(code="failed", text=f"map '{setup.floor.name}': {error}")
     models: list[BodyModel] = []

@@ -91,7 +91,7 @@ def _contact(state: State, hit: list[int], numbers: list[float], number: int) ->
         y=_inside(y),
         normal_x=_unit(normal_x),
         normal_y=_unit(normal_y),
-        speed=round(min(max(speed, -rows.MOST_SPEED), rows.MOST_SPEED), 6),
+        speed=round(min(max(speed, -rows.MOST_SPEED), rows.MOST_SPEED), 6) + 0.0,
     )
 
 
@@ -105,8 +105,8 @@ def _parted(state: State, first: int, second: int, number: int) -> Event:
 
 def _inside(value: float) -> float:
     """Return a coordinate in the range of a message: a body at the edge of the world may touch beyond it."""
-    return round(min(max(value, -rows.WORLD_EDGE), rows.WORLD_EDGE), 6)
+    return round(min(max(value, -rows.WORLD_EDGE), rows.WORLD_EDGE), 6) + 0.0
 
 
 def _unit(value: float) -> float:
-    return min(max(round(value, 6), -1.0), 1.0)
+    return min(max(round(value, 6), -1.0), 1.0) + 0.0

@@ -7,11 +7,13 @@ order, on every machine: all turns are decided exactly.
 from __future__ import annotations
 
 import heapq
+from collections import deque
+from typing import TypeAlias
 
 import numpy as np
 
-from intellwheels_maps.crossing import NO_UNDERFLOW, SURE, Point, orientation
-from intellwheels_server.world.kernels.arrays import Floats
+from intellwheels_maps.crossing import Point, orientation
+from intellwheels_server.world.kernels.corner_search import corners_in_triangle
 
 
 def convex_pieces(ring: list[Point]) -> list[list[int]] | None:
@@ -44,7 +46,7 @@ class _EarClipping:
         size = len(ring)
         self._ring = ring
         self._xy = np.array(ring, dtype=np.float64)
-        self._is_left = np.ones(size, dtype=bool)
+        self._is_left = np.ones(size, dtype=np.int64)
         self._count = size
         self._before = [i - 1 for i in range(size)]
         self._before[0] = size - 1
@@ -80,7 +82,7 @@ class _EarClipping:
 
     def _cut(self, tip: int) -> list[int]:
         before, after = self._before[tip], self._after[tip]
-        self._is_left[tip] = False
+        self._is_left[tip] = 0
         self._count -= 1
         self._after[before], self._before[after] = after, before
         for corner in (before, after):
@@ -95,89 +97,97 @@ class _EarClipping:
 
     def _corner_inside(self, tip: int) -> int | None:
         """Return a corner inside the triangle at `tip` or on its edge, or None."""
-        corners = (self._before[tip], tip, self._after[tip])
-        a, b, c = (self._ring[corner] for corner in corners)
-        x, y = self._xy[:, 0], self._xy[:, 1]
-        near = (
-            self._is_left
-            & (x >= min(a[0], b[0], c[0])) & (x <= max(a[0], b[0], c[0]))
-            & (y >= min(a[1], b[1], c[1])) & (y <= max(a[1], b[1], c[1]))
-        )  # fmt: skip
-        near[list(corners)] = False
-        found = np.flatnonzero(near)
-        if len(found) == 0:
-            return None
-        sides = [_sides_of(one, other, self._xy[found]) for one, other in ((a, b), (b, c), (c, a))]
-        certain = np.minimum.reduce(sides)
-        if (certain > 0).any():
-            return int(found[np.argmax(certain > 0)])
-        # The sign of a nought is uncertain: decided exactly, for the few that are not outside for certain.
-        for corner in found[certain == 0]:
+        one, other = self._before[tip], self._after[tip]
+        inside, open_ones = corners_in_triangle(self._xy, self._is_left, one, tip, other)
+        if inside >= 0:
+            return int(inside)
+        a, b, c = self._ring[one], self._ring[tip], self._ring[other]
+        for corner in open_ones.tolist():
             p = self._ring[corner]
             if orientation(a, b, p) >= 0 and orientation(b, c, p) >= 0 and orientation(c, a, p) >= 0:
                 return int(corner)
         return None
 
 
-def _sides_of(a: Point, b: Point, points: Floats) -> Floats:
-    """Return 1 for points left of a line, -1 for points right of it, 0 where rounding leaves it open.
-
-    The bound is that of `orientation`.
-    """
-    one, other = (b[0] - a[0]) * (points[:, 1] - a[1]), (b[1] - a[1]) * (points[:, 0] - a[0])
-    size = np.abs(one) + np.abs(other)
-    return np.where((np.abs(one - other) > SURE * size) & (size > NO_UNDERFLOW), np.sign(one - other), 0.0)
+_Side: TypeAlias = tuple[int, int]
+"""The corners at which a side begins and ends. No two pieces have the same one; neighbours have opposite ones."""
 
 
 def _merged(ring: list[Point], pieces: list[list[int]]) -> list[list[int]]:
-    """Return the pieces after merging those that are convex together (Hertel and Mehlhorn, 1983).
+    """Return the pieces after merging those that are convex together (Hertel and Mehlhorn, 1983)."""
+    merging = _Merging(ring, pieces)
+    return [merging.grow(k) for k in range(len(pieces)) if not merging.is_taken(k)]
 
-    Each piece takes in its neighbours as long as one fits. Two that do not fit never do later: growing makes no corner
-    less wide.
+
+class _Merging:
+    """Pieces that take in their neighbours, each as long as one fits.
+
+    Two that do not fit never do later: growing makes no corner less wide. So each side is looked at once. The sides of
+    a piece are linked, so that taking in a neighbour costs as much as the neighbour has sides.
     """
-    owner = {edge: k for k, piece in enumerate(pieces) for edge in _sides(piece)}
-    whole: list[list[int] | None] = list(pieces)
-    refused: set[tuple[int, int]] = set()
-    for k in range(len(whole)):
-        grown = True
-        while grown:
-            grown = False
-            piece = whole[k]
-            if piece is None:
-                break
-            for a, b in _sides(piece):
-                other = None if (a, b) in refused else owner.get((b, a))
-                neighbour = None if other is None else whole[other]
-                if other is None or neighbour is None:
-                    continue
-                joined = _from(piece, b) + _from(neighbour, a)[1:-1]
-                if _turns_left(ring, joined, len(piece) - 1):
-                    whole[k], whole[other] = joined, None
-                    owner.update(dict.fromkeys(_sides(joined), k))
-                    del owner[a, b], owner[b, a]
-                    grown = True
-                    break
-                refused |= {(a, b), (b, a)}
-    return [piece for piece in whole if piece is not None]
+
+    def __init__(self, ring: list[Point], pieces: list[list[int]]) -> None:
+        self._ring = ring
+        self._pieces = pieces
+        self._owner: dict[_Side, int] = {}
+        # The corner before the side, and the one after it.
+        self._before: dict[_Side, int] = {}
+        self._after: dict[_Side, int] = {}
+        self._taken: set[int] = set()
+        for k, piece in enumerate(pieces):
+            for i, side in enumerate(_sides(piece)):
+                self._owner[side] = k
+                self._before[side] = piece[i - 1]
+                self._after[side] = piece[(i + 2) % len(piece)]
+
+    def is_taken(self, k: int) -> bool:
+        """Return whether another piece has taken in this one."""
+        return k in self._taken
+
+    def grow(self, k: int) -> list[int]:
+        """Let a piece take in its neighbours, and return its corners. Pieces grow in their order."""
+        due = deque(_sides(self._pieces[k]))
+        seam: _Side | None = None
+        while due:
+            a, b = due.popleft()
+            other = self._owner.get((b, a), k)
+            if other <= k or other in self._taken or not self._fits(a, b):
+                continue
+            seam = (b, self._join(a, b))
+            self._taken.add(other)
+            there = self._pieces[other]
+            at = there.index(a)
+            due.extend(_sides(there[at:] + there[:at])[:-1])
+        return self._pieces[k] if seam is None else self._around(seam)
+
+    def _fits(self, a: int, b: int) -> bool:
+        """Return whether two pieces, joined along a side, turn left, or go on, at both of its ends."""
+        ring, before, after = self._ring, self._before, self._after
+        return (
+            orientation(ring[before[b, a]], ring[b], ring[after[a, b]]) >= 0
+            and orientation(ring[before[a, b]], ring[a], ring[after[b, a]]) >= 0
+        )
+
+    def _join(self, a: int, b: int) -> int:
+        """Join two pieces along a side; return the corner that follows the end of the side."""
+        before, after = self._before, self._after
+        into, out = before[a, b], after[b, a]
+        after[into, a], before[a, out] = out, into
+        into, out = before[b, a], after[a, b]
+        after[into, b], before[b, out] = out, into
+        for side in ((a, b), (b, a)):
+            del self._owner[side]
+        return out
+
+    def _around(self, first: _Side) -> list[int]:
+        """Return the corners of the piece with a side, beginning with that side."""
+        corners = [first[0]]
+        a, b = first
+        while b != first[0]:
+            corners.append(b)
+            a, b = b, self._after[a, b]
+        return corners
 
 
-def _sides(piece: list[int]) -> list[tuple[int, int]]:
+def _sides(piece: list[int]) -> list[_Side]:
     return list(zip(piece, [*piece[1:], piece[0]], strict=True))
-
-
-def _from(piece: list[int], first: int) -> list[int]:
-    """Return the piece rotated so that it starts with the corner `first`."""
-    at = piece.index(first)
-    return piece[at:] + piece[:at]
-
-
-def _turns_left(ring: list[Point], joined: list[int], last: int) -> bool:
-    """Return whether a piece turns left, or goes on, at both ends of the edge along which it was joined.
-
-    Args:
-        ring: The corners.
-        joined: The piece, which begins at one end of that edge.
-        last: Where the other end is.
-    """
-    size = len(joined)
-    return all(orientation(ring[joined[i - 1]], ring[joined[i]], ring[joined[(i + 1) % size]]) >= 0 for i in (0, last))

@@ -9,7 +9,7 @@ import numpy as np
 
 from intellwheels_schemas.messages import Event, EventCode, Position
 from intellwheels_server.world.body_set import BodyModel, BodySet, assemble
-from intellwheels_server.world.kernels.arrays import Floats, Ints
+from intellwheels_server.world.kernels.arrays import Floats, Ints, Walls
 from intellwheels_server.world.kernels.rows import FLAG_ROWS, HEADING, NUMBER_ROWS, POSE_AGE, SILENT, X, Y
 from intellwheels_server.world.placement import OccupiedSpace
 from intellwheels_server.world.sensors import sense
@@ -26,10 +26,12 @@ class Draft:
         numbers: float64[NUMBER_ROWS] of each body.
         flags: int64[FLAG_ROWS] of each body.
         events: The events.
+        new_walls: The walls of a map that a change brings, if they are known already.
     """
 
-    def __init__(self, state: State) -> None:
+    def __init__(self, state: State, new_walls: Walls | None = None) -> None:
         self.events: list[Event] = []
+        self.new_walls = new_walls
         self.replace_state(state)
 
     def replace_state(self, state: State) -> None:

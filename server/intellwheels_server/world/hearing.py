@@ -68,7 +68,11 @@ def heard_by(state: State, agent: str) -> tuple[Heard, ...]:
                 continue
         found.append(
             Heard(
-                sender=utterance.sender, tick=utterance.tick, seq=utterance.seq, distance=distance, text=utterance.text
+                sender=utterance.sender,
+                tick=utterance.tick,
+                seq=utterance.seq,
+                distance=round(distance, 6),
+                text=utterance.text,
             )
         )
     return tuple(found)

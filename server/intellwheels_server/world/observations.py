@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from typing import Any, Final
 
 import msgspec
+import numpy as np
 
 from intellwheels_schemas.messages import Entity, Measures, MotorState, PowerInForce, Sensors
 from intellwheels_schemas.rules import SENSOR_KINDS
 from intellwheels_server.world.hearing import heard_by
 from intellwheels_server.world.kernels import rows
+from intellwheels_server.world.kernels.motor_model import MOTOR_LEFT_SCALE, MOTOR_RIGHT_SCALE, MOTOR_TOP_SPEED
 from intellwheels_server.world.sensors import readings
+from intellwheels_server.world.sensors.angles import written_heading
 from intellwheels_server.world.state import BodyStatus, State
 
 SAY_SHOWN: Final = 3.0
@@ -37,7 +39,7 @@ def measures(state: State, agent: str) -> Measures:
     return Measures(
         run=state.run,
         tick=state.tick,
-        time=state.time,
+        time=state.shown_time,
         collision=bool(flags[rows.COLLISION]),
         contact=bool(state.numbers[rows.TOUCHING, i]),
         state=_motor_state(flags),
@@ -70,9 +72,10 @@ def _unstamped(reading: Any, tick: int) -> Any:
 
 def entities(state: State) -> tuple[Entity, ...]:
     """Return the true state of every body, sorted by name; all numbers are rounded to 1e-6."""
-    numbers = state.numbers.round(6)
+    numbers = state.numbers.round(6) + 0.0  # -0.0 becomes 0.0
     x, y, heading = numbers[rows.X].tolist(), numbers[rows.Y].tolist(), numbers[rows.HEADING].tolist()
     speed, turn_rate = numbers[rows.SPEED].tolist(), numbers[rows.TURN_RATE].tolist()
+    left_output, right_output = _outputs(state)
     touching = state.numbers[rows.TOUCHING].tolist()
     flags = state.flags.T.tolist()
     latest = state.tick - SAY_SHOWN / state.setup.period
@@ -84,9 +87,11 @@ def entities(state: State) -> tuple[Entity, ...]:
                 name=name,
                 x=x[i],
                 y=y[i],
-                heading=_shown_heading(heading[i]),
+                heading=written_heading(heading[i]),
                 speed=speed[i],
                 turn_rate=turn_rate[i],
+                left_output=left_output[i],
+                right_output=right_output[i],
                 collision=bool(flags[i][rows.COLLISION]),
                 contact=bool(touching[i]),
                 contacts=flags[i][rows.CONTACTS],
@@ -99,9 +104,14 @@ def entities(state: State) -> tuple[Entity, ...]:
     return tuple(found)
 
 
-def _shown_heading(rounded: float) -> float:
-    """Return a rounded heading, moved back to (-pi, pi] if rounding took it out by less than 1e-6."""
-    return rounded if -math.pi < rounded <= math.pi else math.pi
+def _outputs(state: State) -> list[list[float]]:
+    """Return the outputs of the left and the right motors: the speed of a wheel over its speed at full power."""
+    motors = state.body_set.motors
+    full = motors[MOTOR_TOP_SPEED] * motors[MOTOR_LEFT_SCALE : MOTOR_RIGHT_SCALE + 1]
+    speeds = state.numbers[rows.LEFT_SPEED : rows.RIGHT_SPEED + 1]
+    outputs = np.divide(speeds, full, out=np.zeros_like(speeds), where=full > 0.0)
+    found: list[list[float]] = (np.clip(outputs, -1.0, 1.0).round(6) + 0.0).tolist()
+    return found
 
 
 def power_in_force(state: State, agent: str) -> PowerInForce:

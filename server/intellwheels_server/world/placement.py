@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Collection, Iterable, Mapping
 from typing import TYPE_CHECKING
 
 import msgspec
 import numpy as np
 
 from intellwheels_schemas.errors import RequestRefusedError
+from intellwheels_schemas.explain import did_you_mean
 from intellwheels_schemas.messages import Map, Place, Position
 from intellwheels_server.world.kernels.arrays import Floats, Ints, Walls, part_rows, radius_of
 from intellwheels_server.world.kernels.elementary import wrap
-from intellwheels_server.world.kernels.overlap import deepest_body, deepest_wall
+from intellwheels_server.world.kernels.overlap import deepest_body, deepest_wall, overlaps_wall
 from intellwheels_server.world.map_geometry import describe_wall
 
 if TYPE_CHECKING:
@@ -56,6 +58,20 @@ class OccupiedSpace:
             part_rows(boxes), radius_of(boxes), (position.x, position.y, position.heading), model.name
         )[1]
 
+    def first_free(self, model: BodyModel, positions: Iterable[Position]) -> Position | None:
+        """Return the first position at which a body would overlap nothing, or None."""
+        walls = self._walls
+        parts, radius = part_rows(model.shape.boxes), radius_of(model.shape.boxes)
+        names, poses, radii, others, starts = self._blocks()
+        skip = names.index(model.name) if model.name in self._parts else -1
+        for position in positions:
+            pose = (position.x, position.y, position.heading)
+            if overlaps_wall(parts, *pose, walls.pieces, walls.links, walls.edges, walls.cells, walls.frame, TOUCH):
+                continue
+            if deepest_body(parts, radius, *pose, poses, radii, others, starts, skip)[0] <= TOUCH:
+                return position
+        return None
+
     def depth_at(self, name: str) -> float:
         """Return the largest depth of overlap of a body with anything at its pose, m; at least 0."""
         return self._deepest(self._parts[name], self._radii[name], self._poses[name], name)[0]
@@ -88,15 +104,24 @@ class OccupiedSpace:
         return self._arrays
 
 
-def place(model: BodyModel, floor: Map, space: OccupiedSpace) -> Position:
+def place(model: BodyModel, floor: Map, space: OccupiedSpace, reserved: Collection[str] = ()) -> Position:
     """Return the pose of a new body: its Place, its Position, or the first free place.
 
     A real body is accepted at any pose, even if it overlaps something.
 
+    Args:
+        model: The body.
+        floor: The map.
+        space: What is there already.
+        reserved: Places that are kept for other bodies.
+
     Raises:
-        RequestRefusedError: `no-place`, if there is no such place or none is free; `overlaps`, if something is there.
+        RequestRefusedError: `no-place`, if there is no such place or none is free; `overlaps`, if something is there
+            or will be.
     """
     robot = model.robot
+    spots = floor.grid.position if floor.grid is not None else ()
+    kept = {spot.name: position_of(spot) for spot in spots if spot.name in reserved}
     wanted = None
     if robot.place is not None:
         wanted = position_of(place_named(floor, robot.place))
@@ -107,15 +132,35 @@ def place(model: BodyModel, floor: Map, space: OccupiedSpace) -> Position:
         obstacle = None if model.externally_posed else space.overlap_at(model, wanted)
         if obstacle is not None:
             raise RequestRefusedError("overlaps", f"agent '{model.name}' would overlap {obstacle} {_where(model)}")
+        near = None if model.externally_posed else _kept_near(model, wanted, kept)
+        if near is not None:
+            text = f"agent '{model.name}' would be in the way at place '{near}', which is kept for another agent"
+            raise RequestRefusedError("overlaps", text)
         return wanted
-    for spot in places_for(floor, robot.kind):
-        position = position_of(spot)
-        if space.overlap_at(model, position) is None:
-            return position
+    positions = (position_of(spot) for spot in places_for(floor, robot.kind) if spot.name not in kept)
+    free = space.first_free(model, (one for one in positions if _kept_near(model, one, kept) is None))
+    if free is not None:
+        return free
+    but = f" besides those kept for other agents ({', '.join(kept)})" if kept else ""
     raise RequestRefusedError(
         "no-place",
-        f"no free place for a {robot.kind} on map '{floor.name}': set Robot.Place or Robot.Position",
+        f"no free place for a {robot.kind} on map '{floor.name}'{but}: set Robot.Place or Robot.Position",
     )
+
+
+def _kept_near(model: BodyModel, position: Position, kept: Mapping[str, Position]) -> str | None:
+    """Return the place at which a body like this one would overlap it at a position, or None.
+
+    Who will come to the place is not known. Bodies on a map are about as large as each other.
+    """
+    parts, radius = part_rows(model.shape.boxes), radius_of(model.shape.boxes)
+    here = position.x, position.y, position.heading
+    starts = np.array([0, len(parts)], dtype=np.int64)
+    for name, there in kept.items():
+        poses = np.array([[there.x], [there.y], [there.heading]])
+        if deepest_body(parts, radius, *here, poses, np.array([radius]), parts, starts, -1)[0] > TOUCH:
+            return name
+    return None
 
 
 def place_named(floor: Map, name: str) -> Place:
@@ -128,8 +173,9 @@ def place_named(floor: Map, name: str) -> Place:
     for spot in spots:
         if spot.name == name:
             return spot
-    known = ", ".join(spot.name for spot in spots) or "none"
-    raise RequestRefusedError("no-place", f"no place '{name}' on map '{floor.name}': expected one of {known}")
+    known = [spot.name for spot in spots]
+    expected = f"expected one of {', '.join(known) or 'none'}{did_you_mean(name, known)}"
+    raise RequestRefusedError("no-place", f"no place '{name}' on map '{floor.name}': {expected}")
 
 
 def places_for(floor: Map, kind: str) -> list[Place]:

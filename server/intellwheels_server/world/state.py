@@ -149,6 +149,11 @@ class State(msgspec.Struct, frozen=True, kw_only=True):
         """Simulated time, s."""
         return self.tick * self.setup.period
 
+    @property
+    def shown_time(self) -> float:
+        """Simulated time as messages show it, s: rounded to 1e-6."""
+        return round(self.tick * self.setup.period, 6)
+
 
 def no_episodes() -> Ints:
     """Return the episodes of a world in which nothing touches."""

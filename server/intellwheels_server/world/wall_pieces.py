@@ -8,7 +8,8 @@ same order, on every machine.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections import Counter
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -17,6 +18,7 @@ from shapely.geometry import Polygon
 from shapely.validation import explain_validity
 
 from intellwheels_maps.crossing import Point, orientation
+from intellwheels_maps.keyholes import find_fault
 from intellwheels_server.world.convex_pieces import convex_pieces
 from intellwheels_server.world.kernels.arrays import Floats, Walls
 from intellwheels_server.world.kernels.grid import fill_cells
@@ -158,15 +160,13 @@ def _thickness(piece: _Piece, edges: Sequence[tuple[float, float, float, float, 
     Only such edges make a wall thin. Edges along which a solid was cut lead to the next piece, and a piece with outer
     edges on one side only cannot be passed through.
     """
-    outer = [edge for edge, is_outer in zip(edges, piece.outer, strict=True) if is_outer]
-    return min(
-        (
-            max(offset - (nx * x + ny * y) for x, y in piece.corners)
-            for _, _, nx, ny, offset in outer
-            if any(nx * other[2] + ny * other[3] < 0.0 for other in outer)
-        ),
-        default=math.inf,
-    )
+    outer = np.array([edge for edge, is_outer in zip(edges, piece.outer, strict=True) if is_outer]).reshape(-1, 5)
+    corners = np.array(piece.corners)
+    least = math.inf
+    for _, _, nx, ny, offset in outer:
+        if (nx * outer[:, 2] + ny * outer[:, 3] < 0.0).any():
+            least = min(least, float((offset - (nx * corners[:, 0] + ny * corners[:, 1])).max()))
+    return least
 
 
 # ---------------------------------------------------------------- solids
@@ -181,28 +181,43 @@ def _solid_pieces(where: str, wall: Solid) -> list[_Piece]:
     if all(orientation(corners[0], b, c) == 0 for b, c in pairwise(corners)):
         raise ValueError(f"{where}: expected an area, got corners in one line")
     polygon = Polygon(corners)
-    if not polygon.is_valid:
+    has_holes = len(set(corners)) < len(corners) and find_fault(corners) is None
+    if not has_holes and not polygon.is_valid:
         raise ValueError(f"{where}: expected a polygon that does not cross itself, got {explain_validity(polygon)}")
-    if not polygon.exterior.is_ccw:
+    if (math.fsum(_doubled_areas(corners)) < 0.0) if has_holes else not polygon.exterior.is_ccw:
         corners.reverse()
     ring = _without_straight(corners)
     pieces = convex_pieces(ring)
     if pieces is None:
         raise ValueError(f"{where}: expected a polygon that does not touch itself")
     size = len(ring)
+    # An edge that leads to a hole and back is inside the wall.
+    edges = {(ring[i - 1], ring[i]) for i in range(size)} if has_holes else set()
     return [
         _Piece(
             tuple(ring[i] for i in piece),
-            tuple((a + 1) % size == b for a, b in zip(piece, [*piece[1:], piece[0]], strict=True)),
+            tuple(
+                (a + 1) % size == b and (ring[b], ring[a]) not in edges
+                for a, b in zip(piece, [*piece[1:], piece[0]], strict=True)
+            ),
         )
         for piece in pieces
     ]
 
 
+def _doubled_areas(corners: Sequence[Point]) -> Iterator[float]:
+    return (a[0] * b[1] - b[0] * a[1] for a, b in zip(corners, [*corners[1:], corners[0]], strict=True))
+
+
 def _without_straight(corners: list[Point]) -> list[Point]:
-    """Return the ring without corners at which it goes straight on."""
+    """Return the ring without corners at which it goes straight on, except those to which it comes back."""
     size = len(corners)
-    return [corners[i] for i in range(size) if orientation(corners[i - 1], corners[i], corners[(i + 1) % size]) != 0]
+    counts = Counter(corners)
+    return [
+        corners[i]
+        for i in range(size)
+        if counts[corners[i]] > 1 or orientation(corners[i - 1], corners[i], corners[(i + 1) % size]) != 0
+    ]
 
 
 # ---------------------------------------------------------------- lines

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from msgspec import structs
+from numba.core import event
 
 from intellwheels_maps import floor, robot
 from intellwheels_schemas.file_records import Inputs, Join, TeleportBody
@@ -26,28 +27,56 @@ HELPER_TIMEOUT = 120.0
 def warm() -> None:
     """Run a small world, so that every kernel is compiled or loaded from the cache.
 
-    If the cache is empty, lines on standard error report it and show the time taken every few seconds.
+    If numba compiles one, lines on standard error report it and show the time taken every few seconds. The cache may
+    have files and still be of no use: of another Python, another version of numba or another processor.
     """
-    if not is_cold(Path(os.environ["NUMBA_CACHE_DIR"])):
-        _exercise()
-        return
-    print("compiling kernels: only at the first start, about 45 s", file=sys.stderr, flush=True)  # noqa: T201 - a person waits for it
-    began = time.monotonic()
-    done = threading.Event()
-    watcher = threading.Thread(target=_show, args=(began, done), name="warming", daemon=True)
-    watcher.start()
-    try:
-        _compile_in_two()
-        _exercise()
-    finally:
-        done.set()
-        watcher.join()
-    print(f"compiled kernels seconds={time.monotonic() - began:.1f}", file=sys.stderr, flush=True)  # noqa: T201
+    announcer = Announcer()
+    with event.install_listener("numba:compile", announcer):
+        try:
+            if is_cold(Path(os.environ["NUMBA_CACHE_DIR"])):
+                announcer.begin()
+                _compile_in_two()
+            _exercise()
+        finally:
+            announcer.end()
 
 
-def _show(began: float, done: threading.Event) -> None:
-    while not done.wait(3.0):
-        print(f"compiling kernels: {time.monotonic() - began:.0f} s so far", file=sys.stderr, flush=True)  # noqa: T201
+class Announcer(event.Listener):
+    """Says on standard error that kernels are compiled, from the first one that numba compiles on."""
+
+    def __init__(self) -> None:
+        self._began: float | None = None
+        self._done = threading.Event()
+        self._watcher = threading.Thread(target=self._show, name="warming", daemon=True)
+
+    def on_start(self, _event: object) -> None:
+        """Note that numba compiles a function."""
+        self.begin()
+
+    def on_end(self, _event: object) -> None:
+        """Do nothing: the next function follows."""
+
+    def begin(self) -> None:
+        """Say it, and show the time from now on; only once."""
+        if self._began is None:
+            self._began = time.monotonic()
+            _say("compiling kernels: only at the first start, about 45 s")
+            self._watcher.start()
+
+    def end(self) -> None:
+        """Say how long it took, if anything was compiled."""
+        if self._began is not None:
+            self._done.set()
+            self._watcher.join()
+            _say(f"compiled kernels seconds={time.monotonic() - self._began:.1f}")
+
+    def _show(self) -> None:
+        while not self._done.wait(3.0):
+            _say(f"compiling kernels: {time.monotonic() - (self._began or 0.0):.0f} s so far")
+
+
+def _say(line: str) -> None:
+    print(line, file=sys.stderr, flush=True)  # noqa: T201 - a person waits for it
 
 
 def _compile_in_two() -> None:

@@ -12,14 +12,14 @@ def test_help_has_examples() -> None:
 @pytest.mark.parametrize(
     ("words", "expected"),
     [
-        (["--wheel-ratio", "3"], "--wheel-ratio: expected a ratio in [0.5, 2], got '3'"),
+        (["--wheel-ratio", "3"], "--wheel-ratio: expected a number in [0.5, 2], got '3'"),
         (["--loss", "2"], "--loss: expected a share in [0, 1], got '2'"),
-        (["--delay", "-1"], "--delay: expected a number of at least 0, got '-1'"),
-        (["--delay", "long"], "--delay: expected a number of at least 0, got 'long'"),
-        (["--clock-offset", "nan"], "--clock-offset: expected a number, got 'nan'"),
+        (["--delay", "-1"], "--delay: expected seconds in [0, 3600], got '-1'"),
+        (["--delay", "long"], "--delay: expected seconds in [0, 3600], got 'long'"),
+        (["--clock-offset", "nan"], "--clock-offset: expected seconds in [-1e+12, 1e+12], got 'nan'"),
         (["--baud", "fast"], "--baud: expected a whole number in [1, 2147483647], got 'fast'"),
         (["--fix-every", "0"], "--fix-every: expected a whole number in [1, 2147483647], got '0'"),
-        (["--retry-for", "0"], "--retry-for: expected a number above 0, got '0'"),
+        (["--retry-for", "0"], "--retry-for: expected seconds in (0, 1e+09], got '0'"),
     ],
 )
 def test_an_option_out_of_range_is_refused_with_its_range(

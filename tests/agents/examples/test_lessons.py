@@ -4,12 +4,18 @@ from __future__ import annotations
 
 import json
 import re
+import shlex
 import sys
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 
+from intellwheels_experiments.__main__ import parser
+from intellwheels_experiments.run.cast_changes import with_changes
+from intellwheels_experiments.run.foreign_program import check_programs
+from intellwheels_maps import scene
+from intellwheels_schemas.command_line import words_of
 from tests.commands import MODULES
 from tests.e2e.stage import Stage
 
@@ -131,7 +137,7 @@ def test_lesson_7_moves_the_chair_and_stops_it(stage: Stage) -> None:
 
 
 def test_lesson_8_drives_and_turns_with_zenoh_alone(stage: Stage) -> None:
-    server, agent = commands(8)
+    server, agent, _ = commands(8)
     stage.simulator = start(stage, "server", server, "--listen", stage.endpoint)
     stage.line(stage.simulator, "ready")
     start(stage, "agent", agent, stage.endpoint)
@@ -140,3 +146,15 @@ def test_lesson_8_drives_and_turns_with_zenoh_alone(stage: Stage) -> None:
         peer.entity("chair1", lambda now: abs(now["X"] - begin["X"]) + abs(now["Y"] - begin["Y"]) > 0.5)
         peer.entity("chair1", lambda now: abs(now["Heading"] - begin["Heading"]) > 0.5)
         assert peer.entities()["chair1"].get("Contacts", 0) == 0
+
+
+def test_lesson_8_shows_how_its_program_plays_a_chair_of_a_scene() -> None:
+    name, *words = shlex.split(commands(8)[2])
+    options = parser().parse_args(words)
+    assert (name, options.view) == ("iw-run", True)
+    changed = with_changes(scene(options.scene), options.mind, options.option, options.command)
+    check_programs(changed.cast, EXAMPLES)
+    (chair,) = [cast for cast in changed.cast if cast.command is not None]
+    # The program knows its name by itself.
+    assert f"join/{chair.name}" in lesson(8).read_text(encoding="utf-8")
+    assert (EXAMPLES / words_of(chair.command or "", "Command")[1]).is_file()

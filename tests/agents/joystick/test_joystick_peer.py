@@ -10,8 +10,9 @@ import pytest
 
 from intellwheels_agents.joystick.input_state import NEUTRAL, InputState
 from intellwheels_agents.joystick.joystick_peer import _Loop
-from intellwheels_schemas.messages import Result, Take
-from intellwheels_schemas.zenoh_inbox import Inbox
+from intellwheels_schemas.codec import encode
+from intellwheels_schemas.messages import Error, Result, Take
+from intellwheels_schemas.zenoh_inbox import Inbox, Put
 
 LEASE = "a" * 16
 
@@ -54,3 +55,35 @@ def test_a_lease_granted_at_the_end_is_given_back(capsys: pytest.CaptureFixture[
     assert loop.run(threading.Event()) == 0
     assert [(take.agent, take.lease, take.seconds) for take in simulator.back] == [("chair1", LEASE, 0.0)]
     assert capsys.readouterr().out.splitlines()[-2:] == ["released agent=chair1", "ended agent=chair1"]
+
+
+class Short:
+    """Ends after one state."""
+
+    def __init__(self) -> None:
+        self._states: list[InputState | None] = [None]
+
+    def wait(self, seconds: float) -> None:
+        pass
+
+    def state(self, now: float, time: float | None) -> InputState | None:
+        return self._states.pop(0)
+
+
+class Nowhere:
+    """A publisher without a network."""
+
+    def put(self, payload: bytes) -> None:
+        pass
+
+
+def test_error_about_user_input_is_told_and_others_are_the_agents_own(capsys: pytest.CaptureFixture[str]) -> None:
+    inbox = Inbox()
+    for where, text in (("UserInput", "takes none"), ("Actions.LeftMotor", "too fast")):
+        error = Error(run="0" * 16, tick=0, code="role", where=where, text=text)
+        inbox._keep(Put("iw/v1/main/out/chair1/error", encode(error), "application/json"), 1)
+    loop = _Loop("chair1", Short(), cast(Any, None), inbox, cast(Any, Nowhere()), take=False)
+    assert loop.run(threading.Event()) == 0
+    told = capsys.readouterr().err
+    assert "iw-joystick: ignored agent=chair1 code=role why='takes none'" in told
+    assert "too fast" not in told

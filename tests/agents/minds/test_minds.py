@@ -33,7 +33,7 @@ def test_all_expected_minds_are_there() -> None:
 
 
 def test_unknown_mind_is_refused_with_the_known_ones() -> None:
-    with pytest.raises(OptionError, match=r"mind: expected one of aided, avoid, .*, waypoints or a Python file"):
+    with pytest.raises(OptionError, match=r"MIND: expected one of aided, avoid, .*, waypoints or a Python file"):
         minds.find("dance")
 
 

@@ -11,6 +11,7 @@ import pytest
 from intellwheels_experiments.batch.experiment_rows import Row, rows_of
 from intellwheels_experiments.batch.run_worker import Branch, RunWorker, RunWorkerError, StoppedError, WorkerSettings
 from intellwheels_maps import scene
+from tests.experiments.foreign import COMMAND, write_foreign
 from tests.experiments.scenes import write_scene
 
 pytestmark = pytest.mark.process
@@ -34,6 +35,30 @@ def test_runs_of_a_worker_start_alike_and_depend_on_the_seed_alone(tmp_path: Pat
     assert [mirror for _, mirror in places] == [None, None, None]
     first, second, again = (poses(place) for place, _ in places)
     assert len(first) > 30
+    assert first == again
+    assert first != second
+
+
+FOREIGN = f"""\
+<Scene Format="iw.v1" Name="foreign" Map="corridor15m" Pace="lockstep" Miss="strict">
+  <Cast Name="chair" Place="start" Command="{COMMAND}" NewRun="restart"/>
+  <End><Timeout Seconds="1"/></End>
+</Scene>
+"""
+
+
+def test_program_of_a_command_is_started_again_for_each_run_and_each_run_is_the_same(tmp_path: Path) -> None:
+    write_foreign(tmp_path)
+    path = tmp_path / "foreign.xml"
+    path.write_text(FOREIGN)
+    settings = WorkerSettings(
+        source=str(path), folder=tmp_path, logs=tmp_path / "logs", runs=tmp_path / "runs", timeout=60.0
+    )
+    with RunWorker(settings, rows_of(scene(str(path)))[0], threading.Event()) as worker:
+        places = [worker.run(seed) for seed in ("1", "2", "1")]
+    first, second, again = (poses(place) for place, _ in places)
+    assert len(first) > 15
+    assert all(first)  # the trace begins when all bodies are there
     assert first == again
     assert first != second
 

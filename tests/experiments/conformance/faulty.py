@@ -8,12 +8,13 @@ import secrets
 import signal
 import sys
 import threading
+import time
 from typing import Any
 
 import zenoh
 
 FAULT, NAME, ENDPOINT = sys.argv[1:4]
-KEY, JSON, INSTANCE = "iw/v1/main", "application/json;iw.v1", secrets.token_hex(8)
+KEY, JSON, INSTANCE = "iw/v1/main", "application/json", secrets.token_hex(8)
 ROBOT = {"Instance": INSTANCE, "TopSpeed": 1.0, "Length": 1.0, "Width": 0.6, "Encoders": [{"Id": "wheels"}]}
 KNOWN = {"Run", "Tick", "Time", "Collision", "Contact", "Sensors", "Message", "UserInput"}
 
@@ -37,7 +38,11 @@ def main() -> None:
         zenoh.open(configuration()) as session,
         session.declare_subscriber(f"{KEY}/out/{NAME}/measures", arrived.put),
         session.liveliness().declare_token(f"{KEY}/in/{NAME}/alive/both/{INSTANCE}"),
-        session.declare_publisher(f"{KEY}/in/{NAME}/actions", encoding=JSON) as actions,
+        session.declare_publisher(
+            f"{KEY}/in/{NAME}/actions",
+            encoding=JSON,
+            congestion_control=zenoh.CongestionControl.BLOCK if FAULT == "blocks" else zenoh.CongestionControl.DROP,
+        ) as actions,
         session.liveliness().declare_subscriber(f"{KEY}/alive", arrived.put, history=True),
     ):
         ours: dict[str, Any] = {}
@@ -78,6 +83,9 @@ def join(session: zenoh.Session) -> dict[str, Any]:
             assert reply.err is not None
             refused = json.loads(reply.err.payload.to_bytes())
             print(refused["Text"], flush=True)
+            if refused["Code"] == "no-token":
+                time.sleep(0.1)
+                return join(session)
             if FAULT == "ignores-refusal":
                 return {}
             sys.exit(1)

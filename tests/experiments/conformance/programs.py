@@ -93,8 +93,12 @@ class Program:
         if granted:
             self.joined = decode(Joined, data, encoding)
             return
-        self.printed = decode(Refused, data, encoding).text
-        self.quit(1)
+        refused = decode(Refused, data, encoding)
+        self.printed = refused.text
+        if refused.code == "no-token":
+            self.ask()
+        else:
+            self.quit(1)
 
     def quit(self, code: int) -> None:
         self.alive = False

@@ -8,7 +8,10 @@ from intellwheels_experiments.conformance.contract_points import POINTS, describ
 from intellwheels_schemas.codec import Encoding
 from tests.experiments.conformance.programs import Program, examine
 
-NAMES = ["join", "refusal", "ticks", "lost", "again", "late", "reset", "restart", "unknown", "hostile", "leave"]
+NAMES = [
+    "join", "refusal", "token", "ticks", "lost", "again", "late", "names", "encoding", "congestion", "say", "reset",
+    "restart", "unknown", "hostile", "leave",
+]  # fmt: skip
 
 
 @pytest.mark.parametrize("encoding", [Encoding.JSON, Encoding.XML])

@@ -56,9 +56,30 @@ class Silent(Program):
         return ""
 
 
+class GivesUp(Program):
+    """Ends when its token was late."""
+
+    def on_answer(self, data: bytes, encoding: Encoding, granted: bool) -> None:
+        super().on_answer(data, encoding, granted)
+        if not granted and self.alive:
+            self.events.clear()
+            self.quit(1)
+
+
+class Waits(Program):
+    """Waits for ever when its token was late."""
+
+    def on_answer(self, data: bytes, encoding: Encoding, granted: bool) -> None:
+        super().on_answer(data, encoding, granted)
+        if not granted and self.alive:
+            self.events.clear()
+
+
 @pytest.mark.parametrize(
     ("program", "point", "got"),
     [
+        (GivesUp(), "token", "the end of the program, exit code 1"),
+        (Waits(), "token", "none"),
         (KeepsItsSession(), "restart", '"Session":'),
         (StaysAway(), "restart", "none"),
         (Ends(), "restart", "the end of the program, exit code 3"),

@@ -31,7 +31,7 @@ def failed(printed: str) -> list[str]:
 def test_program_without_a_fault_passes_all_points() -> None:
     done = check("--", sys.executable, FAULTY, "none", "{name}", "{endpoint}")
     assert done.returncode == 0, done.stdout + done.stderr
-    assert "11 of 11 points passed" in done.stdout
+    assert "16 of 16 points passed" in done.stdout
 
 
 @pytest.mark.parametrize(
@@ -41,6 +41,7 @@ def test_program_without_a_fault_passes_all_points() -> None:
         ("answers-old-ticks", "late", r"no answer to tick \d+ after tick \d+", r'got \{.*"Tick": \d+'),
         ("ignores-run", "reset", r"Actions with Tick 0, Run [0-9a-f]{16}", "got nothing in answer to"),
         ("refuses-unknown-fields", "unknown", "Actions with Tick", 'got nothing in answer to .*"Weather"'),
+        ("blocks", "congestion", "the congestion control drop", "got block"),
         ("drives-on", "leave", r"no Actions after it left \(asked to leave\)", r'got \{.*"Tick": \d+'),
     ],
 )
@@ -48,7 +49,7 @@ def test_one_fault_fails_its_point_and_no_other(fault: str, point: str, expected
     done = check("--answer-within", "1", "--", sys.executable, FAULTY, fault, "{name}", "{endpoint}")
     assert done.returncode == 1
     assert failed(done.stdout) == [point], done.stdout + done.stderr
-    assert "10 of 11 points passed" in done.stdout
+    assert "15 of 16 points passed" in done.stdout
     words = done.stdout.partition("FAILED")[2]
     assert re.search(expected, words)
     assert re.search(got, words)
@@ -68,7 +69,7 @@ def test_program_that_never_asks_fails_the_first_point_and_the_rest_is_skipped()
     assert failed(done.stdout) == ["join"]
     assert "got the end of the program, exit code 0" in done.stdout
     assert "| chair1 main tcp/127.0.0.1:" in done.stdout
-    assert done.stdout.count("skipped") == 10
+    assert done.stdout.count("skipped") == 15
 
 
 @pytest.mark.parametrize(
@@ -77,8 +78,13 @@ def test_program_that_never_asks_fails_the_first_point_and_the_rest_is_skipped()
         ((), 2, "COMMAND"),
         (("--name", "Chair 1", "--", "true"), 2, "--name: expected a name"),
         (("--listen", "tcp/127.0.0.1:1", "--connect", "tcp/127.0.0.1:1", "--", "true"), 2, "got both"),
-        (("--", "/no/such/program"), 1, "/no/such/program"),
-        (("--answer-within", "0", "--", "true"), 2, "expected seconds above 0, got '0'"),
+        (
+            ("--", "true", "{nmae}"),
+            2,
+            "COMMAND: expected the placeholders {name}, {endpoint}, {world}, got {nmae}; did you",
+        ),
+        (("--", "/no/such/program"), 2, "COMMAND: expected a program that can be run, got '/no/such/program'"),
+        (("--answer-within", "0", "--", "true"), 2, "expected seconds in (0, 1e+09], got '0'"),
     ],
 )
 def test_wrong_usage_is_explained(words: tuple[str, ...], code: int, said: str) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import json
+import shlex
 
 import msgspec
 from rich.console import Console
@@ -46,7 +47,7 @@ def test_json_has_the_hash_and_comes_back_whole() -> None:
 def test_lines_are_a_verb_and_values() -> None:
     assert list(lines(RESULT)) == [
         "agent name=chair1 mind=waypoints robot=rear-wheel place=goal1 reached=no distance=1.000m contacts=0 "
-        "path=0.00m turned_deg=0",
+        "path=0.00m age=0.000s turned_deg=0",
         "run ticks=812 time=40.60s wall=2.00s factor=20.3 contacts=0 late=0 seed=1 hash=00000000000000ff",
         "failed agent 'chair1' did not reach 'goal1': it ended 1.00 m away",
         "not-held scene=figure6 finish=ended",
@@ -68,3 +69,10 @@ def test_terminal_gets_a_table() -> None:
 
 def test_versions_name_python_and_this_distribution() -> None:
     assert {"python", "intellwheels", "eclipse-zenoh"} <= versions().keys()
+
+
+def test_command_line_of_a_program_is_one_value() -> None:
+    agent = AgentResult(name="chair1", mind="./mine {name}", robot="", command_age=0.061)
+    (line, *_) = lines(msgspec.structs.replace(RESULT, agents=(agent,)))
+    assert shlex.split(line)[1:4] == ["name=chair1", "mind=./mine {name}", "robot=-"]
+    assert " age=0.061s " in line

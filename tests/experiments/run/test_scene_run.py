@@ -18,9 +18,23 @@ from intellwheels_experiments.run.child_processes import ChildProcesses
 from intellwheels_experiments.run.launch_spec import LaunchSpec
 from intellwheels_experiments.run.progress import Progress
 from intellwheels_experiments.run.run_record import RunRecord
-from intellwheels_experiments.run.run_report import Result
+from intellwheels_experiments.run.run_report import Result as RunResult
 from intellwheels_experiments.run.scene_run import perform
-from intellwheels_schemas.messages import Cast, End, Entity, Grid, Hold, Map, Place, Reach, Scene, WorldState
+from intellwheels_schemas.keys import Verb
+from intellwheels_schemas.messages import (
+    Cast,
+    End,
+    Entity,
+    Grid,
+    Hold,
+    Map,
+    Place,
+    Reach,
+    Record,
+    Result,
+    Scene,
+    WorldState,
+)
 
 pytestmark = pytest.mark.process
 
@@ -54,6 +68,9 @@ class FakeSpec(LaunchSpec):
 
 
 class FakeWatch:
+    def control(self, verb: Verb, message: Record, timeout: float) -> Result:
+        raise AssertionError(verb)
+
     def drain(self, record: RunRecord) -> None:
         pass
 
@@ -74,7 +91,7 @@ def interrupting(stop: threading.Event) -> Iterator[FakeWatch]:
     yield FakeWatch()
 
 
-def play(tmp_path: Path, server: str, agent: str = WAIT, *, timeout: float = 60.0, stop: bool = False) -> Result:
+def play(tmp_path: Path, server: str, agent: str = WAIT, *, timeout: float = 60.0, stop: bool = False) -> RunResult:
     spec = FakeSpec(
         scene=SCENE,
         source="test",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import pytest
+from msgspec.structs import replace
 
 from intellwheels_experiments.run.run_record import RunRecord
 from intellwheels_experiments.run.verdict import judge
@@ -93,3 +94,13 @@ def test_agent_never_seen_does_not_hold() -> None:
 
 def test_scene_without_demands_holds_wherever_its_agents_are() -> None:
     assert judge(scene(None), FLOOR, seen(0.0, contacts=5)).held
+
+
+def test_program_and_age_of_its_commands_are_in_the_result() -> None:
+    cast = (Cast(name="chair1", command="./mine {name}"), Cast(name="table", robot="table", mind="table"))
+    record = RunRecord()
+    slow = Entity(name="chair1", x=0.0, y=0.0, heading=0.0, command_age=0.06)
+    record.on_state(WorldState(run=RUN, tick=1, time=0.05, entity=(slow,)))
+    (chair, table) = judge(replace(scene(None), cast=cast), FLOOR, record).agents
+    assert (chair.mind, chair.robot, chair.command_age) == ("./mine {name}", "", 0.06)
+    assert (table.mind, table.command_age) == ("table", 0.0)

@@ -15,6 +15,7 @@ from intellwheels_experiments.testing.rig import Rig
 from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.keys import Verb
 from intellwheels_schemas.messages import Result
+from tests.experiments.foreign import COMMAND, write_foreign
 
 pytestmark = pytest.mark.process
 
@@ -206,7 +207,7 @@ def test_name_is_checked_before_it_becomes_the_name_of_a_file(tmp_path: Path) ->
     with Rig(tmp_path / "logs", floor="corner") as sim:
         with pytest.raises(WireError, match=r"name: expected a name of a-z"):
             sim.agent("../../chair1", [sys.executable, "-c", ""])
-        with pytest.raises(OSError, match="no-such-program"):
+        with pytest.raises(WireError, match=r"mind: expected a program, got 'no-such-program'"):
             sim.agent("chair1", ["no-such-program"])
         assert [title for title, _ in sim.sections()] == ["server (running)"]
         for seconds in (math.nan, math.inf, -1.0):
@@ -242,3 +243,23 @@ def test_restarted_world_stands_at_tick_0_however_slow_the_machine(tmp_path: Pat
         sim.comes_back = True
         sim.restart_simulator()
         assert (sim.now.tick, list(sim.now.bodies)) == (0, ["chair1"])
+
+
+FOREIGN = f"""\
+<Scene Format="iw.v1" Name="foreign" Map="corner" Seed="1">
+  <Cast Name="chair1" Place="leader" Command="{COMMAND}" NewRun="restart"/>
+</Scene>
+"""
+
+
+def test_program_of_a_scene_is_cast_at_its_place_and_starts_again_with_a_new_run(tmp_path: Path) -> None:
+    write_foreign(tmp_path)
+    (tmp_path / "foreign.xml").write_text(FOREIGN)
+    with Rig(tmp_path / "logs", scene="foreign.xml", folder=tmp_path) as sim:
+        sim.cast()
+        assert sim.pose("chair1") == (0.0, 5.0, 0.0, 0.0)
+        once = sim.run_for(1.0)["chair1"].x
+        assert once > 5.1
+        assert sim.ctl("reset").code == "ok"
+        assert sim.pose("chair1") == (0.0, 5.0, 0.0, 0.0)
+        assert sim.run_for(1.0)["chair1"].x == once

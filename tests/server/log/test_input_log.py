@@ -98,7 +98,7 @@ def test_log_says_its_version_and_one_of_another_is_refused_in_words(tmp_path: P
     rewrite(path, [first.replace(b'"Version":2', b'"Version":3'), *rest])
     with (
         path.open("rb") as file,
-        pytest.raises(LogError, match=r"^log:1: expected an input log of version 1 or 2, got version 3"),
+        pytest.raises(LogError, match=r"^log:1: expected an input log of version 1 or 2, got 3"),
     ):
         read_header(file, "log")
     rewrite(path, [first, *rest])

@@ -116,8 +116,10 @@ def test_missing_tick_is_an_error(tmp_path: Path) -> None:
 
 
 def test_missing_file_is_reported(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["--resimulate", str(tmp_path / "none")]) == 1
-    assert "No such file" in capsys.readouterr().err
+    with pytest.raises(SystemExit) as ended:
+        main(["--resimulate", str(tmp_path / "none")])
+    assert ended.value.code == 2
+    assert "--resimulate: expected a file that exists, got" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(

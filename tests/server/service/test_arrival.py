@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from typing import get_args
+
 import pytest
 
 from intellwheels_schemas.codec import Encoding
-from intellwheels_schemas.messages import Quit, Record, Refused, Result
+from intellwheels_schemas.messages import Quit, Record, Refused, Result, ResultCode
 from intellwheels_server.service.arrival import Query
 
 DONE = Result(code="ok")
@@ -64,3 +66,11 @@ def test_several_replies_come_each_on_its_own_key() -> None:
 def test_a_query_without_parameters_and_wildcards_asks_for_all() -> None:
     ask = Asker().ask
     assert (dict(ask.parameters), ask.has_wildcards, ask.matches("anybody")) == ({}, False, True)
+
+
+def test_result_that_is_not_ok_is_an_error_reply() -> None:
+    for code in get_args(ResultCode):
+        asker = Asker()
+        asker.ask.reply(Result(run="0" * 16, tick=0, code=code))
+        ((_, _, ok, _),) = asker.sent
+        assert ok == (code == "ok")

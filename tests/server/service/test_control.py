@@ -6,6 +6,7 @@ import pytest
 from intellwheels_maps import robot
 from intellwheels_schemas.channels import VERB_CLASSES
 from intellwheels_schemas.messages import (
+    Actions,
     Delete,
     Load,
     Map,
@@ -169,6 +170,28 @@ def test_bodies_are_spawned_teleported_and_deleted() -> None:
     assert stage.result("delete", b'{"Agent":"table9"}').code == "not-found"
 
 
+def test_agent_whose_body_is_deleted_is_told_at_once_and_when_it_goes_on_sending() -> None:
+    stage = Stage(pace="realtime")
+    stage.join("chair1")
+    assert stage.result("delete", Delete(agent="chair1")).code == "ok"
+    assert [error.code for error in stage.errors("chair1")] == ["deleted"]
+    stage.act("chair1", 0.5, 0.5)
+    stage.put("chair1", Actions(session="f" * 16, left_motor=0.5))
+    assert [error.code for error in stage.errors("chair1")] == ["deleted", "deleted", "not-joined"]
+    # Whoever starts it again wants it back.
+    old = stage.sessions["chair1"]
+    stage.join("chair1", instance="b" * 16)
+    stage.put("chair1", Actions(session=old, left_motor=0.5))
+    assert stage.errors("chair1")[-1].code == "session"
+
+
+def test_deleted_body_that_an_operator_placed_tells_nobody() -> None:
+    stage = Stage(pace="realtime")
+    stage.result("spawn", Spawn(robot=msgspec.structs.replace(robot("table"), name="table9", format=None)))
+    stage.result("delete", Delete(agent="table9"))
+    assert stage.errors("table9") == []
+
+
 def test_live_run_refuses_to_seek() -> None:
     result = Stage().result("seek", b'{"Tick":3}')
     assert (result.code, result.text) == ("unsupported", "this run is live; only a playback can seek")
@@ -253,5 +276,29 @@ def test_nothing_is_kept_for_a_spawned_body_that_was_deleted() -> None:
 def test_every_control_message_has_one_handler() -> None:
     at_once = handle.registry.keys() - {object, Record}
     queued = change.registry.keys() - {object, Record}
-    assert set(VERB_CLASSES.values()) == at_once | queued
+    assert set(VERB_CLASSES.values()) == at_once | queued | {Load}
     assert at_once & queued == set()
+
+
+@pytest.mark.parametrize(
+    ("verb", "message", "code"),
+    [
+        ("fly", b"", "unsupported"),
+        ("seek", b'{"Tick":1}', "unsupported"),
+        ("speed", b"{}", "failed"),
+        ("delete", b'{"Agent":"ghost"}', "not-found"),
+        ("take", b'{"Agent":"ghost"}', "not-found"),
+        ("step", b'{"Count":1}', "incorrect-state"),
+        ("pause", b"", "ok"),
+    ],
+)
+def test_every_failure_is_an_error_reply(verb: str, message: bytes, code: str) -> None:
+    ((reply, ok),) = Stage(pace="realtime").ask("ctl", verb, message)
+    assert isinstance(reply, Result)
+    assert (reply.code, ok) == (code, code == "ok")
+
+
+def test_query_with_wildcards_gets_no_verb_and_no_refusal() -> None:
+    stage = Stage(pace="realtime")
+    assert stage.ask("ctl", "", has_wildcards=True) == []
+    assert stage.events() == []

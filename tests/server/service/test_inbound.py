@@ -6,8 +6,10 @@ from intellwheels_schemas.messages import (
     Actions,
     Pose,
     Say,
+    Take,
     UserInput,
 )
+from intellwheels_server.service.arrival import Put
 from tests.server.stage import Stage, real
 
 
@@ -157,3 +159,59 @@ def test_same_bytes_without_a_tick_answer_one_tick_after_the_other(data: bytes) 
         stage.put("chair1", data, encoding="")
     assert stage.tick == 5
     assert stage.errors("chair1") == []
+
+
+@pytest.mark.parametrize(
+    ("key", "hint"),
+    [("in/chair1/action", "in/chair1/actions"), ("in/chair1/Say", "in/chair1/say"), ("user/chair1/x", "user/chair1")],
+)
+def test_mistyped_key_is_reported_to_its_agent(key: str, hint: str) -> None:
+    stage = Stage()
+    stage.join("chair1")
+    stage.live_run.take(Put("chair1", "stray", b"", "", key=key), stage.now)
+    (error,) = stage.errors("chair1")
+    assert (error.code, error.where) == ("field", key)
+    assert error.text.startswith("key: expected ")
+    assert error.text.endswith(f"got {key!r}; did you mean {hint}?")
+
+
+def test_key_without_a_name_is_reported_in_the_log_and_seldom() -> None:
+    stage = Stage()
+    for _ in range(100):
+        stage.live_run.take(Put("", "stray", b"", "", key="in/Chair1/actions"), stage.now)
+    lines = [line for line in stage.notes if "in/Chair1/actions" in line]
+    assert 1 <= len(lines) <= 3
+
+
+def test_user_input_that_nobody_asked_for_is_reported_seldom_and_not_obeyed() -> None:
+    stage = Stage(pace="realtime", strict=False)
+    stage.join("chair1")
+    for number in range(120):
+        stage.put("chair1", UserInput(forward=1.0, seq=number), "user")
+        stage.work(0.05)
+    errors = stage.errors("chair1")
+    assert 2 <= len(errors) <= 4
+    assert {(error.code, error.where) for error in errors} == {("role", "UserInput")}
+    assert "got 'chair1'" in errors[0].text
+    assert errors[-1].suppressed > 10
+    assert stage.live_run.state.user == {}
+
+
+def test_user_input_for_nobody_is_reported_to_whoever_listens_there() -> None:
+    stage = Stage()
+    stage.put("ghost", UserInput(forward=1.0), "user")
+    (error,) = stage.errors("ghost")
+    assert (error.code, error.text) == (
+        "not-joined",
+        "UserInput: expected the name of an agent that is here, got 'ghost'",
+    )
+
+
+def test_user_input_under_a_lease_is_not_reported() -> None:
+    stage = Stage(pace="realtime", strict=False)
+    stage.join("chair1")
+    lease = stage.result("take", Take(agent="chair1")).lease
+    stage.put("chair1", UserInput(lease=lease, forward=1.0), "user")
+    stage.work(0.2)
+    assert stage.errors("chair1") == []
+    assert stage.of("state")[-1].entity[0].speed > 0.0

@@ -3,17 +3,20 @@ from __future__ import annotations
 import msgspec
 import pytest
 
-from intellwheels_maps import robot
+from intellwheels_maps import floor, robot
+from intellwheels_schemas import defaults
 from intellwheels_schemas.codec import Encoding
 from intellwheels_schemas.messages import (
     Actions,
     Joined,
     Leave,
+    Load,
     Measures,
     Pose,
     Refused,
     Result,
     Robot,
+    Spawn,
     Take,
 )
 from intellwheels_server.service.arrival import Topic
@@ -153,6 +156,19 @@ def test_token_that_returns_within_the_grace_time_changes_nothing() -> None:
     assert "returned" in stage.events()
 
 
+def test_body_stays_while_a_router_is_away_for_a_restart() -> None:
+    stage = Stage(strict=False, pace="realtime", grace=defaults.GRACE)
+    stage.join("chair1")
+    for seconds in (3.0, 14.5):
+        stage.token("chair1", present=False)
+        stage.work(seconds)
+        stage.token("chair1")
+    assert "left" not in stage.events()
+    stage.token("chair1", present=False)
+    stage.work(15.1)
+    assert stage.events()[-1] == "left"
+
+
 def test_member_lost_for_the_grace_time_ends_a_strict_run() -> None:
     stage = Stage()
     stage.join("chair1")
@@ -177,6 +193,28 @@ def test_mind_joins_the_body_of_another_process() -> None:
     )
     stage.act("chair1", 0.5, 0.5)
     assert stage.tick == 1
+
+
+@pytest.mark.parametrize("how", ["leaves", "is lost"])
+def test_mind_whose_body_goes_is_told(how: str) -> None:
+    stage = Stage(pace="realtime")
+    body = stage.join("chair1", msgspec.structs.replace(robot("rear-wheel"), role="body"))
+    stage.join("chair1", Robot(role="mind"), "b" * 16)
+    if how == "leaves":
+        stage.ask("leave", "chair1", Leave(session=body.session))
+    else:
+        stage.token("chair1", "body", present=False)
+        stage.work(3.1)
+    (error,) = stage.errors("chair1")
+    assert (error.code, error.text) == ("not-joined", "agent 'chair1' has no body any more, so its mind has left too")
+
+
+def test_body_whose_mind_leaves_is_not_told_that_it_left() -> None:
+    stage = Stage(pace="realtime")
+    stage.join("chair1", msgspec.structs.replace(robot("rear-wheel"), role="body"))
+    mind = stage.join("chair1", Robot(role="mind"), "b" * 16)
+    stage.ask("leave", "chair1", Leave(session=mind.session))
+    assert stage.errors("chair1") == []
 
 
 def test_reserved_name_and_crews_are_refused() -> None:
@@ -282,3 +320,54 @@ def test_joins_without_token_are_refused_while_a_barrier_is_open() -> None:
     stage.work(0.5)
     assert stage.tick == 0
     assert {reply.code for ((reply, _),) in replies if isinstance(reply, Refused)} == {"no-token"}
+
+
+CAST = {"chair1": "start1", "chair2": "start2"}
+
+
+def place_of(stage: Stage, agent: str) -> tuple[float, float]:
+    position = stage.join(agent).position
+    return position.x, position.y
+
+
+def test_guest_gets_a_spare_place_and_the_cast_its_own_whoever_comes_first() -> None:
+    stage = Stage(expect=("chair1", "chair2"), reserved=CAST)
+    guest = place_of(stage, "guest")
+    assert place_of(stage, "chair2") == (7.6, 6.8)
+    assert place_of(stage, "chair1") == (1.2, 2.6)
+    assert guest == (7.6, 0.95)  # start3, the first that is nobody's
+
+
+def test_guest_at_a_place_of_the_cast_is_refused_also_while_it_is_empty() -> None:
+    stage = Stage(reserved=CAST)
+    refused, ok = stage.try_join("guest", place="start1")
+    assert not ok
+    assert isinstance(refused, Refused)
+    words = "agent 'guest' would be in the way at place 'start1', which is kept for another agent"
+    assert (refused.code, refused.text) == ("overlaps", words)
+
+
+def test_guest_is_refused_in_words_when_only_places_of_the_cast_are_left() -> None:
+    places = [spot.name for spot in floor("room").grid.position if "wheelchair" in spot.kinds]  # type: ignore[union-attr]
+    stage = Stage(reserved={f"chair{number}": place for number, place in enumerate(places)})
+    refused, ok = stage.try_join("guest")
+    assert not ok
+    assert isinstance(refused, Refused)
+    assert refused.code == "no-place"
+    assert f"besides those kept for other agents ({', '.join(places)})" in refused.text
+
+
+def test_spawned_body_leaves_the_places_of_the_cast_free_unless_an_operator_says_where() -> None:
+    stage = Stage(pace="realtime", reserved=CAST)
+    crate = msgspec.structs.replace(robot("rear-wheel"), name="crate", format=None)
+    assert stage.result("spawn", Spawn(robot=crate)).code == "ok"
+    assert place_of(stage, "chair1") == (1.2, 2.6)
+    other = msgspec.structs.replace(crate, name="other", place="start2")
+    assert stage.result("spawn", Spawn(robot=other)).code == "ok"
+
+
+def test_places_of_the_cast_are_nobodys_on_another_map() -> None:
+    stage = Stage(pace="realtime", reserved={"chair1": "start1", "chair2": "no-such-place"})
+    stage.join("guest")
+    assert stage.result("load", Load(name="corner")).code == "ok"
+    stage.join("chair1", instance="b" * 16)

@@ -10,6 +10,7 @@ from intellwheels_schemas.messages import (
     Pose,
     Position,
     PowerInForce,
+    Result,
     Robot,
     Speed,
     WorldState,
@@ -105,3 +106,37 @@ def test_a_body_that_joined_at_a_place_is_published_with_the_pose_where_it_joine
     stage.act("chair1", 1.0, 0.5)
     stage.work(2.0)
     assert [reply.robot.position for reply, _ in stage.ask("body", "")] == [start]  # type: ignore[attr-defined]
+
+
+def test_state_goes_out_twice_a_second_while_nothing_moves_and_the_clock_at_each_tick() -> None:
+    stage = Stage(pace="realtime", strict=False)
+    stage.join("chair1")
+    stage.work(0.5)
+    stage.sent.clear()
+    stage.work(4.0)
+    assert 7 <= len(stage.of("state")) <= 9
+    assert 79 <= len(stage.of("clock")) <= 81
+    stage.act("chair1", 0.5, 0.5)
+    stage.sent.clear()
+    stage.work(0.4)
+    assert len(stage.of("state")) >= 7
+    assert stage.of("state")[-1].tick == stage.tick
+
+
+def test_what_an_agent_says_is_in_the_state_at_once_though_nothing_moves() -> None:
+    stage = Stage(pace="realtime", strict=False)
+    stage.join("chair1")
+    stage.work(1.0)
+    stage.act("chair1", say="hello")
+    stage.work(0.06)
+    assert stage.of("state")[-1].entity[0].say == "hello"
+    assert stage.of("state")[-1].tick >= stage.tick - 1
+
+
+@pytest.mark.parametrize("since", ["abc", "-1", "1.5", "9" * 17, "\u0663"])
+def test_events_since_something_that_is_no_number_are_refused_in_words(since: str) -> None:
+    ((reply, ok),) = Stage().ask("event", "", parameters={"since": since})
+    assert not ok
+    assert isinstance(reply, Result)
+    assert reply.code == "failed"
+    assert reply.text == f"event?since: expected a number, got {since!r}"

@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import pytest
 
-from intellwheels_server.service.pace import BACKLOG, Metronome, RealTimeFactor
+from intellwheels_server.service.pace import BACKLOG, BusyShare, Metronome, RealTimeFactor
 
 
 def test_lateness_does_not_add_up() -> None:
@@ -59,3 +59,15 @@ def test_factor_falls_when_no_tick_comes() -> None:
     for tick in range(41):
         factor.count_tick(tick * 0.05)
     assert factor.value(60.0) < 0.1
+
+
+def test_busy_share_is_that_of_the_last_second() -> None:
+    share = BusyShare()
+    assert share.value(100.0) == 0.0
+    for k in range(1, 11):
+        share.spend(0.03, 100.0 + 0.1 * k)
+    assert share.value(101.0) == pytest.approx(0.3, rel=0.1)
+    for k in range(1, 12):
+        share.spend(0.09, 101.0 + 0.1 * k)
+    assert share.value(102.1) == pytest.approx(0.9, rel=0.1)
+    assert share.value(110.0) < 0.2

@@ -28,3 +28,13 @@ def test_without_changes_it_publishes_twice_a_second() -> None:
     assert schedule.due() == IDLE_INTERVAL
     assert not schedule.take_due(0.49)
     assert schedule.take_due(0.5)
+
+
+def test_state_that_shows_the_same_goes_out_twice_a_second_and_another_one_at_once() -> None:
+    schedule = PublishSchedule()
+    published = [tick for tick in range(100) if schedule.take_state("still", tick * 0.05)]
+    assert 19 <= len(published) * 2 <= 22
+    assert schedule.take_state("moved", 5.0)
+    assert not schedule.take_state("moved", 5.05)
+    schedule.mark_state("moved", 5.45)
+    assert not schedule.take_state("moved", 5.5)

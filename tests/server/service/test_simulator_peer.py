@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import signal
 import socket
@@ -36,6 +37,7 @@ from intellwheels_schemas.messages import (
     Take,
     WorldState,
 )
+from intellwheels_server.service.simulator_peer import steady_unix_time
 
 pytestmark = pytest.mark.process
 
@@ -216,6 +218,45 @@ def test_queries_are_answered_in_their_own_encoding() -> None:
         assert decode(Result, refused.data, Encoding.XML).code == "failed"
 
 
+def test_shared_messages_have_an_encoding_that_the_tools_of_zenoh_print() -> None:
+    with serving() as server, connected(server) as session:
+        inbox = zenoh_inbox.Inbox()
+        found: dict[str, str] = {}
+        with contextlib.ExitStack() as stack:
+            for key in (KEYS.clock, KEYS.event, KEYS.every_body, KEYS.every_state, KEYS.map):
+                stack.enter_context(session.declare_subscriber(key, inbox.on_sample))
+            Client(session).join()
+            assert ask(session, KEYS.ctl("load"), b'{"Name":"room"}').ok
+            deadline = time.monotonic() + DEADLINE
+            while len(found) < 5 and time.monotonic() < deadline:
+                inbox.wait(0.2)
+                found |= {put.key: put.encoding for put in inbox.take() if isinstance(put, zenoh_inbox.Put)}
+        keys = (KEYS.body("chair1"), KEYS.clock, KEYS.event, KEYS.map, KEYS.state(0))
+        assert found == dict.fromkeys(keys, "application/json")
+
+
+def test_gets_with_wildcards_bring_every_key_and_a_mistyped_key_is_told() -> None:
+    with serving() as server, connected(server) as session:
+        client = Client(session)
+        client.join()
+        single = {KEYS.clock, KEYS.event, KEYS.map}
+        for selector, keys in (
+            ("iw/v1/main/*", single),
+            ("iw/v1/*/clock", {KEYS.clock}),
+            ("iw/v1/main/**", {*single, KEYS.body("chair1"), KEYS.state(0)}),
+        ):
+            answers = link.query(session, selector)
+            assert sorted(answer.key for answer in answers) == sorted(keys), selector
+        refused = link.query(session, f"{KEYS.event}?since=abc")[0]
+        assert not refused.ok
+        assert decode(Result, refused.data).text == "event?since: expected a number, got 'abc'"
+        session.put(f"{KEYS.prefix}in/chair1/action", b"{}")
+        deadline = time.monotonic() + DEADLINE
+        while not client.errors and time.monotonic() < deadline:
+            client.measures()
+        assert [error.where for error in client.errors] == ["in/chair1/action"]
+
+
 def test_world_has_one_simulator() -> None:
     with serving() as server:
         second = Server(connect=server.endpoint)
@@ -304,7 +345,7 @@ def test_closed_lifeline_ends_the_process() -> None:
         (["--open-loop"], "--open-loop: expected pace free, got realtime"),
         (["--period", "7"], "--period: expected seconds"),
         (["--expect", "chair1,Bad"], "--expect"),
-        (["--speed", "0"], "expected a number above 0"),
+        (["--speed", "0"], "--speed: expected a number in (0, 1000], got '0'"),
     ],
 )
 def test_wrong_usage_exits_with_2(options: list[str], text: str, capsys: pytest.CaptureFixture[str]) -> None:
@@ -327,3 +368,11 @@ def test_help_has_examples(capsys: pytest.CaptureFixture[str]) -> None:
     shown = capsys.readouterr().out
     assert "iw-server --scene figure6 --log run.jsonl" in shown
     assert "--resimulate" in shown
+
+
+def test_stamps_do_not_go_back_with_the_wall_clock() -> None:
+    wall, steady = [7200.0], [50.0]
+    now = steady_unix_time(lambda: wall[0], lambda: steady[0])
+    assert now() == 7200.0
+    wall[0], steady[0] = 3600.0, 51.0
+    assert now() == 7201.0

@@ -27,6 +27,15 @@ def test_claims_of_one_nanosecond_are_told_apart() -> None:
     assert other.yields(YIELD_AFTER) == EARLIER
 
 
+def test_exactly_one_serves_also_after_the_wall_clock_was_set_back() -> None:
+    # The newcomer started while the network was away, an hour later, with a clock that is two hours behind.
+    old, new = Claim(7200, "a" * 16), Claim(3600, "b" * 16)
+    one, other = WorldClaim(old, 3600.0), WorldClaim(new, 3600.0)
+    one.add(new, 3600.0)
+    other.add(old, 3600.0)
+    assert [claim.yields(3600.0 + YIELD_AFTER) for claim in (one, other)] == [EARLIER, None]
+
+
 def test_own_claim_is_nobody_else_s() -> None:
     claim = WorldClaim(OWN, 0.0)
     claim.add(OWN, 0.0)

@@ -1,12 +1,21 @@
+import itertools
+import math
+from collections.abc import Sequence
+
+import msgspec
 import pytest
 
+from intellwheels_maps import names, robot
 from intellwheels_schemas.errors import RequestRefusedError
-from intellwheels_schemas.messages import Part, Robot
+from intellwheels_schemas.file_records import Inputs, Join
+from intellwheels_schemas.messages import Actions, Corner, Part, Position, Robot, Wall
+from intellwheels_server.world import advance, begin
 from intellwheels_server.world.body_set import assemble, body_model_of
+from intellwheels_server.world.kernels import rows
 from intellwheels_server.world.kernels.arrays import ANCHORED, EXTERNALLY_POSED, KEY
 from intellwheels_server.world.kernels.motor_model import MOTOR_ACCELERATION, MOTOR_KEPT, MOTOR_TOP_SPEED, MOTOR_TRACK
 from intellwheels_server.world.state import Setup
-from tests.server.worlds import cart, floor_of
+from tests.server.worlds import RUN, cart, do, floor_of
 
 
 def test_model_has_the_robot_as_accepted() -> None:
@@ -50,3 +59,51 @@ def test_body_set_may_be_empty() -> None:
     body_set, _ = assemble({}, Setup(floor=floor_of()), 0, None)
     assert body_set.motors.shape == (8, 0)
     assert body_set.noise.shape == (2, 0)
+
+
+def fast_setup(period: float, walls: Sequence[Wall] = ()) -> Setup:
+    return Setup(floor=floor_of(walls), period=period)
+
+
+def test_body_that_could_pass_through_something_is_refused_in_words() -> None:
+    with pytest.raises(RequestRefusedError) as refused:
+        body_model_of("a", cart(length=0.05, width=0.05, top_speed=50.0, turn_limit=1.0), fast_setup(1.0))
+    assert refused.value.code == "value"
+    assert refused.value.text == (
+        "Robot: expected a body that moves at most 25.6 m in a tick, because its thinnest part measures 0.05 m, "
+        "got 50 m in a tick of 1 s; lower TopSpeed or TurnLimit, or give the simulation a shorter period"
+    )
+    assert body_model_of("a", cart(length=0.05, width=0.05, top_speed=50.0, turn_limit=1.0), fast_setup(0.5))
+
+
+def test_real_body_is_taken_at_any_speed_because_its_bridge_moves_it() -> None:
+    assert body_model_of("a", cart(length=0.05, width=0.05, top_speed=50.0, type="real"), fast_setup(1.0))
+
+
+@pytest.mark.parametrize("name", names("robots"))
+def test_included_robots_are_accepted_with_every_period(name: str) -> None:
+    assert body_model_of("a", robot(name), fast_setup(1.0))
+
+
+SIZES = (0.001, 0.01, 0.05, 0.6)
+SPEEDS = (0.5, 5.0, 50.0)
+PERIODS = (0.001, 0.05, 0.3, 1.0)
+THICKNESSES = (1e-9, 1e-3, 0.02, 0.2)
+HEADINGS = (0.0, 0.4, 1.2)
+
+
+@pytest.mark.parametrize("period", PERIODS)
+@pytest.mark.parametrize("speed", SPEEDS)
+def test_no_accepted_body_passes_a_wall(speed: float, period: float) -> None:
+    for length, width, thickness, heading in itertools.product(SIZES, SIZES, THICKNESSES, HEADINGS):
+        model = cart(length=length, width=width, top_speed=speed)
+        wall = Wall(thickness=thickness, corner=(Corner(x=0.0, y=-500.0), Corner(x=0.0, y=500.0)))
+        x = -0.6 * speed * period - 0.5 * (math.hypot(length, width) + thickness) - 0.001
+        placed = msgspec.structs.replace(model, position=Position(x=x, y=0.0, heading=heading))
+        state, outcome, _ = do(begin(fast_setup(period, [wall]), RUN), Join(agent="a", robot=placed))
+        if outcome.code != "ok":
+            assert "Robot: expected a body that moves at most" in outcome.text
+            continue
+        for _ in range(3):
+            state, _ = advance(state, Inputs(actions={"a": Actions(left_motor=1.0, right_motor=0.98)}))
+        assert state.numbers[rows.X, 0] < 0.0, (length, width, thickness, heading)

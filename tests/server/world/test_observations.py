@@ -87,3 +87,26 @@ def test_speed_after_a_jump_is_limited_to_the_range_of_a_message() -> None:
 def test_rounded_heading_stays_in_its_range() -> None:
     for heading in (math.pi, -math.pi + 1e-9):
         assert entities(world({"a": cart(heading=heading)}))[0].heading == math.pi
+
+
+def test_state_shows_the_output_of_the_papers_formula_beside_the_mean_speed_of_the_tick() -> None:
+    state = world({"a": cart(acceleration_curve=0.5), "box": cart(9.0, top_speed=0.0)})
+    shown = []
+    for _ in range(3):
+        state, _ = run(state, 1, {"a": (1.0, -1.0)})
+        shown.append((entities(state)[0].left_output, entities(state)[0].right_output))
+    assert shown == [(0.5, -0.5), (0.75, -0.75), (0.875, -0.875)]
+    state = world({"a": cart(acceleration_curve=0.5), "box": cart(9.0, top_speed=0.0)})
+    speeds = []
+    for _ in range(3):
+        state, _ = run(state, 1, {"a": (1.0, 1.0)})
+        speeds.append(round(entities(state)[0].speed, 4))
+    assert speeds == [0.2787, 0.6393, 0.8197]
+    assert (entities(state)[1].left_output, entities(state)[1].right_output) == (0.0, 0.0)
+
+
+def test_output_of_wheels_that_differ_is_a_share_of_their_own_full_speed() -> None:
+    state = world({"a": cart(wheel_ratio=1.1, wheel_scale=0.9, acceleration_curve=0.5)})
+    state, _ = run(state, 100, {"a": (1.0, 0.5)})
+    (entity,) = entities(state)
+    assert (entity.left_output, entity.right_output) == (1.0, 0.5)

@@ -17,9 +17,9 @@ PLACES = (
 )
 
 
-def put(robot: Robot, floor: Map, space: OccupiedSpace | None = None) -> Position:
+def put(robot: Robot, floor: Map, space: OccupiedSpace | None = None, reserved: tuple[str, ...] = ()) -> Position:
     model = body_model_of("a", robot, Setup(floor=floor))
-    return place(model, floor, space or OccupiedSpace(walls_of(floor), floor))
+    return place(model, floor, space or OccupiedSpace(walls_of(floor), floor), reserved)
 
 
 def space_with(floor: Map, *positions: tuple[float, float]) -> OccupiedSpace:
@@ -45,6 +45,30 @@ def test_first_free_place_is_one_for_the_kind_where_nobody_stands() -> None:
         put(cart(position=None), floor, space)
     assert refusal.value.code == "no-place"
     assert "no free place for a wheelchair on map 'test'" in refusal.value.text
+
+
+def test_place_that_is_kept_for_another_body_is_not_given_away() -> None:
+    near = Place(name="near", x=5.3, y=0.0, kinds=("wheelchair",))
+    floor = floor_of((), (PLACES[1], near, PLACES[2]))
+    assert put(cart(position=None), floor, reserved=("first",)).x == 8.0  # at `near` it would be in the way
+    with pytest.raises(RequestRefusedError) as refusal:
+        put(cart(position=None), floor, reserved=("first", "second", "gone"))
+    assert refusal.value.code == "no-place"
+    assert refusal.value.text == (
+        "no free place for a wheelchair on map 'test' besides those kept for other agents (first, second): "
+        "set Robot.Place or Robot.Position"
+    )
+
+
+def test_body_that_asks_for_a_kept_place_or_the_space_of_one_is_refused() -> None:
+    floor = floor_of((), PLACES)
+    for robot in (cart(place="first"), cart(5.2, 0.1)):
+        with pytest.raises(RequestRefusedError) as refusal:
+            put(robot, floor, reserved=("first",))
+        words = "agent 'a' would be in the way at place 'first', which is kept for another agent"
+        assert (refusal.value.code, refusal.value.text) == ("overlaps", words)
+    assert put(cart(5.2, 0.1, type="real"), floor, reserved=("first",)).x == 5.2
+    assert put(cart(place="second"), floor, reserved=("first",)).x == 8.0
 
 
 def test_unknown_place_is_refused_with_the_places_there_are() -> None:

@@ -2,14 +2,20 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import msgspec
 import pytest
 
+from intellwheels_maps import robot
 from intellwheels_schemas.file_records import Inputs, TakeBody
-from intellwheels_schemas.messages import Actions, End, Timeout, UserInput
-from intellwheels_server.world.kernels.rows import SPEED
+from intellwheels_schemas.messages import Actions, End, Position, Timeout, UserInput
+from intellwheels_server.world import measures
+from intellwheels_server.world.kernels.rows import LEFT_POWER, RIGHT_POWER, SPEED
 from intellwheels_server.world.step import USER_SILENCE, staleness, step, steps_in
 from tests.server.worlds import cart, do, floor_of, run, world
+
+README = Path(__file__).parents[3] / "README.md"
 
 
 @pytest.mark.parametrize(
@@ -67,3 +73,38 @@ def test_a_run_whose_end_is_waived_goes_on() -> None:
     state = msgspec.structs.replace(state, end_waived=True)
     state, events = run(state, 5)
     assert (state.tick, state.ended, events) == (5, False, [])
+
+
+CHAIRS = ("rear-wheel", "mid-wheel", "front-wheel", "intellwheels", "corridor-chair")
+NO_POWER, STANDS = 0.4, 1.1
+"""README promises these times after the last input of a user, s."""
+
+
+@pytest.mark.parametrize("taken", [True, False], ids=["taken", "mind"])
+@pytest.mark.parametrize("name", CHAIRS)
+def test_chair_that_has_lost_its_user_stands_when_readme_says(name: str, taken: bool) -> None:
+    chair = msgspec.structs.replace(robot(name), position=Position(x=0.0, y=0.0, heading=0.0), user_input=("drive",))
+    state = world({"a": chair}, strict=True)
+    if taken:
+        state, _, _ = do(state, TakeBody(agent="a", on=True))
+    wish = UserInput(forward=1.0, turn=0.0)
+    last, powerless, standing = 60, None, None
+    while standing is None and state.tick < 1000:
+        heard = measures(state, "a").user_input
+        forward = heard.forward if heard is not None else 0.0
+        told = {} if taken else {"a": Actions(left_motor=forward, right_motor=forward)}
+        state, _, _ = step(state, Inputs(actions=told, user_input={"a": wish} if state.tick <= last else {}))
+        if state.tick == last:
+            assert float(state.numbers[SPEED, 0]) > 0.8
+        if state.tick > last + 1:
+            if powerless is None and state.numbers[LEFT_POWER, 0] == state.numbers[RIGHT_POWER, 0] == 0.0:
+                powerless = state.tick - 1 - last
+            if abs(float(state.numbers[SPEED, 0])) < 0.01:
+                standing = state.tick - last
+    period = state.setup.period
+    assert powerless is not None
+    assert standing is not None
+    assert 0.3 <= powerless * period <= NO_POWER
+    assert standing * period <= STANDS
+    assert f"no power within {NO_POWER:g} s" in README.read_text(encoding="utf-8")
+    assert f"within {STANDS:g} s" in README.read_text(encoding="utf-8")

@@ -170,3 +170,30 @@ def test_impossible_wall_is_refused_with_the_reason(wall: Solid | Line, words: s
 def test_long_slanting_walls_do_not_fill_a_grid_of_small_cells() -> None:
     walls = walls_from([Line([(0.0, 0.0), (9_000.0 + k, 9_000.0)], 0.1, 0.0, 2.5) for k in range(200)])
     assert len(walls.cells) < 1 << 21
+
+
+def test_solid_with_a_hole_in_its_ring_is_cut_round_the_hole() -> None:
+    outside = [(0.0, 0.0), (10.0, 0.0), (10.0, 10.0), (0.0, 10.0)]
+    hole = [(2.0, 2.0), (2.0, 8.0), (8.0, 8.0), (8.0, 2.0)]
+    ring = [*outside, outside[0], *hole, hole[0]]
+    for corners in (ring, ring[::-1], ring[6:] + ring[:6], [*ring, ring[0]]):
+        walls = walls_from([Solid(corners, 0.0, 2.0)])
+        pieces = [shapely.Polygon(walls.edges[first:end, :2]) for first, end, _ in walls.links]
+        assert all(piece.is_valid for piece in pieces)
+        assert sum(piece.area for piece in pieces) == pytest.approx(64.0)
+        cut = shapely.union_all(pieces)
+        assert cut.equals(shapely.Polygon(outside, [hole]))
+        # The wall is 2 m thick wherever it is thin; the edge that leads to the hole is inside it.
+        assert min(walls.pieces[:, PIECE_THICKNESS]) == pytest.approx(2.0)
+
+
+def test_hole_may_touch_the_outside_and_holes_may_hang_on_one_another() -> None:
+    outside = [(0.0, 0.0), (10.0, 0.0), (10.0, 10.0), (0.0, 10.0)]
+    one, two = [(2.0, 2.0), (2.0, 4.0), (4.0, 4.0), (4.0, 2.0)], [(5.0, 5.0), (5.0, 7.0), (7.0, 5.0)]
+    chain = [*outside, outside[0], one[0], one[1], one[2], *two, two[0], one[2], one[3], one[0]]
+    touching = [*outside, outside[0], (4.0, 8.0), (8.0, 4.0)]
+    for corners, area in ((chain, 94.0), (touching, 76.0)):
+        walls = walls_from([Solid(corners, 0.0, 2.0)])
+        pieces = [shapely.Polygon(walls.edges[first:end, :2]) for first, end, _ in walls.links]
+        assert sum(piece.area for piece in pieces) == pytest.approx(area)
+        assert shapely.union_all(pieces).area == pytest.approx(area)

@@ -5,7 +5,11 @@ from __future__ import annotations
 import subprocess
 import sys
 
+import numba
 import pytest
+from numba.core import event
+
+from intellwheels_server.world.warmup import Announcer
 
 pytestmark = pytest.mark.process
 
@@ -48,3 +52,23 @@ def test_nothing_is_compiled_after_the_warm_up() -> None:
     here, compiled = done.stdout.split()
     assert int(here) >= 2
     assert compiled == "0"
+
+
+def test_compiling_is_announced_from_the_first_kernel_that_numba_compiles(capsys: pytest.CaptureFixture[str]) -> None:
+    """Whatever the cache holds: it may be of another Python, another numba or another processor."""
+    announcer = Announcer()
+    with event.install_listener("numba:compile", announcer):
+        assert capsys.readouterr().err == ""
+        assert numba.njit(lambda x: x + 1)(1) == 2
+        assert numba.njit(lambda x: x + 2)(1) == 3
+        announcer.end()
+    began, *_, ended = capsys.readouterr().err.splitlines()
+    assert began == "compiling kernels: only at the first start, about 45 s"
+    assert ended.startswith("compiled kernels seconds=")
+
+
+def test_nothing_is_announced_where_nothing_is_compiled(capsys: pytest.CaptureFixture[str]) -> None:
+    announcer = Announcer()
+    with event.install_listener("numba:compile", announcer):
+        announcer.end()
+    assert capsys.readouterr().err == ""

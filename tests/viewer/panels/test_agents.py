@@ -42,6 +42,12 @@ def test_agents_come_before_what_an_operator_put_there() -> None:
     assert words(agents_first(made_up.snapshot())[-1], made_up.snapshot().bodies["table1"]) == "table, placed"
 
 
+def test_age_of_the_commands_of_a_slow_agent_is_said() -> None:
+    slow = Entity(name="a", x=0, y=0, heading=0, mode="drive", command_age=0.061)
+    assert words(slow, None) == "drive, commands 0.06 s old"
+    assert words(msgspec.structs.replace(slow, command_age=0.0), None) == "drive"
+
+
 def test_no_agents_are_said_in_words() -> None:
     assert "No agents yet" in agents_html(replace(made_up.snapshot(), entities=()), Choices())
     assert "No agents yet" not in agents_html(made_up.nothing("no-router"), Choices())

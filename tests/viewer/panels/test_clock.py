@@ -46,6 +46,15 @@ def test_one_late_tick_and_none_are_written_as_spoken() -> None:
     assert "no late ticks" in clock_html(at("running", late=0))
 
 
+def test_busy_simulator_says_so_and_whose_sensors_cost_most() -> None:
+    page = clock_html(at("running", load=0.93, rays=23_040, costliest="chair2"))
+    assert "busy 93 % of the time, so ticks may be late" in page
+    assert "23,040 rays per tick, most of them those of chair2" in page
+    assert "rays" not in clock_html(at("running", load=0.93))
+    for calm in (at("running", load=0.5), at("running", load=0.93, pace="free")):
+        assert "busy" not in clock_html(calm)
+
+
 def test_another_speed_is_shown() -> None:
     assert "speed 0.5 \u00d7" in clock_html(at("running", speed=0.5))
 

@@ -20,6 +20,20 @@ def test_an_agent_is_told_only_what_is_not_the_default() -> None:
     )
 
 
+@pytest.mark.parametrize(
+    ("listen", "connect"),
+    [
+        ("tcp/0.0.0.0:7449", "tcp/127.0.0.1:7449"),
+        ("tcp/[::]:7449", "'tcp/[::1]:7449'"),
+        ("tcp/10.0.0.5:1", "tcp/10.0.0.5:1"),
+    ],
+)
+def test_who_joins_a_viewer_that_listens_everywhere_gets_an_address_to_connect_to(listen: str, connect: str) -> None:
+    waiting = made_up.nothing("no-world", endpoint=listen)
+    assert run_command(waiting) == f"iw-run figure6 --pace realtime --connect {connect}"
+    assert agent_command(replace(made_up.snapshot(), endpoint=listen)).endswith(f"--connect {connect}")
+
+
 def test_a_run_listens_where_nobody_is_and_connects_to_a_router() -> None:
     assert run_command(made_up.nothing("no-router")) == f"iw-run figure6 --pace realtime --listen {ENDPOINT}"
     assert run_command(made_up.nothing("no-world")) == f"iw-run figure6 --pace realtime --connect {ENDPOINT}"

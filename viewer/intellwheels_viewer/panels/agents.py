@@ -70,7 +70,7 @@ def agents_html(snapshot: Snapshot, choices: Choices, handler: str = "") -> str:
 
 
 def words(entity: Entity, body: Body | None) -> str:
-    """Return the status of a body in words: kind, real or simulated, mode, and the reason if it does not drive."""
+    """Return the status of a body in words: kind, real or simulated, mode, why it does not drive, slow commands."""
     said = []
     if body is not None:
         said.append(body.robot.type if _is_agent(body) else f"{body.robot.kind}, placed")
@@ -78,6 +78,8 @@ def words(entity: Entity, body: Body | None) -> str:
         said.append(entity.mode)
     if _STATES[entity.state]:
         said.append(_STATES[entity.state])
+    if entity.command_age:
+        said.append(f"commands {number_format.decimal(entity.command_age)} s old")
     return ", ".join(said)
 
 

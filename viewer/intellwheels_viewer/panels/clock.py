@@ -20,6 +20,8 @@ from intellwheels_viewer.snapshot import Snapshot
 STEPS: Final = ("1", "10", "100")
 SPEEDS: Final = ("0.5", "1", "2", "5")
 _SHOWN: Final = 3
+_BUSY: Final = 0.8
+"""Share of the time from which on the page says that the simulator is busy."""
 _PACES: Final = {
     "realtime": "in real time",
     "free": "as fast as it can",
@@ -52,6 +54,7 @@ def clock_html(snapshot: Snapshot) -> str:
             )
         ),
         f'<div class="iw-small">{_late(clock)}, {html.escape(_pace(clock))}</div>',
+        note(_busy(clock)) if live and clock.load >= _BUSY and clock.pace == "realtime" else "",
         note("The run is over. Run it again, or continue it beyond its end.") if live and _is_over(snapshot) else "",
         classes="" if live else "iw-old",
     )
@@ -78,6 +81,14 @@ def _factor(clock: Clock) -> str:
 
 def _late(clock: Clock) -> str:
     return f"{clock.late or 'no'} late tick{'' if clock.late == 1 else 's'}"
+
+
+def _busy(clock: Clock) -> str:
+    """Return why ticks are late: how busy the simulator is, and whose sensors cost most."""
+    text = f"The simulator is busy {100.0 * clock.load:.0f} % of the time, so ticks may be late."
+    if clock.costliest is None:
+        return text
+    return f"{text} Sensors cast {clock.rays:,} rays per tick, most of them those of {clock.costliest}."
 
 
 def _pace(clock: Clock) -> str:

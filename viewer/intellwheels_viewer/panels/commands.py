@@ -47,6 +47,9 @@ def _link(option: str, snapshot: Snapshot) -> list[str]:
     endpoints = snapshot.endpoint.split(", ")
     if not all(_ENDPOINT.fullmatch(one) for one in endpoints):
         return ["--config", snapshot.endpoint]
+    if option == "--connect":
+        # Nobody can connect to the address that stands for all of a machine's.
+        endpoints = [one.replace("/0.0.0.0:", "/127.0.0.1:").replace("/[::]:", "/[::1]:") for one in endpoints]
     return [word for one in endpoints for word in (option, one)]
 
 

@@ -10,7 +10,7 @@ from typing import Any
 import zenoh
 
 NAME = sys.argv[1] if len(sys.argv) > 1 else "avoid1"
-KEY, JSON, INSTANCE = "iw/v1/main", "application/json;iw.v1", secrets.token_hex(8)
+KEY, JSON, INSTANCE = "iw/v1/main", "application/json", secrets.token_hex(8)
 EYES = {"left": 35.0, "front": 0.0, "right": -35.0}
 EYE = {"X": 0.6, "Y": 0.0, "Z": 0.4, "ConeDeg": 40.0, "MaxRange": 3.0}
 PROXIMITY = [{"Id": eye, "DirectionDeg": angle, **EYE} for eye, angle in EYES.items()]

@@ -11,7 +11,7 @@ interface Complaint { Code: string; Text: string }
 
 const [name = "avoid1", bridge = "ws/127.0.0.1:10000"] = process.argv.slice(2);
 const KEY = "iw/v1/main";
-const JSON_V1 = "application/json;iw.v1";
+const JSON_V1 = "application/json";
 const instance = randomBytes(8).toString("hex");
 const eye = (id: string, direction: number) =>
   ({ Id: id, X: 0.6, Y: 0.0, Z: 0.4, DirectionDeg: direction, ConeDeg: 40.0, MaxRange: 3.0 });

@@ -20,7 +20,7 @@ Symbols:
 
 Why it terminates, and why the result is allowed:
     1. A tick has at most `contact_steps.MOST_STEPS` sub-steps. A sub-step moves no body farther than half the thinnest
-       thing in the island, so nothing passes through anything.
+       thing in the island or, with that many sub-steps, half its own thinnest part. So nothing passes through anything.
     2. The bodies that stay are found in rounds. They stay for the rest of the sub-step, and every round but the last
        finds at least one more. So there is at most one round more than members.
     3. Finding the best motion takes 4 attempts and 12 bisections, each with at most 8 pushes out. The pose at the start

@@ -67,6 +67,23 @@ def motor_figures(robot: Robot, period: float) -> tuple[float, ...]:
     )
 
 
+def most_motion(robot: Robot, period: float, radius: float) -> float:
+    """Return how far a point of a robot moves in a tick at most, m.
+
+    Args:
+        robot: The robot.
+        period: T, s, > 0.
+        radius: Distance of its farthest corner from its centre of movement, m.
+    """
+    fastest = robot.top_speed * max(wheel_scales(robot.wheel_ratio, robot.wheel_scale))
+    rate = min(
+        _MOST_TURN_RATE,
+        math.inf if robot.turn_limit is None else robot.turn_limit,
+        2.0 * fastest / (robot.track * robot.track_ratio),
+    )
+    return (fastest + rate * radius) * period
+
+
 def wheel_scales(ratio: float, scale: float) -> tuple[float, float]:
     """Return the true left and right wheel over the nominal one.
 

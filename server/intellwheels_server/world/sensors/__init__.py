@@ -21,6 +21,7 @@ from intellwheels_schemas.rules import sensors_of
 from intellwheels_server.world.kernels import sample_schedule
 from intellwheels_server.world.kernels.arrays import Floats, Ints
 from intellwheels_server.world.kernels.noise import noise_key
+from intellwheels_server.world.kernels.rounded_readings import round_readings
 from intellwheels_server.world.sensors.catalogue import KINDS
 from intellwheels_server.world.sensors.kind import Block, Fitted, Kind, View
 
@@ -47,6 +48,20 @@ def check_sensors(robot: Robot, floor: Map, *, truth: bool) -> None:
         if declaration.source == "real":  # its readings come from the bridge
             continue
         kind.check(where, declaration, floor)
+
+
+def rays_of(robot: Robot) -> float:
+    """Return the rays per tick that the simulated sensors of a robot cost, in rays of a lidar."""
+    return sum(
+        KINDS[type(declaration)].rays(declaration) / declaration.every
+        for _, _, declaration in sensors_of(robot)
+        if declaration.source == "simulated"
+    )
+
+
+def reading_bytes_of(robot: Robot) -> int:
+    """Return the largest number of bytes of all readings of a robot, in either encoding."""
+    return sum(KINDS[type(declaration)].reading_bytes(declaration) for _, _, declaration in sensors_of(robot))
 
 
 class _Place(NamedTuple):
@@ -82,11 +97,13 @@ class SensorPlan:
         blocks: The block of each kind, which takes its samples.
         fittings: The sensors and places of samples of each body, in the order of the state's arrays.
         memory: int64[...], the places in the samples that are memory of sensors, ascending.
+        spans: int64[sensors, 2], the first place and the end of the samples of each sensor, without its memory.
     """
 
     blocks: tuple[Block, ...]
     fittings: tuple[_Fitting, ...]
     memory: Ints
+    spans: Ints
 
 
 def plan_sensors(
@@ -120,6 +137,7 @@ def plan_sensors(
     fitted: dict[Kind, list[tuple[Fitted, list[int]]]] = {}
     size = 0
     remembered: list[int] = []
+    spans: list[tuple[int, int]] = []
     for body, (robot, start) in enumerate(bodies):
         old = None if robot.name in arrived else stayed.get(robot.name)
         stays = old is not None and old.robot == robot and old.start == start
@@ -138,6 +156,7 @@ def plan_sensors(
             key = noise_key(seed, str(robot.name), kind.stream(sensor))
             row = _row(body, declaration, joined + phase, size, depth, key)
             fitted.setdefault(kind, []).append((sensor, row))
+            spans.append((size, size + depth * width))
             size += depth * width
             remembered.extend(range(size, size + kind.memory(declaration)))
             size += kind.memory(declaration)
@@ -150,7 +169,8 @@ def plan_sensors(
         for old, new in kept:
             samples[new.begin : new.end] = before[1][old.begin : old.end]
     blocks = tuple(_compiled(kind, sensors) for kind, sensors in fitted.items())
-    return SensorPlan(blocks, tuple(fittings), np.array(remembered, dtype=np.int64)), samples
+    memory = np.array(remembered, dtype=np.int64)
+    return SensorPlan(blocks, tuple(fittings), memory, np.array(spans, dtype=np.int64).reshape(-1, 2)), samples
 
 
 def _row(
@@ -180,7 +200,7 @@ def sense(plan: SensorPlan, view: View, tick: int, samples: Floats) -> Floats:
     """Return the samples with those that are due at a tick.
 
     Call it for every tick, in order, after the bodies have their poses. A second call at the same tick takes
-    the same samples again.
+    the same samples again. Samples are rounded to 1e-6; what sensors remember is not.
 
     Args:
         plan: The sensors.
@@ -193,6 +213,7 @@ def sense(plan: SensorPlan, view: View, tick: int, samples: Floats) -> Floats:
     samples = samples.copy()
     for block in plan.blocks:
         block.take(tick, view, samples)
+    round_readings(plan.spans, samples)
     return samples
 
 

@@ -1,4 +1,4 @@
-"""Unit vectors of angles in degrees, exact for quarter turns: a sensor at 90 degrees looks exactly to the side."""
+"""Angles of sensors: unit vectors, exact for quarter turns, and headings as they are written."""
 
 from __future__ import annotations
 
@@ -16,3 +16,8 @@ def unit_vector(degrees: float) -> tuple[float, float]:
         return quarter
     sine, cosine = sincos(math.radians(degrees))
     return cosine, sine
+
+
+def written_heading(rounded: float) -> float:
+    """Return a heading that was rounded to 1e-6, moved back to (-pi, pi] if rounding took it out."""
+    return rounded if -math.pi < rounded <= math.pi else math.pi

@@ -22,7 +22,7 @@ from intellwheels_server.world.kernels.noise import normal
 from intellwheels_server.world.kernels.sample_schedule import BODY, KEY0, KEY1, due_slot
 from intellwheels_server.world.kernels.sensor_errors import BIAS_MEMORY, memory_of, walk
 from intellwheels_server.world.kernels.spatial_query import place_boxes
-from intellwheels_server.world.sensors.angles import unit_vector
+from intellwheels_server.world.sensors.angles import unit_vector, written_heading
 from intellwheels_server.world.sensors.kind import Fitted, Kind, View
 
 # Columns of the settings, float64[sensors, 13]: the place, NaN where the map has none; the point and height; direction
@@ -154,7 +154,7 @@ class BeaconKind(Kind):
         """Return the bearing in the body frame, rad, or that it is not seen."""
         if sample[0] == 0.0:
             return BeaconReading(id=sensor.declaration.id, tick=tick, status="none")
-        return BeaconReading(id=sensor.declaration.id, tick=tick, value=sample[1])
+        return BeaconReading(id=sensor.declaration.id, tick=tick, value=written_heading(sample[1]))
 
 
 def _settings(sensor: Fitted) -> tuple[float, ...]:

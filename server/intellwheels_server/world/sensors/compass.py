@@ -16,6 +16,7 @@ from intellwheels_server.world.kernels.elementary import wrap
 from intellwheels_server.world.kernels.noise import normal
 from intellwheels_server.world.kernels.sample_schedule import BODY, KEY0, KEY1, due_slot
 from intellwheels_server.world.kernels.sensor_errors import BIAS_MEMORY, memory_of, walk
+from intellwheels_server.world.sensors.angles import written_heading
 from intellwheels_server.world.sensors.kind import Fitted, Kind, View
 
 # Columns of the settings, float64[sensors, 3], rad.
@@ -72,4 +73,4 @@ class CompassKind(Kind):
 
     def reading(self, sensor: Fitted, tick: int | None, sample: Sequence[float]) -> CompassReading:
         """Return the heading, rad."""
-        return CompassReading(id=sensor.declaration.id, tick=tick, value=sample[0])
+        return CompassReading(id=sensor.declaration.id, tick=tick, value=written_heading(sample[0]))

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
-from typing import Any, ClassVar, NamedTuple, Protocol
+from typing import Any, ClassVar, Final, NamedTuple, Protocol
 
 from intellwheels_schemas.messages import Map, Position, Record, Robot
 from intellwheels_schemas.rules import SENSOR_RECORDS
@@ -59,6 +59,10 @@ class Block(Protocol):
 
     def take(self, tick: int, view: View, samples: Floats) -> None:
         """Store the samples that are due at a tick."""
+
+
+READING_BYTES: Final = 512
+"""Largest number of bytes of a reading that has no list of numbers."""
 
 
 class Kind(ABC):
@@ -112,6 +116,14 @@ class Kind(ABC):
         not change them.
         """
         return 0
+
+    def rays(self, _declaration: Declaration, /) -> float:
+        """Return how many rays of a lidar cost as much as one sample; by default 0: most kinds cost next to nothing."""
+        return 0.0
+
+    def reading_bytes(self, _declaration: Declaration, /) -> int:
+        """Return the largest number of bytes of a reading, in either encoding; by default `READING_BYTES`."""
+        return READING_BYTES
 
     def phase(self, _declaration: Declaration, /) -> int:
         """Return the ticks between joining and the first sample; by default 0."""

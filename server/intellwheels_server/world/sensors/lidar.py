@@ -11,9 +11,12 @@ from intellwheels_schemas.messages import Lidar, LidarReading, Map, Status
 from intellwheels_server.world.kernels.arrays import Floats, Ints
 from intellwheels_server.world.kernels.lidar_rays import scan
 from intellwheels_server.world.sensors.angles import unit_vector
-from intellwheels_server.world.sensors.kind import Fitted, Kind, View
+from intellwheels_server.world.sensors.kind import READING_BYTES, Fitted, Kind, View
 
 # The status of a ray, at the index of its negated code.
+RAY_BYTES = 32
+"""Largest number of bytes of a range and its status."""
+
 _STATUS: tuple[Status, ...] = ("ok", "none", "near", "fault")
 
 
@@ -68,6 +71,14 @@ class LidarKind(Kind):
     def width(self, declaration: Lidar, /) -> int:
         """Return the numbers in a sample: its time, and one for each ray."""
         return 1 + declaration.rays
+
+    def rays(self, declaration: Lidar, /) -> float:
+        """Return its rays."""
+        return float(declaration.rays)
+
+    def reading_bytes(self, declaration: Lidar, /) -> int:
+        """Return a bound: each ray has a range and a status."""
+        return READING_BYTES + RAY_BYTES * declaration.rays
 
     def compile(self, fitted: Sequence[Fitted], schedule: Ints, /) -> LidarBlock:
         """Return the block."""

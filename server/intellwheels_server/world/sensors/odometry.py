@@ -24,6 +24,7 @@ from intellwheels_server.world.kernels.arrays import Floats, Ints
 from intellwheels_server.world.kernels.geometry import arc
 from intellwheels_server.world.kernels.sample_schedule import due_slot
 from intellwheels_server.world.kernels.sensor_errors import memory_of
+from intellwheels_server.world.sensors.angles import written_heading
 from intellwheels_server.world.sensors.encoders import (
     COUNT_MEMORY,
     LEFT_COUNT,
@@ -118,4 +119,4 @@ class OdometryKind(Kind):
     def reading(self, sensor: Fitted, tick: int | None, sample: Sequence[float]) -> OdometryReading:
         """Return the pose since joining, m and rad."""
         x, y, heading = sample
-        return OdometryReading(id=sensor.declaration.id, tick=tick, x=x, y=y, heading=heading)
+        return OdometryReading(id=sensor.declaration.id, tick=tick, x=x, y=y, heading=written_heading(heading))

@@ -34,6 +34,10 @@ from intellwheels_server.world.kernels.sonar_echoes import sense_sonars
 from intellwheels_server.world.sensors.angles import unit_vector
 from intellwheels_server.world.sensors.kind import Fitted, Kind, View
 
+WEDGE_RAYS: Final = 2.0
+"""Rays of a lidar that cost as much as an exact or infrared wedge."""
+SONAR_RAYS: Final = 4.0
+"""Rays of a lidar that cost as much as a sonar."""
 VOLT_METRES: Final = 0.47
 """c of an infrared sensor, V m: MODEL.md's 10 mV are then 2 mm at 0.3 m and 48 mm at 1.5 m."""
 
@@ -137,6 +141,10 @@ class ProximityKind(Kind):
         if not declaration.group < declaration.every:
             text = f"{where}.Group: expected less than Every {declaration.every}, got {declaration.group}"
             raise RequestRefusedError("value", text)
+
+    def rays(self, declaration: Proximity, /) -> float:
+        """Return the rays of a lidar that cost as much, measured with wedges of 30 degrees and 4 m."""
+        return SONAR_RAYS if declaration.model == "sonar" else WEDGE_RAYS
 
     def compile(self, fitted: Sequence[Fitted], schedule: Ints, /) -> ProximityBlock:
         """Return the block."""

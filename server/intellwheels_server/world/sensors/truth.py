@@ -11,6 +11,7 @@ from intellwheels_schemas.messages import Truth, TruthReading
 from intellwheels_server.world.kernels import rows
 from intellwheels_server.world.kernels.arrays import Floats, Ints
 from intellwheels_server.world.kernels.sample_schedule import BODY, due_slot
+from intellwheels_server.world.sensors.angles import written_heading
 from intellwheels_server.world.sensors.kind import Fitted, Kind, View
 
 
@@ -54,5 +55,11 @@ class TruthKind(Kind):
         """Return pose and twist."""
         x, y, heading, speed, turn_rate = sample
         return TruthReading(
-            id=sensor.declaration.id, tick=tick, x=x, y=y, heading=heading, speed=speed, turn_rate=turn_rate
+            id=sensor.declaration.id,
+            tick=tick,
+            x=x,
+            y=y,
+            heading=written_heading(heading),
+            speed=speed,
+            turn_rate=turn_rate,
         )

@@ -13,7 +13,7 @@ from shapely.geometry import LineString, Point, Polygon
 from intellwheels_schemas.file_records import TeleportBody
 from intellwheels_schemas.messages import Corner, Lidar, LidarReading, Position, Wall
 from intellwheels_server.world import State, measures
-from tests.server.worlds import box_wall, cart, do, world
+from tests.server.worlds import ROUNDED, box_wall, cart, do, world
 
 
 def _lidar(**fields: Any) -> Lidar:
@@ -68,7 +68,7 @@ def test_ranges_are_those_of_geos(seed: int) -> None:
                 assert (told, status) == (None, "none")
             else:
                 assert status == "ok"
-                assert told == pytest.approx(shapely.distance(eye, cut), abs=1e-9)
+                assert told == pytest.approx(shapely.distance(eye, cut), abs=ROUNDED)
                 met += 1
     assert met > 300
 

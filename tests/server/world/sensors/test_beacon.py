@@ -11,7 +11,7 @@ import pytest
 from intellwheels_schemas.file_records import Restart
 from intellwheels_schemas.messages import Beacon, Place
 from intellwheels_server.world import State, measures
-from tests.server.worlds import RUN, box_wall, cart, do, floor_of, run, world
+from tests.server.worlds import ROUNDED, RUN, box_wall, cart, do, floor_of, run, world
 
 _PLACES = (Place(name="door", x=5.0, y=3.0), Place(name="bed", x=-5.0, y=0.0))
 _FLOOR = floor_of([box_wall(-3.0, -1.0, -2.0, 1.0)], _PLACES)
@@ -30,7 +30,7 @@ def _bearings(state: State, agent: str = "a") -> list[float | None]:
 
 def test_bearing_is_in_the_body_frame_from_the_point_of_the_sensor() -> None:
     state = world({"a": cart(1.0, 0.0, heading=0.5, beacon=(_beacon(),))}, floor=_FLOOR)
-    assert _bearings(state) == [pytest.approx(math.atan2(3.0, 4.0) - 0.5, abs=1e-12)]
+    assert _bearings(state) == [pytest.approx(math.atan2(3.0, 4.0) - 0.5, abs=ROUNDED)]
     ahead = (_beacon(x=1.0, y=3.0), _beacon("c", x=4.0, y=-1.0))
     assert _bearings(world({"a": cart(1.0, beacon=ahead)}, floor=_FLOOR)) == pytest.approx([0.0, math.pi / 2])
 

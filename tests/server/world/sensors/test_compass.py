@@ -9,7 +9,7 @@ import pytest
 
 from intellwheels_schemas.messages import Compass
 from intellwheels_server.world import State, measures
-from tests.server.worlds import cart, run, world
+from tests.server.worlds import ROUNDED, cart, run, world
 
 
 def _heading(state: State, agent: str = "a") -> float:
@@ -52,7 +52,7 @@ def test_noise_is_gaussian_with_the_declared_deviation() -> None:
 def test_steps_round_to_the_nearest() -> None:
     for heading, expected in ((0.5, 0.0), (1.01, 2.0), (-3.0, -2.0), (179.5, 180.0), (-179.5, 180.0)):
         state = world({"a": cart(heading=math.radians(heading), compass=(Compass(id="c", step_deg=2.0),))})
-        assert math.degrees(_heading(state)) == pytest.approx(expected, abs=1e-12)
+        assert math.degrees(_heading(state)) == pytest.approx(expected, abs=math.degrees(ROUNDED))
 
 
 def test_noise_of_one_agent_does_not_depend_on_who_else_is_there() -> None:

@@ -12,7 +12,7 @@ from intellwheels_schemas.file_records import Join
 from intellwheels_schemas.messages import Encoders, Odometry, OdometryReading
 from intellwheels_server.world import Setup, State, apply, begin, measures
 from intellwheels_server.world.kernels.arrays import Floats
-from tests.server.worlds import RUN, cart, floor_of, run, world
+from tests.server.worlds import ROUNDED, RUN, cart, floor_of, run, world
 
 _FINE: dict[str, Any] = {"encoder_ticks": 1_000_000, "odometry": (Odometry(id="o"),)}
 
@@ -57,7 +57,7 @@ def test_odometry_errs_as_the_encoders_do_that_it_reads() -> None:
     way = math.pi * 0.35 / 1_000_000
     turned = (sensors.encoders[0].right - sensors.encoders[0].left) * way / 0.5
     assert turned != 0.0
-    assert _told(state).heading == pytest.approx(turned, abs=1e-9)
+    assert _told(state).heading == pytest.approx(turned, abs=ROUNDED)
 
 
 def test_sensing_twice_at_a_tick_moves_nothing_on() -> None:

@@ -13,7 +13,7 @@ from intellwheels_schemas.messages import Part, Position, Proximity, Robot
 from intellwheels_server.world import State, measures
 from intellwheels_server.world.sensors import check_sensors
 from intellwheels_server.world.sensors.proximity import ProximityKind
-from tests.server.worlds import box_wall, cart, floor_of, run, world
+from tests.server.worlds import ROUNDED, box_wall, cart, floor_of, run, world
 
 # The paper's example: a top from 0.69 to 0.72 m on four legs of 5 cm.
 _TABLE = Robot(
@@ -50,7 +50,7 @@ def test_sensor_at_0_4_m_sees_only_the_legs_of_a_table_and_one_at_0_7_m_its_top(
     state = world({"a": cart(proximity=eyes), "table": _TABLE})
     legs, bottom, top, above = _seen(state)
     # The nearest corner of a leg, 0.325 to the side, is inside the cone; the top's edge is straight ahead.
-    assert legs == pytest.approx(math.hypot(2.425 - 0.5, 0.325), abs=1e-12)
+    assert legs == pytest.approx(math.hypot(2.425 - 0.5, 0.325), abs=ROUNDED)
     assert bottom == top == pytest.approx(1.9, abs=1e-12)
     assert above == "none"
 

@@ -2,16 +2,22 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Iterator
 from typing import Any
 
+import msgspec
 import pytest
 
-from intellwheels_schemas.codec import decode, encode
+from intellwheels_maps import floor
+from intellwheels_maps import robot as included_robot
+from intellwheels_schemas.codec import Encoding, decode, encode
 from intellwheels_schemas.errors import RequestRefusedError
-from intellwheels_schemas.file_records import Depart, Join
+from intellwheels_schemas.file_records import Depart, Inputs, Join
 from intellwheels_schemas.messages import (
     GPS,
     IMU,
+    Actions,
     Beacon,
     Compass,
     Encoders,
@@ -22,10 +28,13 @@ from intellwheels_schemas.messages import (
     Place,
     Proximity,
     Robot,
+    Sensors,
     Truth,
 )
-from intellwheels_server.world import State, digest, measures
-from intellwheels_server.world.sensors import check_sensors
+from intellwheels_schemas.rules import SENSOR_KINDS
+from intellwheels_server.world import Setup, State, advance, apply, begin, digest, measures
+from intellwheels_server.world.sensors import check_sensors, reading_bytes_of
+from intellwheels_server.world.sensors.catalogue import KINDS, example_sensors
 from tests.server.worlds import box_wall, cart, do, floor_of, run, world
 
 
@@ -221,3 +230,71 @@ def test_real_sensor_of_any_kind_and_model_is_let_in_since_its_bridge_reads_it()
         id="s", x=0.0, y=0.0, z=0.4, direction_deg=0.0, cone_deg=30.0, max_range=4.0, source="real", model="sonar"
     )
     check_sensors(Robot(type="real", gps=(GPS(id="g", source="real"),), proximity=(sonar,)), floor_of(), truth=False)
+
+
+def _numbers(plain: Any) -> Iterator[float]:
+    if isinstance(plain, dict | list | tuple):
+        for one in plain.values() if isinstance(plain, dict) else plain:
+            yield from _numbers(one)
+    elif isinstance(plain, float):
+        yield plain
+
+
+def test_readings_have_six_decimals_at_most_and_what_sensors_remember_has_all() -> None:
+    sensors: dict[str, Any] = dict(example_sensors(floor("room")))
+    state = world({"a": cart(2.1, 2.3, 0.7, **sensors)}, truth=True, floor=floor("room"))
+    state, _ = run(state, 7, {"a": (0.3, 0.7)})
+    found = measures(state, "a").sensors
+    assert found is not None
+    declared = {"Lidar": ["StartDeg", "StepDeg"]}
+    plain = msgspec.to_builtins(found)
+    for kind, fields in declared.items():
+        for reading in plain[kind]:
+            for name in fields:
+                del reading[name]
+    numbers = list(_numbers(plain))
+    assert len(numbers) > 20
+    assert [number for number in numbers if number != round(number, 6)] == []
+    assert [number for number in numbers if number == 0.0 and math.copysign(1.0, number) < 0.0] == []
+    remembered = state.samples[state.body_set.plan.memory]
+    assert (remembered != remembered.round(6)).any()
+
+
+def test_heading_that_rounding_takes_out_is_moved_back() -> None:
+    state = world({"a": cart(heading=-math.pi + 1e-9, compass=(Compass(id="c"),))})
+    found = measures(state, "a").sensors
+    assert found is not None
+    assert found.compass[0].value == math.pi
+
+
+@pytest.mark.parametrize("encoding", list(Encoding)[:2])
+def test_scan_of_180_rays_fits_the_fragments_of_a_small_controller(encoding: Encoding) -> None:
+    lidar = Lidar(id="l", x=0.3, y=0.0, z=0.4, direction_deg=0.0, fov_deg=270.0, rays=180, max_range=30.0, noise=0.01)
+    state = world({"a": cart(10.0, 5.0, 0.3, lidar=(lidar,))}, floor=floor("ward"))
+    state, _ = run(state, 202, {"a": (0.2, 0.3)})
+    message = measures(state, "a")
+    assert message.time == 10.1
+    assert len(encode(message, encoding)) < 3000
+
+
+@pytest.mark.parametrize("encoding", [Encoding.JSON, Encoding.XML])
+def test_measures_are_not_larger_than_the_bound_of_their_readings(encoding: Encoding) -> None:
+    examples: dict[str, Any] = dict(example_sensors(floor("room")))
+    rays = Lidar(
+        id="i" * 32, x=0.5, y=0.1, z=0.4, direction_deg=0.1, fov_deg=359.9, rays=1440, max_range=20_000.0, noise=1e-5
+    )
+    robot = msgspec.structs.replace(included_robot("rear-wheel"), **{**examples, "lidar": (rays,)})
+    state = begin(Setup(floor=floor("room"), truth=True), "0" * 16)
+    state, outputs = apply(state, [Join(agent="a" * 32, robot=robot)])
+    assert outputs.outcomes[0].code == "ok", outputs.outcomes[0].text
+    for _ in range(3):
+        state, _ = advance(state, Inputs(actions={"a" * 32: Actions(left_motor=0.7, right_motor=0.3)}))
+    sensors = measures(state, "a" * 32).sensors
+    assert sensors is not None
+    for field in SENSOR_KINDS:
+        declared = getattr(robot, field)
+        for declaration, reading in zip(declared, getattr(sensors, field), strict=True):
+            stamped = msgspec.structs.replace(reading, tick=2**53 - 1)
+            alone = Measures(run="0" * 16, tick=0, time=0.0, sensors=Sensors(**{field: (stamped,)}))
+            assert len(encode(alone, encoding)) <= KINDS[type(declaration)].reading_bytes(declaration), field
+    assert len(encode(measures(state, "a" * 32), encoding)) <= reading_bytes_of(robot)

@@ -11,7 +11,7 @@ use zenoh::sample::{Sample, SampleKind};
 use zenoh::{Config, Session, Wait};
 
 const KEY: &str = "iw/v1/main";
-const JSON: &str = "application/json;iw.v1";
+const JSON: &str = "application/json";
 
 fn connect(endpoint: &str) -> Session {
     let mut config = Config::default();

@@ -1,0 +1,50 @@
+"""What `iw-run` checks of its options before it starts anything."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Sequence
+from pathlib import Path
+
+from intellwheels_experiments.run.cast_trial import check_cast
+from intellwheels_maps.library import is_path
+from intellwheels_schemas.endpoint_form import check_free, is_free
+from intellwheels_schemas.errors import WireError
+from intellwheels_schemas.link import Link, check_link
+from intellwheels_schemas.messages import Scene
+
+
+def check_connection(options: argparse.Namespace) -> None:
+    """Check the endpoints, the configuration and the ports that this command would use.
+
+    Raises:
+        WireError: One cannot be used.
+        ConnectionError: A port is in use.
+    """
+    check_link(Link(options.world, tuple(options.listen), tuple(options.connect), options.config))
+    check_free(options.listen)
+    if options.view and not is_free("127.0.0.1", options.view_port):
+        got = f"{options.view_port}, which is in use, perhaps by another viewer"
+        raise WireError("value", f"--view-port: expected a free port, got {got}", "--view-port")
+
+
+def check_cast_of(scenes: Sequence[Scene], folder: Path | None, options: argparse.Namespace) -> None:
+    """Check that all agents can start. Included scenes can, unless an option changes them.
+
+    Raises:
+        WireError: One cannot.
+    """
+    given = [f"--{name}" for name in ("mind", "option", "command") if getattr(options, name)]
+    if given or is_path(options.scene):
+        check_cast(scenes, folder, " or ".join(given) or "SCENE")
+
+
+def first_agent(chosen: Scene) -> str:
+    """Return the first agent of a scene.
+
+    Raises:
+        WireError: There is none.
+    """
+    if not chosen.cast:
+        raise WireError("value", f"SCENE: {chosen.name}: expected a Cast, got none", "SCENE")
+    return chosen.cast[0].name
