@@ -37,6 +37,8 @@ OUT: Final = 6.0
 """Time for which it backs out, s."""
 OUT_ROOM: Final = 1.3
 """Distance to which it backs out, m."""
+ANEW: Final = 0.8
+"""Distance to which it backs out where only the map is in its way, m."""
 THERE: Final = 0.1
 """Cost from which it is at the place, m."""
 
@@ -113,9 +115,12 @@ class GivingWay:
         self, time: float, pose: Pose, stalled: float, arrived: bool, door: Point | None, strange: Floats
     ) -> tuple[list[Point], float]:
         """Return the points to leave free, and the distance to them, m."""
-        if time < self._out_until and strange.shape[0]:
+        if time < self._out_until:
             near = strange[np.abs(strange - np.array([[pose[0], pose[1]]])).max(axis=1) < 2.0]
-            return [(x, y) for x, y in thinned(near, 0.2).tolist()], OUT_ROOM
+            if near.shape[0]:
+                return [(x, y) for x, y in thinned(near, 0.2).tolist()], OUT_ROOM
+            # Nothing but the map is near: it comes back to the narrow place from another side.
+            return [self._anchor], ANEW
         away = self.aside is not None
         points = self._ways.to_clear(
             (pose[0], pose[1]),

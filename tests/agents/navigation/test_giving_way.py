@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from intellwheels_agents.navigation.giving_way import DOOR_ROOM, OUT_ROOM, STALLED, STUCK, THERE, GivingWay
+from intellwheels_agents.navigation.giving_way import ANEW, DOOR_ROOM, OUT_ROOM, STALLED, STUCK, THERE, GivingWay
 from intellwheels_agents.navigation.right_of_way import ROOM, way_in, way_message
 from intellwheels_schemas.messages import Heard
 from tests.agents.navigation.rooms import room, weights
@@ -69,3 +69,10 @@ def test_chair_that_does_not_get_out_of_the_way_goes_on() -> None:
         given_way.append(giving.aside is not None)
     assert given_way[:50] == [True] * 50
     assert not any(given_way[70:])
+
+
+def test_chair_that_is_stuck_at_the_map_comes_anew() -> None:
+    giving = GivingWay("chair2", GIVEN, 0.0)
+    giving.update(0.0, HERE, (), 0.0, False, None, NOTHING)
+    giving.update(STUCK + 0.1, HERE, (), STUCK, False, None, NOTHING)
+    assert math.dist(end_of(giving), HERE[:2]) > ANEW
