@@ -9,6 +9,7 @@ import struct
 from collections.abc import Callable, Iterator
 from itertools import pairwise
 from pathlib import Path
+from typing import Final
 
 import pytest
 
@@ -139,13 +140,20 @@ def faults(code: str) -> Iterator[str]:
                 yield f"{line}: {name}"
 
 
+NUMPY: Final = "navigation"
+"""The package that uses numpy. `navigation/test_array_angles.py` holds what of numpy it may use."""
+
+
 def _is_whole(node: ast.expr) -> bool:
     return isinstance(node, ast.Constant) and isinstance(node.value, int)
 
 
 @pytest.mark.parametrize("path", mind_code(), ids=lambda path: str(path.relative_to(ROOT / "agents")))
 def test_no_mind_uses_what_differs_between_machines(path: Path) -> None:
-    assert list(faults(path.read_text())) == []
+    found = list(faults(path.read_text()))
+    if path.parent.name == NUMPY:
+        found = [fault for fault in found if not fault.endswith(": numpy")]
+    assert found == []
 
 
 @pytest.mark.parametrize(

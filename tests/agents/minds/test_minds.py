@@ -13,7 +13,20 @@ from tests.agents.kinematics import RUN, context
 
 
 def test_all_expected_minds_are_there() -> None:
-    included = {"aided", "avoid", "car", "door", "drive", "driver", "follow", "joystick", "person", "seek", "table"}
+    included = {
+        "aided",
+        "avoid",
+        "car",
+        "door",
+        "drive",
+        "driver",
+        "follow",
+        "joystick",
+        "navigate",
+        "person",
+        "seek",
+        "table",
+    }
     assert {*included, "waypoints"} == set(minds.names())
     for name in minds.names():
         assert callable(minds.find(name).make)
