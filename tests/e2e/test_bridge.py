@@ -504,7 +504,9 @@ def test_the_bridge_says_at_once_what_it_waits_for(stage: Stage) -> None:
     says(f"waiting why='nobody answers at {stage.endpoint}'")
     stage.server("--map", "corridor15m", "--pace", "realtime")
     stage.line(child, "joined", agent="real1")
-    assert stage.log(child).count("waiting why=") == 2
+    # Each reason once. That the server listens, but has not answered yet, may be a third one.
+    waits = [line for line in stage.log(child).splitlines() if line.startswith("waiting why=")]
+    assert len(waits) == len(set(waits))
 
 
 def test_the_bridge_prints_what_happens_to_its_chair(stage: Stage) -> None:

@@ -167,9 +167,9 @@ def test_figure_6_in_containers_from_building_to_down(composed: Composed) -> Non
         assert str(ended["Text"]).startswith("reached")
         composed(*five, timeout=180.0)
         all_there(peer, *cast, *copies)
-        composed.stage.agent("host", "drive", "--place", "start1")
+        composed.stage.agent("host", "drive", "--position", "10.5,4.8,0")  # all free places are taken
         all_there(peer, "host")
-        composed.stage.signal("host", signal.SIGTERM)  # chair1 will want its start again
+        composed.stage.signal("host", signal.SIGTERM)
         assert composed.stage.exit("host") == 0
         run = peer.clock()["Run"]
         composed.kill("simulator")

@@ -366,8 +366,17 @@ def test_interrupted_iw_run_ends_all_and_says_what_happened(stage: Stage, end: s
     assert [row["seen"] for row in result["agents"]] == [True, True]
 
 
+DIES = """class Mind:
+    def __init__(self, context):
+        raise RuntimeError("no such wheel")
+
+    def decide(self, measures):
+        return None
+"""
+
+
 def test_iw_run_names_the_child_that_died(stage: Stage) -> None:
-    mind = Path(write(stage.folder, "dies", "raise RuntimeError('no such wheel')\n"))
+    mind = Path(write(stage.folder, "dies", DIES))
     with _iw_run(stage, str(mind)) as process:
         text, _ = process.communicate(timeout=DEADLINE)
     assert process.returncode == 1

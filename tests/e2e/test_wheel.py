@@ -101,7 +101,8 @@ def page_text(checkout: Path) -> str:
             text = browser.text()
         os.killpg(process.pid, signal.SIGINT)
         rest, _ = process.communicate()
-        assert "finish=interrupted" in rest, "".join(printed) + rest
+        # A busy machine may be slower than the scene, which is over after half a minute.
+        assert re.search("finish=(interrupted|ended)", rest), "".join(printed) + rest
         return text
     finally:
         watchdog.cancel()

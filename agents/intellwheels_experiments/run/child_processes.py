@@ -131,7 +131,8 @@ class ChildProcesses:
         Returns:
             The child's name, as `launch` returns it.
         """
-        command = [*PYTHON, "-m", module, *arguments]
+        python = PYTHON if module.startswith("intellwheels_") else PYTHON[:1]
+        command = [*python, "-m", module, *arguments]
         return self.launch(name, lambda lifeline: [*command, "--lifeline", str(lifeline)])
 
     def launch(
