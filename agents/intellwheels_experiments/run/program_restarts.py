@@ -41,7 +41,7 @@ class ProgramRestarts:
         self._start = start
         self._started: dict[str, tuple[Cast, str]] = {}
         self._ended: tuple[str, ...] = ()
-        self._run: str | None = None
+        self._seen: set[str] = set()
 
     def add(self, cast: Cast, child: str) -> None:
         """Take note of an agent that was started."""
@@ -54,22 +54,24 @@ class ProgramRestarts:
         Raises:
             ConnectionError: The simulator does not answer.
         """
-        if not self._started or record.run in (None, self._run):
+        if not self._started or record.run is None or record.run in self._seen:
             return False
-        if self._run is None:
-            self._run = record.run
+        self._seen.add(record.run)
+        if len(self._seen) == 1:
             return False
         was_paused = record.clock is not None and record.clock.state == "paused"
         controls.control("pause", Pause(), ANSWER_LIMIT)
         controls.query_all(record)
         ended = self.end()
         texts = [event.text or "" for event in record.events.values() if event.code == "reset"]
-        if any(text.startswith("restored") for text in texts):
-            self._run = record.run
-        else:
+        # The queries may have brought a newer run; its programs are those that start now.
+        self._seen.add(record.run)
+        if not any(text.startswith("restored") for text in texts):
             for name in ended:
                 controls.control("delete", Delete(agent=name), ANSWER_LIMIT)
-            self._run = controls.control("reset", Reset(), ANSWER_LIMIT).run
+            begun = controls.control("reset", Reset(), ANSWER_LIMIT).run
+            if begun is not None:
+                self._seen.add(begun)
         self.start_ended()
         if not was_paused:
             controls.control("resume", Resume(), ANSWER_LIMIT)

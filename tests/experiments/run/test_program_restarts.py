@@ -70,6 +70,7 @@ def test_new_run_begins_once_more_with_programs_that_know_it_only(said: Said) ->
     assert said.done == []
     assert said.see(RUNS[1])
     assert said.done == ["pause", "end agent-a", "delete", "reset", "start a", "resume"]
+    assert not said.see(RUNS[1])  # its last clock, or no other yet
     assert not said.see(RUNS[2])  # the run that it began itself
 
 
