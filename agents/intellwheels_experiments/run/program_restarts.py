@@ -10,6 +10,7 @@ from collections.abc import Callable
 from typing import Final, Protocol
 
 from intellwheels_experiments.run.child_processes import ChildProcesses
+from intellwheels_experiments.run.launch_spec import agent_child
 from intellwheels_experiments.run.run_record import RunRecord
 from intellwheels_schemas.keys import Verb
 from intellwheels_schemas.messages import Cast, Delete, Pause, Record, Reset, Result, Resume
@@ -47,6 +48,11 @@ class ProgramRestarts:
         """Take note of an agent that was started."""
         if cast.new_run == "restart":
             self._started[cast.name] = cast, child
+
+    def child_of(self, agent: str) -> str:
+        """Return the name of the child that is this agent now."""
+        _, child = self._started.get(agent, (None, agent_child(agent)))
+        return child
 
     def follow(self, record: RunRecord, controls: Controls) -> bool:
         """Start the programs again if the record shows another run than before; return whether they were.
