@@ -86,9 +86,14 @@ def launch_program(
         OSError: The guard beside it cannot be started.
     """
     command = [filled(word, values) for word in words]
-    guard = [*PYTHON, "-m", "intellwheels_experiments.run.program_guard"]
     environment = {"PATH": _search_path(), **{f"IW_{name.upper()}": value for name, value in values.items()}}
-    return children.launch(child, lambda lifeline: [*guard, str(lifeline), str(folder), *command], environment)
+    return children.launch(child, guarded(command, folder), environment)
+
+
+def guarded(command: Sequence[str], folder: Path) -> Callable[[int], Sequence[str]]:
+    """Return what makes the command line of a program with its guard, from the file descriptor of the lifeline."""
+    guard = [*PYTHON, "-m", "intellwheels_experiments.run.program_guard"]
+    return lambda lifeline: [*guard, str(lifeline), str(folder), *command]
 
 
 def check_program(program: str, folder: Path, where: str) -> None:
