@@ -221,10 +221,13 @@ def _limits() -> str:
         ("sensors of a robot", str(rules.MAX_SENSORS)),
         ("rays of a lidar", f"{rules.MAX_RAYS:,}"),
         (
-            "rays per second of an agent's sensors in real time",
+            "rays per simulated second of an agent's sensors, at pace realtime",
             f"{defaults.AGENT_RAYS:,}, or what `iw-server --agent-rays` says; a wedge counts as 2 rays, a sonar as 4",
         ),
-        ("rays per second of all sensors in real time", f"{defaults.WORLD_RAYS:,}, or what `--world-rays` says"),
+        (
+            "rays per simulated second of all sensors, at pace realtime",
+            f"{defaults.WORLD_RAYS:,}, or what `--world-rays` says",
+        ),
         ("bytes of the readings of an agent", "786,432, counting 512 for a sensor and 32 more for a ray"),
         ("seconds in which a `load` is answered", f"{defaults.LOAD_TIME:g}"),
         ("bodies of a crew", str(rules.MAX_CREW)),

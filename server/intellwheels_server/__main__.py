@@ -85,7 +85,8 @@ def main(arguments: list[str] | None = None) -> int:
     except (ConnectionError, WorldTakenError) as error:
         print(f"iw-server: {error}", file=sys.stderr)
     except OSError as error:
-        print(f"iw-server: {written_by(given, error)}: {error.strerror}", file=sys.stderr)
+        where = "" if error.filename is None else f"{written_by(given, error)}: "
+        print(f"iw-server: {where}{error.strerror or error}", file=sys.stderr)
     return 1
 
 

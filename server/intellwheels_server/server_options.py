@@ -159,12 +159,13 @@ def _add_time_options(group: argparse._ArgumentGroup) -> None:
     )  # fmt: skip
     group.add_argument(
         "--agent-rays", type=whole(0, 10**12, "rays per second"), default=defaults.AGENT_RAYS, metavar="N",
-        help="rays per second that the sensors of an agent may cast in real time; an agent with more is refused "
+        help="rays per simulated second that the sensors of an agent may cast at pace realtime; more are refused "
         "(default: %(default)s)",
     )  # fmt: skip
     group.add_argument(
         "--world-rays", type=whole(0, 10**12, "rays per second"), default=defaults.WORLD_RAYS, metavar="N",
-        help="rays per second that the sensors of all agents may cast in real time (default: %(default)s)",
+        help="rays per simulated second that the sensors of all agents may cast at pace realtime "
+        "(default: %(default)s)",
     )  # fmt: skip
     group.add_argument(
         "--grace", type=positive_seconds, default=defaults.GRACE, metavar="S",

@@ -66,6 +66,13 @@ class LineFile:
         """
         try:
             self.flush()
-        finally:
+        except OSError:
             with contextlib.suppress(OSError):
                 self._file.close()
+            raise
+        try:
+            # Some file systems refuse what was written only now.
+            self._file.close()
+        except OSError as error:
+            if not self._failed:
+                raise OSError(error.errno, error.strerror, str(self._path)) from error

@@ -23,6 +23,11 @@ class _Commands:
     ages: int = 0
 
 
+def has_command(actions: Actions) -> bool:
+    """Return whether actions command a motor. Others may come from another part of the program, and be newer."""
+    return actions.left_motor is not None or actions.right_motor is not None
+
+
 class CommandAges:
     """The ages of the commands of all agents in this run.
 
@@ -53,14 +58,14 @@ class CommandAges:
             text = f"{where}: expected {limit} or later, at most {defaults.LATE_COMMAND:g} s late, got {answered}"
             return Fault("late", text, where)
         newest = self._of.get(agent)
-        if newest is None or (answered, actions.seq or 0) > (newest.tick, newest.seq or 0):
+        if not has_command(actions) or newest is None or (answered, actions.seq or 0) > (newest.tick, newest.seq or 0):
             return None
         if answered == newest.tick and actions.seq is None:
             return None
         return Fault("late", f"{where}: expected more than {newest.tick}, which has acted, got {answered}", where)
 
     def take(self, agent: str, actions: Actions, tick: int) -> None:
-        """Note that actions act on the step from a tick."""
+        """Note that actions with a command act on the step from a tick."""
         commands = self._of.setdefault(agent, _Commands())
         answered = tick if actions.tick is None else actions.tick
         if answered >= commands.tick:

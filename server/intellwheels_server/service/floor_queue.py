@@ -21,6 +21,11 @@ WORK_SHARE: Final = 0.9
 MAX_LOADS: Final = 8
 """Loads that may wait. Further ones are refused at once; they can be asked for again."""
 
+CRASHED: Final = (
+    "Load: this map could not be loaded, and the simulator's error output says why; "
+    "if no map can be loaded any more, restart the simulator"
+)
+
 Answer = Callable[[LoadedFloor | LoadFault, float], None]
 """Takes the floor, or why there is none, and the time."""
 Request = Callable[[float], None]
@@ -124,7 +129,7 @@ class FloorQueue:
             text = f"Load: expected a map that is ready within {self._limit:g} s, got one that takes longer"
             return _answering(load, LoadFault("failed", text))
         if outcome.result is None:
-            return _answering(load, LoadFault("failed", "Load: the process that loads maps has ended"))
+            return _answering(load, LoadFault("failed", CRASHED))
         found = outcome.result
         return _answering(load, found if isinstance(found, LoadFault) else unpack(found))
 

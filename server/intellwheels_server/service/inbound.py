@@ -19,6 +19,7 @@ from intellwheels_schemas.messages import (
 from intellwheels_server.service import joining
 from intellwheels_server.service.arrival import Put
 from intellwheels_server.service.barrier import AnswerKind
+from intellwheels_server.service.command_ages import has_command
 from intellwheels_server.service.error_replies import DELETED, Fault
 from intellwheels_server.service.input_latch import check_time
 from intellwheels_server.service.outbound import send_error, send_unasked_error
@@ -32,7 +33,8 @@ def take_put(service: ServiceState, put: Put, now: float) -> None:
     """Take a message on a key of an agent; the agent gets an error if something is wrong with it."""
     agent, kind, pacing = put.agent, put.kind, service.pacing
     if kind == "stray":
-        _report_stray(service, put, now)
+        if service.message_limit.admit(f"stray/{agent}", service.run.state.tick, now):
+            _report_stray(service, put, now)
         return
     if kind in ("actions", "pose") and pacing.barrier_open and pacing.barrier.repeats(agent, kind, put.data):
         return
@@ -80,7 +82,7 @@ def _take_actions(service: ServiceState, agent: str, actions: Actions, data: byt
     if actions.say is not None and len(actions.say) > state.setup.say_limit:
         send_error(service, agent, _too_long(state, "Actions.Say", actions.say, actions.seq), now)
         actions = msgspec.structs.replace(actions, say=None)
-    if not service.pacing.lockstep:
+    if not service.pacing.lockstep and has_command(actions):
         service.command_ages.take(agent, actions, state.tick)
     replaced_say = service.latch.act(agent, actions)
     if actions.leave:

@@ -18,10 +18,14 @@ import traceback
 import warnings
 from collections.abc import Callable
 from multiprocessing.connection import Connection, Pipe, wait
-from typing import Any, Generic, Literal, NamedTuple, NoReturn, TypeVar
+from typing import Any, Final, Generic, Literal, NamedTuple, NoReturn, TypeVar
 
 _Job = TypeVar("_Job")
 _Result = TypeVar("_Result")
+
+
+JOIN_TIMEOUT: Final = 1.0
+"""Seconds to wait for the thread when the simulator ends."""
 
 
 class Outcome(NamedTuple, Generic[_Result]):
@@ -55,6 +59,8 @@ class SideProcess(Generic[_Job, _Result]):
             self._pipe.close()
             _serve(far_end, work)
         far_end.close()
+        with contextlib.suppress(OSError):  # it has done so itself
+            os.setpgid(self._pid, self._pid)
         self._thread = threading.Thread(target=self._hand_over, name="side process", daemon=True)
         self._thread.start()
 
@@ -73,10 +79,10 @@ class SideProcess(Generic[_Job, _Result]):
         """End the process, and whatever it does."""
         self._jobs.put(None)
         with contextlib.suppress(OSError):
-            os.kill(self._pid, signal.SIGKILL)
+            os.killpg(self._pid, signal.SIGKILL)
         with contextlib.suppress(ChildProcessError):
             os.waitpid(self._pid, 0)
-        self._thread.join()
+        self._thread.join(JOIN_TIMEOUT)
         self._pipe.close()
 
     def _hand_over(self) -> None:
@@ -93,6 +99,7 @@ def _serve(pipe: Connection, work: Callable[[Any], Any]) -> NoReturn:
     """Take work from a pipe until its other end closes. This is the side process."""
     code = 1
     try:
+        os.setpgid(0, 0)  # the work is in this group, and ends with it
         signal.signal(signal.SIGTERM, signal.SIG_DFL)
         signal.signal(signal.SIGINT, signal.SIG_IGN)  # a key stroke reaches all processes of a terminal
         _let_go_of_terminal()
@@ -118,6 +125,7 @@ def _outcome_of(pipe: Connection, work: Callable[[Any], Any], job: object, limit
     ours, far_end = Pipe(duplex=False)
     child = os.fork()
     if child == 0:
+        pipe.close()  # the simulator must see its end when the side process ends
         _do(far_end, work, job)
     far_end.close()
     try:

@@ -206,11 +206,14 @@ def serve(
             return 0
         stack.enter_context(session)
         _check_free(session, keys, route)
+        # Before a log is opened: a simulator that must end would replace the log of the one that goes on.
+        claim = stack.enter_context(closing(ClaimWatch(session, keys)))
         outlet = ZenohOutlet(session, keys)
         unix_time = steady_unix_time(time.time, _boot_time)
         if recording is not None:
             poses = None if reported is None else ReportedPoses(recording.runs, reported)
-            return _serve(options, route, session, keys, stop, Playback(options, outlet, unix_time, recording, poses))
+            playback = Playback(options, outlet, unix_time, recording, poses)
+            return _serve(options, route, session, keys, stop, playback, claim)
         run = new_hex()
         log = Log(log_file, options.setup, run, options.world) if log_file is not None else None
         files = None if runs is None else RunFiles(runs, options.world, lambda: live_run.state)
@@ -219,7 +222,7 @@ def serve(
             live_run = LiveRun(options, outlet, floors, unix_time, record=write, run=run)
             if files is not None:
                 live_run.observe_events(files.add_event)
-            return _serve(options, route, session, keys, stop, live_run, recorder.flush_if_due)
+            return _serve(options, route, session, keys, stop, live_run, claim, recorder.flush_if_due)
 
 
 def _check_free(session: zenoh.Session, keys: Keys, route: link.Link) -> None:
@@ -252,6 +255,7 @@ class ClaimWatch:
         for key in link.tokens(session, keys.every_claim, timeout=PRESENCE_TIMEOUT):
             self._take(key, alive=True)
         try:
+            self.begin()
             self.check()
             while self._claim.is_contested:
                 self._inbox.wait(SLICE)
@@ -259,6 +263,10 @@ class ClaimWatch:
         except WorldTakenError:
             self.close()
             raise
+
+    def begin(self) -> None:
+        """Note that `check` is called from now on, at least once a second."""
+        self._claim.begin(_boot_time())
 
     def check(self) -> None:
         """Take what is known of other claims.
@@ -315,11 +323,11 @@ def _serve(
     keys: Keys,
     stop: threading.Event,
     service: Service,
+    claim: ClaimWatch,
     flush_if_due: Callable[[float], None] = lambda _now: None,
 ) -> int:
     inbox = zenoh_inbox.Inbox()
     with contextlib.ExitStack() as stack:
-        claim = stack.enter_context(closing(ClaimWatch(session, keys)))
         service.begin()
         for key in keys.every_put:
             stack.enter_context(session.declare_subscriber(key, inbox.on_sample))
@@ -332,6 +340,7 @@ def _serve(
         console.log_line(f"serving world={options.world} pace={options.pace} map={floor_name} at={route.where()}")
         console.print_line(f"ready world={options.world} run={service.state.run} listen={route.where()}")
         try:
+            claim.begin()
             _loop(service, ArrivalReader(keys), inbox, stop, claim.check, flush_if_due)
             service.finish(time.monotonic())
             console.log_line(f"ended run={service.state.run} tick={service.state.tick} hash={service.digest()}")

@@ -33,6 +33,10 @@ class WorldClaim:
         self._others: dict[Claim, float] = {}
         self._looked = self._doubt_until = now
 
+    def begin(self, now: float) -> None:
+        """Note that `yields` is called from now on. What took long before that was the start, not a suspension."""
+        self._looked = now
+
     def add(self, claim: Claim, now: float) -> None:
         """Take note of a claim that appeared."""
         if claim != self._own:

@@ -106,10 +106,24 @@ def test_late_command_counts_in_its_run_for_a_short_time(actions: Actions, text:
 )
 def test_command_older_than_the_newest_is_dropped(tick: int, seq: int | None, counts: bool) -> None:
     ages = ages_with(Actions(run=RUN, tick=8, seq=8))
-    fault = ages.check_late("a", Actions(run=RUN, tick=tick, seq=seq), RUN, 10)
+    fault = ages.check_late("a", Actions(run=RUN, tick=tick, seq=seq, left_motor=0.1), RUN, 10)
     assert (fault is None) == counts
     if fault is not None:
         assert (fault.code, fault.text) == ("late", f"Actions.Tick: expected more than 8, which has acted, got {tick}")
+
+
+def test_message_without_a_command_may_be_older_than_the_newest_command() -> None:
+    ages = ages_with(Actions(run=RUN, tick=8, left_motor=0.1))
+    assert ages.check_late("a", Actions(run=RUN, tick=7, mode="autonomous"), RUN, 10) is None
+
+
+def test_message_without_a_command_does_not_make_a_late_command_old() -> None:
+    stage = Stage(pace="realtime", strict=False)
+    stage.join("chair1")
+    stage.work(0.3)
+    stage.act("chair1", mode="autonomous")
+    stage.act("chair1", 0.5, 0.5, tick=stage.tick - 2)
+    assert stage.errors("chair1") == []
 
 
 def test_agent_that_is_late_now_and_then_is_not_slow() -> None:

@@ -79,7 +79,7 @@ def test_load_that_takes_too_long_is_answered_in_time_even_if_its_worker_is_sile
 
 def test_worker_says_late_or_crashed() -> None:
     answers = Answers()
-    for code, words in (("late", "takes longer"), ("crashed", "the process that loads maps has ended")):
+    for code, words in (("late", "takes longer"), ("crashed", "restart the simulator")):
         answers.load()
         answers.work()
         outcome: Outcome[PackedFloor | LoadFault] = Outcome("late" if code == "late" else "crashed")

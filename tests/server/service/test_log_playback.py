@@ -7,6 +7,7 @@ import pytest
 
 from intellwheels_maps import robot
 from intellwheels_schemas.messages import Actions, Clock, Events, Map, Pose, Refused, Result, Robot, Seek, Speed, Step
+from intellwheels_server.service.arrival import Put
 from tests.server.plays import PlayStage, Seen, record
 from tests.server.stage import RUN, Stage, real
 
@@ -187,6 +188,12 @@ def test_nobody_joins_leaves_or_drives(stage: PlayStage) -> None:
         ("not-joined", "actions: a played log cannot be steered")
     ]
     assert stage.ask("join", "", Robot(), has_wildcards=True) == []
+
+
+def test_key_that_nobody_reads_does_not_end_a_playback(stage: PlayStage) -> None:
+    stage.live_run.take(Put("", "stray", b"", "", key="in/BAD/x"), stage.now)
+    stage.live_run.take(Put("chair1", "stray", b"", "", key="in/chair1/x"), stage.now)
+    assert stage.live_run.exit is None
 
 
 def test_queries_are_answered_and_quit_ends_the_playback(stage: PlayStage) -> None:

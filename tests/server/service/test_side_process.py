@@ -76,7 +76,13 @@ side.close()
 def test_close_ends_work_that_goes_on() -> None:
     done = run("""
 side.begin("long", 3600.0)
+children = f"/proc/{side._pid}/task/{side._pid}/children"
+while not open(children).read():
+    time.sleep(0.001)
+worker = int(open(children).read())
 side.close()
+while os.path.exists(f"/proc/{worker}") and " Z " not in open(f"/proc/{worker}/stat").read():
+    time.sleep(0.001)
 try:
     os.waitpid(-1, 0)
 except ChildProcessError:

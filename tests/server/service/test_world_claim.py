@@ -36,6 +36,15 @@ def test_exactly_one_serves_also_after_the_wall_clock_was_set_back() -> None:
     assert [claim.yields(3600.0 + YIELD_AFTER) for claim in (one, other)] == [EARLIER, None]
 
 
+def test_a_start_that_takes_long_is_no_suspension() -> None:
+    one, other = WorldClaim(EARLY, 0.0), WorldClaim(LATE, 1.0)
+    one.add(LATE, 1.1)
+    other.add(EARLY, 1.1)
+    one.begin(SUSPENDED + 1.5)
+    assert one.yields(SUSPENDED + 1.6) is None
+    assert other.yields(1.2 + YIELD_AFTER) == EARLIER
+
+
 def test_own_claim_is_nobody_else_s() -> None:
     claim = WorldClaim(OWN, 0.0)
     claim.add(OWN, 0.0)
