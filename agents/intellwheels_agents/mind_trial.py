@@ -85,13 +85,13 @@ def check_mind_file(path: Path) -> None:
         place = f"{path}:{getattr(error, 'lineno', None) or 1}"
         raise OptionError(f"{place}: expected Python, got a syntax error: {error}") from None
     names: set[str] = set()
-    for node in tree.body:
+    for node in ast.walk(tree):
         if isinstance(node, (ast.ClassDef, ast.FunctionDef)):
             names.add(node.name)
         elif isinstance(node, (ast.Import, ast.ImportFrom)):
             names |= {alias.asname or alias.name for alias in node.names}
-        else:
-            names |= {part.id for part in ast.walk(node) if isinstance(part, ast.Name)}
+        elif isinstance(node, ast.Name):
+            names.add(node.id)
     if not names & {"Mind", "make", "*"}:
         raise OptionError(f"{path}: expected make(context) or a class Mind, got neither")
 

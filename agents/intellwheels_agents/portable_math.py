@@ -3,7 +3,8 @@
 Those of `math` come from the C library, and differ in the last bit between processors and versions. After some hundred
 ticks a run differs too. `hypot` and `dist` of `math`, and `sum` of floats, differ between versions of Python. Use the
 functions here in a mind whose runs are to repeat anywhere. They are called like those of `math`, and have errors below
-2 ulp (`power`: of the exponent times the logarithm). They use only operations that IEEE 754 rounds correctly.
+2 ulp (`power`: of the exponent times the logarithm). For sines, cosines and tangents this holds for angles up to 1e6;
+beyond, the angle is reduced by the float `tau`. They use only operations that IEEE 754 rounds correctly.
 
 These of `math` are the same everywhere: `sqrt`, `floor`, `ceil`, `trunc`, `copysign`, `fabs`, `fmod`, `remainder`,
 `radians`, `degrees`, `fsum`, `isclose`, `isfinite`, `isinf`, `isnan`, `nextafter`, and the constants. Write `x * x`
@@ -196,8 +197,9 @@ def hypot(x: float, y: float) -> float:
 
 
 def dist(p: Sequence[float], q: Sequence[float]) -> float:
-    """Return the distance between two points of the plane."""
-    x, y = p[0] - q[0], p[1] - q[1]
+    """Return the distance between two points of the plane. `ValueError` for other than two coordinates."""
+    (px, py), (qx, qy) = p, q
+    x, y = px - qx, py - qy
     return sqrt(x * x + y * y)
 
 

@@ -6,6 +6,7 @@ those of the contract, so they begin with a capital letter; the options of a min
 
 from __future__ import annotations
 
+import contextlib
 import re
 from collections.abc import Mapping
 from typing import Any
@@ -78,7 +79,9 @@ def _plain(text: str) -> Any:
     if text in ("true", "false"):
         return text == "true"
     if _NUMBER.fullmatch(text):
-        return msgspec.json.decode(text)
+        # 007 and 1e999 are no numbers of JSON: the robot document refuses the text.
+        with contextlib.suppress(msgspec.DecodeError):
+            return msgspec.json.decode(text)
     return text
 
 

@@ -24,7 +24,7 @@ from intellwheels_experiments.run.progress import Progress
 from intellwheels_experiments.run.run_report import show, to_json
 from intellwheels_experiments.run.scene_run import perform
 from intellwheels_experiments.run.start_watch import once
-from intellwheels_experiments.run.usage_checks import check_cast_of, check_connection, first_agent
+from intellwheels_experiments.run.usage_checks import check_cast_of, check_connection, check_speed, first_agent
 from intellwheels_experiments.run.world_watch import watching
 from intellwheels_maps import floor, names, scene
 from intellwheels_maps.library import folder_of
@@ -205,6 +205,8 @@ def _run(arguments: Sequence[str] | None) -> int:
             chosen = scene(options.scene)
             folder = folder_of(options.scene)
             chosen_floor = floor(chosen.map, beside=folder)
+        pace = options.pace or ("realtime" if options.view else chosen.pace)
+        check_speed(options.speed, pace)
         if options.branch is None:
             chosen = with_changes(chosen, options.mind, options.option, options.command)
             if options.seeds is None:
@@ -215,7 +217,6 @@ def _run(arguments: Sequence[str] | None) -> int:
         return 2
     if options.seeds is not None or options.branch is not None:
         return _batch(options, chosen, chosen_floor, folder)
-    pace = options.pace or ("realtime" if options.view else None)
     changes = {"pace": pace, "seed": options.seed}
     chosen = msgspec.structs.replace(chosen, **{name: value for name, value in changes.items() if value is not None})
     logs = options.logs or Path(tempfile.mkdtemp(prefix="iw-run-"))
@@ -320,6 +321,7 @@ def _meeting(options: argparse.Namespace) -> list[str] | None:
 
 _BATCH_ONLY: Final = ("jobs", "row", "out")
 _BRANCH_ONLY: Final = ("at",)
+_PAGE_ONLY: Final = ("view_port",)
 _SINGLE_ONLY: Final = (
     "view", "view_port", "pace", "speed", "seed", "encoding", "json", "log", "logs", "world", "listen", "connect",
     "config",
@@ -338,6 +340,8 @@ def _check_together(grammar: argparse.ArgumentParser, options: argparse.Namespac
         rules += [(_BATCH_ONLY, "expected with --seeds or --branch, got a single run")]
     else:
         rules += [(_SINGLE_ONLY, "expected with a single run, got a batch or a branch, which decides it")]
+    if not options.view:
+        rules += [(_PAGE_ONLY, "expected with --view, got none")]
     if options.branch is None:
         rules += [(_BRANCH_ONLY, "expected with --branch, got none")]
     else:

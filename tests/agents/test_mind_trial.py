@@ -66,6 +66,8 @@ def test_a_users_file_is_never_tried(tmp_path: Path) -> None:
         ("from base import Mind", None),
         ("from base import Fast as Mind", None),
         ("from base import *", None),
+        ("try:\n    from fast import Mind\nexcept ImportError:\n    from slow import Mind", None),
+        ("if True:\n    class Mind: ...", None),
         ("import base\nMind = base.Mind", None),
         ("class Other: ...", "expected make(context) or a class Mind, got neither"),
         ("class Mind(:", ":1: expected Python, got a syntax error: "),

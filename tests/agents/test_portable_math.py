@@ -85,6 +85,9 @@ def test_functions_are_those_of_the_mathematics() -> None:
         assert ulps(log(x), math.log(x)) <= 2.0 or x == 1.0
         assert power(x, 0.7) == pytest.approx(x**0.7, rel=1e-12)
     assert log(1.0) == 0.0
+    for p, q in (((1.0, 2.0, 3.0), (1.0, 2.0, 4.0)), ((1.0, 2.0), (1.0,))):
+        with pytest.raises(ValueError, match="values to unpack"):
+            dist(p, q)
 
 
 def test_angle_of_many_turns_is_reduced_and_none_at_all_is_an_error() -> None:

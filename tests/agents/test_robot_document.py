@@ -36,7 +36,16 @@ def test_fields_of_the_robot_and_of_all_sensors_of_a_kind_are_set() -> None:
 
 @pytest.mark.parametrize(
     ("name", "value"),
-    [("MotorNose", "1"), ("MotorNoise", "2"), ("Lidar.Noise", "1"), ("Compass.Noise", "1"), ("TopSpeed", "x")],
+    [
+        ("MotorNose", "1"),
+        ("MotorNoise", "2"),
+        ("Lidar.Noise", "1"),
+        ("Compass.Noise", "1"),
+        ("TopSpeed", "x"),
+        ("MotorNoise", "007"),
+        ("MotorNoise", "1e999"),
+        ("Compass.NoiseDeg", "-01"),
+    ],
 )
 def test_unknown_field_or_wrong_value_is_refused_by_name(name: str, value: str) -> None:
     with pytest.raises(OptionError, match=f"option {name}: expected"):

@@ -37,6 +37,12 @@ def test_unknown_scene_is_wrong_usage_and_the_known_are_named(capsys: pytest.Cap
         (["--seeds", "2", "--connect", "tcp/127.0.0.1:1"], "--connect: expected with a single run"),
         (["--branch", "/dev/null", "--log", "y"], "--log: expected with a single run"),
         (["--branch", "/dev/null", "--seeds", "2"], "--seeds: expected without --branch"),
+        (["--view-port", "9000"], "--view-port: expected with --view, got none"),
+        (["--speed", "5"], "--speed: expected with --pace realtime, got pace lockstep"),
+        (
+            ["--view", "--view-port", "0", "--pace", "free", "--speed", "5"],
+            "--speed: expected with --pace realtime, got",
+        ),
         (["--mind", "nobody=drive"], "--mind: expected AGENT=MIND, with an agent of the scene (chair1, "),
         (["--mind", "chair1"], "--mind: expected AGENT=MIND"),
         (["--command", "char1=./mine"], "--command: expected AGENT=COMMAND, with an agent of the scene (chair1, "),

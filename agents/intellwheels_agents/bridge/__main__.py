@@ -55,10 +55,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if (given.driver == "serial") != (given.port is not None):
         got = "none" if given.port is None else repr(given.port)
         command.error(f"--port: expected a device with the driver serial, none with the driver world, got {got}")
+    other = "serial" if given.driver == "world" else "world"
     for option in bridge_options.OTHER_DRIVER[given.driver]:
         value = getattr(given, option.removeprefix("--").replace("-", "_"))
         if value != command.get_default(option.removeprefix("--").replace("-", "_")):
-            command.error(f"{option}: expected the other driver, got {given.driver}")
+            command.error(f"{option}: expected with the driver {other}, got {given.driver}")
     # First, because a signal may arrive while the other arguments are read.
     stop = stop_on_signals(given.lifeline)
     try:

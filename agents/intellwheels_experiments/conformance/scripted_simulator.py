@@ -29,6 +29,7 @@ from intellwheels_experiments.conformance.probe import (
     TokenChange,
 )
 from intellwheels_experiments.run.child_processes import ChildProcesses
+from intellwheels_experiments.run.foreign_program import guarded
 from intellwheels_schemas.channels import CHANNELS
 from intellwheels_schemas.codec import Encoding, encode, encoding_of
 from intellwheels_schemas.errors import WireError
@@ -103,12 +104,13 @@ class NetworkProbe:
     # ------------------------------------------------------------ the program
 
     def start_program(self) -> None:
-        """Start the program.
+        """Start the program, with the guard that ends it if this process is killed.
 
         Raises:
-            OSError: It cannot be started.
+            OSError: The guard cannot be started.
         """
-        self._program = self._children.launch("program", lambda _: self._command, self._environment, merge_errors=True)
+        command = guarded(self._command, Path.cwd())
+        self._program = self._children.launch("program", command, self._environment, merge_errors=True)
         self._exit_told = False
 
     def interrupt_program(self) -> None:

@@ -36,5 +36,8 @@ def check_cast(scenes: Iterable[Scene], folder: Path | None, option: str) -> Non
         )
     except subprocess.TimeoutExpired:
         return
-    if done.returncode == 2:
-        raise WireError("value", f"{option}: {done.stderr.decode(errors='replace').strip()}", option)
+    if done.returncode > 0:
+        text = done.stderr.decode(errors="replace").strip()
+        # Any other code than 2 is that of an error with a traceback, whose last line says what it is.
+        why = text if done.returncode == 2 else text.rpartition("\n")[2]
+        raise WireError("value", f"{option}: {why}", option)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import difflib
 import os
 import shutil
@@ -85,9 +86,14 @@ def launch_program(
         OSError: The guard beside it cannot be started.
     """
     command = [filled(word, values) for word in words]
-    guard = [*PYTHON, "-m", "intellwheels_experiments.run.program_guard"]
     environment = {"PATH": _search_path(), **{f"IW_{name.upper()}": value for name, value in values.items()}}
-    return children.launch(child, lambda lifeline: [*guard, str(lifeline), str(folder), *command], environment)
+    return children.launch(child, guarded(command, folder), environment)
+
+
+def guarded(command: Sequence[str], folder: Path) -> Callable[[int], Sequence[str]]:
+    """Return what makes the command line of a program with its guard, from the file descriptor of the lifeline."""
+    guard = [*PYTHON, "-m", "intellwheels_experiments.run.program_guard"]
+    return lambda lifeline: [*guard, str(lifeline), str(folder), *command]
 
 
 def check_program(program: str, folder: Path, where: str) -> None:
@@ -101,17 +107,17 @@ def check_program(program: str, folder: Path, where: str) -> None:
     Raises:
         WireError: It cannot.
     """
-    if not folder.is_dir():
+    if not _is_there(folder.is_dir):
         raise wrong_value(where, "a folder to start in", f"{str(folder)!r}")
     if "/" not in program:
         if shutil.which(program, path=_search_path()) is None:
-            own = f"./{program}" if (folder / program).is_file() else None
+            own = f"./{program}" if _is_there((folder / program).is_file) else None
             raise _missing(
                 where, program, own or _near(program, _names_in(map(Path, _search_path().split(os.pathsep))))
             )
         return
     path = folder / program
-    if not path.is_file():
+    if not _is_there(path.is_file):
         near = _near(path.name, _names_in([path.parent]))
         raise _missing(where, program, near and f"{program.rpartition('/')[0]}/{near}")
     if not os.access(path, os.X_OK):
@@ -128,8 +134,19 @@ def _near(name: str, known: Sequence[str]) -> str | None:
     return found[0] if found else None
 
 
+def _is_there(look: Callable[[], bool]) -> bool:
+    try:
+        return look()
+    except OSError:  # in a folder that may not be read, or under a name that no file can have
+        return False
+
+
 def _names_in(folders: Iterable[Path]) -> list[str]:
-    return sorted({path.name for folder in folders if folder.is_dir() for path in folder.iterdir()})
+    names: set[str] = set()
+    for folder in folders:
+        with contextlib.suppress(OSError):  # no folder, or one that may not be read
+            names |= {path.name for path in folder.iterdir()}
+    return sorted(names)
 
 
 def _search_path() -> str:

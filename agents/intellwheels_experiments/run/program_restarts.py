@@ -10,6 +10,7 @@ from collections.abc import Callable
 from typing import Final, Protocol
 
 from intellwheels_experiments.run.child_processes import ChildProcesses
+from intellwheels_experiments.run.launch_spec import agent_child
 from intellwheels_experiments.run.run_record import RunRecord
 from intellwheels_schemas.keys import Verb
 from intellwheels_schemas.messages import Cast, Delete, Pause, Record, Reset, Result, Resume
@@ -41,12 +42,17 @@ class ProgramRestarts:
         self._start = start
         self._started: dict[str, tuple[Cast, str]] = {}
         self._ended: tuple[str, ...] = ()
-        self._run: str | None = None
+        self._seen: set[str] = set()
 
     def add(self, cast: Cast, child: str) -> None:
         """Take note of an agent that was started."""
         if cast.new_run == "restart":
             self._started[cast.name] = cast, child
+
+    def child_of(self, agent: str) -> str:
+        """Return the name of the child that is this agent now."""
+        _, child = self._started.get(agent, (None, agent_child(agent)))
+        return child
 
     def follow(self, record: RunRecord, controls: Controls) -> bool:
         """Start the programs again if the record shows another run than before; return whether they were.
@@ -54,22 +60,24 @@ class ProgramRestarts:
         Raises:
             ConnectionError: The simulator does not answer.
         """
-        if not self._started or record.run in (None, self._run):
+        if not self._started or record.run is None or record.run in self._seen:
             return False
-        if self._run is None:
-            self._run = record.run
+        self._seen.add(record.run)
+        if len(self._seen) == 1:
             return False
         was_paused = record.clock is not None and record.clock.state == "paused"
         controls.control("pause", Pause(), ANSWER_LIMIT)
         controls.query_all(record)
         ended = self.end()
         texts = [event.text or "" for event in record.events.values() if event.code == "reset"]
-        if any(text.startswith("restored") for text in texts):
-            self._run = record.run
-        else:
+        # The queries may have brought a newer run; its programs are those that start now.
+        self._seen.add(record.run)
+        if not any(text.startswith("restored") for text in texts):
             for name in ended:
                 controls.control("delete", Delete(agent=name), ANSWER_LIMIT)
-            self._run = controls.control("reset", Reset(), ANSWER_LIMIT).run
+            begun = controls.control("reset", Reset(), ANSWER_LIMIT).run
+            if begun is not None:
+                self._seen.add(begun)
         self.start_ended()
         if not was_paused:
             controls.control("resume", Resume(), ANSWER_LIMIT)

@@ -21,7 +21,6 @@ from intellwheels_experiments.run.launch_spec import (
     SERVER,
     VIEWER,
     LaunchSpec,
-    agent_child,
     bridge_child,
 )
 from intellwheels_experiments.run.program_restarts import Controls, ProgramRestarts
@@ -234,7 +233,11 @@ def _keep_page(
             record = RunRecord()
         return True if stop.is_set() or not {SERVER, VIEWER} <= set(children.running) else None
 
-    children.wait(over, "Ctrl-C", math.inf, interval=INTERVAL)
+    try:
+        children.wait(over, "Ctrl-C", math.inf, interval=INTERVAL)
+    except ConnectionError as error:
+        # The run is over, and its result stays what it was.
+        progress.say(f"the page ends: {error}")
 
 
 def _follow(
@@ -255,7 +258,7 @@ def _follow(
         nonlocal has_page
         if children.find_line(SERVER, "running") is not None:
             stopwatch.begin()
-        finish = _printed(children, spec)
+        finish = _printed(children, restarts, spec)
         if finish is not None:
             return finish
         if has_page and (exited := children.exited(VIEWER)) is not None:
@@ -283,10 +286,10 @@ def _follow(
     return finish
 
 
-def _printed(children: ChildProcesses, spec: LaunchSpec) -> _Finished | None:
+def _printed(children: ChildProcesses, restarts: ProgramRestarts, spec: LaunchSpec) -> _Finished | None:
     """Return how the run finished by what a simulator printed, or None."""
     if (values := children.find_line(SERVER, "miss")) is not None:
-        return _Finished("missed", _missed(children, values), _number(values.get("tick")))
+        return _Finished("missed", _missed(children, restarts, values), _number(values.get("tick")))
     if (values := children.find_line(SERVER, "ended")) is not None:
         return _Finished("ended", tick=_number(values.get("tick")), hash=values.get("hash"))
     if spec.scene.bridge and (values := children.find_line(LABORATORY, "miss")) is not None:
@@ -298,9 +301,9 @@ def _died(children: ChildProcesses, exited: Exited) -> _Finished:
     return _Finished("died", _with_tail(children, exited.child, exited.how))
 
 
-def _missed(children: ChildProcesses, values: Mapping[str, str]) -> str:
+def _missed(children: ChildProcesses, restarts: ProgramRestarts, values: Mapping[str, str]) -> str:
     what = f"missed tick {values.get('tick', '?')}"
-    child = agent_child(values.get("agent", ""))
+    child = restarts.child_of(values.get("agent", ""))
     return _with_tail(children, child, what) if children.log_of(child).exists() else what
 
 

@@ -11,7 +11,7 @@ from intellwheels_maps.library import is_path
 from intellwheels_schemas.endpoint_form import check_free, is_free
 from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.link import Link, check_link
-from intellwheels_schemas.messages import Scene
+from intellwheels_schemas.messages import Pace, Scene
 
 
 def check_connection(options: argparse.Namespace) -> None:
@@ -26,6 +26,16 @@ def check_connection(options: argparse.Namespace) -> None:
     if options.view and not is_free("127.0.0.1", options.view_port):
         got = f"{options.view_port}, which is in use, perhaps by another viewer"
         raise WireError("value", f"--view-port: expected a free port, got {got}", "--view-port")
+
+
+def check_speed(speed: float, pace: Pace) -> None:
+    """Check that a run at this pace can have this speed.
+
+    Raises:
+        WireError: It has none.
+    """
+    if speed != 1.0 and pace != "realtime":
+        raise WireError("value", f"--speed: expected with --pace realtime, got pace {pace}", "--speed")
 
 
 def check_cast_of(scenes: Sequence[Scene], folder: Path | None, options: argparse.Namespace) -> None:

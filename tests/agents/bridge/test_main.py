@@ -17,8 +17,11 @@ from intellwheels_agents.bridge import main
         (["world", "--name", "chair1", "--lab-world", "a/b"], "--lab-world: expected a name"),
         (["world", "--name", "chair1", "--lab-connect", "lab:1"], "--lab-connect: expected an endpoint"),
         (["world", "--name", "chair1", "--lab-place", "a b"], "--lab-place: expected a word"),
-        (["world", "--name", "chair1", "--baud", "9600"], "--baud: expected the other driver, got world"),
-        (["serial", "--name", "c", "--port", "/x", "--fix-every", "2"], "--fix-every: expected the other driver"),
+        (["world", "--name", "chair1", "--baud", "9600"], "--baud: expected with the driver serial, got world"),
+        (
+            ["serial", "--name", "c", "--port", "/x", "--fix-every", "2"],
+            "--fix-every: expected with the driver world, got serial",
+        ),
         (["serial", "--name", "c", "--port", "http://x"], "--port: expected a device such as /dev/ttyUSB0, or a URL"),
     ],
 )

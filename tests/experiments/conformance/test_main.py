@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
+import os
 import re
+import select
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
 
+from tests.e2e.stage import is_gone
+
 pytestmark = pytest.mark.process
 
+DEADLINE = 60.0
 FAULTY = str(Path(__file__).parent / "faulty.py")
 
 
@@ -70,6 +75,26 @@ def test_program_that_never_asks_fails_the_first_point_and_the_rest_is_skipped()
     assert "got the end of the program, exit code 0" in done.stdout
     assert "| chair1 main tcp/127.0.0.1:" in done.stdout
     assert done.stdout.count("skipped") == 15
+
+
+def test_kill_of_the_check_ends_the_program(tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "pid")
+    told = os.open(tmp_path / "pid", os.O_RDWR)
+    program = (
+        "import os, signal, sys; open(sys.argv[1], 'w').write(f'{os.getpid()}\\n'); signal.alarm(90); signal.pause()"
+    )
+    words = ["--", sys.executable, "-c", program, str(tmp_path / "pid")]
+    with subprocess.Popen(
+        [sys.executable, "-m", "intellwheels_experiments.conformance", *words], stdout=subprocess.DEVNULL
+    ) as process:
+        try:
+            assert select.select([told], [], [], DEADLINE)[0]
+            pid = int(os.read(told, 64))
+            assert not is_gone(pid)
+        finally:
+            process.kill()
+            os.close(told)
+    assert is_gone(pid, DEADLINE)
 
 
 @pytest.mark.parametrize(

@@ -64,13 +64,12 @@ def test_program_that_is_started_again_has_a_new_output() -> None:
             assert event(probe) == ProgramExit(-15)
 
 
-def test_missing_program_is_an_error_that_names_it() -> None:
+def test_missing_program_ends_at_once_and_is_named() -> None:
     link = Link("main", listen=(f"tcp/127.0.0.1:{free_port()}",))
-    with (
-        NetworkProbe(["/no/such/program"], {}, link, "chair1", floor("room"), threading.Event()) as probe,
-        pytest.raises(OSError, match="/no/such/program"),
-    ):
+    with NetworkProbe(["/no/such/program"], {}, link, "chair1", floor("room"), threading.Event()) as probe:
         probe.start_program()
+        assert event(probe) == ProgramExit(127)
+        assert probe.output().startswith("/no/such/program: expected a program that can be started, got No such file")
 
 
 def test_simulator_is_present_answers_and_disappears() -> None:

@@ -34,6 +34,8 @@ def folder(tmp_path: Path) -> Path:
         (chair("mine"), "got 'mine', which does not exist; did you mean './mine'?"),
         (chair("pythn x.py"), "got 'pythn', which does not exist; did you mean 'python"),
         (chair("no-such-program-anywhere-at-all"), "which does not exist"),
+        (chair("./" + "x" * 300), "which does not exist"),
+        (chair("./mine", "x" * 300), "expected a folder to start in, got"),
         (chair("./mine", "nowhere"), "expected a folder to start in, got"),
         (chair("./mine {nam}"), "did you mean {name}?"),
     ],
@@ -56,6 +58,15 @@ def test_program_that_asks_for_an_endpoint_needs_one(folder: Path) -> None:
     with pytest.raises(WireError, match=r"expected --connect with an endpoint for \{endpoint\}, got none"):
         check_programs(chair("./mine {endpoint}"), folder, [])
     check_programs(chair("./mine {name}"), folder, [])
+
+
+def test_folder_that_cannot_be_read_is_left_out_of_what_was_meant(
+    folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    # Not even root can read a folder with such a name.
+    monkeypatch.setenv("PATH", f"{folder / ('x' * 300)}:{folder / 'mine'}:{folder}")
+    with pytest.raises(WireError, match=r"got 'mien', which does not exist; did you mean 'mine'\?"):
+        check_programs(chair("mien"), folder / "own")
 
 
 @pytest.mark.process

@@ -35,7 +35,7 @@ class Said:
 
     def _start(self, cast: Cast) -> str:
         self.done.append(f"start {cast.name}")
-        return f"agent-{cast.name}"
+        return f"agent-{cast.name}.2" if self.done[:-1] else f"agent-{cast.name}"
 
     def query_all(self, record: RunRecord) -> None:
         record.on_event(Event(run=record.run or "", tick=0, number=0, code="reset", text=self.text))
@@ -68,8 +68,11 @@ def test_new_run_begins_once_more_with_programs_that_know_it_only(said: Said) ->
     assert not said.see(RUNS[0])
     assert not said.see(RUNS[0])
     assert said.done == []
+    assert [said.restarts.child_of(name) for name in "abc"] == ["agent-a", "agent-b", "agent-c"]
     assert said.see(RUNS[1])
     assert said.done == ["pause", "end agent-a", "delete", "reset", "start a", "resume"]
+    assert [said.restarts.child_of(name) for name in "abc"] == ["agent-a.2", "agent-b", "agent-c"]
+    assert not said.see(RUNS[1])  # its last clock, or no other yet
     assert not said.see(RUNS[2])  # the run that it began itself
 
 

@@ -7,9 +7,10 @@ import os
 import sys
 import threading
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import pytest
 from rich.console import Console
@@ -63,6 +64,9 @@ class FakeSpec(LaunchSpec):
     def server_command(self, lifeline: int) -> list[str]:
         return [sys.executable, "-c", self.server]
 
+    def viewer_command(self, lifeline: int) -> list[str]:
+        return [sys.executable, "-c", READY + WAIT]
+
     def agent_command(self, cast: Cast, lifeline: int) -> list[str]:
         return [sys.executable, "-c", self.agent]
 
@@ -91,8 +95,8 @@ def interrupting(stop: threading.Event) -> Iterator[FakeWatch]:
     yield FakeWatch()
 
 
-def play(tmp_path: Path, server: str, agent: str = WAIT, *, timeout: float = 60.0, stop: bool = False) -> RunResult:
-    spec = FakeSpec(
+def spec_of(tmp_path: Path, server: str, agent: str = WAIT, **given: Any) -> FakeSpec:
+    return FakeSpec(
         scene=SCENE,
         source="test",
         floor=FLOOR,
@@ -101,8 +105,12 @@ def play(tmp_path: Path, server: str, agent: str = WAIT, *, timeout: float = 60.
         logs=tmp_path,
         server=server,
         agent=agent,
-        timeout=timeout,
+        **given,
     )
+
+
+def play(tmp_path: Path, server: str, agent: str = WAIT, *, timeout: float = 60.0, stop: bool = False) -> RunResult:
+    spec = spec_of(tmp_path, server, agent, timeout=timeout)
     with Progress(Console(file=io.StringIO()), SCENE, FLOOR) as progress:
         return perform(spec, interrupting if stop else watching, progress, threading.Event())
 
@@ -164,3 +172,32 @@ def test_interrupted_run_says_what_happened(tmp_path: Path) -> None:
 
 def test_run_that_takes_too_long_is_aborted(tmp_path: Path) -> None:
     assert play(tmp_path, RUNNING + WAIT, timeout=0.5).finish == "overtime"
+
+
+class LostWatch(FakeWatch):
+    """Loses the simulator once the run has been judged."""
+
+    def __init__(self) -> None:
+        self._judged = False
+
+    def drain(self, record: RunRecord) -> None:
+        if self._judged:
+            raise ConnectionError("the simulator does not answer")
+
+    def query_all(self, record: RunRecord) -> None:
+        super().query_all(record)
+        self._judged = True
+
+
+def test_simulator_that_is_lost_behind_the_page_leaves_the_result_as_it_was(tmp_path: Path) -> None:
+    said = io.StringIO()
+    server = RUNNING + f"print('ended tick=812 hash={HASH}', flush=True); {WAIT}"
+    with Progress(Console(file=said), SCENE, FLOOR) as progress:
+        result = perform(
+            spec_of(tmp_path, server, timeout=60.0, view=0),
+            lambda _: nullcontext(LostWatch()),
+            progress,
+            threading.Event(),
+        )
+    assert (result.finish, result.held) == ("ended", True)
+    assert "the page ends: the simulator does not answer" in said.getvalue()

@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 
 from intellwheels_experiments.run import usage_checks
-from intellwheels_experiments.run.usage_checks import check_cast_of, check_connection, first_agent
+from intellwheels_experiments.run.usage_checks import check_cast_of, check_connection, check_speed, first_agent
 from intellwheels_maps import scene
 from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.messages import Scene
@@ -33,11 +33,17 @@ def test_ports_are_checked_and_the_option_of_this_command_is_named() -> None:
         port = other.getsockname()[1]
         with pytest.raises(WireError, match=f"^--view-port: expected a free port, got {port}, which is in use"):
             check_connection(options(view=True, view_port=port))
-        check_connection(options(view_port=port))  # no page is served
         with pytest.raises(ConnectionError, match=r"the port is in use.*--listen"):
             check_connection(options(listen=[f"tcp/127.0.0.1:{port}"]))
     with pytest.raises(WireError, match=r"^--connect: expected an endpoint"):
         check_connection(options(connect=["lab"]))
+
+
+def test_speed_is_that_of_a_run_in_real_time() -> None:
+    check_speed(5.0, "realtime")
+    check_speed(1.0, "lockstep")
+    with pytest.raises(WireError, match=r"^--speed: expected with --pace realtime, got pace free$"):
+        check_speed(5.0, "free")
 
 
 def test_only_what_a_user_wrote_is_asked_about(monkeypatch: pytest.MonkeyPatch) -> None:
