@@ -12,6 +12,7 @@ from intellwheels_agents import minds, starter
 from intellwheels_agents.agent_peer import run_agent
 from intellwheels_agents.harness import NAME_TAKEN, PLACE_TAKEN
 from intellwheels_agents.mind_error import USER_ERRORS, MindError, failed
+from intellwheels_agents.mind_help import mind_help
 from intellwheels_agents.mind_trial import check_mind_options
 from intellwheels_agents.options import OptionError, Options
 from intellwheels_agents.robot_document import DEFAULT_ROBOT, default_robot, equipped, joining, split_options
@@ -40,7 +41,7 @@ examples:
   a folder to start your own project from: a mind, a robot, a scene and tests, ready to run
       iw-agent new my-chair
 
-The options of a mind are in its docstring: python -m pydoc intellwheels_agents.minds.waypoints
+`iw-agent MIND --help` lists the options of an included mind, with ranges and defaults.
 
 On standard output: `joined agent=chair1 run=... tick=...`; `run agent=chair1 run=...` when a new run begins;
 `left agent=chair1`. Exit codes: 0 done, 1 refused or failed, 2 wrong usage.
@@ -125,6 +126,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     words = sys.argv[1:] if arguments is None else list(arguments)
     if words[:1] == ["new"]:
         return _write_starter(words[1:])
+    if words[:1] and words[0] in minds.names() and not {"-h", "--help"}.isdisjoint(words):
+        print(mind_help(words[0]), end="")
+        return 0
     options = parser().parse_args(words)
     # Before anything else: a signal may arrive while the arguments are still being checked.
     stop = stop_on_signals(options.lifeline)

@@ -40,6 +40,7 @@ def check_mind_options(
     agent: str = "trial",
     position: Position | None = None,
     fetch_map: Callable[[], Map] | None = None,
+    read: Options | None = None,
 ) -> None:
     """Make an included mind once and throw it away.
 
@@ -51,6 +52,7 @@ def check_mind_options(
         agent: The agent's name.
         position: Where it will start; None: unknown.
         fetch_map: Returns the map; None: unknown, and a mind that asks for it is checked only up to there.
+        read: The same options, if the caller wants to know what the mind reads.
 
     Raises:
         OptionError: An option is wrong.
@@ -58,7 +60,7 @@ def check_mind_options(
     """
     if is_path(source.name):
         return
-    read = Options(options)
+    read = Options(options) if read is None else read
     at = position or Position(x=0.0, y=0.0, heading=0.0)
     try:
         source.make(Context(agent, robot, at, _SETTINGS, read, fetch_map or _no_map))

@@ -20,11 +20,15 @@ class Options(Mapping[str, str]):
     """Options by name, with readers that check them.
 
     Every reader takes the option's name and, where there is one, the default for an absent option.
+
+    Attributes:
+        declared: The range and default of each option that was read, in words, by name.
     """
 
     def __init__(self, given: Mapping[str, str] | None = None) -> None:
         self._given = dict(given or {})
         self._known: set[str] = set()
+        self.declared: dict[str, str] = {}
 
     def __getitem__(self, name: str) -> str:
         self._known.add(name)
@@ -42,6 +46,7 @@ class Options(Mapping[str, str]):
 
     def text(self, name: str, default: str = "") -> str:
         """Return the option as text."""
+        self._declare(name, "text", default or "none")
         return self.get(name, default)
 
     def number(self, name: str, default: float, low: float = -math.inf, high: float = math.inf) -> float:
@@ -50,10 +55,11 @@ class Options(Mapping[str, str]):
         Raises:
             OptionError: It is not a number, or is out of range.
         """
+        expected = "a number" if math.isinf(low) and math.isinf(high) else f"a number in [{low:g}, {high:g}]"
+        self._declare(name, expected, f"{default:g}")
         text = self.get(name)
         if text is None:
             return default
-        expected = "a number" if math.isinf(low) and math.isinf(high) else f"a number in [{low:g}, {high:g}]"
         value = _number(text)
         if value is None or not low <= value <= high:
             raise OptionError(f"option {name}: expected {expected}, got {text!r}")
@@ -73,6 +79,7 @@ class Options(Mapping[str, str]):
         Raises:
             OptionError: It is none of them.
         """
+        self._declare(name, f"one of {', '.join(words)}", default)
         text = self.get(name, default)
         if text not in words:
             raise OptionError(f"option {name}: expected one of {', '.join(words)}, got {text!r}")
@@ -80,6 +87,7 @@ class Options(Mapping[str, str]):
 
     def words(self, name: str) -> tuple[str, ...]:
         """Return the option as words separated by spaces or commas."""
+        self._declare(name, "words", "none")
         return tuple(self.get(name, "").replace(",", " ").split())
 
     def points(self, name: str) -> tuple[tuple[float, float], ...]:
@@ -88,12 +96,16 @@ class Options(Mapping[str, str]):
         Raises:
             OptionError: A word is not a number, or the last y is missing.
         """
+        self._declare(name, "points x y x y", "none")
         words = self.words(name)
         numbers = [_number(word) for word in words]
         values = [number for number in numbers if number is not None]
         if len(values) != len(words) or len(values) % 2:
             raise OptionError(f"option {name}: expected numbers in pairs, x y x y, got {self[name]!r}")
         return tuple(zip(values[::2], values[1::2], strict=True))
+
+    def _declare(self, name: str, expected: str, default: str) -> None:
+        self.declared.setdefault(name, f"{expected}; default {default}")
 
     def check_all_read(self) -> None:
         """Refuse options that no reader asked for.

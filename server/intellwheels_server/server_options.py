@@ -150,7 +150,8 @@ def _add_time_options(group: argparse._ArgumentGroup) -> None:
     )
     group.add_argument(
         "--open-loop", action="store_true",
-        help="at pace free, also accept agents that ask the simulator to wait for them; the simulator does not wait",
+        help="at pace free, accept agents that ask the simulator to wait, without waiting for them "
+        "(default: refuse them)",
     )  # fmt: skip
     group.add_argument(
         "--deadline", type=positive_seconds, metavar="S",
@@ -188,7 +189,11 @@ def _add_run_options(group: argparse._ArgumentGroup) -> None:
         help="with --branch: the first tick at which the agents' answers count (default: %(default)s)",
     )  # fmt: skip
     group.add_argument(
-        "--resimulate", type=readable_file, metavar="FILE", help="run an input log again, compare every hash, and exit"
+        "--resimulate",
+        type=readable_file,
+        metavar="FILE",
+        help="run an input log again, compare every hash, and exit; exit code 1 if the log is cut or edited, or if a "
+        "hash differs",
     )
     group.add_argument(
         "--prove", action="store_true",

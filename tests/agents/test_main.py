@@ -9,6 +9,7 @@ import sys
 import pytest
 
 from intellwheels_agents import __main__ as command
+from intellwheels_agents import minds
 from intellwheels_agents.harness import NAME_TAKEN, PLACE_TAKEN
 from intellwheels_schemas.messages import Position, Robot
 
@@ -28,8 +29,9 @@ def test_help_shows_examples_and_minds() -> None:
     shown = iw_agent("--help")
     assert shown.returncode == 0
     assert "iw-agent waypoints --name chair1" in shown.stdout
-    assert "aided, avoid, car, door, drive, driver, follow, joystick, person, seek, table, waypoints" in " ".join(
-        shown.stdout.split()
+    assert (
+        "aided, avoid, car, door, drive, driver, follow, joystick, navigate, person, seek, table, waypoints"
+        in " ".join(shown.stdout.split())
     )
 
 
@@ -39,8 +41,7 @@ def test_help_shows_examples_and_minds() -> None:
     [
         (
             ["dance"],
-            "MIND: expected one of aided, avoid, car, door, drive, driver, follow, joystick, person, seek, table, "
-            "waypoints or a Python file",
+            f"MIND: expected one of {', '.join(minds.names())} or a Python file",
         ),
         (["drive", "--name", "Chair 1"], "--name: expected a name"),
         (["drive", "--option", "speed"], "--option: expected NAME=VALUE, got 'speed'"),

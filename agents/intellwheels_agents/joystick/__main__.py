@@ -39,7 +39,7 @@ examples:
   play a script: on each line seconds, forward, turn, and optionally buttons and a word
       iw-joystick chair1 --source script --script drive.txt
 
-Use it with worlds in real time. Nobody can steer by hand in a run that is as fast as possible.
+Use it with worlds in real time. A run at full speed is too fast to steer by hand.
 Each input is valid for 0.3 s.
 Standard output has the lines `ready agent=...`, `taken agent=...`, `released agent=...`, `ended agent=...`.
 Exit codes: 0 done, 1 refused or failed, 2 wrong usage.
@@ -75,10 +75,18 @@ def parser() -> argparse.ArgumentParser:
         help="drive the chair instead of its mind, under a lease from the simulator",
     )
     result.add_argument(
-        "--forward", type=share, default=1.0, metavar="SHARE", help="power at full forward, in [0, 1] (default: 1)"
+        "--forward",
+        type=share,
+        default=1.0,
+        metavar="SHARE",
+        help="motor power when the stick is fully forward, in [0, 1] (default: 1)",
     )
     result.add_argument(
-        "--turn", type=share, default=0.5, metavar="SHARE", help="power at full turn, in [0, 1] (default: 0.5)"
+        "--turn",
+        type=share,
+        default=0.5,
+        metavar="SHARE",
+        help="motor power when the stick is fully to one side, in [0, 1] (default: 0.5)",
     )
     result.add_argument(
         "--hold",

@@ -4,7 +4,7 @@
     speed    speed with nothing near, m/s (default 0.6)
     clear    clearance kept beside the body, m (default 0.06: slightly more than `aided` keeps)
     within   distance from the place that counts as arrived, m (default 0.2)
-    and of `aided`: margin, ahead
+    and of `aided`: turn, words, margin, ahead
 
 It locates itself by odometry alone, and obstacles by its proximity sensors alone. Among the directions in which the
 body fits it takes the cheapest; `aided` then slows and stops that motion as it does a user's. If nothing has been free

@@ -1,0 +1,30 @@
+"""`iw-agent MIND --help`: the options of an included mind, with ranges and defaults."""
+
+from __future__ import annotations
+
+import re
+
+import pytest
+
+from intellwheels_agents import minds
+from intellwheels_agents.__main__ import main
+from intellwheels_agents.mind_help import mind_help, option_rows
+
+
+def test_help_of_a_mind_lists_its_options_with_ranges_and_defaults(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["waypoints", "--help"]) == 0
+    text = capsys.readouterr().out
+    assert text.startswith("usage: iw-agent waypoints ")
+    assert "Drives along a path of points" in text
+    assert re.search(r"^  speed +a number in \[0.05, 20\]; default 0.6$", text, re.MULTILINE)
+    assert re.search(r"^  truth +one of true, false; default false$", text, re.MULTILINE)
+
+
+@pytest.mark.parametrize("name", minds.names())
+def test_every_option_that_a_mind_reads_is_explained_too(name: str) -> None:
+    about = mind_help(name).split("ranges and defaults")[0]
+    assert [option for option in option_rows(name) if not re.search(rf"\b{option}\b", about)] == []
+
+
+def test_help_of_a_mind_that_needs_a_place_lists_what_it_reads_after_it() -> None:
+    assert "margin" in option_rows("seek")
