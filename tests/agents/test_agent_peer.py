@@ -158,6 +158,8 @@ def test_agent_joins_answers_ticks_and_leaves(
 def test_the_coming_and_going_of_the_simulator_is_told(simulator: Simulator, endpoint: str) -> None:
     agent = Agent(link.Link(connect=(endpoint,)))
     assert agent.presence.get(timeout=DEADLINE)
+    simulator.joined.get(timeout=DEADLINE)
+    simulator.measure(0)  # its answer says that the mind is made, which needs the map
     simulator.close()
     assert not agent.presence.get(timeout=DEADLINE)
     assert agent.end() == 0

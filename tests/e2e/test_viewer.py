@@ -190,7 +190,9 @@ def test_the_wedges_of_a_doors_frame_stay_while_its_leaf_turns(
         )
 
     assert placed(screen.wait(wedges, "the wedges of the door"))
+    before = screen.camera()
     screen.page.keyboard.press("p")
+    screen.wait(lambda: math.dist(screen.camera(), before) > 0.5 or None, "the camera of the plan")
     screen.rest()
     shut = screen.colour(*point)
     teleport(peer, "door", 9.0, 3.51, 0.0)

@@ -106,7 +106,7 @@ class GivingWay:
 
     def _watch(self, time: float, pose: Pose, arrived: bool) -> None:
         """Note when it has hardly moved for so long that it must back out of where it is."""
-        if arrived or dist(pose, self._anchor) > MOVED:
+        if arrived or dist(pose[:2], self._anchor[:2]) > MOVED:
             self._anchor, self._anchored = (pose[0], pose[1]), time
         elif time - self._anchored > STUCK + self._patience:
             self._out_until, self._anchored, self.aside = time + OUT, time + OUT, None
@@ -128,7 +128,8 @@ class GivingWay:
             arrived or self._was_arrived,
             1.5 * ROOM if away else ROOM,
         )
-        if not points and door is not None and (away or stalled > STALLED) and dist(pose, door) < 1.2 * DOOR_ROOM:
+        at_door = door is not None and dist(pose[:2], door[:2]) < 1.2 * DOOR_ROOM
+        if not points and door is not None and at_door and (away or stalled > STALLED):
             return [door], DOOR_ROOM
         return points, 1.1 * ROOM
 

@@ -261,7 +261,7 @@ class Navigator:
         return Actions(left_motor=left, right_motor=right, mode=mode, goal=goal, say=say)
 
     def _near(self, pose: Pose, goal: tuple[float, float], within: float) -> bool:
-        return dist(pose, goal) <= within
+        return dist(pose[:2], goal[:2]) <= within
 
     def _locate(self, measures: Measures, scans: list[tuple[int, Floats]]) -> Pose:
         sensors = measures.sensors
