@@ -15,6 +15,7 @@ from typing import NamedTuple
 
 from intellwheels_maps.crossing import Point
 from intellwheels_maps.keyholes import find_fault
+from intellwheels_maps.plane_geometry import contains, edges, side
 from intellwheels_schemas.codec import MAX_BYTES, VERSION, Encoding, encode
 from intellwheels_schemas.explain import did_you_mean
 from intellwheels_schemas.messages import Corner, Doorway, Map, Robot, Scene, Wall
@@ -114,7 +115,7 @@ def opening(document: Map, doorway: Doorway) -> tuple[float, float]:
     left = (-math.sin(heading), math.cos(heading))
     centre = (doorway.x, doorway.y)
     pieces = [piece for wall in document.wall for piece in wall_pieces(wall)]
-    if any(_inside(centre, piece) for piece in pieces):
+    if any(contains(piece, centre) for piece in pieces):
         return 0.0, 0.0
     return _reach(centre, left, pieces), _reach(centre, (-left[0], -left[1]), pieces)
 
@@ -173,7 +174,7 @@ def _check_shapes(document: Map) -> Iterator[Finding]:
 
 def _check_corners(element: str, what: str, corners: Sequence[Corner], *, closed: bool) -> Iterator[Finding]:
     points = ring_of(corners) if closed else points_of(corners)
-    for index, (one, other) in enumerate(_edges(points) if closed else pairwise(points)):
+    for index, (one, other) in enumerate(edges(points) if closed else pairwise(points)):
         if math.dist(one, other) < _SHORTEST:
             place = f"X {_plain(one[0])} Y {_plain(one[1])}"
             fault = "the same corner twice in a row" if one == other else f"corners less than {_SHORTEST} m apart"
@@ -217,7 +218,7 @@ def _check_places(document: Map) -> Iterator[Finding]:
     walls += [(f"obstacle {obstacle.name!r}", ring_of(obstacle.corner)) for obstacle in document.obstacle]
     for index, place in enumerate(document.grid.position if document.grid else ()):
         for what, piece in walls:
-            if _inside((place.x, place.y), piece):
+            if contains(piece, (place.x, place.y)):
                 yield Finding(f"Map.Grid.Position[{index}]", f"place {place.name!r} is inside {what}")
                 break
 
@@ -229,27 +230,8 @@ def _plain(value: float) -> str:
 # ---------------------------------------------------------------- plane geometry
 
 
-def _edges(points: Sequence[Point]) -> Iterator[tuple[Point, Point]]:
-    return zip(points, [*points[1:], points[0]], strict=True)
-
-
 def _twice_area(points: Sequence[Point]) -> float:
-    return math.fsum(ax * by - bx * ay for (ax, ay), (bx, by) in _edges(points))
-
-
-def _side(a: Point, b: Point, c: Point) -> float:
-    """Return a positive value if c is left of the line from a to b, and 0 if c is on the line."""
-    return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
-
-
-def _inside(point: Point, ring: Sequence[Point]) -> bool:
-    """Return whether a point is inside a ring; on an edge the answer may be either."""
-    inside = False
-    x, y = point
-    for (ax, ay), (bx, by) in _edges(ring):
-        if (ay > y) != (by > y) and x < ax + (y - ay) / (by - ay) * (bx - ax):
-            inside = not inside
-    return inside
+    return math.fsum(ax * by - bx * ay for (ax, ay), (bx, by) in edges(points))
 
 
 def _reach(start: Point, direction: Point, pieces: Iterable[Sequence[Point]]) -> float:
@@ -257,8 +239,8 @@ def _reach(start: Point, direction: Point, pieces: Iterable[Sequence[Point]]) ->
     end = (start[0] + direction[0] * _JAMB_REACH, start[1] + direction[1] * _JAMB_REACH)
     nearest = math.inf
     for piece in pieces:
-        for a, b in _edges(piece):
-            a_side, b_side = _side(start, end, a), _side(start, end, b)
+        for a, b in edges(piece):
+            a_side, b_side = side(start, end, a), side(start, end, b)
             if (a_side > 0) == (b_side > 0):
                 continue
             share = a_side / (a_side - b_side)

@@ -1,4 +1,4 @@
-"""Rings with holes: a polygon whose holes are joined to its outside by edges that are passed there and back.
+"""Rings with holes: a polygon whose holes are joined to the outline by edges that are traversed once in each direction.
 
 This is the usual way to write a hole in one ring, a keyhole: A, round the outside, A, B, round the hole, B. Everything
 is decided exactly.

@@ -12,6 +12,7 @@ from typing import Final
 
 from intellwheels_maps.check import Finding, ring_of, wall_pieces
 from intellwheels_maps.crossing import Point
+from intellwheels_maps.plane_geometry import contains, edges, side
 from intellwheels_schemas.messages import Map, Place, Robot, Scene
 from intellwheels_schemas.rules import parts_of
 
@@ -82,12 +83,12 @@ def _overlap(one: Box, other: Box) -> bool:
         return False
     if _is_convex(corners) and _is_convex(others):
         # Two convex shapes are apart if they are apart along the normal of one of their edges.
-        edges = [*_edges(corners), *_edges(others)]
-        return not any(_apart(corners, others, (a[1] - b[1], b[0] - a[0])) for a, b in edges)
+        both = [*edges(corners), *edges(others)]
+        return not any(_apart(corners, others, (a[1] - b[1], b[0] - a[0])) for a, b in both)
     return (
-        _contains(corners, others[0])
-        or _contains(others, corners[0])
-        or any(_cross(a, b, c, d) for a, b in _edges(corners) for c, d in _edges(others))
+        contains(corners, others[0])
+        or contains(others, corners[0])
+        or any(_cross(a, b, c, d) for a, b in edges(corners) for c, d in edges(others))
     )
 
 
@@ -100,27 +101,10 @@ def _apart(ring: Sequence[Point], other: Sequence[Point], axis: Point) -> bool:
 
 def _is_convex(ring: Sequence[Point]) -> bool:
     corners = zip(ring, [*ring[1:], ring[0]], [*ring[2:], *ring[:2]], strict=True)
-    turns = [_side(a, b, c) for a, b, c in corners]
+    turns = [side(a, b, c) for a, b, c in corners]
     return min(turns) >= 0.0 or max(turns) <= 0.0
-
-
-def _edges(ring: Sequence[Point]) -> Iterator[tuple[Point, Point]]:
-    return zip(ring, [*ring[1:], ring[0]], strict=True)
-
-
-def _side(a: Point, b: Point, c: Point) -> float:
-    return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
 
 
 def _cross(a: Point, b: Point, c: Point, d: Point) -> bool:
     """Return whether two segments cross inside both."""
-    return _side(a, b, c) * _side(a, b, d) < 0.0 and _side(c, d, a) * _side(c, d, b) < 0.0
-
-
-def _contains(ring: Sequence[Point], point: Point) -> bool:
-    inside = False
-    x, y = point
-    for (ax, ay), (bx, by) in _edges(ring):
-        if (ay > y) != (by > y) and x < ax + (y - ay) / (by - ay) * (bx - ax):
-            inside = not inside
-    return inside
+    return side(a, b, c) * side(a, b, d) < 0.0 and side(c, d, a) * side(c, d, b) < 0.0
