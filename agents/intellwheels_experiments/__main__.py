@@ -16,6 +16,7 @@ import msgspec
 from rich.console import Console
 
 from intellwheels_experiments.batch.experiment_rows import Row, rows_of
+from intellwheels_experiments.batch.seed_variation import check_variation
 from intellwheels_experiments.run.cast_changes import with_changes
 from intellwheels_experiments.run.endpoints import free_endpoint
 from intellwheels_experiments.run.foreign_program import check_programs
@@ -263,8 +264,10 @@ def _batch(options: argparse.Namespace, chosen: Scene, chosen_floor: Map, folder
             cast = with_changes(rows[0].scene, options.mind, options.option, options.command, robot_fields=False)
             changed = dataclasses.replace(rows[0], scene=cast)
             scenes = [cast]
+            check_variation([changed], chosen_floor)
         else:
             scenes = [row.scene for row in rows]
+        check_variation(rows, chosen_floor)
         for one in scenes:
             check_programs(one.cast, folder)
         check_cast_of(scenes, folder, options)

@@ -245,6 +245,18 @@ def _file_assertions() -> list[Assertion]:
         Assertion("Scene/End/Reach", "../../Cast[@Name = current()/@Agent]", "Agent is in the cast"),
         Assertion("Experiment", "../Cast[@Name = current()/@Subject] or Factor/Level/Cast[@Name = current()/@Subject]",
                   "Subject is in the cast"),
+        Assertion("Uniform", "count(@Agent | @Place | @Obstacle) = 1", "one of Agent, Place and Obstacle"),
+        Assertion("Uniform[@Place]", "@Name = 'X' or @Name = 'Y' or @Name = 'HeadingDeg'", "X, Y or HeadingDeg"),
+        Assertion("Uniform[@Obstacle]", "@Name = 'X' or @Name = 'Y'", "X or Y"),
+        Assertion("Uniform[@Agent]", "//Cast[@Name = current()/@Agent]", "Agent is in the cast"),
+        Assertion(
+            "Uniform",
+            "count(../Uniform[@Name = current()/@Name and concat(@Agent, '/', @Place, '/', @Obstacle)"
+            " = concat(current()/@Agent, '/', current()/@Place, '/', current()/@Obstacle)]) = 1",
+            "each number once",
+        ),
+        Assertion("Uniform[@Follows]", "@Agent and @Follows != @Name", "another option of an Agent"),
+        _less("Uniform", "@Low", "@High"),
         Assertion("Factor", "Level", "at least one Level"),
         Assertion("Factor", "count(../Factor[@Name = current()/@Name]) = 1", "each factor once"),
         Assertion("Factor/Level", "count(../Level[@Name = current()/@Name]) = 1", "each level once"),

@@ -183,6 +183,7 @@ Ratio = Annotated[float, Meta(ge=0.0, le=1e9, description="a ratio", extra=_unit
 Range = Annotated[float, Meta(ge=0.0, le=20_000.0, extra=_unit("m"))]
 SayRange = Annotated[float, Meta(gt=0.0, le=20_000.0, extra=_unit("m"))]
 SayDelay = Annotated[float, Meta(ge=0.0, le=3600.0, extra=_unit("s"))]
+Offset = Annotated[float, Meta(ge=-10_000.0, le=10_000.0, description="an offset")]
 Variance = Annotated[float, Meta(ge=-1e9, le=1e9)]
 Normal = Annotated[float, Meta(ge=-1.0, le=1.0, description="a component of a unit vector", extra=_unit("1"))]
 
@@ -1437,6 +1438,29 @@ class Setting(Record, frozen=True, kw_only=True):
     value: OptionValue
 
 
+class Uniform(Record, frozen=True, kw_only=True):
+    """A number that differs from seed to seed: a uniformly distributed offset is added to it.
+
+    It belongs to an option of an agent, to a named place or to an obstacle of the map. Rows that draw the same number
+    draw the same offset for a seed, so that they can be compared seed by seed.
+    """
+
+    agent: Name | None = None
+    """Agent whose option it is; the agent, or its Bridge, must have the option."""
+    place: Word | None = None
+    """Place of the map that is moved or turned."""
+    obstacle: Word | None = None
+    """Obstacle of the map that is moved."""
+    name: Word
+    """Name of the option; X or Y of a place or an obstacle in m, or HeadingDeg of a place."""
+    low: Offset
+    """Least offset, in the unit of the number."""
+    high: Offset
+    """Largest offset, more than Low."""
+    follows: Word | None = None
+    """Another option of the agent that is drawn, whose offset is added too: a calibration follows what it measures."""
+
+
 class Bridge(Record, frozen=True, kw_only=True):
     """A real chair for one agent of the cast. A second simulation of the same map, the laboratory, simulates it.
 
@@ -1468,6 +1492,8 @@ class Level(Record, frozen=True, kw_only=True):
     """Real chairs of this level."""
     setting: tuple[Setting, ...] = ()
     """Options that this level sets."""
+    uniform: tuple[Uniform, ...] = ()
+    """Numbers that differ from seed to seed in rows with this level."""
 
 
 class Varied(Record, frozen=True, kw_only=True):
@@ -1512,6 +1538,8 @@ class Experiment(Record, frozen=True, kw_only=True):
     """Largest difference of success rates at which two rows are equivalent."""
     factor: tuple[Varied, ...] = ()
     """Factors that are varied."""
+    uniform: tuple[Uniform, ...] = ()
+    """Numbers that differ from seed to seed, in all rows."""
     compare: tuple[Compare, ...] = ()
     """Comparisons that the report makes."""
     umbmark: Umbmark | None = None

@@ -10,7 +10,7 @@ from itertools import product
 from intellwheels_schemas.command_line import words_of
 from intellwheels_schemas.errors import wrong_value
 from intellwheels_schemas.explain import shown
-from intellwheels_schemas.messages import Cast, Experiment, Map, Scene
+from intellwheels_schemas.messages import Cast, Experiment, Map, Scene, Uniform
 
 
 def check_map(floor: Map, where: str = "Map") -> None:
@@ -104,6 +104,7 @@ def _check_experiment(experiment: Experiment, cast: set[str], where: str) -> Non
     here = cast | {one.name for factor in experiment.factor for level in factor.level for one in level.cast}
     if experiment.subject not in here:
         raise wrong_value(f"{where}.Subject", "an agent of the cast", shown(experiment.subject))
+    _check_uniform(experiment.uniform, here, where)
     _check_once([factor.name for factor in experiment.factor], f"{where}.Factor")
     for index, factor in enumerate(experiment.factor):
         place = f"{where}.Factor[{index}]"
@@ -111,6 +112,7 @@ def _check_experiment(experiment: Experiment, cast: set[str], where: str) -> Non
             raise wrong_value(place, "at least one Level", "none")
         _check_once([level.name for level in factor.level], f"{place}.Level")
         for at, level in enumerate(factor.level):
+            _check_uniform(level.uniform, here, f"{place}.Level[{at}]")
             for number, bridge in enumerate(level.bridge):
                 if bridge.agent not in here:
                     where_bridge = f"{place}.Level[{at}].Bridge[{number}].Agent"
@@ -136,6 +138,27 @@ def _check_experiment(experiment: Experiment, cast: set[str], where: str) -> Non
         _check_row(experiment.umbmark.right, rows, f"{where}.Umbmark.Right")
         if experiment.umbmark.left == experiment.umbmark.right:
             raise wrong_value(f"{where}.Umbmark.Right", "another row than Left", shown(experiment.umbmark.right))
+
+
+def _check_uniform(uniforms: tuple[Uniform, ...], agents: set[str], where: str) -> None:
+    for index, one in enumerate(uniforms):
+        place = f"{where}.Uniform[{index}]"
+        given = [name for name, of in (("Agent", one.agent), ("Place", one.place), ("Obstacle", one.obstacle)) if of]
+        if len(given) != 1:
+            raise wrong_value(place, "one of Agent, Place and Obstacle", " and ".join(given) or "none")
+        if one.agent is not None and one.agent not in agents:
+            raise wrong_value(f"{place}.Agent", "an agent of the cast", shown(one.agent))
+        if one.agent is None:
+            numbers = ("X", "Y") if one.place is None else ("X", "Y", "HeadingDeg")
+            if one.name not in numbers:
+                raise wrong_value(f"{place}.Name", " or ".join(numbers), shown(one.name))
+        if one.follows is not None and (one.agent is None or one.follows == one.name):
+            raise wrong_value(f"{place}.Follows", "another option of an Agent", shown(one.follows))
+        if not one.low < one.high:
+            raise wrong_value(f"{place}.High", f"more than Low {shown(one.low)}", shown(one.high))
+        same = [(other.agent, other.place, other.obstacle, other.name) for other in uniforms[:index]]
+        if (one.agent, one.place, one.obstacle, one.name) in same:
+            raise wrong_value(f"{place}.Name", "each number once", f"{shown(one.name)} twice")
 
 
 def _check_row(row: str, rows: set[str], where: str) -> None:

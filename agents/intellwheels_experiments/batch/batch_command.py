@@ -27,6 +27,7 @@ from intellwheels_experiments.batch.html_report import HtmlReport, floor_hash, r
 from intellwheels_experiments.batch.report_drawings import PlottedRun, timeline
 from intellwheels_experiments.batch.run_batch import Batch, pending_runs, read_batch, run_batch
 from intellwheels_experiments.batch.run_store import StoredRun, read_tum, run_folder, runs_csv
+from intellwheels_experiments.batch.seed_variation import label_of
 from intellwheels_experiments.batch.summary import Summary, summarize, to_json, to_junit
 from intellwheels_experiments.batch.sweep import sweep
 from intellwheels_experiments.batch.umbmark import Factor, UmbmarkResult, umbmark_of
@@ -274,11 +275,26 @@ def _origin(batch: Batch, scene: Scene) -> dict[str, str]:
     origin = {"scene": batch.source, "floor": f"{batch.floor.name} {floor_hash(batch.floor)}"}
     if batch.floor.source:
         origin["source of the map"] = batch.floor.source
+    if varied := _varied(scene):
+        origin["differs by seed"] = varied
     origin |= {"seeds": listed, "period": f"{scene.period:g} s", "pace": "lockstep, strict"}
     origin |= versions()
     origin["processor"] = f"{_processor()}, {os.cpu_count()} cores, {platform.system()} {platform.machine()}"
     origin["command"] = shlex.join(["iw-run", *sys.argv[1:]])
     return origin
+
+
+def _varied(scene: Scene) -> str:
+    """Return the ranges of what differs from seed to seed, as text; empty if nothing does."""
+    if scene.experiment is None:
+        return ""
+    levels = [level for factor in scene.experiment.factor for level in factor.level]
+    ranges = dict.fromkeys(
+        f"{label_of(one)} {one.low:+g} to {one.high:+g}"
+        for uniforms in (scene.experiment.uniform, *(level.uniform for level in levels))
+        for one in uniforms
+    )
+    return ", ".join(ranges)
 
 
 def _processor() -> str:

@@ -11,7 +11,7 @@ from typing import Any, Final, get_args
 import msgspec
 
 from intellwheels_schemas.errors import WireError
-from intellwheels_schemas.messages import Bridge, Cast, Level, Option, Period, Scene, Setting
+from intellwheels_schemas.messages import Bridge, Cast, Level, Option, Period, Scene, Setting, Uniform
 
 OPTIONS: Final[Mapping[str, str]] = {
     "SayRange": "--say-range",
@@ -40,6 +40,7 @@ class Row:
         scene: The scene with the cast of this row.
         arguments: Further arguments for the simulator.
         bridges: The bridges by agent: these agents' bodies are chairs in a laboratory.
+        uniform: Numbers that differ from seed to seed.
     """
 
     name: str
@@ -48,6 +49,7 @@ class Row:
     scene: Scene
     arguments: tuple[str, ...]
     bridges: Mapping[str, Bridge]
+    uniform: tuple[Uniform, ...] = ()
 
 
 def rows_of(scene: Scene) -> tuple[Row, ...]:
@@ -61,7 +63,8 @@ def rows_of(scene: Scene) -> tuple[Row, ...]:
         bridges = {bridge.agent: bridge for bridge in scene.bridge}
         _check_subject(scene, bridges)
         real = scene.experiment is not None and scene.experiment.subject in bridges
-        return (Row(scene.name, scene.title or scene.name, real, scene, (), bridges),)
+        uniform = scene.experiment.uniform if scene.experiment is not None else ()
+        return (Row(scene.name, scene.title or scene.name, real, scene, (), bridges, uniform),)
     factors = [factor.level for factor in scene.experiment.factor]
     return tuple(_row(scene, levels) for levels in product(*factors))
 
@@ -90,7 +93,18 @@ def _row(scene: Scene, levels: tuple[Level, ...]) -> Row:
         scene=msgspec.structs.replace(scene, cast=tuple(cast.values()), period=period),
         arguments=tuple(arguments),
         bridges=bridges,
+        uniform=_uniform(scene, levels),
     )
+
+
+def _uniform(scene: Scene, levels: tuple[Level, ...]) -> tuple[Uniform, ...]:
+    """Return the numbers that differ from seed to seed. A level's range replaces the experiment's for its number."""
+    common = scene.experiment.uniform if scene.experiment is not None else ()
+    found = {
+        (one.agent, one.place, one.obstacle, one.name): one
+        for one in chain(common, *(level.uniform for level in levels))
+    }
+    return tuple(found.values())
 
 
 def _check_subject(scene: Scene, bridges: Mapping[str, Bridge]) -> None:

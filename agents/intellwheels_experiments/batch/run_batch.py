@@ -12,7 +12,7 @@ import threading
 import time
 from collections import deque
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Final
 
@@ -20,6 +20,7 @@ from intellwheels_experiments.batch.experiment_rows import Row
 from intellwheels_experiments.batch.run_measures import measure_run
 from intellwheels_experiments.batch.run_store import LOG, StoredRun, finished_run, load_run, store_run
 from intellwheels_experiments.batch.run_worker import RunWorker, RunWorkerError, StoppedError, WorkerSettings
+from intellwheels_experiments.batch.seed_variation import drawn, varied_floor, varied_row, write_scene
 from intellwheels_experiments.batch.trace_reader import read_trace
 from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.messages import Map
@@ -62,7 +63,9 @@ def pending_runs(batch: Batch) -> list[tuple[Row, tuple[str, ...]]]:
     pending = []
     for row in batch.rows:
         seeds = [seed for seed in batch.seeds if finished_run(batch.out, row.name, seed) is None]
-        pending += [(row, tuple(seeds[i : i + SEEDS_PER_WORKER])) for i in range(0, len(seeds), SEEDS_PER_WORKER)]
+        # A seed that varies options or the map needs agents and a simulator of its own.
+        share = 1 if row.uniform else SEEDS_PER_WORKER
+        pending += [(row, tuple(seeds[i : i + share])) for i in range(0, len(seeds), share)]
     return pending
 
 
@@ -114,16 +117,26 @@ def _run_seeds(
             say=batch.say,
         )  # fmt: skip
         try:
+            if row.uniform:
+                batch, row, settings = _varied(batch, row, settings, remaining[0])
             with RunWorker(settings, row, stop) as worker:
                 while remaining:
                     _run_seed(batch, row, worker, remaining[0], on_run)
                     remaining.popleft()
         except RunWorkerError as error:
-            run = StoredRun(row=row.name, seed=remaining.popleft(), died=str(error))
+            seed = remaining.popleft()
+            run = StoredRun(row=row.name, seed=seed, died=str(error), drawn=drawn(row, seed))
             store_run(batch.out, run)
             on_run(run)
         finally:
             shutil.rmtree(scratch, ignore_errors=True)
+
+
+def _varied(batch: Batch, row: Row, settings: WorkerSettings, seed: str) -> tuple[Batch, Row, WorkerSettings]:
+    """Return what one seed runs with. Its scene and its map are files in the worker's folder."""
+    floor = varied_floor(batch.floor, row, seed)
+    source, row = write_scene(settings.logs, varied_row(row, seed), seed, floor)
+    return replace(batch, floor=floor), row, replace(settings, source=str(source.absolute()))
 
 
 def _run_seed(batch: Batch, row: Row, worker: RunWorker, seed: str, on_run: Callable[[StoredRun], None]) -> None:
@@ -136,7 +149,7 @@ def _run_seed(batch: Batch, row: Row, worker: RunWorker, seed: str, on_run: Call
     except (OSError, WireError) as error:
         raise RunWorkerError(f"the simulator's files of the run cannot be read: {error}") from error
     numbers, series = measure_run(trace, row.scene, batch.floor, batch.subject, real=row.real, mirror=mirrored)
-    run = StoredRun(row=row.name, seed=seed, measured=numbers, wall=time.monotonic() - begun)
+    run = StoredRun(row=row.name, seed=seed, measured=numbers, wall=time.monotonic() - begun, drawn=drawn(row, seed))
     store_run(batch.out, run, series, truth / LOG, None if mirror is None else mirror / LOG)
     for folder in folders:
         if folder is not None:

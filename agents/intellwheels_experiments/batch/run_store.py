@@ -40,6 +40,7 @@ class StoredRun(msgspec.Struct, frozen=True, kw_only=True):
         died: Why it did not reach its end; empty if it did.
         measured: Its measures; None if it did not reach its end.
         wall: Wall time in s. The CSV leaves it out.
+        drawn: The offsets that its seed drew, by what they were added to.
     """
 
     row: str
@@ -47,6 +48,7 @@ class StoredRun(msgspec.Struct, frozen=True, kw_only=True):
     died: str = ""
     measured: RunMeasures | None = None
     wall: float = 0.0
+    drawn: dict[str, float] = {}
 
 
 def run_folder(folder: Path, row: str, seed: str) -> Path:
@@ -147,10 +149,11 @@ FIELDS: Final = RunMeasures.__struct_fields__
 
 def runs_csv(runs: Iterable[StoredRun]) -> str:
     """Return runs as CSV, one line each. A measure without a value is empty."""
-    lines: list[Sequence[object]] = [("row", "seed", "died", *FIELDS)]
+    lines: list[Sequence[object]] = [("row", "seed", "died", *FIELDS, "drawn")]
     for run in runs:
         values = [_cell(getattr(run.measured, name)) if run.measured else "" for name in FIELDS]
-        lines.append((run.row, run.seed, "yes" if run.died else "no", *values))
+        offsets = "; ".join(f"{label}={offset:.6g}" for label, offset in run.drawn.items())
+        lines.append((run.row, run.seed, "yes" if run.died else "no", *values, offsets))
     return _csv(lines)
 
 

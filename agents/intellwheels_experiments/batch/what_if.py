@@ -22,6 +22,7 @@ from intellwheels_experiments.batch.run_batch import Batch
 from intellwheels_experiments.batch.run_measures import measure_run
 from intellwheels_experiments.batch.run_store import LOG, MIRROR_LOG, StoredRun, store_run
 from intellwheels_experiments.batch.run_worker import Branch, RunWorker, RunWorkerError, StoppedError, WorkerSettings
+from intellwheels_experiments.batch.seed_variation import varied_floor, varied_row
 from intellwheels_experiments.batch.summary import Summary
 from intellwheels_experiments.batch.trace_reader import Trace, read_trace
 from intellwheels_experiments.run.child_processes import ChildProcesses, WaitError
@@ -65,6 +66,7 @@ def perform_branch(batch: Batch, scene: Scene, changed: Row, log: Path, at: int,
             parent = _resimulate(log, scratch / "parent.jsonl", children)
             parent_mirror = None if mirror_log is None else _resimulate(mirror_log, scratch / MIRROR_LOG, children)
         seed = parent.heading.seed
+        floor, changed = varied_floor(batch.floor, changed, seed), varied_row(changed, seed)
         settings = WorkerSettings(
             source=batch.source, folder=batch.folder, logs=scratch, runs=scratch / "runs", timeout=batch.timeout,
             branch=Branch(log=log, at=at, mirror=mirror_log), say=batch.say,
@@ -81,7 +83,7 @@ def perform_branch(batch: Batch, scene: Scene, changed: Row, log: Path, at: int,
             (PARENT, parent, log, parent_mirror, mirror_log),
             (BRANCH, branch, truth / LOG, branch_mirror, None if mirror is None else mirror / LOG),
         ):
-            numbers, series = measure_run(trace, scene, batch.floor, batch.subject, real=row.real, mirror=mirrored)
+            numbers, series = measure_run(trace, scene, floor, batch.subject, real=row.real, mirror=mirrored)
             store_run(batch.out, StoredRun(row=name, seed=seed, measured=numbers), series, trace_log, mirrored_log)
     except (RunWorkerError, WireError) as error:
         raise BranchError(str(error)) from error

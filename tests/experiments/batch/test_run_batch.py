@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
+import csv
 import subprocess
 import sys
 import threading
+from dataclasses import replace
 from pathlib import Path
 
+import msgspec
 import pytest
 
 from intellwheels_experiments.batch.experiment_rows import rows_of
 from intellwheels_experiments.batch.run_batch import Batch, pending_runs, read_batch, run_batch
-from intellwheels_experiments.batch.run_store import StoredRun, run_folder, runs_csv
+from intellwheels_experiments.batch.run_store import StoredRun, read_tum, run_folder, runs_csv
 from intellwheels_maps import floor, scene
+from intellwheels_schemas.messages import Robot, Uniform
 from tests.experiments.scenes import write_scene
 
 pytestmark = pytest.mark.process
@@ -72,6 +76,30 @@ def test_run_that_dies_is_named_and_the_others_go_on(tmp_path: Path) -> None:
     assert runs_made["equal", "3"].measured is not None
     # They are run again, this time as the first of their worker.
     assert [one.died for one in run(wanted)] == ["", ""]
+
+
+def test_each_seed_has_the_start_and_the_wheels_that_it_draws(tmp_path: Path) -> None:
+    nominal = batch(tmp_path, 2, jobs=2)
+    uniform = (
+        Uniform(place="start", name="Y", low=0.1, high=0.3),
+        Uniform(agent="chair", name="WheelRatio", low=-0.01, high=0.01),
+    )
+    wanted = replace(nominal, rows=(replace(nominal.rows[1], uniform=uniform),))
+    assert [seeds for _, seeds in pending_runs(wanted)] == [("1",), ("2",)]
+    run(wanted)
+    for seed, found in zip("12", read_batch(wanted), strict=True):
+        assert found.died == ""
+        folder = run_folder(wanted.out, "unlike", seed)
+        true = read_tum(folder / "true.tum")
+        assert true is not None
+        assert true[0, 2] == pytest.approx(found.drawn["place start.Y"], abs=1e-6)
+        robot = msgspec.json.decode((folder / "robot.json").read_bytes(), type=Robot)
+        assert robot.wheel_ratio == pytest.approx(1.02 + found.drawn["chair.WheelRatio"], abs=1e-6)
+    before = runs_csv(read_batch(wanted))
+    assert [line["drawn"].count("=") for line in csv.DictReader(before.splitlines())] == [2, 2]
+    (run_folder(wanted.out, "unlike", "2") / "result.json").unlink()
+    run(wanted)
+    assert runs_csv(read_batch(wanted)) == before
 
 
 def test_chair_of_a_laboratory_is_mirrored_away_from_its_true_pose(tmp_path: Path) -> None:
