@@ -15,6 +15,8 @@ from typing import Final, get_args
 import msgspec
 from rich.console import Console
 
+from intellwheels_experiments.batch.batch_options import add_batch_options
+from intellwheels_experiments.batch.batch_parts import WHOLE
 from intellwheels_experiments.batch.experiment_rows import Row, rows_of
 from intellwheels_experiments.batch.seed_variation import check_variation
 from intellwheels_experiments.run.cast_changes import with_changes
@@ -30,7 +32,7 @@ from intellwheels_experiments.run.world_watch import watching
 from intellwheels_maps import floor, names, scene
 from intellwheels_maps.library import folder_of
 from intellwheels_schemas import command_parser, defaults, messages
-from intellwheels_schemas.command_parser import CommandParser, like_field, naming, readable_file, whole
+from intellwheels_schemas.command_parser import CommandParser, like_field, naming, readable_file
 from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.link import Link
 from intellwheels_schemas.messages import Map, Pace, Scene
@@ -38,9 +40,6 @@ from intellwheels_schemas.names import check_name
 from intellwheels_schemas.output_paths import check_output_file, check_output_folder
 from intellwheels_schemas.process import stop_on_signals
 from intellwheels_schemas.version import add_version_option
-
-MOST_RUNS: Final = 100_000
-"""Largest number of --seeds and --jobs."""
 
 _EPILOG = """\
 examples:
@@ -52,6 +51,8 @@ examples:
       your program drives chair1
   iw-run table1 --seeds 40 --jobs 2 --out t1
       an experiment: every row with 40 seeds, and a report; after an interruption, run the same command again
+  iw-run table1 --seeds 400 --part 2/8 --out p2          the second of eight shares, on one of eight machines
+  iw-run table1 --seeds 400 --merge p1 --merge p2 ...    the report of all shares
   iw-run table1 --row real-autonomous --branch t1/runs/real-autonomous/3/input.jsonl --at 200 \\
       --option chair.speed=0.3 --out what-if
       what if: repeat that run, but slower from tick 200 on
@@ -136,39 +137,7 @@ def parser() -> argparse.ArgumentParser:
         help=f"seconds of wall time after which the run is aborted (default: {WALL_LIMIT:g}, plus the scene's time "
         "limit at pace realtime; none with --view)",
     )
-    batch = found.add_argument_group(
-        "batch", "run every row of the scene's experiment with every seed; needs the extra `experiments`"
-    )
-    batch.add_argument(
-        "--seeds", type=whole(1, MOST_RUNS), metavar="N", help="run with the seeds 1 to N and write a report"
-    )
-    batch.add_argument(
-        "--jobs", type=whole(1, MOST_RUNS), metavar="N", default=1, help="number of runs at a time (default: 1)"
-    )
-    batch.add_argument("--row", metavar="ROW", action="append", help="run only this row; may be repeated")
-    batch.add_argument(
-        "--out",
-        type=Path,
-        metavar="DIR",
-        help="folder of the runs and the report; a batch does not repeat runs finished there (default: SCENE-runs)",
-    )
-    branch = found.add_argument_group(
-        "branch",
-        "what if: repeat a recorded run up to a tick, continue with changes, and write a report of both runs to --out",
-    )
-    branch.add_argument(
-        "--branch",
-        type=readable_file,
-        metavar="LOG",
-        help="input log of a run of this scene; with --row, of a run of that row",
-    )
-    branch.add_argument(
-        "--at",
-        type=whole(0, messages.MAX_INTEGER, "a tick"),
-        metavar="TICK",
-        default=0,
-        help="tick up to which the log is followed (default: 0)",
-    )
+    add_batch_options(found)
     link = found.add_argument_group("connection", "by default the simulator listens at a free port of this machine")
     link.add_argument(
         "--world",
@@ -276,7 +245,12 @@ def _batch(options: argparse.Namespace, chosen: Scene, chosen_floor: Map, folder
         return 2
     try:
         # These import numpy, scipy, shapely and matplotlib: a single run needs none of them.
-        from intellwheels_experiments.batch.batch_command import OtherBatchError, perform_batch  # noqa: PLC0415
+        from intellwheels_experiments.batch.batch_command import (  # noqa: PLC0415
+            OtherBatchError,
+            merge_parts,
+            perform_batch,
+            perform_part,
+        )
         from intellwheels_experiments.batch.batch_command import show as show_batch  # noqa: PLC0415
         from intellwheels_experiments.batch.run_batch import Batch  # noqa: PLC0415
         from intellwheels_experiments.batch.what_if import BranchError, perform_branch  # noqa: PLC0415
@@ -295,11 +269,20 @@ def _batch(options: argparse.Namespace, chosen: Scene, chosen_floor: Map, folder
         jobs=options.jobs,
         timeout=options.timeout or WALL_LIMIT,
         say=once(lambda text: console.print(text, markup=False, highlight=False)),
+        part=options.part,
     )
     stop = stop_on_signals()
     try:
         if options.branch is not None:
             summary = perform_branch(batch, chosen, changed, options.branch, options.at, stop)
+        elif options.part != WHOLE:
+            made = perform_part(batch, chosen, console, stop)
+            died = sum(1 for run in made if run.died)
+            print(f"part={options.part} runs={len(made)} died={died} out={out}")
+            return 1 if stop.is_set() or died else 0
+        elif options.merge:
+            copied, summary = merge_parts(batch, chosen, options.merge)
+            print(f"merged runs={copied} folders={len(options.merge)} out={out}")
         else:
             summary = perform_batch(batch, chosen, console, stop)
     except WireError as error:
@@ -322,7 +305,7 @@ def _meeting(options: argparse.Namespace) -> list[str] | None:
     return given if given or options.config is not None else None
 
 
-_BATCH_ONLY: Final = ("jobs", "row", "out")
+_BATCH_ONLY: Final = ("jobs", "row", "out", "part", "merge")
 _BRANCH_ONLY: Final = ("at",)
 _PAGE_ONLY: Final = ("view_port",)
 _SINGLE_ONLY: Final = (
@@ -348,7 +331,9 @@ def _check_together(grammar: argparse.ArgumentParser, options: argparse.Namespac
     if options.branch is None:
         rules += [(_BRANCH_ONLY, "expected with --branch, got none")]
     else:
-        rules += [(("seeds", "jobs"), "expected without --branch, which repeats one run")]
+        rules += [(("seeds", "jobs", "part", "merge"), "expected without --branch, which repeats one run")]
+    if options.merge:
+        rules += [(("jobs", "part"), "expected without --merge, which makes no runs")]
     for group, text in rules:
         for name in given.intersection(group):
             option = f"--{name.replace('_', '-')}"

@@ -50,3 +50,26 @@ def test_folder_of_another_batch_is_refused(tmp_path: Path) -> None:
     (out / "batch.json").write_text("{}")
     refused = subprocess.run(command(scene, out), capture_output=True, text=True, timeout=LIMIT, check=False)
     assert (refused.returncode, "got another batch's" in refused.stderr) == (2, True)
+
+
+def _words(words: list[str], _lifeline: int) -> list[str]:
+    return words
+
+
+def test_parts_of_two_machines_merged_give_the_csv_of_one(tmp_path: Path) -> None:
+    scene, whole, merged = write_scene(tmp_path), tmp_path / "whole", tmp_path / "merged"
+    parts = [tmp_path / "first", tmp_path / "second"]
+    with ChildProcesses(tmp_path / "logs") as children:
+        words = [command(scene, out, "--part", f"{number}/2") for number, out in enumerate(parts, 1)]
+        words.append(command(scene, whole, "--row", "equal"))
+        names = [children.launch(f"batch{number}", partial(_words, one)) for number, one in enumerate(words)]
+        assert [children.exit(name, LIMIT) for name in names] == [0, 0, 0]
+    done = subprocess.run(
+        command(scene, merged, "--merge", str(parts[0]), "--merge", str(parts[1])),
+        capture_output=True, text=True, timeout=LIMIT, check=False,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    assert f"merged runs=8 folders=2 out={merged}" in done.stdout
+    lines = (merged / "batch.csv").read_text().splitlines()
+    assert lines[:5] == (whole / "batch.csv").read_text().splitlines()
+    assert len(lines) == 9

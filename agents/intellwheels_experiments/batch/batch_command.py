@@ -11,7 +11,7 @@ import shlex
 import sys
 import threading
 import time
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Final
 
@@ -22,11 +22,12 @@ from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 from rich.table import Table
 
+from intellwheels_experiments.batch.collect_runs import collect_runs
 from intellwheels_experiments.batch.experiment_rows import Row
 from intellwheels_experiments.batch.html_report import HtmlReport, floor_hash, render
 from intellwheels_experiments.batch.report_drawings import PlottedRun, timeline
-from intellwheels_experiments.batch.run_batch import Batch, pending_runs, read_batch, run_batch
-from intellwheels_experiments.batch.run_store import StoredRun, read_tum, run_folder, runs_csv
+from intellwheels_experiments.batch.run_batch import Batch, pending_runs, read_batch, run_batch, runs_of_part
+from intellwheels_experiments.batch.run_store import StoredRun, load_run, read_tum, run_folder, runs_csv
 from intellwheels_experiments.batch.seed_variation import label_of
 from intellwheels_experiments.batch.summary import Summary, summarize, to_json, to_junit
 from intellwheels_experiments.batch.sweep import sweep
@@ -62,9 +63,47 @@ def perform_batch(batch: Batch, scene: Scene, console: Console, stop: threading.
         OtherBatchError: The folder belongs to another batch.
         OSError: A file cannot be written.
     """
+    _make_runs(batch, scene, console, stop)
+    return write_files(batch, scene)
+
+
+def perform_part(batch: Batch, scene: Scene, console: Console, stop: threading.Event) -> list[StoredRun]:
+    """Make the pending runs of the batch's part, and return the runs of the part that are stored.
+
+    Raises:
+        OtherBatchError: The folder belongs to another batch.
+        OSError: A file cannot be written.
+    """
+    _make_runs(batch, scene, console, stop)
+    found = [load_run(batch.out, row.name, seed) for row, seeds in runs_of_part(batch) for seed in seeds]
+    return [run for run in found if run is not None]
+
+
+def merge_parts(batch: Batch, scene: Scene, folders: Iterable[Path]) -> tuple[int, Summary]:
+    """Bring the runs of other folders into the batch's folder and write its files.
+
+    Returns:
+        How many runs were copied, and the summary.
+
+    Raises:
+        OtherBatchError: A folder belongs to another batch.
+        OSError: A file cannot be read or written.
+    """
+    folders = tuple(folders)
+    for folder in folders:
+        if not (folder / ABOUT).exists():
+            raise OtherBatchError(f"{folder}: expected the folder of a part of this batch, got none")
+        if (folder / ABOUT).read_bytes() != _about(batch, scene):
+            raise OtherBatchError(f"{folder}: expected a part of this batch, got another batch's folder")
+    _claim_folder(batch, scene)
+    copied = collect_runs(batch.out, folders, [row.name for row in batch.rows], batch.seeds)
+    return copied, write_files(batch, scene)
+
+
+def _make_runs(batch: Batch, scene: Scene, console: Console, stop: threading.Event) -> None:
     _claim_folder(batch, scene)
     pending = sum(len(seeds) for _, seeds in pending_runs(batch))
-    total = len(batch.rows) * len(batch.seeds)
+    total = sum(len(seeds) for _, seeds in runs_of_part(batch))
     if pending < total:
         console.print(f"resuming: {total - pending} of {total} runs are done", markup=False, highlight=False)
     printed = time.monotonic()
@@ -81,7 +120,6 @@ def perform_batch(batch: Batch, scene: Scene, console: Console, stop: threading.
                 console.print(f"died row={run.row} seed={run.seed} why={run.died}", markup=False, highlight=False)
 
         run_batch(batch, on_run, stop)
-    return write_files(batch, scene)
 
 
 def write_files(
@@ -192,15 +230,22 @@ def _factors(result: UmbmarkResult | None) -> tuple[tuple[str, Factor], ...]:
 
 def _claim_folder(batch: Batch, scene: Scene) -> None:
     """Note in the folder which batch it belongs to, or raise if it belongs to another."""
-    about = About(scene=scene, floor=floor_hash(batch.floor))
     path = batch.out / ABOUT
     batch.out.mkdir(parents=True, exist_ok=True)
-    text = msgspec.json.format(msgspec.json.encode(about), indent=2) + b"\n"
+    text = _about(batch, scene)
     if path.exists():
         if path.read_bytes() != text:
             raise OtherBatchError(f"{batch.out}: expected an empty folder or that of this batch, got another batch's")
         return
-    path.write_bytes(text)
+    # Parts on other machines may claim a shared folder at the same time: none reads half a file.
+    draft = path.with_name(f".{ABOUT}.{os.getpid()}")
+    draft.write_bytes(text)
+    draft.replace(path)
+
+
+def _about(batch: Batch, scene: Scene) -> bytes:
+    about = About(scene=scene, floor=floor_hash(batch.floor))
+    return msgspec.json.format(msgspec.json.encode(about), indent=2) + b"\n"
 
 
 def _bar(console: Console) -> Progress:

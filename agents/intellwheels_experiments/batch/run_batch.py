@@ -16,6 +16,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Final
 
+from intellwheels_experiments.batch.batch_parts import WHOLE, Part
 from intellwheels_experiments.batch.experiment_rows import Row
 from intellwheels_experiments.batch.run_measures import measure_run
 from intellwheels_experiments.batch.run_store import LOG, StoredRun, finished_run, load_run, store_run
@@ -44,6 +45,7 @@ class Batch:
         jobs: Number of workers at a time.
         timeout: Seconds of wall time that a run may take.
         say: Tells people why a simulator is not ready yet.
+        part: The share of the runs that is made here.
     """
 
     rows: tuple[Row, ...]
@@ -56,13 +58,25 @@ class Batch:
     jobs: int
     timeout: float
     say: Callable[[str], None] = lambda _: None
+    part: Part = WHOLE
+
+
+def runs_of_part(batch: Batch) -> list[tuple[Row, tuple[str, ...]]]:
+    """Return the runs of the batch's part: each row with its seeds."""
+    found = []
+    for number, row in enumerate(batch.rows):
+        first = number * len(batch.seeds)
+        seeds = tuple(seed for index, seed in enumerate(batch.seeds, first) if batch.part.holds(index))
+        if seeds:
+            found.append((row, seeds))
+    return found
 
 
 def pending_runs(batch: Batch) -> list[tuple[Row, tuple[str, ...]]]:
     """Return the runs that still have to be made, as rows with the seeds for one worker each."""
     pending = []
-    for row in batch.rows:
-        seeds = [seed for seed in batch.seeds if finished_run(batch.out, row.name, seed) is None]
+    for row, mine in runs_of_part(batch):
+        seeds = [seed for seed in mine if finished_run(batch.out, row.name, seed) is None]
         # A seed that varies options or the map needs agents and a simulator of its own.
         share = 1 if row.uniform else SEEDS_PER_WORKER
         pending += [(row, tuple(seeds[i : i + share])) for i in range(0, len(seeds), share)]

@@ -5,18 +5,28 @@ from __future__ import annotations
 import dataclasses
 import io
 import json
+import shutil
 import threading
 from dataclasses import replace
 from pathlib import Path
 
+import msgspec
 import pytest
 from rich.console import Console
 
-from intellwheels_experiments.batch.batch_command import OtherBatchError, perform_batch, show, write_files
+from intellwheels_experiments.batch.batch_command import (
+    OtherBatchError,
+    merge_parts,
+    perform_batch,
+    perform_part,
+    show,
+    write_files,
+)
+from intellwheels_experiments.batch.batch_parts import Part
 from intellwheels_experiments.batch.experiment_rows import rows_of
 from intellwheels_experiments.batch.run_batch import Batch
 from intellwheels_experiments.batch.run_measures import measure_run
-from intellwheels_experiments.batch.run_store import StoredRun, store_run
+from intellwheels_experiments.batch.run_store import StoredRun, run_folder, store_run
 from intellwheels_experiments.batch.summary import Summary
 from intellwheels_maps import floor, scene
 from intellwheels_schemas.messages import Scene
@@ -125,3 +135,44 @@ def test_umbmark_finds_the_wheels_that_the_chair_has(tmp_path: Path) -> None:
     report = (wanted.out / "report.html").read_text()
     assert "<h2>UMBmark</h2>" in report
     assert f"{found.base.found:.4f}" in report
+
+
+def test_merged_parts_have_the_files_of_the_whole_batch(tmp_path: Path) -> None:
+    whole, document = finished_batch(tmp_path)
+    quiet = Console(file=io.StringIO())
+    perform_batch(whole, document, quiet, threading.Event())
+    parts = []
+    for number in (1, 2, 3):
+        mine = replace(whole, out=tmp_path / f"part{number}", part=Part(number, 3))
+        for index, (row, seed) in enumerate((row.name, seed) for row in whole.rows for seed in whole.seeds):
+            if mine.part.holds(index):
+                shutil.copytree(run_folder(whole.out, row, seed), run_folder(mine.out, row, seed))
+        made = perform_part(mine, document, quiet, threading.Event())
+        assert len(made) == (2 if number == 1 else 1)
+        assert {path.name for path in mine.out.iterdir()} == {"runs", "batch.json"}
+        parts.append(mine.out)
+    merged = replace(whole, out=tmp_path / "merged", source=str(tmp_path / "gone.xml"))
+    copied, summary = merge_parts(merged, document, parts)
+    assert (copied, sum(line.runs for line in summary.lines)) == (4, 4)
+    for name in ("batch.csv", "summary.json", "junit.xml"):
+        assert (merged.out / name).read_bytes() == (whole.out / name).read_bytes()
+
+
+def test_missing_part_is_a_run_that_was_not_run(tmp_path: Path) -> None:
+    whole, document = finished_batch(tmp_path)
+    perform_part(replace(whole, part=Part(1, 2)), document, Console(file=io.StringIO()), threading.Event())
+    shutil.rmtree(run_folder(whole.out, "unlike", "2"))
+    _, summary = merge_parts(replace(whole, out=tmp_path / "merged"), document, [whole.out])
+    assert [(line.name, line.died) for line in summary.lines] == [("equal", ()), ("unlike", ("2",))]
+
+
+def test_folder_of_another_batch_is_not_merged(tmp_path: Path) -> None:
+    whole, document = finished_batch(tmp_path)
+    perform_batch(whole, document, Console(file=io.StringIO()), threading.Event())
+    target = replace(whole, out=tmp_path / "merged")
+    other = msgspec.structs.replace(document, period=0.1)
+    with pytest.raises(OtherBatchError, match="expected a part of this batch, got another batch's folder"):
+        merge_parts(target, other, [whole.out])
+    with pytest.raises(OtherBatchError, match="expected the folder of a part of this batch, got none"):
+        merge_parts(target, document, [tmp_path / "nowhere"])
+    assert not target.out.exists()

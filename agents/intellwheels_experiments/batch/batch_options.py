@@ -1,0 +1,59 @@
+"""The options of `iw-run` for a batch of runs, and for a branch of a recorded run."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+from typing import Final
+
+from intellwheels_experiments.batch.batch_parts import WHOLE, part
+from intellwheels_schemas import messages
+from intellwheels_schemas.command_parser import readable_file, whole
+
+MOST_RUNS: Final = 100_000
+"""Largest number of --seeds and --jobs."""
+
+
+def add_batch_options(parser: argparse.ArgumentParser) -> None:
+    """Add the groups `batch` and `branch` to a parser."""
+    batch = parser.add_argument_group(
+        "batch", "run every row of the scene's experiment with every seed; needs the extra `experiments`"
+    )
+    batch.add_argument(
+        "--seeds", type=whole(1, MOST_RUNS), metavar="N", help="run with the seeds 1 to N and write a report"
+    )
+    batch.add_argument(
+        "--jobs", type=whole(1, MOST_RUNS), metavar="N", default=1, help="number of runs at a time (default: 1)"
+    )
+    batch.add_argument("--row", metavar="ROW", action="append", help="run only this row; may be repeated")
+    batch.add_argument(
+        "--out",
+        type=Path,
+        metavar="DIR",
+        help="folder of the runs and the report; a batch does not repeat runs finished there (default: SCENE-runs)",
+    )
+    batch.add_argument(
+        "--part", type=part, metavar="I/N", default=WHOLE,
+        help="make only the I-th of N shares of the runs, and no report: for job arrays and several machines",
+    )  # fmt: skip
+    batch.add_argument(
+        "--merge", type=Path, metavar="DIR", action="append", default=[],
+        help="make no runs, but bring those of another part's folder into --out, and write the report; may be repeated",
+    )  # fmt: skip
+    branch = parser.add_argument_group(
+        "branch",
+        "what if: repeat a recorded run up to a tick, continue with changes, and write a report of both runs to --out",
+    )
+    branch.add_argument(
+        "--branch",
+        type=readable_file,
+        metavar="LOG",
+        help="input log of a run of this scene; with --row, of a run of that row",
+    )
+    branch.add_argument(
+        "--at",
+        type=whole(0, messages.MAX_INTEGER, "a tick"),
+        metavar="TICK",
+        default=0,
+        help="tick up to which the log is followed (default: 0)",
+    )
