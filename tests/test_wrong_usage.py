@@ -64,6 +64,7 @@ WRONG: dict[str, Sequence[str]] = {
     "AGENT=COMMAND": ("", "x", "=./x", "nobody=./x", "chair1=", "chair1='", "chair1=./no/such {nmae}"),
     "AGENT=MIND": ("", "x", "=drive", "nobody=drive", "chair1="),
     "AGENT.NAME=VALUE": ("", "x", "=1", "nobody.x=1", "chair1.=1"),
+    "I/N": ("", "x", "2", "0/2", "3/2", "1/0", "-1/2", "1/2/3"),
     "NAME=VALUE": (*PAIRS, *NO_NUMBERS), "FIELD=VALUE": (*PAIRS, *NO_NUMBERS, "MotorNoise=x"),
 }  # fmt: skip
 """Wrong values of an option, by its metavar."""
@@ -76,12 +77,13 @@ OWN: dict[str, Sequence[str]] = {
     "iw-run --view-port": (*WHOLE, "65536"), "python -m intellwheels_agents.bridge.firmware_stand_in --counts": NUMBERS,
     "iw list KIND": ("", "nosuch"), "python -m intellwheels_schemas check FILE": INPUTS,
     "iw-server --log": OUTPUTS, "iw-server --runs": FOLDERS, "iw-server --trace": OUTPUTS,
-    "iw-viewer --record": OUTPUTS,
+    "iw-viewer --record": OUTPUTS, "iw-run --merge": ("", "none", "folder", "text.xml", "/dev/null"),
 }  # fmt: skip
 """Wrong values of one option of one command."""
 
 WITH: dict[str, Sequence[str]] = {
     "iw-run --row": ("--seeds", "1"), "iw-run --jobs": ("--seeds", "1"), "iw-run --out": ("--seeds", "1"),
+    "iw-run --part": ("--seeds", "1"), "iw-run --merge": ("--seeds", "1"),
     "iw-server --trace": ("--resimulate", "/dev/null"), "iw-server --reported": ("--play", "/dev/null"),
     "iw-joystick --script": ("--source", "script"),
 }  # fmt: skip

@@ -34,6 +34,7 @@ from intellwheels_experiments.batch.sweep import sweep
 from intellwheels_experiments.batch.umbmark import Factor, UmbmarkResult, umbmark_of
 from intellwheels_experiments.run.progress import PLAIN_EVERY
 from intellwheels_experiments.run.run_report import versions
+from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.messages import Experiment, Robot, Scene
 
 ABOUT: Final = "batch.json"
@@ -86,15 +87,18 @@ def merge_parts(batch: Batch, scene: Scene, folders: Iterable[Path]) -> tuple[in
         How many runs were copied, and the summary.
 
     Raises:
-        OtherBatchError: A folder belongs to another batch.
+        WireError: A folder of `folders` is not that of a part of this batch.
+        OtherBatchError: The batch's folder belongs to another batch.
         OSError: A file cannot be read or written.
     """
     folders = tuple(folders)
     for folder in folders:
-        if not (folder / ABOUT).exists():
-            raise OtherBatchError(f"{folder}: expected the folder of a part of this batch, got none")
+        if not (folder / ABOUT).is_file():
+            text = f"expected the folder of a part of this batch, got {str(folder)!r}"
+            raise WireError("value", f"--merge: {text}", "--merge")
         if (folder / ABOUT).read_bytes() != _about(batch, scene):
-            raise OtherBatchError(f"{folder}: expected a part of this batch, got another batch's folder")
+            text = f"expected a part of this batch, got the folder of another batch, {str(folder)!r}"
+            raise WireError("value", f"--merge: {text}", "--merge")
     _claim_folder(batch, scene)
     copied = collect_runs(batch.out, folders, [row.name for row in batch.rows], batch.seeds)
     return copied, write_files(batch, scene)

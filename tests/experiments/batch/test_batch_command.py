@@ -29,6 +29,7 @@ from intellwheels_experiments.batch.run_measures import measure_run
 from intellwheels_experiments.batch.run_store import StoredRun, run_folder, store_run
 from intellwheels_experiments.batch.summary import Summary
 from intellwheels_maps import floor, scene
+from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.messages import Scene
 from tests.experiments.runs import straight
 from tests.experiments.scenes import write_scene
@@ -171,8 +172,8 @@ def test_folder_of_another_batch_is_not_merged(tmp_path: Path) -> None:
     perform_batch(whole, document, Console(file=io.StringIO()), threading.Event())
     target = replace(whole, out=tmp_path / "merged")
     other = msgspec.structs.replace(document, period=0.1)
-    with pytest.raises(OtherBatchError, match="expected a part of this batch, got another batch's folder"):
+    with pytest.raises(WireError, match="expected a part of this batch, got the folder of another batch"):
         merge_parts(target, other, [whole.out])
-    with pytest.raises(OtherBatchError, match="expected the folder of a part of this batch, got none"):
+    with pytest.raises(WireError, match="expected the folder of a part of this batch, got"):
         merge_parts(target, document, [tmp_path / "nowhere"])
     assert not target.out.exists()
