@@ -174,6 +174,7 @@ Walk = Annotated[float, Meta(ge=0.0, le=1000.0, description="standard deviation 
 StepSize = Annotated[float, Meta(ge=0.0, le=1000.0, description="a quantisation step; 0 does not round")]
 FigureRatio = Annotated[float, Meta(ge=0.5, le=2.0, description="a ratio to the nominal figure", extra=_unit("1"))]
 Seconds = Annotated[float, Meta(ge=0.0, le=1e9, extra=_unit("s"))]
+PingDelay = Annotated[float, Meta(ge=0.0, le=0.1, description="a delay", extra=_unit("s"))]
 Period = Annotated[
     float, Meta(ge=0.001, le=1.0, description="Simulated time from one tick to the next.", extra=_unit("s"))
 ]
@@ -192,6 +193,7 @@ Role = Literal["both", "body", "mind"]
 Mount = Literal["body", "start"]
 Source = Literal["simulated", "real"]
 Model = Literal["ideal", "infrared", "sonar"]
+SonarName = Literal["srf04", "srf08", "srf10", "srf485", "srf235", "hc-sr04", "polaroid-6500"]
 Status = Literal["ok", "none", "near", "fault"]
 InputWord = Literal["drive", "words", "goal"]
 MotorState = Literal["drive", "timeout", "rested", "paused", "taken", "stale"]
@@ -355,8 +357,14 @@ class Proximity(Record, frozen=True, kw_only=True):
     """Infrared only: standard deviation of the sensor's voltage. The voltage is 0.47 V m divided by the distance."""
     dropout: Dropout = 0.0
     """Share of samples that fail and are reported as fault; must be 0 for the ideal model."""
+    device: SonarName | None = None
+    """Sonar only: a device whose published figures the sensor has; ConeDeg, ranges and Every must fit them."""
     crosstalk: Share = 0.0
-    """Sonar only: share of the pulses of other sonars in sight that the sensor takes for its own echo."""
+    """Sonar only: share of the pulses of other sonars that the sensor takes for its own echo, if it can hear them."""
+    ping_delay: PingDelay = 0.0
+    """Sonar only: time from the tick of a sample to its pulse."""
+    second_ping_delay: PingDelay = 0.0
+    """Sonar only: the same for the second, fourth, ... pulse, so that crosstalk differs from pulse to pulse."""
     group: Cycles = 0
     """Firing group: number of ticks by which the sensor samples later than group 0; must be less than Every."""
     mount: SensorMount = "body"
