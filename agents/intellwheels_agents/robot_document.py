@@ -2,7 +2,7 @@
 
 `MotorNoise=0.015` sets a field of the robot, `Compass.NoiseDeg=0.5` sets a field of all its compasses. The names are
 those of the contract, so they begin with a capital letter; the options of a mind do not. `Proximity.Device=srf08`
-makes all proximity sensors sonars of that device: its beam, its range and a tick of latency, unless an option sets them.
+makes all proximity sensors sonars of that device, with its beam, its range and a tick of latency; other options win.
 """
 
 from __future__ import annotations
