@@ -49,6 +49,16 @@ def _clipped(first: float, last: float, value: float, rate: float) -> tuple[floa
     return first, last
 
 
+@njit(cache=True, error_model="numpy", inline="always")
+def _in_beam(
+    px: float, py: float, nx: float, ny: float, length: float, right_x: float, right_y: float, left_x: float,
+    left_y: float,
+) -> tuple[float, float]:  # fmt: skip
+    """Return the part of a face between two rays from the origin, along (-ny, nx) from its corner; it may be empty."""
+    first, last = _clipped(0.0, length, right_x * py - right_y * px, right_x * nx + right_y * ny)
+    return _clipped(first, last, px * left_y - py * left_x, -(ny * left_y + nx * left_x))
+
+
 @njit(cache=True, error_model="numpy")
 def nearest_bounce(
     beam: Beam,
@@ -62,6 +72,7 @@ def nearest_bounce(
     links: Ints,
     edges: Floats,
     sides: Floats,
+    close: Ints,
 ) -> float:
     """Return the shortest distance of a double bounce, m, at most `best`.
 
@@ -77,35 +88,49 @@ def nearest_bounce(
         links: Of the walls.
         edges: Of the walls.
         sides: Scratch.
+        close: int64[>= 2 faces], scratch.
     """
     x, y, z, direction_x, direction_y, _, _, _ = beam
     boxes, owners, near, posts, faces, _ = scene
-    box_count, near_count, post_count, face_count = counts
+    box_count, near_count, post_count, front_count, face_count = counts
     if wall_cos < 0.0:
         wall_cos, wall_sin = 0.0, 1.0
     right_x, right_y = direction_x * wall_cos + direction_y * wall_sin, direction_y * wall_cos - direction_x * wall_sin
     left_x, left_y = direction_x * wall_cos - direction_y * wall_sin, direction_y * wall_cos + direction_x * wall_sin
-    for mirror in range(face_count):
-        if not faces[mirror, FACE_LOW] <= z < faces[mirror, FACE_HIGH]:
+    # First the mirrors: faces of which a part in the beam is nearer than the echo so far.
+    mirrors = others = 0
+    for face in range(front_count):
+        px, py = faces[face, FACE_X] - x, faces[face, FACE_Y] - y
+        nx, ny = faces[face, FACE_NX], faces[face, FACE_NY]
+        height = nx * px + ny * py
+        if height > -SKIN or -height >= best or not faces[face, FACE_LOW] <= z < faces[face, FACE_HIGH]:
             continue
+        first, last = _in_beam(px, py, nx, ny, faces[face, FACE_LENGTH], right_x, right_y, left_x, left_y)
+        aside = min(max(ny * px - nx * py, first), last) - (ny * px - nx * py)
+        if last - first > SKIN and height * height + aside * aside < best * best:
+            close[mirrors] = face
+            mirrors += 1
+    if mirrors == 0:
+        return best
+    # Then the faces that a way can reach: no point of a way is farther than the way is long.
+    for face in range(face_count):
+        px, py = faces[face, FACE_X] - x, faces[face, FACE_Y] - y
+        nx, ny = faces[face, FACE_NX], faces[face, FACE_NY]
+        height, along = nx * px + ny * py, ny * px - nx * py
+        aside = max(-along, along - faces[face, FACE_LENGTH], 0.0)
+        if height * height + aside * aside < best * best and faces[face, FACE_LOW] <= z < faces[face, FACE_HIGH]:
+            close[mirrors + others] = face
+            others += 1
+    for at_mirror in range(mirrors):
+        mirror = close[at_mirror]
         px, py = faces[mirror, FACE_X] - x, faces[mirror, FACE_Y] - y
         nx, ny = faces[mirror, FACE_NX], faces[mirror, FACE_NY]
         height = nx * px + ny * py
-        if height > -SKIN or -height >= best:
-            continue
-        # The part of the mirror in the beam, along (-ny, nx) from its corner.
-        first, last = 0.0, faces[mirror, FACE_LENGTH]
-        first, last = _clipped(first, last, right_x * py - right_y * px, right_x * nx + right_y * ny)
-        first, last = _clipped(first, last, px * left_y - py * left_x, -(ny * left_y + nx * left_x))
-        if last - first <= SKIN:
-            continue
-        nearest = min(max(ny * px - nx * py, first), last)
-        ax, ay = px - nearest * ny, py + nearest * nx
-        if ax * ax + ay * ay >= best * best:
-            continue
+        first, last = _in_beam(px, py, nx, ny, faces[mirror, FACE_LENGTH], right_x, right_y, left_x, left_y)
         image_x, image_y = 2.0 * height * nx, 2.0 * height * ny
-        for other in range(face_count):
-            if other == mirror or not faces[other, FACE_LOW] <= z < faces[other, FACE_HIGH]:
+        for at_other in range(mirrors, mirrors + others):
+            other = close[at_other]
+            if other == mirror:
                 continue
             qx, qy = faces[other, FACE_X] - x, faces[other, FACE_Y] - y
             mx, my = faces[other, FACE_NX], faces[other, FACE_NY]

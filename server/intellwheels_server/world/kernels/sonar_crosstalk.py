@@ -28,6 +28,8 @@ from intellwheels_server.world.kernels.sample_schedule import KEY0, KEY1
 from intellwheels_server.world.kernels.sonar_beam import (
     CROSSTALK,
     CROSSTALK_DRAW,
+    DELAY,
+    SECOND_DELAY,
     SPEED_OF_SOUND,
     THIN,
     ping_delay,
@@ -95,9 +97,11 @@ def _earliest(
         schedule: Of all sonars.
         farthest: Range of the sonar, m.
     """
-    # Ticks in which a ping can be made that arrives while the sonar listens. The delays are at most 0.1 s.
-    earliest = math.floor((-way / SPEED_OF_SOUND - 0.1) / period)
-    latest = math.ceil((2.0 * farthest / SPEED_OF_SOUND + 0.1) / period)
+    # Ticks in which a ping can be made that arrives while the sonar listens.
+    soonest = min(figures[other, DELAY], figures[other, SECOND_DELAY])
+    last = max(figures[other, DELAY], figures[other, SECOND_DELAY])
+    earliest = math.floor((own_delay - last - way / SPEED_OF_SOUND) / period)
+    latest = math.ceil((own_delay - soonest + 2.0 * farthest / SPEED_OF_SOUND) / period)
     for ticks in range(earliest, latest + 1):
         delay = ping_delay(figures, schedule, other, tick + ticks)
         if delay < 0.0:
@@ -106,6 +110,24 @@ def _earliest(
         if 0.0 < told <= farthest:
             heard = min(heard, told)
     return heard
+
+
+@njit(cache=True, error_model="numpy")
+def _may_disturb(
+    tick: int, period: float, own_delay: float, shortest: float, longest: float, limit: float, other: int,
+    figures: Floats, schedule: Ints,
+) -> bool:  # fmt: skip
+    """Return whether pings of another on ways between two lengths can be told at less than a limit, m."""
+    soonest = min(figures[other, DELAY], figures[other, SECOND_DELAY])
+    last = max(figures[other, DELAY], figures[other, SECOND_DELAY])
+    earliest = math.floor((own_delay - last - longest / SPEED_OF_SOUND) / period)
+    latest = math.ceil((own_delay - soonest + 2.0 * limit / SPEED_OF_SOUND) / period)
+    for ticks in range(earliest, latest + 1):
+        delay = ping_delay(figures, schedule, other, tick + ticks)
+        lag = SPEED_OF_SOUND * (ticks * period + delay - own_delay)
+        if delay >= 0.0 and longest + lag > 0.0 and shortest + lag <= 2.0 * limit:
+            return True
+    return False
 
 
 @njit(cache=True, error_model="numpy")
@@ -154,6 +176,10 @@ def hear_others(
             continue
         loudest = 2.0 * beams[other, BEAM_FARTHEST]
         way = math.sqrt(square)
+        if not _may_disturb(
+            tick, period, own_delay, way, loudest, min(heard, farthest), other, figures, schedule
+        ):  # fmt: skip
+            continue
         if way <= loudest and _hears(beams, poses, sonar, dx, dy) and _hears(beams, poses, other, -dx, -dy):
             told = _earliest(tick, period, own_delay, way, heard, other, figures, schedule, farthest)
             if told < heard and not blocked(
@@ -162,7 +188,7 @@ def hear_others(
             ):  # fmt: skip
                 heard = told
         # By a wall: the other's image in a face, seen through the face.
-        for face in range(counts.faces):
+        for face in range(counts.front):
             if not faces[face, FACE_LOW] <= z < faces[face, FACE_HIGH]:
                 continue
             nx, ny = faces[face, FACE_NX], faces[face, FACE_NY]

@@ -37,6 +37,8 @@ from intellwheels_server.world.kernels.noise import uniform
 from intellwheels_server.world.kernels.proximity_wedges import (
     BEAM_FARTHEST,
     BEAM_NEAREST,
+    BEAM_X,
+    BEAM_Y,
     GROUP_BEGIN,
     GROUP_END,
     GROUP_OWNER,
@@ -114,7 +116,7 @@ def _nearest_wall(
     """Return the distance of the nearest face that the ping meets at right angles, m, at most `best`."""
     x, y, z, direction_x, direction_y, _, _, _ = beam
     boxes, owners, near, _, faces, _ = scene
-    for face in range(counts.faces):
+    for face in range(counts.front):
         nx, ny = faces[face, FACE_NX], faces[face, FACE_NY]
         if -(nx * direction_x + ny * direction_y) < wall_cos:
             continue
@@ -270,6 +272,7 @@ def sense_sonars(
     placed, walls = place_bodies(pose, parts, part_start), Walls(pieces, links, edges, cells, frame)
     scene = scene_room(placed, walls)
     sides = np.empty((_most_edges(links), SIDE_COLUMNS))
+    close = np.empty(2 * edges.shape[0], np.int64)
     heard = np.full(count, np.inf)
     owners = np.empty(count, np.int64)
     poses = np.empty((count, 4))
@@ -285,14 +288,15 @@ def sense_sonars(
     sonars = Sonars(beams, figures, schedule, owners, poses, order, poses[order, 0])
     for mount in range(groups.shape[0]):
         begin, end = groups[mount, GROUP_BEGIN], groups[mount, GROUP_END]
-        any_due = False
+        any_due, spread = False, 0.0
         for sonar in range(begin, end):
             any_due |= slots[sonar] >= 0
+            spread = max(spread, abs(beams[sonar, BEAM_X]) + abs(beams[sonar, BEAM_Y]))
         if not any_due:
             continue
         x, y, c, s = mount_pose(mounts, groups, pose, mount)
         place = Place(x, y, mounts[mount, MOUNT_REACH] + SLACK, groups[mount, GROUP_OWNER], mount)
-        counts = gather_scene(place, placed, walls, scene)
+        counts = gather_scene(place, spread, placed, walls, scene)
         for sonar in range(begin, end):
             if slots[sonar] < 0:
                 continue
@@ -309,7 +313,7 @@ def sense_sonars(
             best = _nearest_rough(beam, thin, best, scene, counts, pieces, links, edges, sides)
             if best > 0.0:
                 best = nearest_bounce(
-                    beam, wall_cos, wall_sin, thin, best, scene, counts, pieces, links, edges, sides
+                    beam, wall_cos, wall_sin, thin, best, scene, counts, pieces, links, edges, sides, close
                 )  # fmt: skip
             if best < limit:
                 heard[sonar] = best

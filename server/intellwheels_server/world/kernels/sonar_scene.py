@@ -73,7 +73,7 @@ class Scene(NamedTuple):
         owners: int64[parts], the body of each box.
         near: int64[pieces], wall pieces.
         posts: int64[pieces], those of them that are posts.
-        faces: float64[edges, 7], columns `FACE_X` to `FACE_HIGH`.
+        faces: float64[edges, 7], columns `FACE_X` to `FACE_HIGH`; those that no sonar is in front of come last.
         found_for: int64[pieces], the last mount for which a piece was found, -1 for none.
     """
 
@@ -92,12 +92,14 @@ class Counts(NamedTuple):
         boxes: Parts of bodies.
         near: Wall pieces.
         posts: Posts among them.
-        faces: Faces.
+        front: Faces that a sonar of the mount can be in front of.
+        faces: All faces.
     """
 
     boxes: int
     near: int
     posts: int
+    front: int
     faces: int
 
 
@@ -139,11 +141,12 @@ def _is_post(piece: int, pieces: Floats, links: Ints) -> bool:
 
 
 @njit(cache=True, error_model="numpy")
-def gather_scene(place: Place, placed: PlacedBodies, walls: Walls, scene: Scene) -> Counts:
+def gather_scene(place: Place, spread: float, placed: PlacedBodies, walls: Walls, scene: Scene) -> Counts:
     """Gather what is within reach of a mount.
 
     Args:
         place: The mount; the body that owns it is left out.
+        spread: The largest distance of its sonars from it, m.
         placed: All bodies.
         walls: All walls.
         scene: Out.
@@ -153,7 +156,7 @@ def gather_scene(place: Place, placed: PlacedBodies, walls: Walls, scene: Scene)
     pieces, links, edges, cells, frame = walls
     near_boxes, owners, near, posts, faces, found_for = scene
     reach_square = reach * reach
-    box_count = near_count = post_count = face_count = 0
+    box_count = near_count = post_count = front_count = face_count = 0
     low_x, low_y, size, columns, row_count, widest_x, widest_y = grid
     first_column = cell_of(x - reach - widest_x, low_x, size, columns)
     last_column = cell_of(x + reach + widest_x, low_x, size, columns)
@@ -197,15 +200,27 @@ def gather_scene(place: Place, placed: PlacedBodies, walls: Walls, scene: Scene)
                     continue
                 after = edge + 1 if edge + 1 < end else first
                 nx, ny = edges[edge, NORMAL_X], edges[edge, NORMAL_Y]
-                faces[face_count, FACE_X], faces[face_count, FACE_Y] = edges[edge, EDGE_X], edges[edge, EDGE_Y]
-                faces[face_count, FACE_NX], faces[face_count, FACE_NY] = nx, ny
-                faces[face_count, FACE_LENGTH] = nx * (edges[after, EDGE_Y] - edges[edge, EDGE_Y]) - ny * (
-                    edges[after, EDGE_X] - edges[edge, EDGE_X]
+                px, py = edges[edge, EDGE_X], edges[edge, EDGE_Y]
+                length = nx * (edges[after, EDGE_Y] - py) - ny * (edges[after, EDGE_X] - px)
+                height, along = nx * (px - x) + ny * (py - y), ny * (px - x) - nx * (py - y)
+                beyond = max(-along, along - length, 0.0)
+                if height * height + beyond * beyond > reach_square:
+                    continue
+                at_face = face_count
+                if height < spread:
+                    for column in range(FACE_COLUMNS):
+                        faces[face_count, column] = faces[front_count, column]
+                    at_face = front_count
+                    front_count += 1
+                faces[at_face, FACE_X], faces[at_face, FACE_Y] = px, py
+                faces[at_face, FACE_NX], faces[at_face, FACE_NY] = nx, ny
+                faces[at_face, FACE_LENGTH] = length
+                faces[at_face, FACE_LOW], faces[at_face, FACE_HIGH] = (
+                    pieces[piece, PIECE_BOTTOM],
+                    pieces[piece, PIECE_TOP],
                 )
-                faces[face_count, FACE_LOW] = pieces[piece, PIECE_BOTTOM]
-                faces[face_count, FACE_HIGH] = pieces[piece, PIECE_TOP]
                 face_count += 1
-    return Counts(box_count, near_count, post_count, face_count)
+    return Counts(box_count, near_count, post_count, front_count, face_count)
 
 
 @njit(cache=True, error_model="numpy")

@@ -10,6 +10,8 @@ import pytest
 from intellwheels_server.world.kernels.arrays import Box, Shape, bodies_from
 from intellwheels_server.world.kernels.sonar_scene import (
     FACE_LENGTH,
+    FACE_NX,
+    FACE_NY,
     Counts,
     Scene,
     blocked,
@@ -25,11 +27,11 @@ from intellwheels_server.world.wall_pieces import Line, Solid, Walls, walls_from
 _LETTER = [(0.0, 0.0), (4.0, 0.0), (4.0, 3.0), (3.0, 3.0), (3.0, 1.0), (1.0, 1.0), (1.0, 3.0), (0.0, 3.0)]
 
 
-def _gathered(walls: Walls, reach: float = 20.0, owner: int = 0) -> tuple[Scene, Counts]:
+def _gathered(walls: Walls, reach: float = 20.0, owner: int = 0, spread: float = 0.5) -> tuple[Scene, Counts]:
     bodies = bodies_from([Shape(name, [Box(0.0, 0.0, 1.0, 0.6, 0.0, 1.3)]) for name in "ab"])
     placed = place_bodies(np.array([[0.0, 6.0], [0.0, 1.0], [0.0, 0.0]]), bodies.parts, bodies.part_start)
     scene = scene_room(placed, walls)
-    return scene, gather_scene(Place(0.0, 0.0, reach, owner, 0), placed, walls, scene)
+    return scene, gather_scene(Place(0.0, 0.0, reach, owner, 0), spread, placed, walls, scene)
 
 
 def test_faces_of_a_concave_wall_are_its_outline() -> None:
@@ -54,9 +56,21 @@ def test_owner_and_what_is_out_of_reach_are_left_out() -> None:
     walls = walls_from([Solid([(9.0, 0.0), (10.0, 0.0), (10.0, 1.0)], 0.0, 1.0)])
     assert _gathered(walls)[1][:2] == (1, 1)
     scene, counts = _gathered(walls, reach=8.0)
-    assert counts == (1, 0, 0, 0)
+    assert counts == (1, 0, 0, 0, 0)
     assert scene.owners[0] == 1
-    assert _gathered(walls, reach=4.0)[1] == (0, 0, 0, 0)
+    assert _gathered(walls, reach=4.0)[1] == (0, 0, 0, 0, 0)
+
+
+def test_faces_that_no_sonar_is_in_front_of_come_last() -> None:
+    walls = walls_from([Solid([(2.0, -1.0), (4.0, -1.0), (4.0, 1.0), (2.0, 1.0)], 0.0, 1.0)])
+    for spread, front in ((0.5, {(-1.0, 0.0)}), (1.5, {(-1.0, 0.0), (0.0, 1.0), (0.0, -1.0)})):
+        scene, counts = _gathered(walls, spread=spread)
+        assert counts.faces == 4
+        normals = [tuple(face) for face in scene.faces[:4, [FACE_NX, FACE_NY]].tolist()]
+        assert set(normals[: counts.front]) == front
+        assert len(set(normals)) == 4
+    # Nor does a face belong to the scene that is out of reach, though its piece is within.
+    assert _gathered(walls, reach=3.0)[1].faces == 3
 
 
 def test_widths_across_a_direction() -> None:
