@@ -59,7 +59,7 @@ def _in_beam(
     return _clipped(first, last, px * left_y - py * left_x, -(ny * left_y + nx * left_x))
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", inline="always")
 def nearest_bounce(
     beam: Beam,
     wall_cos: float,

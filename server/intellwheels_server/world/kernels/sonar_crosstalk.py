@@ -130,7 +130,7 @@ def _may_disturb(
     return False
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", inline="always")
 def hear_others(
     tick: int,
     period: float,

@@ -90,7 +90,7 @@ from intellwheels_server.world.kernels.spatial_query import (
 )
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", inline="always")
 def _is_in_wall(
     beam: Beam, scene: Scene, counts: Counts, pieces: Floats, links: Ints, edges: Floats, sides: Floats
 ) -> bool:
@@ -108,7 +108,7 @@ def _is_in_wall(
     return False
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", inline="always")
 def _nearest_wall(
     beam: Beam, wall_cos: float, thin: float, best: float, scene: Scene, counts: Counts, pieces: Floats, links: Ints,
     edges: Floats,
@@ -137,7 +137,7 @@ def _nearest_wall(
     return best
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", inline="always")
 def _nearest_rough(
     beam: Beam, thin: float, best: float, scene: Scene, counts: Counts, pieces: Floats, links: Ints, edges: Floats,
     sides: Floats,

@@ -227,7 +227,7 @@ def gather_scene(place: Place, spread: float, placed: PlacedBodies, walls: Walls
 def width_of_box(boxes: Floats, at: int, dx: float, dy: float) -> float:
     """Return the width of a box across a direction, a unit vector, m."""
     c, s = boxes[at, COS], boxes[at, SIN]
-    return 2.0 * (boxes[at, LONG] * abs(c * dy - s * dx) + boxes[at, WIDE] * abs(c * dx + s * dy))
+    return float(2.0 * (boxes[at, LONG] * abs(c * dy - s * dx) + boxes[at, WIDE] * abs(c * dx + s * dy)))
 
 
 @njit(cache=True, error_model="numpy")

@@ -47,8 +47,10 @@ from intellwheels_server.world.sensors.kind import Fitted, Kind, View
 
 WEDGE_RAYS: Final = 2.0
 """Rays of a lidar that cost as much as an exact or infrared wedge."""
-SONAR_RAYS: Final = 4.0
+SONAR_RAYS: Final = 10.0
 """Rays of a lidar that cost as much as a sonar."""
+CROSSTALK_RAYS: Final = 15.0
+"""Rays of a lidar that cost as much as looking for the pings of others, measured with eight sonars on each body."""
 VOLT_METRES: Final = 0.47
 """c of an infrared sensor, V m: MODEL.md's 10 mV are then 2 mm at 0.3 m and 48 mm at 1.5 m."""
 
@@ -192,7 +194,9 @@ class ProximityKind(Kind):
 
     def rays(self, declaration: Proximity, /) -> float:
         """Return the rays of a lidar that cost as much, measured with wedges of 30 degrees and 4 m."""
-        return SONAR_RAYS if declaration.model == "sonar" else WEDGE_RAYS
+        if declaration.model != "sonar":
+            return WEDGE_RAYS
+        return SONAR_RAYS + (CROSSTALK_RAYS if declaration.crosstalk > 0.0 else 0.0)
 
     def compile(self, fitted: Sequence[Fitted], schedule: Ints, /) -> ProximityBlock:
         """Return the block."""
