@@ -2,7 +2,7 @@
 
 `MotorNoise=0.015` sets a field of the robot, `Compass.NoiseDeg=0.5` sets a field of all its compasses. The names are
 those of the contract, so they begin with a capital letter; the options of a mind do not. `Proximity.Device=srf08`
-makes all proximity sensors sonars of that device, with its beam, its range and a tick of latency; other options win.
+makes all proximity sensors sonars of that device: its beam, its range, crosstalk and a tick of latency. Options win.
 """
 
 from __future__ import annotations
@@ -75,7 +75,7 @@ def _device_fields(name: str, record: Mapping[str, Any], changes: Mapping[str, s
     device = DEVICES[name]
     fields = {
         "Model": "sonar", "ConeDeg": device.cone_deg, "MinRange": device.min_range, "MaxRange": device.max_range,
-        "Latency": max(1, record.get("Latency", 0)),
+        "Latency": max(1, record.get("Latency", 0)), "Crosstalk": 1.0,
     }  # fmt: skip
     return {field: value for field, value in fields.items() if f"Proximity.{field}" not in changes}
 

@@ -66,7 +66,7 @@ def test_device_gives_all_proximity_sensors_its_figures_but_for_those_that_are_s
             0.03,
             3.5,
         )
-        assert (one.every, one.latency) == (8, 1)
+        assert (one.every, one.latency, one.crosstalk) == (8, 1, 1.0)
     later = equipped(included("mid-wheel"), {"Proximity.Latency": "3", "Proximity.Device": "srf10"})
     assert {(one.cone_deg, one.latency) for one in later.proximity} == {(72.0, 3)}
     with pytest.raises(OptionError, match=r"option Proximity.Device: expected one of srf04, .*, got 'srf99'"):

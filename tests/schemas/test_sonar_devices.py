@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import get_args
 
 import pytest
 
 from intellwheels_schemas.messages import SonarName
 from intellwheels_schemas.sonar_devices import DEVICES, PING_PERIOD, SonarDevice
+
+MODEL = Path(__file__).parents[2] / "server" / "intellwheels_server" / "world" / "MODEL.md"
 
 
 def test_every_device_of_the_contract_has_figures() -> None:
@@ -21,6 +24,20 @@ def test_beams_are_the_published_ones() -> None:
         "polaroid-6500": 30.0,
     }  # fmt: skip
     assert DEVICES["polaroid-6500"].limit_deg == 42.0
+
+
+@pytest.mark.parametrize("name", DEVICES)
+def test_page_of_the_model_has_the_figures(name: str) -> None:
+    device = DEVICES[name]
+    (line,) = (line for line in MODEL.read_text(encoding="utf-8").splitlines() if line.startswith(f"| `{name}` |"))
+    figures = [cell.replace(" (chosen)", "").strip() for cell in line.split("|")[2:7]]
+    assert figures == [
+        f"{device.cone_deg:g} deg",
+        f"{device.min_range:g} to {device.max_range:g} m",
+        f"{1000 * device.ping_period:g} ms",
+        f"{346e3 / device.frequency:.2f} mm",
+        f"{device.sure_deg:g}, {device.limit_deg:g} deg",
+    ]
 
 
 @pytest.mark.parametrize("device", DEVICES.values(), ids=DEVICES)
