@@ -1,7 +1,8 @@
 """The robot document that an agent joins with: a robot file, changed by options that name its fields.
 
 `MotorNoise=0.015` sets a field of the robot, `Compass.NoiseDeg=0.5` sets a field of all its compasses. The names are
-those of the contract, so they begin with a capital letter; the options of a mind do not.
+those of the contract, so they begin with a capital letter; the options of a mind do not. `Proximity.Device=srf08`
+makes all proximity sensors sonars of that device: its beam, its range, crosstalk and a tick of latency. Options win.
 """
 
 from __future__ import annotations
@@ -19,6 +20,7 @@ from intellwheels_schemas.explain import check_plain
 from intellwheels_schemas.messages import Position, Robot, Role
 from intellwheels_schemas.rules import check_robot
 from intellwheels_schemas.shapes import shape_of
+from intellwheels_schemas.sonar_devices import DEVICES
 
 DEFAULT_ROBOT = "intellwheels"
 """The robot of a mind that has none of its own."""
@@ -58,12 +60,24 @@ def equipped(robot: Robot, changes: Mapping[str, str]) -> Robot:
             raise OptionError(f"option {name}: expected a kind of sensor this robot has, got {kind!r}")
         for record in records:
             record[field] = _plain(text)
+            if name == "Proximity.Device" and text in DEVICES:
+                record.update(_device_fields(text, record, changes))
         try:
             robot = msgspec.convert(plain, Robot)
         except msgspec.ValidationError as error:
             raise OptionError(f"option {name}: {_explained(plain, text, error)}") from None
     check_robot(robot)
     return robot
+
+
+def _device_fields(name: str, record: Mapping[str, Any], changes: Mapping[str, str]) -> dict[str, Any]:
+    """Return the fields of a sonar that follow from its device, without those that an option sets."""
+    device = DEVICES[name]
+    fields = {
+        "Model": "sonar", "ConeDeg": device.cone_deg, "MinRange": device.min_range, "MaxRange": device.max_range,
+        "Latency": max(1, record.get("Latency", 0)), "Crosstalk": 1.0,
+    }  # fmt: skip
+    return {field: value for field, value in fields.items() if f"Proximity.{field}" not in changes}
 
 
 def _explained(plain: dict[str, Any], text: str, error: Exception) -> str:

@@ -222,7 +222,8 @@ def _limits() -> str:
         ("rays of a lidar", f"{rules.MAX_RAYS:,}"),
         (
             "rays per simulated second of an agent's sensors, at pace realtime",
-            f"{defaults.AGENT_RAYS:,}, or what `iw-server --agent-rays` says; a wedge counts as 2 rays, a sonar as 4",
+            f"{defaults.AGENT_RAYS:,}, or what `iw-server --agent-rays` says; a wedge counts as 2 rays, a sonar as 10, "
+            "with Crosstalk as 25",
         ),
         (
             "rays per simulated second of all sensors, at pace realtime",

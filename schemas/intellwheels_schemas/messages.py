@@ -174,6 +174,7 @@ Walk = Annotated[float, Meta(ge=0.0, le=1000.0, description="standard deviation 
 StepSize = Annotated[float, Meta(ge=0.0, le=1000.0, description="a quantisation step; 0 does not round")]
 FigureRatio = Annotated[float, Meta(ge=0.5, le=2.0, description="a ratio to the nominal figure", extra=_unit("1"))]
 Seconds = Annotated[float, Meta(ge=0.0, le=1e9, extra=_unit("s"))]
+PingDelay = Annotated[float, Meta(ge=0.0, le=0.1, description="a delay", extra=_unit("s"))]
 Period = Annotated[
     float, Meta(ge=0.001, le=1.0, description="Simulated time from one tick to the next.", extra=_unit("s"))
 ]
@@ -193,6 +194,7 @@ Role = Literal["both", "body", "mind"]
 Mount = Literal["body", "start"]
 Source = Literal["simulated", "real"]
 Model = Literal["ideal", "infrared", "sonar"]
+SonarName = Literal["srf04", "srf08", "srf10", "srf485", "srf235", "hc-sr04", "polaroid-6500"]
 Status = Literal["ok", "none", "near", "fault"]
 InputWord = Literal["drive", "words", "goal"]
 MotorState = Literal["drive", "timeout", "rested", "paused", "taken", "stale"]
@@ -351,13 +353,20 @@ class Proximity(Record, frozen=True, kw_only=True):
     max_range: Size
     """Longest distance that can be measured; if nothing is nearer, the status is none."""
     model: Model = "ideal"
-    """Error model: ideal (no errors), infrared (noise grows with distance) or sonar (detects only echoes)."""
+    """Error model: ideal (no errors), infrared (noise grows with distance) or sonar (detects only echoes). A
+    sonar needs a Latency of at least 1, and an Every of at least 50 ms or the ping period of its Device."""
     noise_volts: Volts = 0.01
     """Infrared only: standard deviation of the sensor's voltage. The voltage is 0.47 V m divided by the distance."""
     dropout: Dropout = 0.0
     """Share of samples that fail and are reported as fault; must be 0 for the ideal model."""
+    device: SonarName | None = None
+    """Sonar only: a device whose published figures the sensor has; ConeDeg, ranges and Every must fit them."""
     crosstalk: Share = 0.0
-    """Sonar only: share of the pulses of other sonars in sight that the sensor takes for its own echo."""
+    """Sonar only: share of the pulses of other sonars that the sensor takes for its own echo, if it can hear them."""
+    ping_delay: PingDelay = 0.0
+    """Sonar only: time from the tick of a sample to its pulse."""
+    second_ping_delay: PingDelay = 0.0
+    """Sonar only: the same for the second, fourth, ... pulse, so that crosstalk differs from pulse to pulse."""
     group: Cycles = 0
     """Firing group: number of ticks by which the sensor samples later than group 0; must be less than Every."""
     mount: SensorMount = "body"

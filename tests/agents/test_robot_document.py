@@ -6,6 +6,7 @@ import pytest
 
 from intellwheels_agents.options import OptionError
 from intellwheels_agents.robot_document import equipped, joining, split_options
+from intellwheels_maps import robot as included
 from intellwheels_schemas.messages import Compass, Encoders, Robot
 
 ROBOT = Robot(
@@ -50,6 +51,26 @@ def test_fields_of_the_robot_and_of_all_sensors_of_a_kind_are_set() -> None:
 def test_unknown_field_or_wrong_value_is_refused_by_name(name: str, value: str) -> None:
     with pytest.raises(OptionError, match=f"option {name}: expected"):
         equipped(ROBOT, {name: value})
+
+
+@pytest.mark.parametrize("order", [1, -1])
+def test_device_gives_all_proximity_sensors_its_figures_but_for_those_that_are_set(order: int) -> None:
+    changes = [("Proximity.Device", "srf08"), ("Proximity.MaxRange", "3.5"), ("Proximity.Every", "8")]
+    made = equipped(included("mid-wheel"), dict(changes[::order]))
+    assert len(made.proximity) == 8
+    for one in made.proximity:
+        assert (one.model, one.device, one.cone_deg, one.min_range, one.max_range) == (
+            "sonar",
+            "srf08",
+            55.0,
+            0.03,
+            3.5,
+        )
+        assert (one.every, one.latency, one.crosstalk) == (8, 1, 1.0)
+    later = equipped(included("mid-wheel"), {"Proximity.Latency": "3", "Proximity.Device": "srf10"})
+    assert {(one.cone_deg, one.latency) for one in later.proximity} == {(72.0, 3)}
+    with pytest.raises(OptionError, match=r"option Proximity.Device: expected one of srf04, .*, got 'srf99'"):
+        equipped(included("mid-wheel"), {"Proximity.Device": "srf99"})
 
 
 def test_whole_agent_joins_with_its_body_and_without_the_files_format() -> None:

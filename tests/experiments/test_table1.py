@@ -55,7 +55,7 @@ def test_real_chair_by_itself_succeeds_as_often_as_a_virtual_one_and_is_worse_in
     """In the paper each of the two had one run.
 
     Wheels that differ by 0.2 % and have the random error of measured ones put it 0.4 m off at the end, which is still
-    at its place. Its sonars miss surfaces at a slant and nothing else, as no data on other losses is known.
+    at its place. Its sonars miss surfaces at a slant, jitter by a wave, and answer a tick late.
     """
     assert compare(succeeded(rows["real-autonomous"]), succeeded(rows["virtual-autonomous"])).equivalent
     (found,) = (one for one in summary.comparisons if one.first == "real-autonomous" and one.second)

@@ -8,6 +8,7 @@ import pytest
 from shapely.geometry import Point, box
 
 from intellwheels_maps import names, robot
+from intellwheels_schemas.sonar_devices import DEVICES
 
 CHAIRS = {
     "rear-wheel": (1.10, 0.62, 0.227, 0.905),
@@ -87,6 +88,21 @@ def test_shipped_robot_has_no_noise_of_its_own(name: str) -> None:
     document = robot(name)
     assert document.motor_noise == 0.0
     assert all(compass.noise_deg == 0.0 for compass in document.compass)
+
+
+def test_srf08_chair_is_the_corridor_chair_with_sonars_that_fire_in_turn() -> None:
+    """A sonar that can exist: the device's beam and period, and neighbours that do not fire together."""
+    sonars, plain = robot("srf08-chair").proximity, robot("corridor-chair").proximity
+    assert [(one.id, one.x, one.y, one.direction_deg) for one in sonars] == [
+        (one.id, one.x, one.y, one.direction_deg) for one in plain
+    ]
+    device = DEVICES["srf08"]
+    for before, one in zip((sonars[-1], *sonars), sonars, strict=False):
+        assert (one.model, one.device, one.cone_deg) == ("sonar", "srf08", device.cone_deg)
+        assert (one.min_range, one.max_range, one.latency) == (device.min_range, device.max_range, 1)
+        assert abs(one.group - before.group) * 0.05 >= device.ping_period
+        assert one.every * 0.05 == pytest.approx(0.4)
+    assert [[one.group for one in sonars].count(group) for group in range(8)] == [4, 0] * 4
 
 
 def test_door_has_the_papers_leaf_and_two_sensors_on_each_side() -> None:

@@ -100,7 +100,7 @@ def body_model_of(name: str, robot: Robot, setup: Setup) -> BodyModel:
         raise RequestRefusedError("field", "Robot.Role: expected both or body, got 'mind'")
     robot = msgspec.structs.replace(robot, name=name, format=None)
     externally_posed = robot.type == "real"
-    check_sensors(robot, setup.floor, truth=setup.truth)
+    check_sensors(robot, setup.floor, truth=setup.truth, period=setup.period)
     parts = parts_of(robot)
     if not parts:
         raise RequestRefusedError(

@@ -87,7 +87,7 @@ def walls_from(walls: Sequence[Solid | Line]) -> Walls:
     """
     pieces: list[list[float]] = []
     links: list[tuple[int, int, int]] = []
-    edges: list[tuple[float, float, float, float, float]] = []
+    edges: list[tuple[float, ...]] = []
     for index, wall in enumerate(walls):
         where = f"wall {index}"
         _check_heights(where, wall)
@@ -95,7 +95,7 @@ def walls_from(walls: Sequence[Solid | Line]) -> Walls:
         for piece in found:
             first = len(edges)
             sides = _edges(where, piece.corners)
-            edges.extend(sides)
+            edges.extend((*side, float(outer)) for side, outer in zip(sides, piece.outer, strict=True))
             links.append((first, len(edges), index))
             xs = [x for x, _ in piece.corners]
             ys = [y for _, y in piece.corners]
@@ -105,7 +105,7 @@ def walls_from(walls: Sequence[Solid | Line]) -> Walls:
     return Walls(
         pieces=piece_block,
         links=np.array(links, dtype=np.int64).reshape(-1, 3),
-        edges=np.array(edges, dtype=np.float64).reshape(-1, 5),
+        edges=np.array(edges, dtype=np.float64).reshape(-1, 6),
         cells=fill_cells(piece_block, frame[0], frame[1], frame[2], columns, rows),
         frame=np.array(frame, dtype=np.float64),
     )

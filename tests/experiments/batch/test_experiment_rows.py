@@ -28,8 +28,8 @@ def test_level_replaces_the_cast_of_the_scene_and_sets_options() -> None:
     assert rows["real-manual"].real
     given = {one.name: one.value for one in rows["real-autonomous"].scene.cast[0].option}
     assert given == {
-        "MotorNoise": "0.015", "to": "goal", "Proximity.Model": "sonar", "WheelRatio": "1.002",
-        "Encoders.Drift": "0.00000034",
+        "MotorNoise": "0.015", "to": "goal", "Proximity.Model": "sonar", "Proximity.Latency": "1",
+        "WheelRatio": "1.002", "Encoders.Drift": "0.00000034",
     }  # fmt: skip
     assert set(rows["augmented-raw"].bridges) == {"chair"}
 

@@ -58,7 +58,8 @@ def test_wedges_count_as_several_rays_and_real_sensors_as_none() -> None:
 
     assert cost(wedge()) == 2.0
     assert cost(wedge(model="infrared")) == 2.0
-    assert cost(wedge(model="sonar")) == 4.0
+    assert cost(wedge(model="sonar")) == 10.0
+    assert cost(wedge(model="sonar", crosstalk=0.5)) == 25.0
     assert cost(lidar("l", source="real"), type="real") == 0.0
 
 

@@ -18,6 +18,7 @@ from intellwheels_server.world.kernels.arrays import (
     NORMAL_X,
     NORMAL_Y,
     OFFSET,
+    OUTER,
     PIECE_THICKNESS,
     PIECE_X0,
     PIECE_X1,
@@ -78,6 +79,16 @@ def test_corner_in_a_straight_side_is_left_out() -> None:
 def test_corners_stay_exact_in_pieces() -> None:
     walls = walls_from([Solid(COMB, 0.0, 1.0)])
     assert {tuple(corner) for corner in walls.edges[:, [EDGE_X, EDGE_Y]].tolist()} == set(COMB)
+
+
+def test_outer_edges_of_the_pieces_are_the_outline() -> None:
+    edges = walls_from([Solid(L_SHAPE, 0.0, 1.0)]).edges
+    outer = edges[edges[:, OUTER] == 1.0]
+    assert len(outer) < len(edges)
+    assert set(edges[:, OUTER].tolist()) == {0.0, 1.0}
+    corners = {tuple(corner) for corner in outer[:, [EDGE_X, EDGE_Y]].tolist()}
+    assert corners == {(float(x), float(y)) for x, y in L_SHAPE}
+    assert len(outer) == len(L_SHAPE)
 
 
 def test_index_of_a_piece_is_the_place_of_its_wall() -> None:

@@ -27,7 +27,9 @@ with event.install_recorder("numba:compile") as compiled:
     state = begin(Setup(floor=floor("ward"), say_walls=True), run="0" * 16)
     kinds = ["rear-wheel", "mid-wheel", "table", "door"]
     joins = [Join(agent=f"a{k}", robot=robot(kind)) for k, kind in enumerate(kinds)]
-    eye = Proximity(id="s", x=0.5, y=0.0, z=0.4, direction_deg=0.0, cone_deg=30.0, max_range=4.0, model="sonar")
+    eye = Proximity(
+        id="s", x=0.5, y=0.0, z=0.4, direction_deg=0.0, cone_deg=30.0, max_range=4.0, model="sonar", latency=1
+    )
     lidar = Lidar(id="l", x=0.5, y=0.0, z=0.4, direction_deg=0.0, fov_deg=90.0, rays=91, max_range=4.0)
     equipped = structs.replace(robot("mid-wheel"), proximity=(eye,), lidar=(lidar,), odometry=(Odometry(id="o"),))
     joins.append(Join(agent="b", robot=equipped))

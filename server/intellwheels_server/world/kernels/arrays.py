@@ -56,9 +56,9 @@ PIECE_X0, PIECE_Y0, PIECE_X1, PIECE_Y1, PIECE_BOTTOM, PIECE_TOP, PIECE_THICKNESS
 # Columns of a links block, int64[pieces, 3]: first edge, one past the last edge, index of the wall.
 FIRST_EDGE, END_EDGE, WALL = 0, 1, 2
 
-# Columns of an edge block, float64[edges, 5]: corner where it starts (anticlockwise), unit normal outwards,
-# normal . corner.
-EDGE_X, EDGE_Y, NORMAL_X, NORMAL_Y, OFFSET = 0, 1, 2, 3, 4
+# Columns of an edge block, float64[edges, 6]: corner where it starts (anticlockwise), unit normal outwards,
+# normal . corner, 1 for an edge of the wall or 0 for one along which the wall was cut into pieces.
+EDGE_X, EDGE_Y, NORMAL_X, NORMAL_Y, OFFSET, OUTER = 0, 1, 2, 3, 4, 5
 
 # Places of a frame, float64[3]: lower left corner of the grid, edge of a cell.
 ORIGIN_X, ORIGIN_Y, CELL = 0, 1, 2
@@ -70,7 +70,7 @@ class Walls(NamedTuple):
     Attributes:
         pieces: float64[pieces, 7], columns `PIECE_X0` to `PIECE_THICKNESS`.
         links: int64[pieces, 3], columns `FIRST_EDGE`, `END_EDGE`, `WALL`.
-        edges: float64[edges, 5], columns `EDGE_X` to `OFFSET`; those of a piece follow one another anticlockwise.
+        edges: float64[edges, 6], columns `EDGE_X` to `OUTER`; those of a piece follow one another anticlockwise.
         cells: int64, as `grid.fill_cells` makes it.
         frame: float64[3], places `ORIGIN_X`, `ORIGIN_Y`, `CELL`.
     """

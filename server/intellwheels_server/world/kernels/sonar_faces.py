@@ -1,8 +1,6 @@
-"""Faces of things seen by a sonar: the part of a face in its cone, the width of that part, and what hides it."""
+"""Rough things heard by a sonar: the nearest point of a segment in a wedge, and the faces of a box or a post."""
 
 from __future__ import annotations
-
-import math
 
 import numpy as np
 from numba import njit
@@ -17,15 +15,10 @@ from intellwheels_server.world.kernels.arrays import (
     Floats,
     Ints,
 )
-from intellwheels_server.world.kernels.line_of_sight import ray_to_polygon
-from intellwheels_server.world.kernels.spatial_query import CENTRE_X, CENTRE_Y, COS, HIGH, LONG, LOW, SIN, WIDE
-from intellwheels_server.world.kernels.wedge_distance import ray_to_box
+from intellwheels_server.world.kernels.spatial_query import CENTRE_X, CENTRE_Y, COS, LONG, SIN, WIDE
 
-# A thing that begins within this of the point of an echo does not hide it, m.
-_SKIN = 1e-6
-
-# Columns of a face block, float64[faces, 6], from the sonar: corner, next corner (anticlockwise), unit normal outwards.
-FACE_COLUMNS = 6
+# Columns of a side block, float64[sides, 6], from a place: corner, next corner (anticlockwise), unit normal outwards.
+SIDE_COLUMNS = 6
 
 
 @njit(cache=True, error_model="numpy")
@@ -70,92 +63,83 @@ def segment_in_wedge(
 
 
 @njit(cache=True, error_model="numpy")
-def hidden(
-    around: Floats,
-    near: int,
-    polygons: Ints,
-    polygon_count: int,
-    solids: Floats,
-    links: Ints,
-    edges: Floats,
-    x: float,
-    y: float,
-    z: float,
-    to_x: float,
-    to_y: float,
-) -> bool:
-    """Return whether a gathered thing begins before a point, (to_x, to_y) from the sonar."""
-    length = math.sqrt(to_x * to_x + to_y * to_y)
-    if length <= _SKIN:
-        return False
-    dx, dy = to_x / length, to_y / length
-    far = length - _SKIN
-    for at in range(near):
-        if not around[LOW, at] <= z < around[HIGH, at]:
-            continue
-        c, s = around[COS, at], around[SIN, at]
-        from_x, from_y = x - around[CENTRE_X, at], y - around[CENTRE_Y, at]
-        way = ray_to_box(
-            c * from_x + s * from_y,
-            c * from_y - s * from_x,
-            c * dx + s * dy,
-            c * dy - s * dx,
-            around[LONG, at],
-            around[WIDE, at],
-        )
-        if way < far:
-            return True
-    for at in range(polygon_count):
-        piece = polygons[at]
-        if solids[piece, LOW] <= z < solids[piece, HIGH]:
-            way, _ = ray_to_polygon(edges, links[piece, FIRST_EDGE], links[piece, END_EDGE], x, y, dx, dy)
-            if way < far:
-                return True
-    return False
+def segment_between(
+    px: float, py: float, qx: float, qy: float, right_x: float, right_y: float, left_x: float, left_y: float
+) -> tuple[float, float, float]:
+    """Return the nearest point of a segment between two rays from the origin: square of distance, x, y; inf for none.
+
+    Args:
+        px: One end, m.
+        py: The same.
+        qx: The other end.
+        qy: The same.
+        right_x: Direction of the right ray, of any length.
+        right_y: The same.
+        left_x: Direction of the left ray, less than half a turn anticlockwise from the right one.
+        left_y: The same.
+    """
+    ex, ey = qx - px, qy - py
+    first, last = 0.0, 1.0
+    for side in range(2):
+        if side == 0:
+            value, rate = right_x * py - right_y * px, right_x * ey - right_y * ex
+        else:
+            value, rate = px * left_y - py * left_x, ex * left_y - ey * left_x
+        if rate > 0.0:
+            first = max(first, -value / rate)
+        elif rate < 0.0:
+            last = min(last, -value / rate)
+        elif value < 0.0:
+            return np.inf, 0.0, 0.0
+    if first > last:
+        return np.inf, 0.0, 0.0
+    along = min(max(-(px * ex + py * ey) / (ex * ex + ey * ey), first), last)
+    x, y = px + along * ex, py + along * ey
+    return x * x + y * y, x, y
 
 
 @njit(cache=True, error_model="numpy")
-def faces_of_box(around: Floats, at: int, x: float, y: float, faces: Floats) -> int:
-    """Store a box's four faces as a face block; return 4."""
-    c, s = around[COS, at], around[SIN, at]
-    centre_x, centre_y = around[CENTRE_X, at] - x, around[CENTRE_Y, at] - y
-    lx, ly = c * around[LONG, at], s * around[LONG, at]
-    wx, wy = -s * around[WIDE, at], c * around[WIDE, at]
-    for face in range(4):  # front right, front left, rear left, rear right
-        along = 1.0 if face < 2 else -1.0
-        across = 1.0 if face in (1, 2) else -1.0
-        faces[face, 0] = centre_x + along * lx + across * wx
-        faces[face, 1] = centre_y + along * ly + across * wy
-    for face in range(4):
-        faces[face, 2] = faces[(face + 1) % 4, 0]
-        faces[face, 3] = faces[(face + 1) % 4, 1]
-    faces[0, 4], faces[0, 5] = c, s
-    faces[1, 4], faces[1, 5] = -s, c
-    faces[2, 4], faces[2, 5] = -c, -s
-    faces[3, 4], faces[3, 5] = s, -c
+def sides_of_box(boxes: Floats, at: int, x: float, y: float, sides: Floats) -> int:
+    """Store a box's four sides as a side block; return 4."""
+    c, s = boxes[at, COS], boxes[at, SIN]
+    centre_x, centre_y = boxes[at, CENTRE_X] - x, boxes[at, CENTRE_Y] - y
+    lx, ly = c * boxes[at, LONG], s * boxes[at, LONG]
+    wx, wy = -s * boxes[at, WIDE], c * boxes[at, WIDE]
+    for side in range(4):  # front right, front left, rear left, rear right
+        along = 1.0 if side < 2 else -1.0
+        across = 1.0 if side in (1, 2) else -1.0
+        sides[side, 0] = centre_x + along * lx + across * wx
+        sides[side, 1] = centre_y + along * ly + across * wy
+    for side in range(4):
+        sides[side, 2] = sides[(side + 1) % 4, 0]
+        sides[side, 3] = sides[(side + 1) % 4, 1]
+    sides[0, 4], sides[0, 5] = c, s
+    sides[1, 4], sides[1, 5] = -s, c
+    sides[2, 4], sides[2, 5] = -c, -s
+    sides[3, 4], sides[3, 5] = s, -c
     return 4
 
 
 @njit(cache=True, error_model="numpy")
-def faces_of_piece(edges: Floats, first: int, end: int, x: float, y: float, faces: Floats) -> int:
-    """Store a wall piece's faces as a face block, at most as many as there is room for; return how many."""
-    count = min(end - first, faces.shape[0])
-    for face in range(count):
-        after = first + (face + 1) % (end - first)
-        faces[face, 0] = edges[first + face, EDGE_X] - x
-        faces[face, 1] = edges[first + face, EDGE_Y] - y
-        faces[face, 2] = edges[after, EDGE_X] - x
-        faces[face, 3] = edges[after, EDGE_Y] - y
-        faces[face, 4] = edges[first + face, NORMAL_X]
-        faces[face, 5] = edges[first + face, NORMAL_Y]
+def sides_of_piece(piece: int, links: Ints, edges: Floats, x: float, y: float, sides: Floats) -> int:
+    """Store a wall piece's sides as a side block, at most as many as there is room for; return how many."""
+    first, end = links[piece, FIRST_EDGE], links[piece, END_EDGE]
+    count = min(end - first, sides.shape[0])
+    for side in range(count):
+        after = first + (side + 1) % (end - first)
+        sides[side, 0] = edges[first + side, EDGE_X] - x
+        sides[side, 1] = edges[first + side, EDGE_Y] - y
+        sides[side, 2] = edges[after, EDGE_X] - x
+        sides[side, 3] = edges[after, EDGE_Y] - y
+        sides[side, 4] = edges[first + side, NORMAL_X]
+        sides[side, 5] = edges[first + side, NORMAL_Y]
     return int(count)
 
 
 @njit(cache=True, error_model="numpy")
-def seen_width(faces: Floats, count: int, to_x: float, to_y: float) -> float:
-    """Return the width of a thing across the way to a point of it, times the distance of that point."""
-    least, most = np.inf, -np.inf
-    for face in range(count):
-        aside = to_x * faces[face, 1] - to_y * faces[face, 0]
-        least, most = min(least, aside), max(most, aside)
-    return most - least
+def is_inside(sides: Floats, count: int) -> bool:
+    """Return whether the place of a side block is inside the thing or on its edge."""
+    inside = True
+    for side in range(count):
+        inside &= sides[side, 4] * sides[side, 0] + sides[side, 5] * sides[side, 1] >= 0.0
+    return inside

@@ -26,13 +26,14 @@ from intellwheels_server.world.sensors.catalogue import KINDS
 from intellwheels_server.world.sensors.kind import Block, Fitted, Kind, View
 
 
-def check_sensors(robot: Robot, floor: Map, *, truth: bool) -> None:
+def check_sensors(robot: Robot, floor: Map, *, truth: bool, period: float) -> None:
     """Refuse a robot whose sensors cannot be simulated here.
 
     Args:
         robot: The robot as it wants to join. It has passed `rules.check_robot`.
         floor: The map, for what a sensor names on it.
         truth: Whether this world allows truth sensors.
+        period: Simulated time of a tick, s.
 
     Raises:
         RequestRefusedError: Codes: `value` if values contradict each other, `truth`, `no-place`, or `mount` if a sensor
@@ -48,6 +49,7 @@ def check_sensors(robot: Robot, floor: Map, *, truth: bool) -> None:
         if declaration.source == "real":  # its readings come from the bridge
             continue
         kind.check(where, declaration, floor)
+        kind.check_timing(where, declaration, period)
 
 
 def rays_of(robot: Robot) -> float:

@@ -105,6 +105,18 @@ class Kind(ABC):
             RequestRefusedError: Why it cannot be simulated.
         """
 
+    def check_timing(self, where: str, declaration: Declaration, period: float, /) -> None:  # noqa: B027 - as above
+        """Refuse a rate or a latency that cannot be simulated with this period; by default none.
+
+        Args:
+            where: As `check` takes it.
+            declaration: The declaration, of a simulated sensor, which has passed `check`.
+            period: Simulated time of a tick, s.
+
+        Raises:
+            RequestRefusedError: Why it cannot be simulated.
+        """
+
     def width(self, _declaration: Declaration, /) -> int:
         """Return the numbers in a sample; by default `sample_width`."""
         return self.sample_width

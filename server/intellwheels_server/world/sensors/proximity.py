@@ -2,7 +2,9 @@
 
 `ideal` gives the exact distance. `infrared` measures by triangulation: its voltage is V = c / d, so noise of the
 voltage becomes a standard deviation that grows with the square of the distance. It never reports beyond its range.
-`sonar` hears only echoes: see `kernels.sonar_echoes`. Kernels of `kernels.proximity_wedges` find the distances.
+`sonar` hears only echoes: see `kernels.sonar_echoes`. It has the figures of a device of
+`intellwheels_schemas.sonar_devices`, or the beam that its declaration says. Kernels of `kernels.proximity_wedges` find
+the distances of the others.
 """
 
 from __future__ import annotations
@@ -18,6 +20,14 @@ from numba import njit
 
 from intellwheels_schemas.errors import RequestRefusedError
 from intellwheels_schemas.messages import Map, Model, Proximity, ProximityReading, Status
+from intellwheels_schemas.sonar_devices import (
+    DEVICES,
+    FREQUENCY,
+    PING_PERIOD,
+    SURE_SHARE,
+    THIN_DISTANCE,
+    THIN_WIDTH,
+)
 from intellwheels_server.world.kernels.arrays import Floats, Ints
 from intellwheels_server.world.kernels.noise import normal, uniform
 from intellwheels_server.world.kernels.proximity_wedges import (
@@ -30,14 +40,17 @@ from intellwheels_server.world.kernels.proximity_wedges import (
     sense_proximity,
 )
 from intellwheels_server.world.kernels.sample_schedule import KEY0, KEY1, due_slot
+from intellwheels_server.world.kernels.sonar_beam import FIGURE_COLUMNS, SPEED_OF_SOUND
 from intellwheels_server.world.kernels.sonar_echoes import sense_sonars
 from intellwheels_server.world.sensors.angles import unit_vector
 from intellwheels_server.world.sensors.kind import Fitted, Kind, View
 
 WEDGE_RAYS: Final = 2.0
 """Rays of a lidar that cost as much as an exact or infrared wedge."""
-SONAR_RAYS: Final = 4.0
+SONAR_RAYS: Final = 10.0
 """Rays of a lidar that cost as much as a sonar."""
+CROSSTALK_RAYS: Final = 15.0
+"""Rays of a lidar that cost as much as looking for the pings of others, measured with eight sonars on each body."""
 VOLT_METRES: Final = 0.47
 """c of an infrared sensor, V m: MODEL.md's 10 mV are then 2 mm at 0.3 m and 48 mm at 1.5 m."""
 
@@ -82,7 +95,7 @@ class ProximityBlock:
     infrared: Floats
     infrared_schedule: Ints
     sonars: _Grouped
-    sonar_errors: Floats
+    sonar_figures: Floats
     sonar_schedule: Ints
 
     def take(self, tick: int, view: View, samples: Floats) -> None:
@@ -107,8 +120,8 @@ class ProximityBlock:
         if len(self.sonar_schedule):
             of = self.sonars
             sense_sonars(
-                tick, numbers, parts, part_start, *view.walls, of.mounts, of.groups, of.beams, self.sonar_errors,
-                self.sonar_schedule, samples,
+                tick, view.period, numbers, parts, part_start, *view.walls, of.mounts, of.groups, of.beams,
+                self.sonar_figures, self.sonar_schedule, samples,
             )  # fmt: skip
 
 
@@ -125,26 +138,65 @@ class ProximityKind(Kind):
     def examples(self, _floor: Map, /) -> tuple[Proximity, ...]:
         """Return a sensor of each model."""
         return tuple(
-            Proximity(id=model, x=0.5, y=0.0, z=0.4, direction_deg=0.0, cone_deg=30.0, max_range=4.0, model=model)
+            Proximity(
+                id=model,
+                x=0.5,
+                y=0.0,
+                z=0.4,
+                direction_deg=0.0,
+                cone_deg=30.0,
+                max_range=4.0,
+                model=model,
+                every=50 if model == "sonar" else 1,
+                latency=int(model == "sonar"),
+                crosstalk=float(model == "sonar"),
+            )
             for model in get_args(Model)
         )
 
     def check(self, where: str, declaration: Proximity, _floor: Map, /) -> None:
-        """Refuse an error that the model does not have, and a firing group that has no tick at this rate."""
+        """Refuse what the model does not have, a firing group without a tick at this rate, and what no device is."""
         if declaration.model == "ideal" and declaration.dropout > 0.0:
             raise RequestRefusedError(
                 "value", f"{where}.Dropout: expected 0 with the model ideal, got {declaration.dropout}"
             )
-        if declaration.model != "sonar" and declaration.crosstalk > 0.0:
-            text = f"{where}.Crosstalk: expected 0 with the model {declaration.model}, got {declaration.crosstalk}"
-            raise RequestRefusedError("value", text)
+        if declaration.model != "sonar":
+            for name, value in (
+                ("Crosstalk", declaration.crosstalk),
+                ("PingDelay", declaration.ping_delay),
+                ("SecondPingDelay", declaration.second_ping_delay),
+            ):
+                if value > 0.0:
+                    text = f"{where}.{name}: expected 0 with the model {declaration.model}, got {value}"
+                    raise RequestRefusedError("value", text)
+            if declaration.device is not None:
+                text = f"{where}.Device: expected none with the model {declaration.model}, got '{declaration.device}'"
+                raise RequestRefusedError("value", text)
+        _check_device(where, declaration)
         if not declaration.group < declaration.every:
             text = f"{where}.Group: expected less than Every {declaration.every}, got {declaration.group}"
             raise RequestRefusedError("value", text)
 
+    def check_timing(self, where: str, declaration: Proximity, period: float, /) -> None:
+        """Refuse a sonar that pings again while it still listens, or whose reading comes before its echo."""
+        if declaration.model != "sonar":
+            return
+        if declaration.latency < 1:
+            text = f"{where}.Latency: expected at least 1 with the model sonar, got {declaration.latency}"
+            raise RequestRefusedError("value", text)
+        name, wanted = "a sonar", PING_PERIOD
+        if declaration.device is not None:
+            name, wanted = declaration.device, DEVICES[declaration.device].ping_period
+        least = math.ceil(wanted / period - 1e-9)
+        if declaration.every < least:
+            text = f"{where}.Every: expected at least {least}, as {name} pings once in {wanted:g} s"
+            raise RequestRefusedError("value", f"{text}, got {declaration.every}")
+
     def rays(self, declaration: Proximity, /) -> float:
         """Return the rays of a lidar that cost as much, measured with wedges of 30 degrees and 4 m."""
-        return SONAR_RAYS if declaration.model == "sonar" else WEDGE_RAYS
+        if declaration.model != "sonar":
+            return WEDGE_RAYS
+        return SONAR_RAYS + (CROSSTALK_RAYS if declaration.crosstalk > 0.0 else 0.0)
 
     def compile(self, fitted: Sequence[Fitted], schedule: Ints, /) -> ProximityBlock:
         """Return the block."""
@@ -152,16 +204,14 @@ class ProximityKind(Kind):
         sonar = np.array([model == "sonar" for model in models])
         infrared = np.array([model == "infrared" for model in models])
         infrared_errors = [_infrared(one.declaration) for one in fitted if one.declaration.model == "infrared"]
-        sonar_errors = [
-            (one.declaration.dropout, one.declaration.crosstalk) for one in fitted if one.declaration.model == "sonar"
-        ]
+        sonar_figures = [_figures(one.declaration) for one in fitted if one.declaration.model == "sonar"]
         return ProximityBlock(
             seeing=_grouped([one for one in fitted if one.declaration.model != "sonar"]),
             seeing_schedule=schedule[~sonar],
             infrared=np.array(infrared_errors, dtype=np.float64).reshape(-1, 4),
             infrared_schedule=schedule[infrared],
             sonars=_grouped([one for one in fitted if one.declaration.model == "sonar"]),
-            sonar_errors=np.array(sonar_errors, dtype=np.float64).reshape(-1, 2),
+            sonar_figures=np.array(sonar_figures, dtype=np.float64).reshape(-1, FIGURE_COLUMNS),
             sonar_schedule=schedule[sonar],
         )
 
@@ -176,6 +226,42 @@ class ProximityKind(Kind):
 def _infrared(declaration: Proximity) -> tuple[float, ...]:
     sigma = declaration.noise_volts / VOLT_METRES
     return sigma, declaration.dropout, declaration.min_range, declaration.max_range
+
+
+def _check_device(where: str, declaration: Proximity) -> None:
+    """Refuse a beam or a range that the device does not have."""
+    if declaration.device is None:
+        return
+    name, device = declaration.device, DEVICES[declaration.device]
+    if declaration.cone_deg != device.cone_deg:
+        text = f"{where}.ConeDeg: expected {device.cone_deg:g} of {name}, got {declaration.cone_deg:g}"
+        raise RequestRefusedError("value", text)
+    if declaration.min_range < device.min_range:
+        text = f"{where}.MinRange: expected at least {device.min_range:g} of {name}, got {declaration.min_range:g}"
+        raise RequestRefusedError("value", text)
+    if declaration.max_range > device.max_range:
+        text = f"{where}.MaxRange: expected at most {device.max_range:g} of {name}, got {declaration.max_range:g}"
+        raise RequestRefusedError("value", text)
+
+
+def _figures(declaration: Proximity) -> tuple[float, ...]:
+    """Return the row of a sonar in a figure block of `kernels.sonar_beam`."""
+    limit_deg = 0.5 * declaration.cone_deg
+    sure_deg, frequency = SURE_SHARE * limit_deg, FREQUENCY
+    if declaration.device is not None:
+        device = DEVICES[declaration.device]
+        sure_deg, limit_deg, frequency = device.sure_deg, device.limit_deg, device.frequency
+    return (
+        declaration.dropout,
+        declaration.crosstalk,
+        math.radians(sure_deg),
+        math.radians(limit_deg),
+        # Slightly less, so that the thing of the source is heard whatever is rounded.
+        (1.0 - 1e-9) * THIN_WIDTH / (THIN_DISTANCE * THIN_DISTANCE * THIN_DISTANCE),
+        SPEED_OF_SOUND / frequency,
+        declaration.ping_delay,
+        declaration.second_ping_delay,
+    )
 
 
 def _grouped(fitted: Sequence[Fitted]) -> _Grouped:

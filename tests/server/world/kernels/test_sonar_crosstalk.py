@@ -1,4 +1,4 @@
-"""What sonars hear of the chirps of others."""
+"""What sonars hear of the pings of others: by timing and geometry, never at one point."""
 
 from __future__ import annotations
 
@@ -6,58 +6,106 @@ import math
 from typing import Any
 
 import pytest
+from msgspec import structs
 
-from intellwheels_schemas.messages import Proximity, Wall
-from intellwheels_server.world import State, measures
-from intellwheels_server.world.kernels.sonar_echoes import COMB
+from intellwheels_maps import robot
+from intellwheels_schemas.messages import Position, Wall
+from intellwheels_server.world import State
+from tests.server.world.sonars import heard, many, readings, solid, sonar, told
 from tests.server.worlds import box_wall, cart, run, world
 
 
-def _sonar(sensor_id: str = "s", **fields: Any) -> Proximity:
-    known: dict[str, Any] = {
-        "x": 0.0, "y": 0.0, "z": 0.4, "direction_deg": 0.0, "cone_deg": 60.0, "max_range": 5.0, "model": "sonar",
-    }  # fmt: skip
-    return Proximity(id=sensor_id, **{**known, **fields})
-
-
-def _heard(state: State, agent: str = "a", at: int = 0) -> float | str:
-    sensors = measures(state, agent).sensors
-    assert sensors is not None
-    reading = sensors.proximity[at]
-    return reading.status if reading.value is None else reading.value
-
-
-def _told(distance: float) -> Any:
-    return pytest.approx(COMB * round(distance / COMB), abs=1e-12)
-
-
-def _facing(crosstalk: float, walls: list[Wall] | None = None, **fields: Any) -> State:
+def _facing(crosstalk: float, walls: list[Wall] | None = None, period: float = 0.05, **fields: Any) -> State:
+    """Return two carts whose sonars are 3 m apart and face each other."""
+    every = math.ceil(0.05 / period)
     robots = {
-        "a": cart(proximity=(_sonar(x=0.5, crosstalk=crosstalk),)),
-        "b": cart(4.0, heading=math.pi, proximity=(_sonar(x=0.5, **fields),)),
+        "a": cart(proximity=(sonar(x=0.5, crosstalk=crosstalk, every=every),)),
+        "b": cart(4.0, heading=math.pi, proximity=(sonar(x=0.5, **{"every": every, **fields}),)),
     }
-    return world(robots, walls or [])
+    return world(robots, walls or [], period=period)
 
 
-def test_chirp_of_a_sonar_that_looks_back_counts_as_half_the_way() -> None:
-    assert _heard(_facing(0.0)) == _told(3.0)
-    assert _heard(_facing(1.0)) == _told(1.5)
-    assert _heard(_facing(1.0), "b") == _told(3.0)
-    assert _heard(_facing(1.0, direction_deg=90.0)) == _told(3.0)
+def test_ping_of_a_sonar_that_looks_back_counts_as_half_the_way() -> None:
+    assert heard(_facing(0.0)) == told(3.0)
+    assert heard(_facing(1.0)) == told(1.5)
+    assert heard(_facing(1.0), "b") == told(3.0)
+    assert heard(_facing(1.0, direction_deg=90.0)) == told(3.0)
 
 
-def test_chirp_is_not_heard_through_a_wall_nor_of_another_firing_group() -> None:
-    assert _heard(_facing(1.0, [box_wall(2.2, -1.0, 2.4, 1.0)])) == _told(1.7)
-    # In the first tick group 1 is silent; then the other does not fire again.
-    assert _heard(_facing(1.0, every=2, group=1)) == _told(3.0)
-    state, _ = run(_facing(1.0, every=2, group=1), 1)
-    assert _heard(state) == _told(1.5)
+def test_ping_is_not_heard_through_a_wall_nor_half_a_tenth_of_a_second_later() -> None:
+    assert heard(_facing(1.0, [box_wall(2.2, -1.0, 2.4, 1.0)])) == told(1.7)
+    # In the first tick group 1 is silent, and in the second the sound of the other has gone 17 m.
+    state = _facing(1.0, every=2, group=1)
+    assert heard(state) == told(3.0)
+    state, _ = run(state, 1)
+    assert heard(state) == told(1.5)
 
 
-def test_share_of_chirps_that_is_taken_for_an_echo() -> None:
-    state = _facing(0.3)
-    taken = 0
-    for _ in range(400):
-        taken += _heard(state) == _told(1.5)
+@pytest.mark.parametrize(("delay", "distance"), [(0.002, 1.846), (0.004, 2.192), (0.01, 3.0)])
+def test_ping_that_is_made_later_seems_farther(delay: float, distance: float) -> None:
+    """1.5 m and half of the way of sound in the delay, 173 m/s; beyond 3 m is the echo of the other cart."""
+    assert heard(_facing(1.0, ping_delay=delay)) == told(distance)
+
+
+def test_ping_of_another_tick_is_heard_if_it_arrives_in_time() -> None:
+    # Ticks of 5 ms: the other pings a tick before, or after; 0.865 m less or more.
+    for group, distance in ((0, 1.5), (1, 2.365), (2, 3.0), (9, 0.635)):
+        state, _ = run(_facing(1.0, period=0.005, every=10, group=group), 10)
+        assert heard(state) == told(distance)
+
+
+def test_delays_that_alternate_make_crosstalk_jump_and_leave_echoes_as_they_are() -> None:
+    crossed, quiet = _facing(1.0, second_ping_delay=0.004), _facing(0.0, second_ping_delay=0.004)
+    for k in range(6):
+        crossed, _ = run(crossed, 1)
+        quiet, _ = run(quiet, 1)
+        assert readings(crossed) == [told(1.5 + (k % 2) * 0.692)]
+        assert readings(quiet) == [told(3.0)]
+
+
+def test_share_of_pings_that_is_taken_for_an_echo() -> None:
+    robots = {
+        "a": cart(proximity=many(40, x=0.5, crosstalk=0.3)),
+        "b": cart(4.0, heading=math.pi, proximity=(sonar(x=0.5),)),
+    }
+    state, taken = world(robots), 0
+    for _ in range(10):
         state, _ = run(state, 1)
+        taken += sum(value == told(1.5) for value in readings(state))
     assert taken == pytest.approx(120, abs=37)  # four standard deviations
+
+
+def test_ping_is_heard_by_way_of_a_wall() -> None:
+    """Two sonars side by side look at a wall at 45 degrees: the way is that from the image, 2 sqrt(2) long."""
+    wall = box_wall(2.0, -9.0, 3.0, 9.0)
+    robots = {
+        "a": cart(proximity=(sonar(x=1.0, y=-1.0, direction_deg=45.0, cone_deg=40.0, crosstalk=1.0),)),
+        "b": cart(-3.0, proximity=(sonar(x=4.0, y=1.0, direction_deg=-45.0, cone_deg=40.0),)),
+    }
+    state = world(robots, [wall])
+    assert heard(state) == told(math.sqrt(2.0))
+    assert heard(state, "b") == "none"
+    post = solid((1.5, -0.6), (1.6, -0.6), (1.6, -0.3), (1.5, -0.3))
+    assert heard(world(robots, [wall, post])) != told(math.sqrt(2.0))
+
+
+def test_sonars_at_one_point_do_not_disturb_each_other() -> None:
+    turns = range(0, 360, 20)
+    for delay in (0.0, 0.01):
+        fan = tuple(
+            sonar(f"s{k}", direction_deg=float(turn), crosstalk=1.0, ping_delay=delay * (k % 2))
+            for k, turn in enumerate(turns)
+        )
+        state, _ = run(world({"a": cart(proximity=fan)}), 1)
+        assert readings(state) == ["none"] * len(fan)
+
+
+@pytest.mark.parametrize("cone", [20.0, 55.0, 72.0])
+def test_corridor_chair_alone_in_an_empty_world_hears_nothing(cone: float) -> None:
+    chair = robot("corridor-chair")
+    sonars = tuple(
+        structs.replace(one, model="sonar", crosstalk=1.0, latency=1, cone_deg=cone) for one in chair.proximity
+    )
+    chair = structs.replace(chair, proximity=sonars, position=Position(x=0.0, y=0.0, heading=0.3))
+    state, _ = run(world({"a": chair}), 1)
+    assert readings(state) == ["none"] * len(sonars)

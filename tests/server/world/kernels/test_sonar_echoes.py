@@ -1,100 +1,128 @@
-"""What sonars hear: mirrors, posts, what hides what, and steps."""
+"""What sonars hear directly: walls at right angles, posts, bodies, and what hides what."""
 
 from __future__ import annotations
 
 import math
-from typing import Any
 
 import pytest
 
-from intellwheels_schemas.messages import Corner, Part, Position, Proximity, Robot, Wall
-from intellwheels_server.world import State, measures
-from intellwheels_server.world.kernels.sonar_echoes import COMB
+from intellwheels_schemas.messages import Part, Position, Robot
+from tests.server.world.sonars import heard, many, readings, solid, sonar, told
 from tests.server.worlds import box_wall, cart, run, world
 
-
-def _sonar(sensor_id: str = "s", **fields: Any) -> Proximity:
-    known: dict[str, Any] = {
-        "x": 0.0, "y": 0.0, "z": 0.4, "direction_deg": 0.0, "cone_deg": 60.0, "max_range": 5.0, "model": "sonar",
-    }  # fmt: skip
-    return Proximity(id=sensor_id, **{**known, **fields})
+AHEAD = box_wall(2.0, -9.0, 3.0, 9.0)
 
 
-def _heard(state: State, agent: str = "a", at: int = 0) -> float | str:
-    sensors = measures(state, agent).sensors
-    assert sensors is not None
-    reading = sensors.proximity[at]
-    return reading.status if reading.value is None else reading.value
+def test_wall_is_heard_where_the_beam_meets_it_at_right_angles() -> None:
+    turned = [0.0, 15.0, -15.0]
+    sonars = tuple(sonar(f"s{k}", direction_deg=turn) for k, turn in enumerate(turned))
+    state, _ = run(world({"a": cart(proximity=sonars)}, [AHEAD]), 1)
+    # Not the distance along the axis, which is longer.
+    assert readings(state) == [told(2.0)] * 3
 
 
-def _told(distance: float) -> Any:
-    return pytest.approx(COMB * round(distance / COMB), abs=1e-12)
+@pytest.mark.parametrize("cone", [10.0, 20.0, 55.0, 72.0])
+def test_wall_outside_the_beam_is_never_heard(cone: float) -> None:
+    sonars = many(direction_deg=0.5 * cone + 0.1, cone_deg=cone)
+    state = world({"a": cart(proximity=sonars)}, [AHEAD])
+    for _ in range(5):
+        state, _ = run(state, 1)
+        assert readings(state) == ["none"] * 64
 
 
-def _lost_from(turns: list[float], walls: list[Wall]) -> float:
-    """Return the first of some directions of a sonar, in degrees, in which it hears nothing."""
-    sonars = tuple(_sonar(f"s{k}", direction_deg=turn) for k, turn in enumerate(turns))
-    state = world({"a": cart(proximity=sonars)}, walls)
-    heard = [_heard(state, at=k) for k in range(len(turns))]
-    first = heard.index("none")
-    assert all(value == "none" for value in heard[first:])
-    assert all(value == _told(2.0) for value in heard[:first])
-    return turns[first]
+def test_sonar_of_20_degrees_does_not_hear_a_wall_at_24() -> None:
+    state = world({"a": cart(proximity=many(direction_deg=24.0, cone_deg=20.0))}, [AHEAD])
+    state, _ = run(state, 1)
+    assert readings(state) == ["none"] * 64
 
 
-def test_wall_is_lost_beyond_25_degrees_between_axis_and_normal() -> None:
-    turns = [0.5 * k for k in range(60)]
-    assert _lost_from(turns, [box_wall(2.0, -9.0, 3.0, 9.0)]) == pytest.approx(25.0, abs=1.0)
-    mirrored = [-turn for turn in turns]
-    assert _lost_from(mirrored, [box_wall(2.0, -9.0, 3.0, 9.0)]) == pytest.approx(-25.0, abs=1.0)
-    slanted = Wall(corner=tuple(Corner(x=x, y=y) for x, y in ((2.0, -9.0), (9.0, 0.0), (2.0, 9.0))))
-    assert _lost_from(turns, [slanted]) == pytest.approx(25.0, abs=1.0)
+def test_wall_that_ends_before_the_beam_meets_it_is_not_heard() -> None:
+    state = world({"a": cart(proximity=(sonar(),))}, [box_wall(2.0, 0.01, 3.0, 9.0)])
+    assert heard(state) == "none"
 
 
 @pytest.mark.parametrize("body", [True, False])
-def test_post_of_25_mm_is_lost_beyond_2_4_m(*, body: bool) -> None:
-    for distance, heard in ((1.0, True), (2.39, True), (2.41, False), (3.5, False)):
-        robots = {"a": cart(proximity=(_sonar(),))}
-        walls = []
-        if body:
-            part = Part(x=0.0, y=0.0, length=0.025, width=0.025, bottom=0.0, top=1.0)
-            robots["post"] = Robot(part=(part,), position=Position(x=distance + 0.0125, y=0.0, heading=0.0))
-        else:
-            walls.append(box_wall(distance, -0.0125, distance + 0.025, 0.0125))
-        assert _heard(world(robots, walls)) == (_told(distance) if heard else "none")
+def test_thin_thing_is_heard_as_far_as_a_cylinder_sends_enough_back(*, body: bool) -> None:
+    """3.2 mm at 1.6 m (LoPresti et al. 2011); others by the cube root of their width."""
+    for width in (0.0032, 0.005, 0.025):
+        limit = 1.6 * (width / 0.0032) ** (1.0 / 3.0)
+        for distance, is_heard in ((0.5, True), (limit - 0.001, True), (limit + 0.001, False)):
+            robots = {"a": cart(proximity=(sonar(),))}
+            walls = []
+            half = 0.5 * width
+            if body:
+                part = Part(x=0.0, y=0.0, length=width, width=width, bottom=0.0, top=1.0)
+                robots["post"] = Robot(part=(part,), position=Position(x=distance + half, y=0.0, heading=0.0))
+            else:
+                walls.append(box_wall(distance, -half, distance + width, half))
+            assert heard(world(robots, walls)) == (told(distance) if is_heard else "none")
+
+
+def test_wheelchair_sensors_hear_3_2_mm_at_1_6_m() -> None:
+    """The check of LoPresti et al. (2011), JRRD 48(5), 529."""
+    thread = box_wall(1.6, -0.0016, 1.6032, 0.0016)
+    devices = {"srf08": (55.0, 6.0), "srf10": (72.0, 6.0), "hc-sr04": (15.0, 4.0)}
+    sonars = tuple(
+        sonar(name, device=name, cone_deg=cone, min_range=0.06, max_range=far, every=2)
+        for name, (cone, far) in devices.items()
+    )
+    state, _ = run(world({"a": cart(proximity=sonars)}, [thread]), 1)
+    assert readings(state) == [told(1.6)] * 3
+
+
+@pytest.mark.parametrize("body", [True, False])
+def test_wire_that_is_too_thin_to_be_heard_hides_nothing(*, body: bool) -> None:
+    robots = {"a": cart(proximity=(sonar(),))}
+    walls = [box_wall(3.0, -9.0, 4.0, 9.0)]
+    if body:
+        part = Part(x=0.0, y=0.0, length=0.005, width=0.005, bottom=0.0, top=1.0)
+        robots["wire"] = Robot(part=(part,), position=Position(x=2.0, y=0.0, heading=0.0))
+    else:
+        walls.append(box_wall(2.0, -0.0025, 2.005, 0.0025))
+    assert heard(world(robots, walls)) == told(3.0)
+
+
+def test_thin_wall_seen_from_its_end_hides_nothing_and_from_its_side_everything() -> None:
+    behind = box_wall(4.0, -9.0, 5.0, 9.0)
+    cart_with_a_sonar = {"a": cart(proximity=(sonar(cone_deg=20.0),))}
+    assert heard(world(cart_with_a_sonar, [behind, box_wall(2.0, -0.0025, 3.0, 0.0025)])) == told(4.0)
+    slanted = solid((1.0, -2.0), (1.005, -2.0), (4.005, 2.0), (4.0, 2.0))
+    assert heard(world(cart_with_a_sonar, [behind, slanted])) == "none"
 
 
 def test_post_answers_from_whatever_side_it_is_seen() -> None:
-    turned = [(2.0, 0.0), (2.02, -0.02), (2.04, 0.0), (2.02, 0.02)]
-    walls = [Wall(corner=tuple(Corner(x=x, y=y) for x, y in turned))]
-    assert _heard(world({"a": cart(proximity=(_sonar(),))}, walls)) == _told(2.0)
+    walls = [solid((2.0, 0.0), (2.02, -0.02), (2.04, 0.0), (2.02, 0.02))]
+    assert heard(world({"a": cart(proximity=(sonar(),))}, walls)) == told(2.0)
 
 
 def test_body_answers_from_whatever_side_it_is_seen() -> None:
-    robots = {"a": cart(proximity=(_sonar(),)), "b": cart(3.0, heading=math.radians(45))}
+    robots = {"a": cart(proximity=(sonar(),)), "b": cart(3.0, heading=math.radians(45))}
     nearest = 3.0 - 0.8 * math.sqrt(0.5)  # the corner
-    assert _heard(world(robots)) == pytest.approx(nearest, abs=COMB)
+    assert heard(world(robots)) == told(nearest)
 
 
-def test_nothing_is_heard_through_a_wall_that_is_lost() -> None:
-    ahead = box_wall(4.0, -9.0, 5.0, 9.0)
-    slanted = Wall(corner=tuple(Corner(x=x, y=y) for x, y in ((1.0, -2.0), (1.2, -2.0), (4.2, 2.0), (4.0, 2.0))))
-    sonar = (_sonar(cone_deg=20.0),)
-    assert _heard(world({"a": cart(proximity=sonar)}, [ahead])) == _told(4.0)
-    assert _heard(world({"a": cart(proximity=sonar)}, [ahead, slanted])) == "none"
+def test_inner_cuts_of_a_concave_solid_return_no_echo() -> None:
+    """A chevron that opens to the sonar: no face is met at right angles, and its right-angled corner is too far."""
+    walls = [solid((2.0, -3.0), (5.0, 0.0), (2.0, 3.0), (2.0, 4.0), (6.0, 0.0), (2.0, -4.0))]
+    sonars = tuple(
+        sonar(f"s{k}", x=-1.2, direction_deg=float(turn), cone_deg=20.0) for k, turn in enumerate(range(-60, 61, 5))
+    )
+    state, _ = run(world({"a": cart(proximity=sonars)}, walls), 1)
+    assert readings(state) == ["none"] * len(sonars)
 
 
 def test_too_close_and_inside_are_near() -> None:
     walls = [box_wall(1.0, -1.0, 2.0, 1.0)]
-    assert _heard(world({"a": cart(proximity=(_sonar(min_range=1.2),))}, walls)) == "near"
-    assert _heard(world({"a": cart(proximity=(_sonar(x=1.5),))}, walls)) == "near"
+    assert heard(world({"a": cart(proximity=(sonar(min_range=1.2),))}, walls)) == "near"
+    assert heard(world({"a": cart(proximity=(sonar(x=1.5),))}, walls)) == "near"
+    assert heard(world({"a": cart(proximity=(sonar(x=1.5),)), "b": cart(1.5)})) == "near"
 
 
-def test_distances_come_in_steps_of_8_65_mm() -> None:
-    state = world({"a": cart(proximity=(_sonar(),))}, [box_wall(3.0, -9.0, 4.0, 9.0)])
-    for _ in range(10):
-        value = _heard(state)
-        assert isinstance(value, float)
-        assert value / 0.00865 == pytest.approx(round(value / 0.00865), abs=1e-9)
-        assert value == pytest.approx(3.0 - float(state.numbers[0, 0]), abs=0.0044)
-        state, _ = run(state, 1, {"a": (0.3, 0.3)})
+def test_noise_of_a_sonar_does_not_depend_on_other_things_and_sonars() -> None:
+    alone, _ = run(world({"a": cart(proximity=(sonar(),))}, [AHEAD]), 1)
+    others = (sonar("other", x=0.1), sonar())
+    crowded = world({"a": cart(proximity=others), "b": cart(0.0, 3.0, proximity=(sonar(),))}, [AHEAD])
+    for _ in range(20):
+        crowded, _ = run(crowded, 1)
+        assert readings(crowded)[1] == readings(alone)[0]
+        alone, _ = run(alone, 1)

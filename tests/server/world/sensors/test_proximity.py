@@ -89,13 +89,74 @@ def test_bodies_see_one_another_across_the_same_gap() -> None:
     [
         ({"dropout": 0.1}, r"Dropout: expected 0 with the model ideal, got 0.1"),
         ({"model": "infrared", "crosstalk": 0.1}, r"Crosstalk: expected 0 with the model infrared, got 0.1"),
+        ({"model": "ideal", "ping_delay": 0.01}, r"PingDelay: expected 0 with the model ideal, got 0.01"),
+        ({"model": "ideal", "device": "srf08"}, r"Device: expected none with the model ideal, got 'srf08'"),
         ({"model": "sonar", "group": 2, "every": 2}, r"Group: expected less than Every 2, got 2"),
+        ({"model": "sonar", "device": "srf08"}, r"ConeDeg: expected 55 of srf08, got 30"),
+        (
+            {"model": "sonar", "device": "srf08", "cone_deg": 55.0},
+            r"MinRange: expected at least 0.03 of srf08, got 0.02",
+        ),
+        (
+            {"model": "sonar", "device": "srf04", "cone_deg": 55.0, "min_range": 0.03},
+            r"MaxRange: expected at most 3 of srf04, got 4",
+        ),
     ],
 )
 def test_error_that_a_model_has_not_is_refused(fields: dict[str, Any], text: str) -> None:
     with pytest.raises(RequestRefusedError, match=rf"Robot.Proximity\[2\].{text}") as refused:
         ProximityKind().check("Robot.Proximity[2]", _eye(**fields), floor_of())
     assert refused.value.code == "value"
+
+
+@pytest.mark.parametrize(
+    ("fields", "period", "text"),
+    [
+        ({}, 0.05, r"Latency: expected at least 1 with the model sonar, got 0"),
+        ({"latency": 1}, 0.02, r"Every: expected at least 3, as a sonar pings once in 0.05 s, got 1"),
+        (
+            {"latency": 1, "device": "srf08", "cone_deg": 55.0},
+            0.05,
+            r"Every: expected at least 2, as srf08 pings once in 0.065 s, got 1",
+        ),
+        (
+            {"latency": 1, "device": "srf08", "cone_deg": 55.0, "every": 6},
+            0.01,
+            r"Every: expected at least 7, as srf08 pings once in 0.065 s, got 6",
+        ),
+    ],
+)
+def test_sonar_that_pings_too_soon_or_answers_at_once_is_refused(
+    fields: dict[str, Any], period: float, text: str
+) -> None:
+    eye = _eye(**{"model": "sonar", "min_range": 0.03, **fields})
+    robot = Robot(proximity=(eye,))
+    with pytest.raises(RequestRefusedError, match=rf"Robot.Proximity\[0\].{text}") as refused:
+        check_sensors(robot, floor_of(), truth=False, period=period)
+    assert refused.value.code == "value"
+
+
+def test_sonar_may_ping_once_in_its_period_and_answer_a_tick_later() -> None:
+    eyes = (
+        _eye("a", model="sonar", latency=1, every=5),
+        _eye("b", model="sonar", latency=1, device="srf08", cone_deg=55.0, min_range=0.03, every=7),
+    )
+    check_sensors(Robot(proximity=eyes), floor_of(), truth=False, period=0.01)
+    check_sensors(Robot(proximity=eyes[:1]), floor_of(), truth=False, period=0.05)
+
+
+def test_sonar_answers_a_tick_later_and_says_when_it_pinged() -> None:
+    fields: dict[str, Any] = {"model": "sonar", "device": "srf08", "cone_deg": 55.0, "min_range": 0.03, "latency": 1}
+    eyes = tuple(_eye(f"g{group}", **fields, every=4, group=2 * group) for group in range(2))
+    state = world({"a": cart(proximity=eyes)}, [box_wall(2.5, -9.0, 3.0, 9.0)])
+    found = []
+    for _ in range(8):
+        sensors = measures(state, "a").sensors
+        found.append([] if sensors is None else [(one.id, one.tick) for one in sensors.proximity])
+        state, _ = run(state, 1)
+    first = [[], [("g0", 0)], [("g0", 0)]]
+    then = [[("g0", 0), ("g1", 2)]] * 2
+    assert found == [*first, *then, *[[("g0", 4), ("g1", 2)]] * 2, [("g0", 4), ("g1", 6)]]
 
 
 def _infrared_errors(distance: float, count: int = 64, ticks: int = 25, **fields: Any) -> list[float]:
@@ -126,18 +187,24 @@ def test_infrared_tells_nothing_beyond_its_range_and_fails_by_its_share() -> Non
 
 
 def test_failing_sensor_says_fault() -> None:
-    state = world({"a": cart(proximity=(_eye(model="infrared", dropout=1.0), _eye("b", model="sonar", dropout=1.0)))})
+    eyes = (_eye(model="infrared", dropout=1.0), _eye("b", model="sonar", dropout=1.0, latency=1))
+    state, _ = run(world({"a": cart(proximity=eyes)}), 1)
     assert _seen(state) == ["fault", "fault"]
 
 
 def test_sonar_beside_an_ideal_sensor_leaves_that_as_it_is() -> None:
-    eyes = (_eye("sonar", model="sonar"), _eye("ideal"), _eye("fixed", model="sonar", mount="start"))
-    state = world({"a": cart(proximity=eyes)}, [box_wall(2.5, -2.0, 3.0, 2.0)])
-    # 231 steps of 8.65 mm are 1.99815 m.
-    assert _seen(state) == pytest.approx([1.99815, 2.0, 1.99815], abs=1e-12)
+    eyes = (
+        _eye("sonar", model="sonar", latency=1),
+        _eye("ideal"),
+        _eye("fixed", model="sonar", mount="start", latency=1),
+    )
+    state, _ = run(world({"a": cart(proximity=eyes)}, [box_wall(2.5, -2.0, 3.0, 2.0)]), 1)
+    found = _seen(state)
+    assert found[1] == pytest.approx(2.0, abs=1e-12)
+    assert [found[0], found[2]] == pytest.approx([2.0, 2.0], abs=0.00865 + ROUNDED)
 
 
 def test_real_robot_has_no_sensor_that_is_fixed_in_the_world() -> None:
     with pytest.raises(RequestRefusedError, match=r"Mount: expected body for a real robot, got 'start'") as refused:
-        check_sensors(Robot(type="real", proximity=(_eye(mount="start"),)), floor_of(), truth=False)
+        check_sensors(Robot(type="real", proximity=(_eye(mount="start"),)), floor_of(), truth=False, period=0.05)
     assert refused.value.code == "mount"

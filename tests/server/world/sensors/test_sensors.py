@@ -128,7 +128,7 @@ def _known(sensor_id: str) -> dict[str, Any]:
 
 def test_beacon_for_a_place_that_the_floor_has_not_is_refused() -> None:
     with pytest.raises(RequestRefusedError, match=r"Robot.Beacon\[0\].Place: expected a place of map 'test', got 'x'"):
-        check_sensors(Robot(beacon=(Beacon(id="b", place="x"),)), floor_of(), truth=False)
+        check_sensors(Robot(beacon=(Beacon(id="b", place="x"),)), floor_of(), truth=False, period=0.05)
 
 
 def test_firing_groups_sample_one_after_the_other_within_their_rate() -> None:
@@ -154,7 +154,7 @@ _EVERYTHING: dict[str, Any] = {
         Proximity(id="ir", x=0.5, y=0.0, z=0.4, direction_deg=0.0, cone_deg=10.0, max_range=4.0, model="infrared"),
         Proximity(
             id="us", x=0.5, y=0.0, z=0.4, direction_deg=0.0, cone_deg=30.0, max_range=4.0, model="sonar", dropout=0.1,
-            crosstalk=0.5, every=2, group=1,
+            crosstalk=0.5, every=2, group=1, latency=1,
         ),
     ),
     "lidar": (
@@ -220,16 +220,18 @@ def test_what_sensors_remember_is_part_of_the_hash() -> None:
 def test_truth_is_refused_where_it_is_not_allowed() -> None:
     robot = Robot(compass=(Compass(id="c"),), truth=(Truth(id="t"),))
     with pytest.raises(RequestRefusedError, match=r"Robot.Truth\[0\]: truth sensors are not allowed") as refused:
-        check_sensors(robot, floor_of(), truth=False)
+        check_sensors(robot, floor_of(), truth=False, period=0.05)
     assert refused.value.code == "truth"
-    check_sensors(robot, floor_of(), truth=True)
+    check_sensors(robot, floor_of(), truth=True, period=0.05)
 
 
 def test_real_sensor_of_any_kind_and_model_is_let_in_since_its_bridge_reads_it() -> None:
     sonar = Proximity(
         id="s", x=0.0, y=0.0, z=0.4, direction_deg=0.0, cone_deg=30.0, max_range=4.0, source="real", model="sonar"
     )
-    check_sensors(Robot(type="real", gps=(GPS(id="g", source="real"),), proximity=(sonar,)), floor_of(), truth=False)
+    check_sensors(
+        Robot(type="real", gps=(GPS(id="g", source="real"),), proximity=(sonar,)), floor_of(), truth=False, period=0.05
+    )
 
 
 def _numbers(plain: Any) -> Iterator[float]:
