@@ -40,7 +40,7 @@ Found = dict[str, tuple[object, object, float]]
 PERIODS = (0.01, 0.02, 0.05, 0.1, 0.2)
 
 SENSOR_FIELDS = {
-    **dict.fromkeys(("id", "source", "place", "model"), "names"),
+    **dict.fromkeys(("id", "source", "place", "model", "device"), "names"),
     **dict.fromkeys(("x", "y", "z", "direction_deg", "cone_deg", "mount", "rays", "fov_deg"), "geometry"),
     **dict.fromkeys(("min_range", "max_range", "incidence_deg"), "bounds of one reading"),
     **dict.fromkeys(("every", "latency", "group"), "counted in ticks, as their description says"),
@@ -145,6 +145,28 @@ def readings(period: float) -> Found:
         "Compass.step_deg": (seen[-1].compass[-1].value, 0.0, ROUNDED),
         "GPS.step": (seen[-1].gps[-1].x, 0.25, ROUNDED),
         "Beacon.step_deg": (seen[-1].beacon[-1].value, math.radians(175.0), ROUNDED),
+    }  # fmt: skip
+
+
+def pings(period: float) -> Found:
+    """Two sonars, 3 m apart, face each other; one takes the pings of the other, 2 ms and 5 ms later, for its own."""
+    every = math.ceil(0.05 / period - 1e-9)
+    eye: dict[str, Any] = {
+        "x": 0.5, "y": 0.0, "z": 0.4, "direction_deg": 0.0, "cone_deg": 20.0, "max_range": 5.0, "model": "sonar",
+        "every": every, "latency": 1,
+    }  # fmt: skip
+    own = Proximity(id="s", crosstalk=1.0, ping_delay=0.003, second_ping_delay=0.003, **eye)
+    other = Proximity(id="s", ping_delay=0.005, second_ping_delay=0.008, **eye)
+    state = world({"a": cart(proximity=(own,)), "b": cart(4.0, heading=math.pi, proximity=(other,))}, period=period)
+    state, _ = run(state, 1)
+    first = _sensors(state).proximity[0].value
+    state, _ = run(state, every)
+    # Half of the way of sound, at 346 m/s; the jitter is one wave of 40 kHz.
+    return {
+        "Proximity.ping_delay": (first, 1.5 + 173.0 * 0.002, 0.00865 + ROUNDED),
+        "Proximity.second_ping_delay": (
+            _sensors(state).proximity[0].value, 1.5 + 173.0 * 0.005, 0.00865 + ROUNDED,
+        ),
     }  # fmt: skip
 
 
@@ -288,7 +310,7 @@ def silence(period: float) -> Found:
 
 
 EXPERIMENTS: tuple[Callable[[float], Found], ...] = (
-    readings, walks, quantised_motion, motion, noisy_motion, pressed, silence,
+    readings, pings, walks, quantised_motion, motion, noisy_motion, pressed, silence,
 )  # fmt: skip
 
 
