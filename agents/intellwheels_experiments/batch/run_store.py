@@ -149,11 +149,11 @@ FIELDS: Final = RunMeasures.__struct_fields__
 
 def runs_csv(runs: Iterable[StoredRun]) -> str:
     """Return runs as CSV, one line each. A measure without a value is empty."""
-    lines: list[Sequence[object]] = [("row", "seed", "died", *FIELDS, "drawn")]
+    lines: list[Sequence[object]] = [("row", "seed", "died", "drawn", *FIELDS)]
     for run in runs:
         values = [_cell(getattr(run.measured, name)) if run.measured else "" for name in FIELDS]
         offsets = "; ".join(f"{label}={offset:.6g}" for label, offset in run.drawn.items())
-        lines.append((run.row, run.seed, "yes" if run.died else "no", *values, offsets))
+        lines.append((run.row, run.seed, "yes" if run.died else "no", offsets, *values))
     return _csv(lines)
 
 

@@ -26,10 +26,10 @@ def test_level_replaces_the_cast_of_the_scene_and_sets_options() -> None:
     rows = {row.name: row for row in rows_of(scene("table1"))}
     assert rows["real-manual"].scene.cast[0].mind == "driver"
     assert rows["real-manual"].real
-    given = {one.name: one.value for one in rows["real-autonomous"].scene.cast[0].option}
-    assert given == {
-        "MotorNoise": "0.015", "to": "goal", "Proximity.Model": "sonar", "Proximity.Latency": "1",
-        "WheelRatio": "1.002", "Encoders.Drift": "0.00000034",
+    real = rows["real-autonomous"].scene.cast[0]
+    assert real.robot == "srf08-chair"
+    assert {one.name: one.value for one in real.option} == {
+        "MotorNoise": "0.015", "to": "goal", "WheelRatio": "1.002", "TrackRatio": "1.0", "Encoders.Drift": "0.00000034",
     }  # fmt: skip
     assert set(rows["augmented-raw"].bridges) == {"chair"}
 
