@@ -17,7 +17,7 @@ def test_changed_mind_and_options_are_in_the_cast() -> None:
     assert cast.mind == "driver"
     own, body = ({one.name for one in cast.option if one.name[0].isupper() is upper} for upper in (False, True))
     assert own == {"to", "speed"}
-    assert body == {"MotorNoise", "Proximity.Model", "Proximity.Latency", "WheelRatio", "Encoders.Drift"}
+    assert body == {"MotorNoise", "WheelRatio", "TrackRatio", "Encoders.Drift"}
 
 
 @pytest.mark.parametrize(
