@@ -56,7 +56,11 @@ _MEASURES: Final = (
     ("clearance", "smallest distance from anything during the run, m; in brackets the smallest of all runs"),
     ("SPL", "success weighted by path length, in [0, 1]; the SPL of a batch is the mean (Anderson et al. 2018)"),
     ("SPARC", "spectral arc length of the speed; closer to 0 is smoother (Balasubramanian et al. 2015)"),
-    ("LDLJ", "log dimensionless jerk of the speed; closer to 0 is smoother (same source)"),
+    (
+        "LDLJ",
+        "log dimensionless jerk of the speed; closer to 0 is smoother (same source). It counts the duration: with the "
+        "same start and stop it falls by 2.1 if the time doubles. Compare it at equal times; SPARC hardly counts it",
+    ),
     ("effort", "length of the joystick's path in full deflections, if a person drives (after Urdiales et al. 2011)"),
     ("odometry error", "distance between the reported and the true position at the end, m"),
 )

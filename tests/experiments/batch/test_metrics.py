@@ -56,6 +56,17 @@ def test_smoothness_depends_on_neither_size_nor_a_stop_in_between_less_than_it_s
         assert measure(twice, 1.0 / rate) < measure(once, 1.0 / rate) - 0.3
 
 
+def test_ldlj_counts_the_duration_and_sparc_hardly_does() -> None:
+    # The same start and stop, of a second each, with 8 and with 18 s at constant speed between.
+    share = np.linspace(0.0, 1.0, 21)
+    start = share**3 * (10.0 - 15.0 * share + 6.0 * share**2)
+    short, long = (np.concatenate([start, np.ones(ticks), start[::-1]]) for ticks in (160, 360))
+    jerk = [metrics.log_dimensionless_jerk(speed, 0.05) for speed in (short, long)]
+    assert jerk[0] - jerk[1] == pytest.approx(3.0 * math.log(len(long) / len(short)), abs=1e-9)
+    arc = [metrics.spectral_arc_length(speed, 0.05) for speed in (short, long)]
+    assert 0.0 < arc[0] - arc[1] < 0.1 * (jerk[0] - jerk[1])
+
+
 def test_what_does_not_move_has_no_smoothness() -> None:
     still = np.zeros(40)
     assert math.isnan(metrics.log_dimensionless_jerk(still, 0.05))
