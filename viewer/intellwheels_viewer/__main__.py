@@ -10,6 +10,7 @@ from typing import Final
 from intellwheels_schemas import defaults
 from intellwheels_schemas.command_parser import CommandParser, number, port
 from intellwheels_schemas.errors import WireError
+from intellwheels_schemas.extras import missing_extra
 from intellwheels_schemas.link import add_link_options, link_of
 from intellwheels_schemas.output_paths import check_output_file
 from intellwheels_schemas.process import add_process_options, stop_on_signals
@@ -69,6 +70,10 @@ def parser() -> argparse.ArgumentParser:
 def main(arguments: list[str] | None = None) -> int:
     """Run the command and return its exit code."""
     given = parser().parse_args(arguments)
+    lacking = missing_extra("viewer")
+    if lacking is not None:
+        print(f"iw-viewer: {lacking}", file=sys.stderr)
+        return 2
     chosen = given.world is not None
     given.world = given.world if chosen else defaults.WORLD
     try:

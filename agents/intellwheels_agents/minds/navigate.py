@@ -29,6 +29,7 @@ from intellwheels_agents.options import OptionError, Options
 from intellwheels_agents.range_scan import outline
 from intellwheels_agents.user_input import takes_goals
 from intellwheels_maps import floor
+from intellwheels_schemas.extras import missing_extra
 from intellwheels_schemas.messages import Actions, Lidar, Measures, Robot, Truth
 
 HEIGHT = 0.3
@@ -65,10 +66,11 @@ class Mind:
         Raises:
             OptionError: numpy is missing, or an option is wrong.
         """
-        try:
-            from intellwheels_agents.navigation.navigator import Navigator  # noqa: PLC0415 - an optional dependency
-        except ImportError as error:
-            raise OptionError(f"mind navigate: expected numpy (extra navigate), got {error}") from None
+        lacking = missing_extra("navigate")
+        if lacking is not None:
+            raise OptionError(f"mind navigate: {lacking}")
+        from intellwheels_agents.navigation.navigator import Navigator  # noqa: PLC0415 - an optional dependency
+
         options, robot = context.options, context.robot
         options.flag("lidar", True)
         if options.flag("truth") and not robot.truth:

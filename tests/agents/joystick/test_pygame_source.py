@@ -59,7 +59,7 @@ def test_a_missing_gamepad_is_reported(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def test_without_pygame_it_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(__import__("sys").modules, "pygame", None)
-    with pytest.raises(pygame_source.DeviceError, match=r"pip install 'intellwheels\[joystick\]'"):
+    with pytest.raises(pygame_source.DeviceError, match=r"pip install '\.\[joystick\]'"):
         pygame_source.has_gamepad()
 
 
