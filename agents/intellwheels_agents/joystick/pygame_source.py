@@ -16,7 +16,7 @@ from intellwheels_schemas.extras import missing_extra
 
 WINDOW_SIZE = (560, 150)
 """In pixels."""
-_HELP = ("arrows, W A S D or I J K L drive, shift for half speed, space stops", "0-9 are buttons, escape ends")
+_HELP = ("arrows, W A S D or I J K L drive, shift for full power, space stops", "0-9 are buttons, escape ends")
 _INVISIBLE = ("offscreen", "dummy")
 
 
