@@ -77,7 +77,8 @@ class Mind:
             raise OptionError("option truth: expected false for a robot without a truth sensor, got true")
         if not options.flag("truth") and not (robot.encoders or robot.odometry):
             raise OptionError("option truth: expected true for a robot without encoders and odometry, got false")
-        document = floor(options["map"]) if "map" in options else context.map
+        file = options.text("map")
+        document = floor(file) if file else context.map
         self._navigator = Navigator(
             context,
             document,
