@@ -329,12 +329,15 @@ class Harness:
     # ------------------------------------------------------------ errors, power, the end
 
     def erred(self, payload: Payload, now: float) -> list[Output]:
-        """Handle an `Error` message."""
-        self.errors += 1
+        """Handle an `Error` message. One about what only another process of this agent sends is not ours."""
         try:
             error = decode(Error, *payload, strict=False)
         except WireError as wrong:
+            self.errors += 1
             return [Log(f"dropped message=Error why={wrong.text!r}")]
+        if (error.where or "").partition(".")[0] == ("Pose" if self._publishes_actions else "Actions"):
+            return []
+        self.errors += 1
         if error.code == "deleted" and error.run == self._run and self._publishes_actions:
             return self._removed(error)
         if error.code in ("not-joined", "session") and self.phase is Phase.JOINED:

@@ -1,7 +1,7 @@
 """`iw`: every command of IntellWheels under one name, lists of what is included, and shell completion.
 
 `iw run figure6` is `iw-run figure6`. The commands are found by their entry points, because rooms do not import each
-other; a command whose extra is not installed says which one it needs.
+other.
 """
 
 from __future__ import annotations
@@ -37,7 +37,6 @@ COMMANDS = {
 }
 """The commands and what they do; `iw NAME` is `iw-NAME`."""
 
-_EXTRA = {"server": "server", "router": "server", "viewer": "viewer", "run": "server"}
 _SHELVES = ("floors", "robots", "scenes")
 KINDS = (*_SHELVES, "minds", "places")
 _PREFIX = "iw-"
@@ -45,7 +44,7 @@ _PREFIX = "iw-"
 
 def parser() -> argparse.ArgumentParser:
     """Return the parser of `iw`, without the commands' own options."""
-    width = max(map(len, COMMANDS)) + 2
+    width = max(map(len, (*COMMANDS, "list KIND", "completion SHELL"))) + 2
     lines = "\n".join(f"  iw {name:{width}}{text}" for name, text in COMMANDS.items())
     found = CommandParser(
         prog="iw",
@@ -55,7 +54,7 @@ def parser() -> argparse.ArgumentParser:
         epilog=(
             f"commands (each with its own --help):\n{lines}\n"
             f"  iw {'list KIND':{width}}what is included: {', '.join(KINDS)}\n"
-            f"  iw {'completion SHELL':{width}} print the completion script of {', '.join(shtab.SUPPORTED_SHELLS)}\n\n"
+            f"  iw {'completion SHELL':{width}}print the completion script of {', '.join(shtab.SUPPORTED_SHELLS)}\n\n"
             "examples:\n"
             "  iw run figure6 --view          three chairs, a table and a door, on a page in your browser\n"
             "  iw list floors                 the included maps\n"
@@ -84,27 +83,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
         with printing():
             return _list(words[1:]) if name == "list" else _completion(words[1:])
         return 0
-    command = _loaded(name)
-    if command is None:
-        extra = _EXTRA.get(name, "all")
-        text = f"expected the extra {extra!r}; install it with pip install 'intellwheels[{extra}]'"
-        print(f"iw {name}: {text}", file=sys.stderr)
-        return 1
     sys.argv[0] = f"{_PREFIX}{name}"
+    (point,) = entry_points(group="console_scripts", name=f"{_PREFIX}{name}")
+    command: Callable[[Sequence[str]], int] = point.load()
     return command(words[1:])
-
-
-def _loaded(name: str) -> Callable[[Sequence[str]], int] | None:
-    """Return a command's `main`, or None where its extra is not installed."""
-    for point in entry_points(group="console_scripts", name=f"{_PREFIX}{name}"):
-        try:
-            found: Callable[[Sequence[str]], int] = point.load()
-        except ModuleNotFoundError as error:
-            if (error.name or "").split(".")[0].startswith("intellwheels"):
-                raise
-            return None
-        return found
-    return None
 
 
 def _list(words: Sequence[str]) -> int:
@@ -175,10 +157,7 @@ def _completion(words: Sequence[str]) -> int:
     for point in entry_points(group="console_scripts"):
         if not point.name.startswith(_PREFIX):
             continue
-        try:
-            found = _parser_of(point.module)
-        except ModuleNotFoundError:
-            continue  # its extra is not installed
+        found = _parser_of(point.module)
         name = point.name.removeprefix(_PREFIX)
         below.add_parser(name, parents=[found], add_help=False, help=COMMANDS.get(name, ""))
     listing = below.add_parser("list", help="what is included")

@@ -40,6 +40,7 @@ from intellwheels_maps.library import folder_of
 from intellwheels_schemas import command_parser, defaults, messages
 from intellwheels_schemas.command_parser import CommandParser, like_field, naming, readable_file
 from intellwheels_schemas.errors import WireError
+from intellwheels_schemas.extras import missing_extra
 from intellwheels_schemas.link import Link
 from intellwheels_schemas.messages import Map, Pace, Scene
 from intellwheels_schemas.names import check_name
@@ -176,6 +177,7 @@ def _run(arguments: Sequence[str] | None) -> int:
     options = grammar.parse_args(arguments)
     try:
         _check_together(grammar, options)
+        _check_extras(options)
         check_connection(options)
         with naming("SCENE"):
             chosen = scene(options.scene)
@@ -252,20 +254,17 @@ def _batch(options: argparse.Namespace, chosen: Scene, chosen_floor: Map, folder
     except WireError as error:
         print(f"iw-run: {error.text}", file=sys.stderr)
         return 2
-    try:
-        # These import numpy, scipy, shapely and matplotlib: a single run needs none of them.
-        from intellwheels_experiments.batch.batch_command import (  # noqa: PLC0415
-            OtherBatchError,
-            merge_parts,
-            perform_batch,
-            perform_part,
-        )
-        from intellwheels_experiments.batch.batch_command import show as show_batch  # noqa: PLC0415
-        from intellwheels_experiments.batch.run_batch import Batch  # noqa: PLC0415
-        from intellwheels_experiments.batch.what_if import BranchError, perform_branch  # noqa: PLC0415
-    except ModuleNotFoundError as error:
-        print(f"iw-run: --seeds: needs {error.name}; pip install 'intellwheels[experiments]'", file=sys.stderr)
-        return 2
+    # These import numpy, scipy, shapely and matplotlib: a single run needs none of them.
+    from intellwheels_experiments.batch.batch_command import (  # noqa: PLC0415
+        OtherBatchError,
+        merge_parts,
+        perform_batch,
+        perform_part,
+    )
+    from intellwheels_experiments.batch.batch_command import show as show_batch  # noqa: PLC0415
+    from intellwheels_experiments.batch.run_batch import Batch  # noqa: PLC0415
+    from intellwheels_experiments.batch.what_if import BranchError, perform_branch  # noqa: PLC0415
+
     console = Console(stderr=True)
     batch = Batch(
         rows=rows,
@@ -351,6 +350,20 @@ def _check_together(grammar: argparse.ArgumentParser, options: argparse.Namespac
         check_output_file(getattr(options, name), f"--{name}")
     for name in ("logs", "out"):
         check_output_folder(getattr(options, name), f"--{name}")
+
+
+def _check_extras(options: argparse.Namespace) -> None:
+    """Check that the processes of the run, its page and its report have what they import.
+
+    Raises:
+        WireError: An extra is not installed.
+    """
+    needed = ["server"]
+    needed += ["viewer"] if options.view else []
+    needed += ["experiments"] if options.seeds is not None or options.branch is not None else []
+    lacking = missing_extra(*needed)
+    if lacking is not None:
+        raise WireError("value", lacking)
 
 
 def _rows(rows: tuple[Row, ...], names: Sequence[str] | None) -> tuple[Row, ...]:

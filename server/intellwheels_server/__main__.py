@@ -10,16 +10,13 @@ from pathlib import Path
 from intellwheels_schemas import defaults
 from intellwheels_schemas.endpoint_form import check_free
 from intellwheels_schemas.errors import WireError
+from intellwheels_schemas.extras import missing_extra
 from intellwheels_schemas.input_reader import cut_text, unchained_text
 from intellwheels_schemas.link import link_of
 from intellwheels_schemas.names import check_name
 from intellwheels_schemas.output_paths import check_output_file, check_output_folder
 from intellwheels_schemas.process import stop_on_signals
-from intellwheels_server.log.input_log import LogError, read_header
-from intellwheels_server.log.proof import proof_line
-from intellwheels_server.log.resimulate import resimulate
 from intellwheels_server.server_options import PLAY_SUFFIX, options_of, parser
-from intellwheels_server.service.service_state import Options
 
 LIVE_OPTIONS = (
     "scene", "map", "seed", "period", "truth", "hide_truth", "pace", "miss", "expect", "await_page", "open_loop",
@@ -34,6 +31,18 @@ def main(arguments: list[str] | None = None) -> int:
     """Run the command and return its exit code."""
     grammar = parser()
     given = grammar.parse_args(arguments)
+    lacking = missing_extra("server")
+    if lacking is not None:
+        print(f"iw-server: {lacking}", file=sys.stderr)
+        return 2
+    return _perform(grammar, given)
+
+
+def _perform(grammar: argparse.ArgumentParser, given: argparse.Namespace) -> int:
+    # Imported late, as everything of the world is: numba and zenoh are slow to load, `--help` does not need them, and
+    # without the extra they are not there.
+    from intellwheels_server.log.input_log import LogError  # noqa: PLC0415
+
     if given.trace is not None and given.resimulate is None:
         grammar.error("--trace: expected with --resimulate, got none")
     if given.prove and (given.resimulate is None or given.trace is not None):
@@ -72,7 +81,6 @@ def main(arguments: list[str] | None = None) -> int:
         print(f"iw-server: {error}", file=sys.stderr)
         return 1
     stop = stop_on_signals(given.lifeline)
-    # Imported late: numba and zenoh are slow to load, and `--help` and usage errors do not need them.
     from intellwheels_server.service.simulator_peer import WorldTakenError, serve  # noqa: PLC0415
     from intellwheels_server.world.warmup import warm  # noqa: PLC0415
 
@@ -113,6 +121,9 @@ def _check_outputs(given: argparse.Namespace) -> None:
 
 
 def _play(given: argparse.Namespace) -> int:
+    from intellwheels_server.log.input_log import LogError, read_header  # noqa: PLC0415
+    from intellwheels_server.service.service_state import Options  # noqa: PLC0415
+
     try:
         with given.play.open("rb") as file:
             world = read_header(file, str(given.play)).world
@@ -166,6 +177,10 @@ def _play(given: argparse.Namespace) -> int:
 
 
 def _resimulate(path: Path, *, prove: bool) -> int:
+    from intellwheels_server.log.input_log import LogError  # noqa: PLC0415
+    from intellwheels_server.log.proof import proof_line  # noqa: PLC0415
+    from intellwheels_server.log.resimulate import resimulate  # noqa: PLC0415
+
     try:
         found = resimulate(path, lambda ticks: print(f"resimulating ticks={ticks}", file=sys.stderr, flush=True))
     except LogError as error:
@@ -192,6 +207,7 @@ def _resimulate(path: Path, *, prove: bool) -> int:
 
 
 def _trace(log: Path, target: Path) -> int:
+    from intellwheels_server.log.input_log import LogError  # noqa: PLC0415
     from intellwheels_server.log.true_trace import trace_lines  # noqa: PLC0415
 
     try:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import msgspec
 
@@ -26,9 +27,10 @@ from intellwheels_schemas.link import Link, add_link_options, link_of
 from intellwheels_schemas.messages import Map, Scene
 from intellwheels_schemas.names import check_agent, check_name
 from intellwheels_schemas.process import add_process_options
-from intellwheels_server.log.branch import read_branch
-from intellwheels_server.service.service_state import Options
-from intellwheels_server.world import Setup
+
+if TYPE_CHECKING:
+    from intellwheels_server.service.service_state import Options
+    from intellwheels_server.world import Setup
 
 DEFAULT_FLOOR = "room"
 """The map if neither a map nor a scene is given."""
@@ -228,6 +230,11 @@ def options_of(given: argparse.Namespace) -> tuple[Options, Link]:
         OSError: It cannot be read.
         ValueError: Two options exclude each other, or a value is out of range.
     """
+    # Imported late: they need the extra `server`, and the parser does not.
+    from intellwheels_server.log.branch import read_branch  # noqa: PLC0415
+    from intellwheels_server.service.service_state import Options  # noqa: PLC0415
+    from intellwheels_server.world import Setup  # noqa: PLC0415
+
     world, link = check_name(given.world, "--world"), link_of(given)
     with naming("--scene"):
         written = scene(given.scene) if given.scene is not None else None

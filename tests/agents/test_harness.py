@@ -40,6 +40,7 @@ from intellwheels_schemas.messages import (
     Refused,
     RefusedCode,
     Robot,
+    Role,
 )
 
 RUN, OTHER_RUN = "a" * 16, "b" * 16
@@ -318,6 +319,22 @@ def test_other_errors_are_logged(mind: Recorder) -> None:
     harness = joined_harness(mind)
     assert harness.erred(error("late"), 1.0) == [Log("erred code=late count=1 tick=3 text='words'")]
     assert harness.phase is Phase.JOINED
+
+
+@pytest.mark.parametrize(("role", "other"), [("body", "Actions"), ("mind", "Pose"), ("both", "Pose")])
+@pytest.mark.parametrize("code", ["role", "session", "not-joined"])
+def test_an_error_of_the_other_process_of_an_agent_is_not_ours(role: Role, other: str, code: ErrorCode) -> None:
+    """Body and mind hear the same errors. A body that joined again for its mind's error would hold its chair."""
+    answer = Pose(x=0.0, y=0.0, heading=0.0) if role == "body" else Actions()
+    harness = Harness(msgspec.structs.replace(ROBOT, role=role), Recorder(answer).make)
+    harness.start(0.0)
+    harness.accepted(joined())
+    for where in (other, f"{other}.Tick"):
+        text = f"{where}: not for this role"
+        assert harness.erred(bytes_of(Error(run=RUN, tick=3, code=code, where=where, text=text)), 5.0) == []
+    assert (harness.phase, harness.errors) == (Phase.JOINED, 0)
+    own = "Pose" if role == "body" else "Actions"
+    assert harness.erred(bytes_of(Error(run=RUN, tick=3, code="late", where=own, text="words")), 5.0) != []
 
 
 def test_error_at_every_tick_does_not_fill_the_log(mind: Recorder) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from importlib import import_module
 
 import pytest
 
@@ -24,6 +25,24 @@ def test_help_of_a_mind_lists_its_options_with_ranges_and_defaults(capsys: pytes
 def test_every_option_that_a_mind_reads_is_explained_too(name: str) -> None:
     about = mind_help(name).split("ranges and defaults")[0]
     assert [option for option in option_rows(name) if not re.search(rf"\b{option}\b", about)] == []
+
+
+def described(name: str) -> set[str]:
+    """Return the options that the docstring of a mind describes: the first block of indented lines."""
+    about = import_module(f"{minds.__name__}.{name}").__doc__ or ""
+    blocks = [part.splitlines() for part in about.split("\n\n") if part.startswith("    ")]
+    found: set[str] = set()
+    for line in blocks[0] if blocks else []:
+        if line.startswith("    and of "):
+            found |= set(re.findall(r"\w+", line.partition(":")[2]))
+        elif (names := re.match(r" {4}(\w+(?:, \w+)*) +\S", line)) is not None:
+            found |= set(names[1].split(", "))
+    return found
+
+
+@pytest.mark.parametrize("name", minds.names())
+def test_every_option_that_a_mind_describes_is_listed_with_its_range(name: str) -> None:
+    assert described(name) == option_rows(name).keys()
 
 
 def test_help_of_a_mind_that_needs_a_place_lists_what_it_reads_after_it() -> None:

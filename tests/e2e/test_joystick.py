@@ -139,7 +139,7 @@ def test_keys_of_a_terminal_drive_while_they_repeat(stage: Stage) -> None:
             watch = Watch(peer)
 
             def driven() -> bool | None:
-                os.write(ours, b"w")
+                os.write(ours, b"W")  # with shift: full power
                 return True if [tick for tick, speed in watch.speeds() if speed > 0.9] else None
 
             stage.wait(driven, "a chair at full speed", unless=child)

@@ -53,9 +53,10 @@ class Command:
         assert match is not None
         return match[1]
 
-    def interrupt(self) -> None:
+    def interrupt(self) -> str:
+        """End the command as Ctrl-C does; return what it prints until it has ended."""
         self.process.send_signal(signal.SIGINT)
-        self.process.communicate(timeout=60.0)
+        return str(self.process.communicate(timeout=60.0)[0])
 
 
 @contextmanager
@@ -111,8 +112,8 @@ def test_a_scene_waits_for_its_page_and_runs_again_after_its_end(tmp_path: Path)
                 assert clock()["Run"] == waiting["Run"]
                 browser.wait(lambda: "The run is over" in browser.text(), 60.0)
                 browser.enter("Run again", True)
-                assert "all conditions hold" in command.line("run again")
+                assert "all conditions hold" in command.line("run 2:")
                 assert clock()["Run"] != waiting["Run"]
                 assert command.process.poll() is None
-        command.interrupt()
+        assert "note this is the result of run 1; 1 further run was started from the page" in command.interrupt()
         assert command.process.returncode == 0

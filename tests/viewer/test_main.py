@@ -5,11 +5,14 @@ from __future__ import annotations
 import signal
 import subprocess
 import sys
+import threading
 from pathlib import Path
 
 import pytest
 
 from intellwheels_experiments.run.endpoints import free_port
+from intellwheels_viewer import __main__ as viewer_main
+from intellwheels_viewer import viewer_service
 from intellwheels_viewer.__main__ import main, parser
 from tests.e2e.stage import Stage, run
 
@@ -18,7 +21,7 @@ pytestmark = pytest.mark.process
 
 def test_the_defaults_are_this_machine_only() -> None:
     given = parser().parse_args([])
-    assert (given.host, given.port, given.dark, given.allow_host) == ("127.0.0.1", 8080, False, [])
+    assert (given.host, given.port, given.dark, given.allow_host) == ("127.0.0.1", None, False, [])
     assert given.world is None  # the only one there is
 
 
@@ -91,3 +94,19 @@ def test_an_endpoint_that_is_none_ends_it_in_words() -> None:
     assert done.returncode == 2
     assert "iw-viewer: --connect: expected an endpoint such as" in done.stderr
     assert "Traceback" not in done.stderr
+
+
+@pytest.mark.parametrize(("words", "port"), [([], 8080), (["--port", "8123"], 8123), (["--record"], 0)])
+def test_a_recording_takes_a_free_port_unless_one_is_given(
+    words: list[str], port: int, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    ports: list[int] = []
+
+    def serve(options: viewer_service.Options, *_: object) -> int:
+        ports.append(options.port)
+        return 0
+
+    monkeypatch.setattr(viewer_service, "serve", serve)
+    monkeypatch.setattr(viewer_main, "stop_on_signals", lambda _: threading.Event())
+    assert main([*words, str(tmp_path / "run.html")] if words == ["--record"] else words) == 0
+    assert ports == [port]

@@ -7,7 +7,7 @@ from dataclasses import replace
 import pytest
 
 from intellwheels_schemas.messages import Pause, Record, Reset, Resume, Seek
-from intellwheels_viewer.run_control import RunControl
+from intellwheels_viewer.run_control import RunControl, step_hint
 from intellwheels_viewer.snapshot import Snapshot
 from tests.viewer.opened import SNAPSHOT, Network
 from tests.viewer.panels.made_up import clock
@@ -41,6 +41,21 @@ def test_play_at_the_end_of_a_log_starts_again() -> None:
     at_end = replace(LOG, tick=3400, clock=clock("ended"))
     for call in ("play", "toggle"):
         assert sent(call, at_end, 2) == [Seek(tick=0), Resume()]
+
+
+@pytest.mark.parametrize(
+    ("snapshot", "words"),
+    [
+        (replace(SNAPSHOT, clock=clock("ended")), "The run is over. Space runs it again"),
+        (replace(SNAPSHOT, clock=clock("running")), "Space pauses it"),
+        (replace(SNAPSHOT, clock=clock("paused")), None),
+        (replace(SNAPSHOT, clock=clock("waiting")), None),
+        (replace(SNAPSHOT, clock=None), None),
+    ],
+)
+def test_a_step_that_is_not_possible_has_a_sentence_that_says_what_is(snapshot: Snapshot, words: str | None) -> None:
+    hint = step_hint(snapshot)
+    assert hint is None if words is None else words in (hint or "")
 
 
 WAITING = replace(SNAPSHOT, tick=0, clock=clock("paused", tick=0, time=0.0), events=(event(0),), run=RUN)

@@ -353,3 +353,19 @@ def test_what_a_user_says_is_kept_with_its_time_and_forgotten_with_the_run() -> 
     assert snapshot(store).version > version
     store.on_state(state(0, entity("a"), run=OTHER))
     assert snapshot(store).utterances == ()
+
+
+def test_a_real_body_has_one_steady_speed_in_the_state_and_in_the_history() -> None:
+    store = StateStore()
+    store.on_body(body("real1", type="real"))
+    store.on_body(body("chair1"))
+    x = 0.0
+    for tick, new in enumerate([1, 0, 2] * 20):
+        x += 0.02 * new
+        moving = (entity(name, x, speed=0.4 * new) for name in ("chair1", "real1"))
+        store.on_state(state(tick, *moving))
+    shown = snapshot(store)
+    simulated, real = shown.entities
+    assert (simulated.speed, real.speed) == (0.8, pytest.approx(0.4, abs=0.021))
+    # The history has every second tick.
+    assert shown.history["real1"][-1].speed == pytest.approx(0.4, abs=0.021)

@@ -11,7 +11,7 @@ import pytest
 
 from intellwheels_schemas.keys import Verb
 from intellwheels_schemas.messages import Goal, Pause, Record, Result, Resume, Take, UserInput
-from intellwheels_viewer.steering import IDLE, LEASE, RETRY_AFTER, Driving, Refusal, RequestQueue
+from intellwheels_viewer.steering import HELD, IDLE, LEASE, RETRY_AFTER, Driving, Refusal, RequestQueue
 
 FIRST = "00000000000000a1"
 
@@ -165,6 +165,22 @@ def test_letting_go_is_a_zero_and_after_a_while_the_body_is_given_back(driver: D
 def test_it_is_given_back_before_the_lease_is_over_by_itself(driver: Driver) -> None:
     # The last renewal is half a lease old at most when the stick is let go.
     assert IDLE + 0.5 < LEASE / 2
+
+
+def test_one_drives_from_the_first_move_under_a_lease_until_the_stick_rests(driver: Driver) -> None:
+    assert driver.driving.driven is None
+    driver.stick(0.0)
+    assert driver.driving.driven is None
+    driver.stick(0.5)
+    assert driver.driving.driven is None
+    driver.requests.answer()
+    driver.stick(0.5)
+    assert driver.driving.driven == "a"
+    driver.stick(0.0)
+    driver.rest(HELD + 0.1)
+    assert driver.driving.driven is None
+    driver.stick(0.5)
+    assert driver.driving.driven == "a"
 
 
 def test_a_lease_that_ran_out_is_taken_anew(driver: Driver) -> None:

@@ -10,6 +10,7 @@ from typing import Final
 from intellwheels_schemas import defaults
 from intellwheels_schemas.command_parser import CommandParser, number, port
 from intellwheels_schemas.errors import WireError
+from intellwheels_schemas.extras import missing_extra
 from intellwheels_schemas.link import add_link_options, link_of
 from intellwheels_schemas.output_paths import check_output_file
 from intellwheels_schemas.process import add_process_options, stop_on_signals
@@ -17,6 +18,8 @@ from intellwheels_viewer.page_hosts import check_page_hosts
 
 LONGEST: Final = 600.0
 """Longest recording, in seconds: a browser takes minutes to open a longer one."""
+PORT: Final = 8080
+"""Port of the page, if none is given."""
 
 _EPILOG = """\
 examples:
@@ -44,8 +47,9 @@ def parser() -> argparse.ArgumentParser:
         help="address to serve the page at (default: 127.0.0.1, this machine only)",
     )  # fmt: skip
     page.add_argument(
-        "--port", type=port, default=8080, metavar="N", help="port of the page; 0 picks a free one (default: 8080)"
-    )
+        "--port", type=port, metavar="N",
+        help=f"port of the page; 0 picks a free one (default: {PORT}; with --record, a free one)",
+    )  # fmt: skip
     page.add_argument(
         "--allow-host", action="append", default=[], metavar="NAME",
         help="accept browsers that reach the page by this name, for example behind a proxy; may be repeated",
@@ -69,6 +73,10 @@ def parser() -> argparse.ArgumentParser:
 def main(arguments: list[str] | None = None) -> int:
     """Run the command and return its exit code."""
     given = parser().parse_args(arguments)
+    lacking = missing_extra("viewer")
+    if lacking is not None:
+        print(f"iw-viewer: {lacking}", file=sys.stderr)
+        return 2
     chosen = given.world is not None
     given.world = given.world if chosen else defaults.WORLD
     try:
@@ -78,6 +86,9 @@ def main(arguments: list[str] | None = None) -> int:
     except WireError as error:
         print(f"iw-viewer: {error.text}", file=sys.stderr)
         return 2
+    if given.port is None:
+        # Nobody needs to know the address of a recording, and another viewer may have the usual port.
+        given.port = PORT if given.record is None else 0
     stop = stop_on_signals(given.lifeline)
     # Imported late: viser, numpy and zenoh are slow to load, and `--help` does not need them.
     from intellwheels_viewer.viewer_service import Options, serve  # noqa: PLC0415

@@ -32,7 +32,7 @@ from intellwheels_viewer.panels.playback import PlaybackPanel
 from intellwheels_viewer.panels.selected import SelectedPanel
 from intellwheels_viewer.placing_click import PlacingClick
 from intellwheels_viewer.pointer_hover import PointerHover
-from intellwheels_viewer.run_control import RunControl
+from intellwheels_viewer.run_control import RunControl, step_hint
 from intellwheels_viewer.snapshot import Snapshot
 from intellwheels_viewer.steering import Driving, RequestQueue, Simulator
 from intellwheels_viewer.undo import UndoStack
@@ -150,6 +150,7 @@ class Page:
         return Choices(
             selected=self.selected,
             looks={entity.name: self._colours.look(entity.name) for entity in self._snapshot.entities},
+            driven=self._driving.driven,
             placing=self._placing_click.label,
             can_undo=bool(self._undo),
             quiet=self._network.quiet,
@@ -220,7 +221,7 @@ class Page:
                 call()
 
         add("Pause, resume or run again", "space", self._toggle)
-        add("Step one tick", "N", lambda: self._run_control.step(1))
+        add("Step one tick", "N", self._step)
         add("Stop placing", "escape", lambda: self._choose(None))
         add("Undo the last move", "Z", self._undo_newest)
         for label, mode in MODES.items():
@@ -260,7 +261,16 @@ class Page:
         self.camera.choose(mode, entity)
 
     def _toggle(self) -> None:
+        if self._snapshot.is_over:
+            self._notify("Run again", "A new run of the scene begins.")
         self._run_control.toggle(self._snapshot)
+
+    def _step(self) -> None:
+        why = step_hint(self._snapshot)
+        if why is None:
+            self._run_control.step(1)
+        else:
+            self._notify("Not stepped", why)
 
     # ------------------------------------------------------------ driving
 

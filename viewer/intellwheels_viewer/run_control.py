@@ -94,6 +94,15 @@ def waits_for_page(snapshot: Snapshot) -> bool:
     return codes == {"joined"}
 
 
+def step_hint(snapshot: Snapshot) -> str | None:
+    """Return what to do before a step is possible; None if the run can be stepped, or if only the simulator knows."""
+    if snapshot.is_over:
+        return "The run is over. Space runs it again; `Continue this run` goes on beyond its end."
+    if snapshot.phase == "live" and snapshot.clock is not None and snapshot.clock.state == "running":
+        return "The run is not paused. Space pauses it, then N makes one step."
+    return None
+
+
 def is_at_end(snapshot: Snapshot) -> bool:
     """Return whether a playback has reached the end of its log."""
     return snapshot.last_tick is not None and snapshot.tick >= snapshot.last_tick

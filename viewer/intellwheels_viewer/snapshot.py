@@ -108,6 +108,11 @@ class Snapshot:
         return self.time / self.tick if self.tick else None
 
     @property
+    def is_over(self) -> bool:
+        """Whether a live run has met its end condition."""
+        return self.clock is not None and self.clock.state == "ended" and self.last_tick is None
+
+    @property
     def stale(self) -> frozenset[str]:
         """The real chairs whose pose is out of date. They are still obstacles."""
         return frozenset(entity.name for entity in self.entities if entity.state == "stale")

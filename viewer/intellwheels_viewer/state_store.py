@@ -11,6 +11,7 @@ from collections.abc import Iterable, Mapping
 from typing import Final
 
 from intellwheels_schemas.messages import Body, Clock, Entity, Event, Events, Map, MapInfo, Measures, Pose, WorldState
+from intellwheels_viewer.reported_speed import ReportedSpeeds
 from intellwheels_viewer.snapshot import EVENTS_KEPT, HISTORY, USER, Phase, Sample, Snapshot, Utterance
 
 SAMPLES_A_SECOND: Final = 10
@@ -50,6 +51,7 @@ class StateStore:
         self._reported: dict[str, Pose] = {}
         self._utterances: deque[Utterance] = deque(maxlen=EVENTS_KEPT)
         self._saying: dict[str, str] = {}
+        self._speeds = ReportedSpeeds()
         self._history: dict[str, deque[Sample]] = {}
         self._history_cache: Mapping[str, tuple[Sample, ...]] | None = None  # valid until the state changes
         self._stamp = 0.0
@@ -97,7 +99,13 @@ class StateStore:
         back = state.tick < self._state_at[0]
         self._state_at = (state.tick, state.time)
         self._version += 1
-        self._entities = tuple(entity for part in sorted(self._parts) for entity in self._parts[part].entity)
+        if back:
+            self._speeds.clear()
+        self._entities = tuple(
+            self._with_steady_speed(entity, state.time)
+            for part in sorted(self._parts)
+            for entity in self._parts[part].entity
+        )
         self._record_history(state.time, back=back)
 
     def on_event(self, event: Event) -> None:
@@ -197,6 +205,11 @@ class StateStore:
             version=self._version,
         )
 
+    def _with_steady_speed(self, entity: Entity, time: float) -> Entity:
+        body = self._bodies.get(entity.name)
+        is_real = body is not None and body.robot.type == "real"
+        return self._speeds.smoothed(entity, time) if is_real else entity
+
     def _is_near(self, pose: Pose) -> bool:
         return pose.tick is not None and abs(pose.tick - self._state_at[0]) <= NEAR
 
@@ -221,6 +234,7 @@ class StateStore:
         self._parts, self._entities, self._state_at = {}, (), (-1, 0.0)
         self._bodies, self._measures, self._history, self._saying = {}, {}, {}, {}
         self._history_cache = None
+        self._speeds.clear()
         self._events, self._next_event, self.wants_events_since = {}, 0, 0
         self._utterances.clear()
         self._reported = {}

@@ -23,6 +23,8 @@ LEASE: Final = 6.0
 """Seconds of a lease. It is renewed at half of it while the page drives."""
 IDLE: Final = 2.0
 """Seconds after the stick was released until the lease is given up; less than the lease itself."""
+HELD: Final = 0.5
+"""Seconds after the newest message of a moved stick for which the page says that it drives: five messages (chosen)."""
 RETRY_AFTER: Final = 1.0
 """Seconds after a refusal until a stick that is still held asks again."""
 VIEW_ONLY: Final = "View only"
@@ -149,6 +151,12 @@ class Driving:
     def agent(self) -> str | None:
         """The agent that the page drives, or has asked to drive."""
         return self._agent
+
+    @property
+    def driven(self) -> str | None:
+        """The agent that the stick moves now, or has moved within the last `HELD` seconds; None without a lease."""
+        with self._lock:
+            return self._agent if self._lease is not None and self._now() - self._moved <= HELD else None
 
     def stick(self, agent: str | None, forward: float, turn: float) -> None:
         """Take one stick message of the page.

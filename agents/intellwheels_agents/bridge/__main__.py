@@ -32,6 +32,7 @@ from intellwheels_schemas.codec import Encoding, decode, encoding_of
 from intellwheels_schemas.command_parser import naming
 from intellwheels_schemas.endpoint_form import check_endpoint
 from intellwheels_schemas.errors import WireError
+from intellwheels_schemas.extras import missing_extra
 from intellwheels_schemas.keys import Keys
 from intellwheels_schemas.link import Link, add_link_options, link_of, open_session
 from intellwheels_schemas.messages import Body, Event, Robot
@@ -60,6 +61,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
         value = getattr(given, option.removeprefix("--").replace("-", "_"))
         if value != command.get_default(option.removeprefix("--").replace("-", "_")):
             command.error(f"{option}: expected with the driver {other}, got {given.driver}")
+    lacking = missing_extra("bridge") if given.driver == "serial" else None
+    if lacking is not None:
+        _log(f"the driver serial: {lacking}")
+        return 2
     # First, because a signal may arrive while the other arguments are read.
     stop = stop_on_signals(given.lifeline)
     try:

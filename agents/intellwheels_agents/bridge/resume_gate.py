@@ -16,6 +16,7 @@ held     a person confirms                  held     not yet, because no power a
 
 from __future__ import annotations
 
+import math
 import threading
 import time
 from collections.abc import Callable
@@ -67,6 +68,7 @@ class ResumeGate:
         self._state = _State.OPEN
         self._was_joined = False
         self._power_at: float | None = None
+        self._back_at = -math.inf
 
     @property
     def is_open(self) -> bool:
@@ -74,8 +76,12 @@ class ResumeGate:
         return self._state is _State.OPEN
 
     def joined(self) -> None:
-        """Note a join; every one after the first follows an interruption."""
-        if self._was_joined:
+        """Note a join; every one after the first follows an interruption.
+
+        The first power may overtake the answer to a join. Within `INTERRUPTION` of it the join is no second one, so
+        that a person is asked once.
+        """
+        if self._was_joined and self._clock() - self._back_at > INTERRUPTION:
             self.interrupted("joined-again")
         self._was_joined = True
 
@@ -100,6 +106,7 @@ class ResumeGate:
             if self._state is not _State.HELD:
                 return
             self._state = _State.READY
+            self._back_at = now
         self._tell(f"ready agent={self._agent}")
         self._prompt(f"{self._agent}: contact is back. Press Enter to let the chair drive on")
 

@@ -152,12 +152,8 @@ class SerialDriver:
     # ------------------------------------------------------------ the thread
 
     def _run(self) -> None:
-        try:
-            import serial  # noqa: PLC0415 - an optional dependency, which agents do not need
-        except ImportError:
-            self.failure = "the driver serial needs pyserial: pip install 'intellwheels[bridge]'"
-            self._stop.set()
-            return
+        import serial  # noqa: PLC0415 - an optional dependency, which agents do not need
+
         while not self._stop.is_set():
             try:
                 line = serial.serial_for_url(

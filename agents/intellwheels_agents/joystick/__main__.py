@@ -14,6 +14,7 @@ from intellwheels_agents.joystick.pygame_source import (
     DeviceError,
     GamepadSource,
     KeyboardSource,
+    MissingPygameError,
     has_display,
     has_gamepad,
 )
@@ -120,7 +121,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         with ExitStack() as stack:
             source = _source(options, stop, stack)
             return operate(where, agent, source, take=options.take, stop=stop, retry_for=options.retry_for)
-    except (ScriptError, WireError) as error:
+    except (ScriptError, WireError, MissingPygameError) as error:
         print(f"iw-joystick: {error}", file=sys.stderr)
         return 2
     except (DeviceError, OSError) as error:

@@ -3,7 +3,7 @@
 up, w, i / down, s, k       forward / back
 left, a, j / right, d, l    turn
 q, u / e, o                 forward and left / forward and right
-shift                       half speed
+shift                       full power; without it a key gives `GENTLE` of it
 0 to 9                      buttons
 space                       neutral, even if other keys are held
 """
@@ -17,6 +17,8 @@ from intellwheels_agents.joystick.input_state import NEUTRAL, InputState
 
 DEAD_ZONE: Final = 0.12
 """Share of an axis that counts as centred: worn sticks rest up to 0.1 off the centre."""
+GENTLE: Final = 0.6
+"""Share of full power that a key gives without shift: as on the page."""
 FORWARD_KEYS: Final = ("up", "w", "i", "q", "u", "e", "o"), ("down", "s", "k")
 TURN_KEYS: Final = ("left", "a", "j", "q", "u"), ("right", "d", "l", "e", "o")
 
@@ -26,12 +28,12 @@ def from_keys(held: Collection[str], forward: float, turn: float) -> InputState:
 
     Args:
         held: Their names, as above; others are ignored.
-        forward: Share of full forward for a key, in [0, 1].
-        turn: Share of full turn, in [0, 1].
+        forward: Share of full forward for a key with shift, in [0, 1].
+        turn: The same share of full turn.
     """
     if "space" in held:
         return NEUTRAL
-    factor = 0.5 if "shift" in held else 1.0
+    factor = 1.0 if "shift" in held else GENTLE
     return InputState(
         factor * forward * _axis(held, *FORWARD_KEYS),
         factor * turn * _axis(held, *TURN_KEYS),

@@ -12,15 +12,20 @@ from typing import Any
 
 from intellwheels_agents.joystick.input_state import NEUTRAL, InputState
 from intellwheels_agents.joystick.key_bindings import from_keys, from_stick
+from intellwheels_schemas.extras import missing_extra
 
 WINDOW_SIZE = (560, 150)
 """In pixels."""
-_HELP = ("arrows, W A S D or I J K L drive, shift for half speed, space stops", "0-9 are buttons, escape ends")
+_HELP = ("arrows, W A S D or I J K L drive, shift for full power, space stops", "0-9 are buttons, escape ends")
 _INVISIBLE = ("offscreen", "dummy")
 
 
 class DeviceError(RuntimeError):
     """An input device, or the software that reads it, is missing; the text says which."""
+
+
+class MissingPygameError(DeviceError):
+    """The extra `joystick` is not installed."""
 
 
 def pygame_of(*, window: bool) -> ModuleType:
@@ -30,7 +35,8 @@ def pygame_of(*, window: bool) -> ModuleType:
         window: Whether a window will be opened; otherwise no display is needed.
 
     Raises:
-        DeviceError: pygame is not installed, or there is no display.
+        MissingPygameError: pygame is not installed.
+        DeviceError: There is no display.
     """
     os.environ.setdefault("PYGAME_HIDE_SUPPORT_PROMPT", "1")
     # The command handles signals itself. A gamepad counts even if another window has the focus.
@@ -38,10 +44,11 @@ def pygame_of(*, window: bool) -> ModuleType:
     os.environ.setdefault("SDL_JOYSTICK_ALLOW_BACKGROUND_EVENTS", "1")
     if not window:
         os.environ.setdefault("SDL_VIDEODRIVER", "dummy")
-    try:
-        import pygame  # noqa: PLC0415
-    except ImportError:
-        raise DeviceError("keyboard and gamepad need pygame-ce: pip install 'intellwheels[joystick]'") from None
+    lacking = missing_extra("joystick")
+    if lacking is not None:
+        raise MissingPygameError(f"keyboard and gamepad: {lacking}")
+    import pygame  # noqa: PLC0415
+
     try:
         pygame.display.init()
         pygame.joystick.init()

@@ -32,7 +32,7 @@ KEY_TIMEOUT: Final = 0.3
 ESCAPE_TIMEOUT: Final = 0.1
 """Seconds after which an Escape that nothing follows is the key, not the start of a sequence."""
 HELP: Final = (
-    "arrows, W A S D or I J K L drive, Q E or U O for bends, shift for half speed, space stops, 0-9 are buttons, "
+    "arrows, W A S D or I J K L drive, Q E or U O for bends, shift for full power, space stops, 0-9 are buttons, "
     "Escape ends; a key counts for 0.3 s"
 )
 _END: Final = ("\x04", "escape")

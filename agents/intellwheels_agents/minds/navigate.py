@@ -29,6 +29,7 @@ from intellwheels_agents.options import OptionError, Options
 from intellwheels_agents.range_scan import outline
 from intellwheels_agents.user_input import takes_goals
 from intellwheels_maps import floor
+from intellwheels_schemas.extras import missing_extra
 from intellwheels_schemas.messages import Actions, Lidar, Measures, Robot, Truth
 
 HEIGHT = 0.3
@@ -65,17 +66,19 @@ class Mind:
         Raises:
             OptionError: numpy is missing, or an option is wrong.
         """
-        try:
-            from intellwheels_agents.navigation.navigator import Navigator  # noqa: PLC0415 - an optional dependency
-        except ImportError as error:
-            raise OptionError(f"mind navigate: expected numpy (extra navigate), got {error}") from None
+        lacking = missing_extra("navigate")
+        if lacking is not None:
+            raise OptionError(f"mind navigate: {lacking}")
+        from intellwheels_agents.navigation.navigator import Navigator  # noqa: PLC0415 - an optional dependency
+
         options, robot = context.options, context.robot
         options.flag("lidar", True)
         if options.flag("truth") and not robot.truth:
             raise OptionError("option truth: expected false for a robot without a truth sensor, got true")
         if not options.flag("truth") and not (robot.encoders or robot.odometry):
             raise OptionError("option truth: expected true for a robot without encoders and odometry, got false")
-        document = floor(options["map"]) if "map" in options else context.map
+        file = options.text("map")
+        document = floor(file) if file else context.map
         self._navigator = Navigator(
             context,
             document,

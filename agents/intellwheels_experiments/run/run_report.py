@@ -47,6 +47,8 @@ class Result(msgspec.Struct, frozen=True, kw_only=True):
         events: Number of events by code.
         agents: One result per agent of the cast.
         versions: Versions of Python, of this distribution and of its main dependencies.
+        further: Number of runs that were started from the page after this one and reached their end. They count in no
+            other field.
     """
 
     scene: str
@@ -69,6 +71,7 @@ class Result(msgspec.Struct, frozen=True, kw_only=True):
     events: dict[str, int]
     agents: tuple[AgentResult, ...]
     versions: dict[str, str]
+    further: int = 0
 
 
 def to_json(result: Result) -> bytes:
@@ -81,6 +84,8 @@ def show(result: Result, console: Console) -> None:
     if console.is_terminal:
         console.print(_table(result))
         console.print(Text(_figures(result)), soft_wrap=True)
+        for sentence in _further(result):
+            console.print(Text(sentence), soft_wrap=True)
         for sentence in result.failed:
             console.print(Text(sentence, style="red"), soft_wrap=True)
         console.print(Text(_headline(result), style="bold green" if result.held else "bold red"), soft_wrap=True)
@@ -98,6 +103,7 @@ def lines(result: Result) -> Iterator[str]:
         cells = [shlex.quote(cell) for cell in _cells(agent)]
         yield "agent " + " ".join(f"{head}={value}" for head, value in zip(_KEYS, cells, strict=True))
     yield _figures(result)
+    yield from _further(result)
     yield from (f"failed {sentence}" for sentence in result.failed)
     yield _headline(result)
 
@@ -144,6 +150,15 @@ def _figures(result: Result) -> str:
     )
 
 
+def _further(result: Result) -> Iterator[str]:
+    """Return a sentence about runs that followed the one of the result; none if none did."""
+    if result.further:
+        runs = "1 further run was" if result.further == 1 else f"{result.further} further runs were"
+        yield f"note this is the result of run 1; {runs} started from the page, each with a line of its own above"
+
+
 def _headline(result: Result) -> str:
     held = "held" if result.held else "not-held"
-    return f"{held} scene={result.scene} finish={result.finish} {result.words}".rstrip()
+    # Somebody who has just seen the fourth run must not take this for its verdict.
+    which = f"run=1 further={result.further} " if result.further else ""
+    return f"{held} scene={result.scene} {which}finish={result.finish} {result.words}".rstrip()

@@ -83,6 +83,7 @@ def perform(
     """
     record = RunRecord()
     stopwatch = _Stopwatch()
+    further = 0
     with ChildProcesses(spec.logs) as children:
         restarts = ProgramRestarts(children, partial(_start_agent, spec, children))
         try:
@@ -93,7 +94,7 @@ def perform(
                 if SERVER in children.running:
                     watch.query_all(record)
                 if finish.how == "ended" and VIEWER in children.running:
-                    _keep_page(spec, children, restarts, watch, progress, stop)
+                    further = _keep_page(spec, children, restarts, watch, progress, stop)
         except _StartError as error:
             finish = error.finish
         except ConnectionError as error:
@@ -109,7 +110,7 @@ def perform(
                 exited = children.exited(server)
                 if exited is not None and exited.code > 0:
                     finish = _died(children, exited)
-    return _result(spec, record, finish, stopwatch.seconds)
+    return _result(spec, record, finish, stopwatch.seconds, further)
 
 
 class _Stopwatch:
@@ -213,23 +214,26 @@ def _keep_page(
     watch: Watch,
     progress: Progress,
     stop: threading.Event,
-) -> None:
+) -> int:
     """Keep the scene and its page until `stop` is set, or until the simulator or the viewer ends.
 
     The page can run the scene again. Each of these runs is judged, but the result of the command is that of the first.
+    Returns how many further runs reached their end.
     """
     progress.say("the run has ended; run it again from the page, or stop with Ctrl-C")
     progress.doing("ended; run it again from the page, or stop with Ctrl-C")
     record = RunRecord()
+    further = 0
 
     def over() -> bool | None:
-        nonlocal record
+        nonlocal record, further
         watch.drain(record)
         restarts.follow(record, watch)
         if children.find_line(SERVER, "ended") is not None:
             watch.query_all(record)
             verdict = judge(spec.scene, spec.floor, record)
-            progress.say(f"run again: {'all conditions hold' if verdict.held else '; '.join(verdict.failed)}")
+            further += 1
+            progress.say(f"run {further + 1}: {'all conditions hold' if verdict.held else '; '.join(verdict.failed)}")
             record = RunRecord()
         return True if stop.is_set() or not {SERVER, VIEWER} <= set(children.running) else None
 
@@ -238,6 +242,7 @@ def _keep_page(
     except ConnectionError as error:
         # The run is over, and its result stays what it was.
         progress.say(f"the page ends: {error}")
+    return further
 
 
 def _follow(
@@ -316,7 +321,7 @@ def _number(text: str | None) -> int | None:
     return int(text) if text is not None and text.isdecimal() else None
 
 
-def _result(spec: LaunchSpec, record: RunRecord, finish: _Finished, wall: float) -> Result:
+def _result(spec: LaunchSpec, record: RunRecord, finish: _Finished, wall: float, further: int) -> Result:
     clock = record.clock
     tick = finish.tick if finish.tick is not None else clock.tick if clock else 0
     verdict = judge(spec.scene, spec.floor, record, ended=finish.how == "ended")
@@ -342,4 +347,5 @@ def _result(spec: LaunchSpec, record: RunRecord, finish: _Finished, wall: float)
         events=dict(sorted(record.counts.items())),
         agents=verdict.agents,
         versions=versions(),
+        further=further,
     )

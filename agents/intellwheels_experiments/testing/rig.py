@@ -15,7 +15,6 @@ deadline.
 
 from __future__ import annotations
 
-import importlib.util
 import math
 import threading
 import time
@@ -32,6 +31,7 @@ from intellwheels_experiments.testing.history import AbsentError, History, Momen
 from intellwheels_experiments.testing.process_group import GRACE, WORLD, ProcessGroup
 from intellwheels_maps import scene as scene_file
 from intellwheels_schemas.channels import VERB_CLASSES
+from intellwheels_schemas.extras import missing_extra
 from intellwheels_schemas.keys import Verb
 from intellwheels_schemas.link import Link
 from intellwheels_schemas.messages import Delete, Event, Miss, Pace, Result, Step
@@ -119,10 +119,9 @@ class Rig(ProcessGroup):
 
     def _begin(self) -> None:
         """Start the simulator and connect to it."""
-        if importlib.util.find_spec("numba") is None:
-            raise WaitError(
-                "the simulator is not installed: expected the extra `server`, as by `pip install intellwheels[server]`"
-            )
+        lacking = missing_extra("server")
+        if lacking is not None:
+            raise WaitError(f"the simulator is not installed: {lacking}")
         self._start_simulator()
         link = Link(WORLD, connect=(self.endpoint,))
         steps = self.pace == "lockstep"

@@ -57,6 +57,15 @@ class ConnectedAgents:
         self.waiting_joins: list[WaitingJoin] = []
         self.deleted: dict[str, str] = {}
 
+    def count_silence_from(self, now: float) -> None:
+        """Forget the silence of real bodies while no tick was made: they report only when they are asked.
+
+        A body that is stale already stays so until it reports.
+        """
+        for bridge in self.bridges.values():
+            if not bridge.stale:
+                bridge.reported_at = max(bridge.reported_at, now)
+
     def expected_answers(self) -> frozenset[Answer]:
         """Return what lockstep expects of all members at each tick."""
         return frozenset(answer for member in self.roster.all_members() for answer in member.answers())

@@ -143,6 +143,7 @@ def _resume(_message: Resume, service: ServiceState, query: Query, now: float) -
         service.apply(Note(code="resumed"))
         pacing.paused = False
     pacing.start_clock(now)
+    service.agents.count_silence_from(now)
     pacing.real_time_factor.reset()
     service.publisher.schedule.mark_changed()
     query.reply(service.result("ok"))
@@ -162,6 +163,7 @@ def _step(message: Step, service: ServiceState, query: Query, now: float) -> Non
     else:
         pacing.steps = PendingSteps(message.count, query)
         pacing.start_clock(now)
+        service.agents.count_silence_from(now)
 
 
 # ------------------------------------------------------------ messages that change the world

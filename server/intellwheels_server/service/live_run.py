@@ -155,6 +155,7 @@ class LiveRun:
             # Who joined before the first step is in a line of its own, so that files of the run begin with all bodies.
             service.run.record_changes(state.tick)
         pacing.metronome.start(now)
+        service.agents.count_silence_from(now)
         service.publisher.schedule.mark_changed()
         service.publisher.outlet.print_line(f"running tick={state.tick} run={state.run}")
         if not pacing.lockstep:

@@ -97,7 +97,7 @@ def test_a_second_interruption_before_enter_holds_the_chair_again() -> None:
     rig.gate.joined()
     rig.drive()
     rig.gate.interrupted("simulator-gone")
-    rig.drive()
+    rig.drive(INTERRUPTION + 0.5)
     rig.gate.joined()
     rig.gate.confirmed()
     assert not rig.gate.is_open
@@ -116,3 +116,23 @@ def test_with_auto_the_gate_never_closes() -> None:
         rig.drive()
         assert rig.gate.is_open
     assert rig.lines == []
+
+
+@pytest.mark.parametrize("pressed_first", [True, False])
+def test_a_join_whose_power_came_before_its_answer_asks_a_person_once(pressed_first: bool) -> None:
+    rig = GateRig()
+    rig.gate.joined()
+    rig.drive()
+    rig.gate.interrupted("simulator-gone")
+    rig.now += 20.0
+    rig.drive(0.1)
+    if pressed_first:
+        rig.gate.confirmed()
+    rig.gate.joined()
+    rig.drive()
+    rig.gate.confirmed()
+    assert rig.gate.is_open
+    assert rig.lines == [
+        "held agent=chair1 reason=simulator-gone", "ready agent=chair1", "resumed agent=chair1"
+    ]  # fmt: skip
+    assert sum("Press Enter" in text for text in rig.prompts) == 1

@@ -5,31 +5,36 @@ from __future__ import annotations
 import pytest
 
 from intellwheels_agents.joystick.input_state import NEUTRAL, InputState
-from intellwheels_agents.joystick.key_bindings import DEAD_ZONE, from_keys, from_stick, without_dead_zone
+from intellwheels_agents.joystick.key_bindings import DEAD_ZONE, GENTLE, from_keys, from_stick, without_dead_zone
+from intellwheels_viewer.panels import drive_panel
+
+G, F, T = GENTLE, 0.8, 0.4
+"""The share of a key without shift, and shares of full forward and turn."""
 
 
 @pytest.mark.parametrize(
     ("held", "state"),
     [
         ("", NEUTRAL),
-        ("up", InputState(0.8, 0.0)),
-        ("w d", InputState(0.8, -0.4)),
-        ("down left", InputState(-0.8, 0.4)),
+        ("up", InputState(G * F, 0.0)),
+        ("w d", InputState(G * F, -G * T)),
+        ("down left", InputState(-G * F, G * T)),
         ("up down", NEUTRAL),
-        ("i", InputState(0.8)),
-        ("k j", InputState(-0.8, 0.4)),
-        ("l", InputState(turn=-0.4)),
-        ("u", InputState(0.8, 0.4)),
-        ("e", InputState(0.8, -0.4)),
-        ("w q", InputState(0.8, 0.4)),
-        ("up w", InputState(0.8)),
-        ("up shift", InputState(0.4)),
+        ("i", InputState(G * F)),
+        ("k j", InputState(-G * F, G * T)),
+        ("l", InputState(turn=-G * T)),
+        ("u", InputState(G * F, G * T)),
+        ("e", InputState(G * F, -G * T)),
+        ("w q", InputState(G * F, G * T)),
+        ("up w", InputState(G * F)),
+        ("up shift", InputState(F)),
+        ("k j shift", InputState(-F, T)),
         ("up left space", NEUTRAL),
         ("9 0 x", InputState(buttons=(0, 9))),
     ],
 )
 def test_held_keys(held: str, state: InputState) -> None:
-    assert from_keys(set(held.split()), 0.8, 0.4) == state
+    assert from_keys(set(held.split()), F, T) == state
 
 
 @pytest.mark.parametrize(
@@ -55,3 +60,8 @@ def test_an_axis_grows_from_the_edge_of_its_dead_zone_to_one() -> None:
     assert without_dead_zone(-1.0) == -1.0
     assert 0.0 < without_dead_zone(DEAD_ZONE + 0.02) < 0.05
     assert without_dead_zone(0.501) == without_dead_zone(0.502)
+
+
+def test_a_key_means_in_the_terminal_what_it_means_on_the_page() -> None:
+    assert GENTLE == drive_panel.GENTLE
+    assert "Shift for full power" in drive_panel.page_html("some-id")

@@ -8,6 +8,7 @@ import pytest
 
 from intellwheels_agents.joystick import pygame_source
 from intellwheels_agents.joystick.input_state import NEUTRAL, InputState
+from intellwheels_agents.joystick.key_bindings import GENTLE
 
 pygame = pytest.importorskip("pygame", reason="keyboard and gamepad need the extra `joystick`")
 
@@ -27,16 +28,16 @@ def post(source: pygame_source.KeyboardSource, kind: int, **fields: int) -> Inpu
 
 def test_a_key_counts_from_press_to_release(keyboard: pygame_source.KeyboardSource) -> None:
     assert keyboard.state(0.0, None) == NEUTRAL
-    assert post(keyboard, pygame.KEYDOWN, key=pygame.K_UP) == InputState(1.0)
-    assert post(keyboard, pygame.KEYDOWN, key=pygame.K_a) == InputState(1.0, 0.5)
-    assert post(keyboard, pygame.KEYDOWN, key=pygame.K_LSHIFT) == InputState(0.5, 0.25)
-    assert post(keyboard, pygame.KEYDOWN, key=pygame.K_KP3) == InputState(0.5, 0.25, (3,))
-    assert post(keyboard, pygame.KEYUP, key=pygame.K_LSHIFT) == InputState(1.0, 0.5, (3,))
-    assert post(keyboard, pygame.KEYUP, key=pygame.K_UP) == InputState(0.0, 0.5, (3,))
+    assert post(keyboard, pygame.KEYDOWN, key=pygame.K_UP) == InputState(GENTLE)
+    assert post(keyboard, pygame.KEYDOWN, key=pygame.K_a) == InputState(GENTLE, GENTLE * 0.5)
+    assert post(keyboard, pygame.KEYDOWN, key=pygame.K_LSHIFT) == InputState(1.0, 0.5)
+    assert post(keyboard, pygame.KEYDOWN, key=pygame.K_KP3) == InputState(1.0, 0.5, (3,))
+    assert post(keyboard, pygame.KEYUP, key=pygame.K_LSHIFT) == InputState(GENTLE, GENTLE * 0.5, (3,))
+    assert post(keyboard, pygame.KEYUP, key=pygame.K_UP) == InputState(0.0, GENTLE * 0.5, (3,))
 
 
 def test_losing_the_focus_releases_all_keys(keyboard: pygame_source.KeyboardSource) -> None:
-    assert post(keyboard, pygame.KEYDOWN, key=pygame.K_UP) == InputState(1.0)
+    assert post(keyboard, pygame.KEYDOWN, key=pygame.K_UP) == InputState(GENTLE)
     assert post(keyboard, pygame.WINDOWFOCUSLOST) == NEUTRAL
 
 
@@ -59,7 +60,7 @@ def test_a_missing_gamepad_is_reported(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def test_without_pygame_it_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(__import__("sys").modules, "pygame", None)
-    with pytest.raises(pygame_source.DeviceError, match=r"pip install 'intellwheels\[joystick\]'"):
+    with pytest.raises(pygame_source.DeviceError, match=r"pip install '\.\[joystick\]'"):
         pygame_source.has_gamepad()
 
 

@@ -10,6 +10,7 @@ from collections.abc import Callable, Iterator
 import pytest
 
 from intellwheels_agents.joystick.input_state import NEUTRAL, InputState
+from intellwheels_agents.joystick.key_bindings import GENTLE
 from intellwheels_agents.joystick.pygame_source import DeviceError
 from intellwheels_agents.joystick.terminal_source import ESCAPE_TIMEOUT, KEY_TIMEOUT, TerminalKeys, TerminalSource
 
@@ -101,9 +102,9 @@ def test_a_key_drives_while_it_repeats_and_the_terminal_is_restored(terminal: tu
         assert not termios.tcgetattr(theirs)[3] & (termios.ICANON | termios.ECHO)
         assert source.state(time.monotonic(), None) == NEUTRAL
         os.write(ours, b"W")
-        until(source, lambda state: state == InputState(0.5))
+        until(source, lambda state: state == InputState(1.0))
         os.write(ours, b"\x1b[D")
-        until(source, lambda state: state == InputState(0.0, 0.5))
+        until(source, lambda state: state == InputState(0.0, 0.5 * GENTLE))
         # Nothing follows: the key is released by time.
         until(source, lambda state: state == NEUTRAL)
         os.write(ours, b"\x04")

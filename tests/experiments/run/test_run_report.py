@@ -76,3 +76,15 @@ def test_command_line_of_a_program_is_one_value() -> None:
     (line, *_) = lines(msgspec.structs.replace(RESULT, agents=(agent,)))
     assert shlex.split(line)[1:4] == ["name=chair1", "mind=./mine {name}", "robot=-"]
     assert " age=0.061s " in line
+
+
+def test_a_result_that_further_runs_followed_says_which_run_it_is_of() -> None:
+    printed = list(lines(msgspec.structs.replace(RESULT, further=2)))
+    assert printed[-1] == "not-held scene=figure6 run=1 further=2 finish=ended"
+    note = (
+        "note this is the result of run 1; 2 further runs were started from the page, each with a line of its own above"
+    )
+    assert note in printed
+    text = io.StringIO()
+    show(msgspec.structs.replace(RESULT, further=1), Console(file=text, width=200, force_terminal=True))
+    assert "the result of run 1; 1 further run was started" in text.getvalue()

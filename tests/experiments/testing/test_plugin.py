@@ -88,4 +88,4 @@ def test_missing_extra_is_named(tmp_path: Path) -> None:
         [sys.executable, "-c", program, *words, str(tmp_path)],
         cwd=tmp_path, capture_output=True, text=True, timeout=120, check=False, env=dict(os.environ),
     )  # fmt: skip
-    assert "pip install intellwheels[server]" in done.stdout, done.stdout + done.stderr
+    assert "pip install '.[server]'" in done.stdout, done.stdout + done.stderr

@@ -2,7 +2,7 @@ from __future__ import annotations
 
 from intellwheels_schemas.codec import Encoding
 from intellwheels_schemas.messages import Robot, Role
-from intellwheels_server.service.connected_agents import ConnectedAgents
+from intellwheels_server.service.connected_agents import BridgeStatus, ConnectedAgents
 from intellwheels_server.service.roster import Member
 
 
@@ -19,3 +19,12 @@ def test_lockstep_expects_the_answers_of_all_members() -> None:
     add(agents, "chair2", "mind")
     add(agents, "door1", "both", barrier=False)
     assert agents.expected_answers() == {("chair1", "actions"), ("chair2", "actions"), ("chair2", "pose")}
+
+
+def test_silence_counts_from_now_for_real_bodies_that_are_not_stale() -> None:
+    agents = ConnectedAgents()
+    agents.bridges = {"fresh": BridgeStatus(3.0), "later": BridgeStatus(9.0), "stale": BridgeStatus(3.0, stale=True)}
+    agents.count_silence_from(5.0)
+    assert {name: bridge.reported_at for name, bridge in agents.bridges.items()} == {
+        "fresh": 5.0, "later": 9.0, "stale": 3.0
+    }  # fmt: skip

@@ -278,3 +278,22 @@ def test_a_run_that_awaits_a_page_stays_at_tick_0_until_it_is_resumed() -> None:
     assert stage.result("resume").code == "ok"
     stage.work(2.0)
     assert stage.tick > 0
+
+
+@pytest.mark.parametrize("stop", ["wait", "pause"])
+def test_a_real_chair_is_not_stale_because_the_run_stood_still(stop: str) -> None:
+    """While no tick is made, no bridge is asked for a pose; a bridge that stays silent is found afterwards."""
+    stage = Stage(pace="realtime", strict=False, expect=("chair1", "chair2") if stop == "wait" else ())
+    stage.join("chair1", real())
+    if stop == "wait":
+        stage.now += 60.0
+        stage.join("chair2", instance="b" * 16)
+    else:
+        stage.result("pause")
+        stage.now += 60.0
+        stage.result("resume")
+    stage.work(0.25)
+    assert stage.tick > 0
+    assert "stale" not in stage.events()
+    stage.work(0.2)
+    assert "stale" in stage.events()

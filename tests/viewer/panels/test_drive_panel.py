@@ -30,7 +30,15 @@ def panel(gui: viser.GuiApi, calls: Calls, choices: Choices | None = None) -> Dr
 
 def test_who_is_driven_or_why_nobody_is_said() -> None:
     snapshot = made_up.snapshot()
-    assert "You are driving chair1" in drive_html(snapshot, made_up.choices())
+    driving = replace(made_up.choices(), driven="chair1")
+    assert "You are driving chair1" in drive_html(snapshot, driving)
+    for driven in (None, "chair2"):
+        idle = drive_html(snapshot, replace(made_up.choices(), driven=driven))
+        assert "Hold the stick or the keys I J K L to drive chair1." in idle
+        assert "You are driving" not in idle
+    over = drive_html(replace(snapshot, clock=made_up.clock("ended")), driving)
+    assert "The run is over. Run it again to drive chair1." in over
+    assert "You are driving" not in over
     assert "Nothing is selected" in drive_html(snapshot, Choices())
     assert "table1 has no motors" in drive_html(snapshot, Choices(selected="table1"))
     assert "View only" in drive_html(snapshot, Choices(selected="chair1", allowed=False))

@@ -16,6 +16,7 @@ class Choices:
         selected: The selected agent; it may have left.
         looks: The colour and the stripes of each body.
         allowed: Whether this viewer may control the simulation.
+        driven: The agent that this page drives now.
         placing: The label of the thing that the next click on the floor places, see `place.PALETTE`.
         can_undo: Whether a change can be undone.
         quiet: Seconds of wall time since the last clock.
@@ -24,6 +25,7 @@ class Choices:
     selected: str | None = None
     looks: Mapping[str, Look] = field(default_factory=dict)
     allowed: bool = True
+    driven: str | None = None
     placing: str | None = None
     can_undo: bool = False
     quiet: float = 3.0

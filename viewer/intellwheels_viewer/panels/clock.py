@@ -55,13 +55,11 @@ def clock_html(snapshot: Snapshot) -> str:
         ),
         f'<div class="iw-small">{_late(clock)}, {html.escape(_pace(clock))}</div>',
         note(_busy(clock)) if live and clock.load >= _BUSY and clock.pace == "realtime" else "",
-        note("The run is over. Run it again, or continue it beyond its end.") if live and _is_over(snapshot) else "",
+        note("The run is over. Run it again (Space), or continue it beyond its end.")
+        if live and snapshot.is_over
+        else "",
         classes="" if live else "iw-old",
     )
-
-
-def _is_over(snapshot: Snapshot) -> bool:
-    return snapshot.clock is not None and snapshot.clock.state == "ended" and snapshot.last_tick is None
 
 
 def _awaited(clock: Clock) -> str:
@@ -143,7 +141,7 @@ class ClockPanel:
         # A playback has buttons of its own, beside its timeline.
         log = snapshot.last_tick is not None
         self._pause.visible, self._resume.visible = not halted and not log, halted and not log
-        over = _is_over(snapshot)
+        over = snapshot.is_over
         self._again.visible, self._again.disabled = over, not enabled
         self._resume.label = "Continue this run" if over else "Resume"
         self._speed.visible = self._reset.visible = not log

@@ -99,7 +99,7 @@ _STICK: Final = (
 
 
 def drive_html(snapshot: Snapshot, choices: Choices) -> str:
-    """Return the agent that is driven, or the reason why none is."""
+    """Return the agent that is driven, or how to drive the selected one, or why it cannot be driven."""
     if snapshot.phase != "live":
         words = note("No world is running", "wait")
     elif not choices.allowed:
@@ -108,8 +108,12 @@ def drive_html(snapshot: Snapshot, choices: Choices) -> str:
         words = note("Nothing is selected. Click a chair.")
     elif not can_drive(snapshot, choices):
         words = note(f"{choices.selected} has no motors", "wait")
-    else:
+    elif snapshot.is_over:
+        words = note(f"The run is over. Run it again to drive {choices.selected}.", "wait")
+    elif choices.driven == choices.selected:
         words = note(f"You are driving {choices.selected}", "good")
+    else:
+        words = note(f"Hold the stick or the keys I J K L to drive {choices.selected}.")
     # The script in the page looks for this element: stick and keys send nothing while it exists.
     off = "" if can_drive(snapshot, choices) else '<i id="iw-drive-off" hidden></i>'
     return block("drive", words, off)
