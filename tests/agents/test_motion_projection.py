@@ -6,13 +6,14 @@ import math
 
 import pytest
 
-from intellwheels_agents.motion_projection import CLEARANCE_SHARE, MotionProjection, Wheels
+from intellwheels_agents.motion_projection import CLEARANCE_SHARE, MotionProjection
 from intellwheels_agents.range_scan import Outline, outline
+from intellwheels_agents.wheel_motors import Motors, Wheels
 from intellwheels_maps import robot
 from intellwheels_schemas.messages import Actions
 from tests.agents.kinematics import Body
 
-FOOTPRINT = MotionProjection(Outline(front=0.8, back=0.3, side=0.3), track=0.5, inertia=0.0, period=0.05)
+FOOTPRINT = MotionProjection(Outline(front=0.8, back=0.3, side=0.3), 0.5, Motors(0.0, 0.0, math.inf, 0.05))
 STILL = Wheels(0.0, 0.0)
 
 
@@ -31,7 +32,7 @@ def test_clearance_to_a_point(point: tuple[float, float], room: float) -> None:
 
 def test_poses_follow_the_motor_lag() -> None:
     body = Body(robot("front-wheel"))
-    print_ = MotionProjection(outline(body.robot), body.robot.track, body.robot.acceleration_curve, 0.05)
+    print_ = MotionProjection(outline(body.robot), body.robot.track, Motors.of(body.robot, 0.05))
     top = body.robot.top_speed
     poses = print_.poses(STILL, Wheels(0.4 * top, 0.7 * top), 1.0)
     for _ in range(20):

@@ -71,6 +71,24 @@ class Weights:
         other.move, other.turn = self.move.copy(), self.turn.copy()
         return other
 
+    def narrow(self, width: float) -> npt.NDArray[np.bool_]:
+        """Return whether each cell is in a passage narrower than this, m: as its centre can move."""
+        solid = (self.clearance < 0.0).all(axis=0)
+        reach = int(width / self.frame.cell) + 1
+        padded = np.pad(solid, reach + 1, constant_values=True)
+        rows, columns, edge = self.frame.rows, self.frame.columns, reach + 1
+        least = np.full(solid.shape, np.inf)
+        for i, j in ((1, 0), (0, 1), (1, 1), (1, -1)):
+            count = np.ones(solid.shape)
+            for sign in (1, -1):
+                free = ~solid
+                for n in range(1, reach + 1):
+                    di, dj = sign * n * i, sign * n * j
+                    free = free & ~padded[edge + dj : edge + dj + rows, edge + di : edge + di + columns]
+                    count += free
+            np.minimum(least, count * (self.frame.cell * math.sqrt(i * i + j * j)), out=least)
+        return np.asarray(~solid & (least < width))
+
     def refresh(self, rows: tuple[int, int], columns: tuple[int, int]) -> None:
         """Compute the costs again in a range of rows and columns, after the clearances there have changed."""
         (south, north), (west, east) = rows, columns

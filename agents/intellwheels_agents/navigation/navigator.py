@@ -8,10 +8,12 @@ from typing import Final
 from zlib import crc32
 
 import numpy as np
+from msgspec import structs
 
 from intellwheels_agents.differential_drive import powers
 from intellwheels_agents.mind import Context
 from intellwheels_agents.navigation.array_angles import Floats
+from intellwheels_agents.navigation.body_circles import BodyCircles
 from intellwheels_agents.navigation.cone_points import ConePoints
 from intellwheels_agents.navigation.cost_to_go import CostToGo, Weights
 from intellwheels_agents.navigation.footprint_clearance import (
@@ -27,14 +29,16 @@ from intellwheels_agents.navigation.giving_way import STALLED, THERE, GivingWay
 from intellwheels_agents.navigation.goal_orders import GoalOrders
 from intellwheels_agents.navigation.goal_progress import Progress
 from intellwheels_agents.navigation.map_distance import MapDistance
-from intellwheels_agents.navigation.motion_window import MotionWindow
+from intellwheels_agents.navigation.motion_window import BRAKING_SHARE, MARGIN, MotionWindow
 from intellwheels_agents.navigation.moving_tracks import MovingTracks
 from intellwheels_agents.navigation.particle_pose import ParticlePose
-from intellwheels_agents.navigation.right_of_way import LENGTH, SAY_PERIOD, way_message
+from intellwheels_agents.navigation.pose_ahead import PoseAhead
+from intellwheels_agents.navigation.right_of_way import LENGTH, SAY_PERIOD, Claim, claim_message
 from intellwheels_agents.navigation.scan_points import ScanPoints, into_body, into_map, thinned
 from intellwheels_agents.navigation.strange_obstacles import entered
 from intellwheels_agents.portable_math import dist, sincos
 from intellwheels_agents.user_input import Goals
+from intellwheels_agents.wheel_motors import Motors, SafeSpeed
 from intellwheels_schemas.messages import Actions, Goal, Map, Measures
 
 CELL: Final = 0.1
@@ -53,10 +57,12 @@ CELLS: Final = ((0.25, 0.02), (0.7, 0.05), (FARTHEST, 0.1))
 """Points nearer to the body than the first number are thinned to cells of the second, m."""
 POSES_KEPT: Final = 64
 """Ticks for which poses are kept, for readings that come late."""
-INSIST: Final = 6.0
-"""Time for which it goes on asking after it has made progress again, s."""
 PATIENCE: Final = 2.0
 """Time without progress after which it plans around what stands in the way, s."""
+CHAIR: Final = 1.3
+"""What is seen so near to a chair that was heard is taken for it, m."""
+TRUST: Final = 25.0
+"""Time without progress after which it plans around other chairs as around things, s."""
 DOOR_RANGE: Final = 2.8
 """Distance at which a door hears that it shall open, m."""
 
@@ -88,11 +94,13 @@ class Navigator:
             goals: The goals, m.
         """
         robot = context.robot
+        limit = robot.acceleration_limit
         self._robot, self._period, self._within = robot, context.parameters.period, within
         boxes = boxes_of(robot)
         self._solids = solids_of(document)
         self._weights = weights_of(document, tuple(boxes))
         outer = covering(boxes)
+        self._speed = min(speed, robot.top_speed)
         self._window = MotionWindow(robot, outer, self._period, speed)
         self._scan = ScanPoints(robot)
         heights = [lidar.z for lidar in robot.lidar] or [sensor.z for sensor in robot.proximity] or [0.4]
@@ -104,32 +112,43 @@ class Navigator:
         start = context.position
         self._pose: Pose = start.x, start.y, start.heading
         self._estimate = None if truth else ParticlePose(robot, start, self._map, context.agent)
+        self._ahead = PoseAhead(robot, self._period, self._pose)
+        # It brakes with less than the motors can, as the window does.
+        weaker = robot if limit is None else structs.replace(robot, acceleration_limit=BRAKING_SHARE * limit)
+        sees = min([FARTHEST, *(lidar.max_range for lidar in robot.lidar)])
+        self._safe_speed = SafeSpeed(Motors.of(weaker, self._period), speed, sees - MARGIN)
         self._poses: dict[int, Pose] = {}
         self._goals = list(goals)
         self._user = Goals()
         self._plan: CostToGo | None = None
-        self._active, self._boxes = self._weights, boxes
+        self._boxes = boxes
         self._entering: Iterator[Weights | None] | None = None
+        self._detour_plan: CostToGo | None = None
+        self._map_plan: CostToGo | None = None
         self._progress = Progress()
         self._orders = GoalOrders(context)
         self._doorways = document.doorway
         self._say_limit = context.parameters.say_limit
-        self._said_at, self._said_open, self._stalled_at = -1.0, False, 0.0
+        self._said_at, self._said_open = -1.0, False
+        self._way = np.zeros((0, 2))
         self._arrived = False
-        self._strange = np.zeros((0, 2))
+        self._strange = self._things = np.zeros((0, 2))
         # Two chairs that meet must not lose their patience at the same tick.
         self._patience = crc32(context.agent.encode()) % 8 * 0.4
-        self._giving = GivingWay(context.agent, self._weights, self._patience)
+        self._giving = GivingWay(context.agent, self._weights, self._patience, BodyCircles(boxes))
         while self._goals and not self._planned((start.x, start.y, start.heading)):
             pass
 
     def decide(self, measures: Measures) -> Actions:
         """Return the actions of a tick."""
+        actions = self._decided(measures)
+        self._ahead.send(measures.tick, actions)
+        return actions
+
+    def _decided(self, measures: Measures) -> Actions:
         time = measures.time
         scans = self._scan.update(measures)
         pose = self._locate(measures, scans)
-        self._poses[measures.tick] = pose
-        self._poses.pop(measures.tick - POSES_KEPT, None)
         self._take_goal(measures)
         points = self._points(measures, scans, pose)
         if not self._goals:
@@ -147,24 +166,31 @@ class Navigator:
             self._progress.reset(time)
         else:
             self._progress.update(time, self._plan.at_pose(pose))
-            if self._progress.stalled > STALLED:
-                self._stalled_at = time
-        say = None if arrived else self._say(time, pose)
-        aside = self._giving.aside
-        door = self._closed_door(pose) if self._progress.stalled > STALLED or aside is not None else None
-        self._giving.update(time, pose, measures.message, self._progress.stalled, arrived, door, self._strange)
-        if self._giving.aside is not None:
-            return self._give_way(self._giving.aside, pose, points, say)
-        if aside is not None:
+        say = self._say(time, pose, arrived) or None
+        giving = self._giving
+        away = giving.aside is not None or giving.waits
+        door = self._closed_door(pose) if self._progress.stalled > STALLED or away else None
+        giving.update(time, pose, measures.message, self._progress.stalled, arrived, door, self._strange, self._way)
+        self._things = self._not_chairs()
+        if giving.aside is not None:
+            return self._give_way(giving.aside, pose, points, say)
+        if giving.waits:
+            return self._stand("yielding", say)
+        if away:
             self._progress.reset(time)
         if arrived:
-            return self._stand("arrived")
-        if self._detour(time):
-            return self._stand("planning", say)
-        choice = self._window.choose(pose, self._plan, points)
+            return self._stand("arrived", say)
+        self._detour(time, pose)
+        slow = self._share()
+        choice = self._window.choose(pose, self._plan, points, slow)
         if choice.moves and choice.cost == float("inf"):
             return self._stand("unreachable", say)
-        return self._answer("autonomous" if choice.moves else "waiting", say)
+        mode = "autonomous" if slow >= 1.0 else "slow"
+        return self._answer(mode if choice.moves else "waiting", say)
+
+    def _share(self) -> float:
+        """Return the share of the highest speed from which it can stop within what its sensors see."""
+        return min(1.0, self._safe_speed.after(self._ahead.blind) / max(self._speed, 1e-6))
 
     def _take_goal(self, measures: Measures) -> None:
         """Take over a goal of the user or of a message."""
@@ -174,38 +200,52 @@ class Navigator:
             new = self._orders.goal(message) or new
         if new is not None:
             self._goals, self._arrived = [new], False
+            self._giving.new_goal()
             self._new_plan(measures.time)
 
     def _new_plan(self, time: float) -> None:
-        self._plan, self._active, self._entering = None, self._weights, None
+        self._plan = self._map_plan = self._entering = self._detour_plan = None
         self._progress.reset(time)
 
     # ------------------------------------------------------------ others in the way
 
-    def _say(self, time: float, pose: Pose) -> str | None:
+    def _say(self, time: float, pose: Pose, arrived: bool) -> str | None:
         """Return the message that asks a door or others for the way, if one is due."""
         if time - self._said_at < SAY_PERIOD or self._plan is None:
             return None
-        door = self._closed_door(pose)
+        self._said_at = time
+        way = [pose[:2]] if arrived else self._plan.way(*pose, LENGTH) or [pose[:2]]
+        self._way = np.array(way)
+        door = None if arrived else self._closed_door(pose)
         if door and not self._said_open:
-            self._said_at, self._said_open = time, True
+            self._said_open = True
             return "open"
         self._said_open = False
-        if time - self._stalled_at > INSIST or self._stalled_at == 0.0:
-            return None
-        self._said_at = time
-        way = way_message(self._plan.way(*pose, LENGTH), self._say_limit)
-        return way if way != "way" else None
+        giving = self._giving
+        if giving.aside is not None:
+            way = giving.aside.way(*pose, LENGTH) or [pose[:2]]
+        stands = giving.stands or giving.aside is not None
+        return claim_message(Claim(giving.right, giving.since, np.array(way), giving.inside, stands), self._say_limit)
+
+    def _not_chairs(self) -> Floats:
+        """Return what is seen that is neither on the map nor a chair that was heard."""
+        strange = self._strange
+        if self._progress.stalled > TRUST + self._patience:
+            return strange
+        for claim in self._giving.heard.claims.values():
+            off = strange - claim.way[:1]
+            strange = strange[off[:, 0] * off[:, 0] + off[:, 1] * off[:, 1] > CHAIR * CHAIR]
+        return strange
 
     def _closed_door(self, pose: Pose) -> Point | None:
         """Return the doorway ahead in which something stands that is not on the map."""
-        if not self._strange.shape[0]:
+        if not self._things.shape[0]:
             return None
         for doorway in self._doorways:
             x, y = doorway.x - pose[0], doorway.y - pose[1]
             if x * x + y * y > DOOR_RANGE * DOOR_RANGE:
                 continue
-            off = self._strange - np.array([[doorway.x, doorway.y]])
+            off = self._things - np.array([[doorway.x, doorway.y]])
             if (np.sqrt(off[:, 0] * off[:, 0] + off[:, 1] * off[:, 1]) < 0.4 * doorway.width).any():
                 return doorway.x, doorway.y
         return None
@@ -217,22 +257,32 @@ class Navigator:
             return self._stand("yielding", say)
         if cost < THERE:
             return self._stand("yielding", say)
-        self._window.choose(pose, aside, points)
+        self._window.choose(pose, aside, points, self._share())
         return self._answer("yielding", say)
 
-    def _detour(self, time: float) -> bool:
-        """Plan around what stands in the way if it has no patience left; return whether there is a new plan to make."""
+    def _detour(self, time: float, pose: Pose) -> None:
+        """Plan around what stands in the way if it has no patience left, while it goes on by the plan that it has."""
+        plan = self._detour_plan
+        if plan is not None:
+            here = plan.at_pose(pose)
+            if here > plan.reached:
+                plan.expand(WORK)
+                return
+            self._detour_plan = None
+            # If there is no way round, it waits on the way that the map has.
+            if here < float("inf"):
+                self._map_plan = self._map_plan or self._plan
+                self._plan = plan
+                self._progress.reset(time)
+            return
         if self._entering is None:
-            if self._progress.stalled < PATIENCE + self._patience or not self._strange.shape[0]:
-                return False
-            self._entering = entered(self._weights, self._boxes, self._strange)
+            if self._progress.stalled < PATIENCE + self._patience or not self._things.shape[0]:
+                return
+            self._entering = entered(self._weights, self._boxes, self._things)
         copy = next(self._entering)
-        if copy is None:
-            return False
-        self._entering = None
-        self._active, self._plan = copy, None
-        self._progress.reset(time)
-        return True
+        if copy is not None:
+            self._entering = None
+            self._detour_plan = CostToGo.to_point(copy, self._goals[0], self._within / 2.0)
 
     # ------------------------------------------------------------ answers and plans
 
@@ -243,13 +293,13 @@ class Navigator:
     def _planned(self, pose: Pose) -> bool:
         """Work on the plan for a tick; return whether it has reached the body."""
         if self._plan is None:
-            self._plan = CostToGo.to_point(self._active, self._goals[0], self._within / 2.0)
+            self._plan = CostToGo.to_point(self._weights, self._goals[0], self._within / 2.0)
         plan = self._plan
         here = plan.at_pose(pose)
-        if plan.done and here == float("inf") and self._active is not self._weights:
-            # There is no way round: wait on the way that the map has.
-            self._active, self._plan = self._weights, None
-            return False
+        if plan.done and here == float("inf") and self._map_plan is not None:
+            # The way round does not lead on from here.
+            plan, self._map_plan = self._map_plan, None
+            self._plan, here = plan, plan.at_pose(pose)
         ready = here <= plan.reached
         if not plan.done and here + BEYOND > plan.reached:
             plan.expand(WORK if ready else WORK_AT_REST)
@@ -264,14 +314,19 @@ class Navigator:
         return dist(pose[:2], goal[:2]) <= within
 
     def _locate(self, measures: Measures, scans: list[tuple[int, Floats]]) -> Pose:
-        sensors = measures.sensors
-        self._window.measured(None, None)
         if self._estimate is not None:
-            return self._estimate.update(measures, scans)
-        if sensors is not None and sensors.truth:
-            reading = sensors.truth[0]
-            self._pose = reading.x, reading.y, reading.heading
-        return self._pose
+            self._pose, tick = self._estimate.update(measures, scans), self._estimate.tick
+        else:
+            tick = measures.tick
+            if measures.sensors is not None and measures.sensors.truth:
+                reading = measures.sensors.truth[0]
+                self._pose = reading.x, reading.y, reading.heading
+                tick = tick if reading.tick is None else reading.tick
+        ahead = self._ahead
+        self._poses.update(ahead.update(measures, self._pose, tick))
+        self._poses.pop(measures.tick - POSES_KEPT, None)
+        self._window.starts(ahead.speed, ahead.rate)
+        return ahead.pose
 
     def _points(self, measures: Measures, scans: list[tuple[int, Floats]], pose: Pose) -> Floats:
         """Return what is around, as rows x, y, vx, vy in the body's frame."""
@@ -296,6 +351,8 @@ class Navigator:
             found = np.concatenate([found, hidden])
             velocities = np.concatenate([velocities, np.zeros_like(hidden)])
             growth = np.concatenate([growth, np.zeros(hidden.shape[0])])
+        # What moves has moved on until the next command acts.
+        found = found + velocities * self._ahead.time
         body = into_body(found, pose)
         speed = np.sqrt(velocities[:, 0] * velocities[:, 0] + velocities[:, 1] * velocities[:, 1])
         gaps = self._window.gaps(body[:, 0], body[:, 1])
