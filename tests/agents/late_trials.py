@@ -14,7 +14,6 @@ import csv
 import math
 import random
 import sys
-import time
 from collections import deque
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass, replace
@@ -25,6 +24,7 @@ import msgspec
 from intellwheels_schemas.messages import Actions, Event, Robot, Sensors, UserInput
 from intellwheels_server.world import measures
 from tests.agents.arena import Arena
+from tests.agents.navigate_trials import Timed
 
 MINDS = ("seek", "navigate", "aided")
 CHAIRS = ("rear-wheel", "mid-wheel", "front-wheel", "intellwheels")
@@ -161,19 +161,10 @@ def trial(mind: str, condition: Condition, seed: int, seconds: float = 90.0) -> 
         options["AccelerationCurve"] = str(condition.curve)
     options |= {"navigate": {"to": "goal", "truth": "true"}, "seek": {"to": "goal"}, "aided": {}}[mind]
     player = arena.join("chair", mind, condition.chair, "start", options)
+    timed = player.mind = Timed(player.mind)
     user = random.Random(seed)
-    spent: list[float] = []
     wished_until = reached_at = 0.0
     reached = False
-    decide = player.mind.decide
-
-    def timed(measured):  # type: ignore[no-untyped-def]
-        began = time.process_time()
-        answer = decide(measured)
-        spent.append(time.process_time() - began)
-        return answer
-
-    player.mind.decide = timed  # type: ignore[method-assign]
     while not reached and arena.state.tick * arena.setup.period < seconds:
         now = arena.state.tick * arena.setup.period
         if mind == "aided" and now >= wished_until:
@@ -185,7 +176,7 @@ def trial(mind: str, condition: Condition, seed: int, seconds: float = 90.0) -> 
         reached_at = arena.state.tick * arena.setup.period
     contacts = arena.contacts()
     reported = [event for event in contacts if arena.was_reported(event)]
-    spent.sort()
+    spent = sorted(timed.spent)
     return Row(
         mind, condition.chair, condition.sensors_late, condition.commands_late, condition.period_ms, condition.limit,
         condition.curve, seed, reached, round(reached_at, 2), len(contacts), len(reported),

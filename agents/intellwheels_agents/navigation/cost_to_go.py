@@ -163,8 +163,14 @@ class CostToGo:
         done: Whether every pose that has a way has its cost.
     """
 
-    def __init__(self, weights: Weights, ends: npt.NDArray[np.bool_], costs: Floats | None = None) -> None:
-        """Start at the poses that are `True` in `ends`, with their costs, m (default 0)."""
+    def __init__(
+        self,
+        weights: Weights,
+        ends: npt.NDArray[np.bool_],
+        costs: Floats | None = None,
+        blocked: npt.NDArray[np.bool_] | None = None,
+    ) -> None:
+        """Start at the poses that are `True` in `ends`, with costs in m (default 0); no way leads on from `blocked`."""
         self._weights = weights
         frame = weights.frame
         self.costs: Costs = np.full((COUNT, frame.rows, frame.columns), np.inf, dtype=np.float32)
@@ -174,12 +180,12 @@ class CostToGo:
         self._layer = layer
         self._size = COUNT * layer
         self._move, self._turn = weights.move.reshape(-1), weights.turn.reshape(-1)
-        self._closed = np.zeros(self._size, dtype=bool)
+        self._closed = np.zeros(self._size, dtype=bool) if blocked is None else blocked.reshape(-1).copy()
         self._bands: dict[int, list[npt.NDArray[np.int64]]] = {}
         self._band = 0
         self.done = False
         index = np.flatnonzero(ends)
-        first = np.zeros(index.size) if costs is None else np.broadcast_to(costs, ends.shape).reshape(-1)[index]
+        first = np.zeros(index.size) if costs is None else np.broadcast_to(costs, ends.shape)[ends]
         self._flat[index] = first
         self._store(index, first)
 

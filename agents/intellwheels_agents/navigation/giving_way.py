@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import Final
 
 import numpy as np
 import numpy.typing as npt
 
-from intellwheels_agents.navigation.array_angles import Floats
+from intellwheels_agents.navigation.array_angles import Floats, wrapped_all
 from intellwheels_agents.navigation.body_circles import BodyCircles
 from intellwheels_agents.navigation.cost_to_go import CostToGo, Weights, distances
 from intellwheels_agents.navigation.footprint_clearance import Frame
 from intellwheels_agents.navigation.goal_progress import Progress
+from intellwheels_agents.navigation.lattice import ANGLES
 from intellwheels_agents.navigation.right_of_way import AT_GOAL, TIRED, USUAL, Claim, Right, RightOfWay, halved
 from intellwheels_agents.navigation.scan_points import Pose, thinned
 from intellwheels_agents.portable_math import dist
@@ -36,7 +38,7 @@ DOOR_ROOM: Final = 1.4
 """Distance to a closed door at which its leaf can swing, m."""
 RETHINK: Final = 5.0
 """Time after which a place to go to is chosen again, s."""
-LONGEST: Final = 8.0
+LONGEST: Final = 6.0
 """Longest way to such a place, m."""
 STUBBORN: Final = 4.0
 """Time without progress after which it stops giving way, and the least time for which it does, s."""
@@ -44,6 +46,10 @@ WIDTH: Final = 0.4
 """Width of the band of places around a way, m."""
 APART: Final = 0.15
 """Distance of a body at such a place from things that are not on the map, m."""
+ACROSS: Final = 1.0
+"""Cost of another heading at such a place, m per rad, against the same or the opposite one."""
+PAST: Final = 0.02
+"""Distance in which it can drive past them, m."""
 MOVED: Final = 0.4
 """A chair that stays within this distance does not move, m."""
 STUCK: Final = 9.0
@@ -87,7 +93,7 @@ class GivingWay:
         self._name, self._weights, self._patience, self._circles = name, weights, patience, circles
         self._narrow = weights.narrow(2.0 * circles.side + WIDE)
         self._chosen_at = self._stubborn_until = self._weary_until = 0.0
-        self._was_arrived = False
+        self._was_arrived, self._past_others = False, True
         self._progress = Progress()
         self._anchor: Point = (float("inf"), 0.0)
         self._anchored = self._out_until = 0.0
@@ -145,7 +151,11 @@ class GivingWay:
             return
         # Those with less right than the first make room for it and for this chair.
         first_right = min((claim.right for claim in pressed), default=own)
-        most = [claim for claim in pressed if claim.right == first_right]
+        most = [claim for claim in pressed if claim.right == first_right or self._was_arrived]
+        if self._was_arrived and not arrived and not most and any(_cross(way, claim) for claim in others):
+            # It came off its goal for others, and goes back when nobody comes any more.
+            self.aside, self.waits = None, True
+            return
         at_door = door is not None and dist(pose[:2], door[:2]) < 1.2 * DOOR_ROOM
         if most or first:
             points = np.concatenate([claim.way for claim in (*most, *first)])
@@ -220,8 +230,13 @@ class GivingWay:
             self._anchor, self._anchored = (pose[0], pose[1]), time
             return
         if self.aside is None or time - self._chosen_at > RETHINK:
+            self._past_others = True
             self.aside, self._chosen_at = self._places(points, room + SPARE, pose, strange), time
             self._progress.reset(time)
+        elif self._past_others and self._has_no_place(self.cost(pose)):
+            # Others leave no way to such a place: perhaps they give way too.
+            self._past_others = False
+            self.aside = self._places(points, room + SPARE, pose, strange)
         self._give_up(time, self.cost(pose))
 
     def _give_up(self, time: float, cost: float) -> None:
@@ -236,29 +251,45 @@ class GivingWay:
                 self._stubborn_until = time + STUBBORN + self._patience
         else:
             self._progress.reset(time)
-        if cost > aside.reached > LONGEST or (aside.done and cost == float("inf")):
+        if not self._past_others and self._has_no_place(cost):
             self._stubborn_until = time + STUBBORN
         if self._stubborn_until > time:
             self.aside = None
 
+    def _has_no_place(self, cost: float) -> bool:
+        aside = self.aside
+        return aside is not None and (cost > aside.reached > LONGEST or (aside.done and cost == float("inf")))
+
     def _places(self, points: Floats, room: float, pose: Pose, strange: Floats) -> CostToGo:
         """Return the costs to the nearest places at which the body has so much room to points."""
         frame, clearance = self._weights.frame, self._weights.clearance
-        reach = int((LONGEST + 1.0) / frame.cell)
+        reach = int(LONGEST / frame.cell)
         i, j = int((pose[0] - frame.x) / frame.cell), int((pose[1] - frame.y) / frame.cell)
         west, east = max(0, i - reach), max(0, min(frame.columns, i + reach))
         south, north = max(0, j - reach), max(0, min(frame.rows, j + reach))
         part = Frame(frame.x + frame.cell * west, frame.y + frame.cell * south, frame.cell, east - west, north - south)
         off = distances(part, [(x, y) for x, y in thinned(points, 0.2).tolist()])
         things = distances(part, [(x, y) for x, y in thinned(strange, 0.25).tolist()])
-        ends = np.zeros(clearance.shape, dtype=bool)
-        for k in range(0, clearance.shape[0], 2):
-            gap = self._circles.gaps(off, part, k)
-            place = (gap > room) & (gap < room + WIDTH)
+        ends, blocked = np.zeros(clearance.shape, dtype=bool), np.zeros(clearance.shape, dtype=bool)
+        for k in range(clearance.shape[0]):
             if strange.shape[0]:
-                place &= self._circles.gaps(things, part, k) > APART
-            ends[k, south:north, west:east] = place & (clearance[k, south:north, west:east] >= 0.05)
-        return CostToGo(self._weights, ends)
+                apart = self._circles.gaps(things, part, k)
+                blocked[k, south:north, west:east] = apart < PAST
+            if k % 2 == 0:
+                gap = self._circles.gaps(off, part, k)
+                place = (gap > room) & (gap < room + WIDTH) & (clearance[k, south:north, west:east] >= 0.05)
+                ends[k, south:north, west:east] = place & (apart > APART) if strange.shape[0] else place
+        # A chair that stands across a corridor is in everybody's way.
+        turns = np.abs(wrapped_all(ANGLES - pose[2]))
+        costs = (ACROSS * np.minimum(turns, np.abs(turns - math.pi)))[:, None, None]
+        return CostToGo(self._weights, ends, costs, blocked if self._past_others else None)
+
+
+def _cross(way: Floats, claim: Claim) -> bool:
+    """Return whether two ways come near to each other."""
+    if not way.shape[0]:
+        return False
+    return bool((_lengths((way[:, None, :] - claim.way[None, :, :]).reshape(-1, 2)) < MEET).any())
 
 
 def _leads(way: Floats, claim: Claim) -> bool:
