@@ -63,11 +63,13 @@ class MotionProjection:
         Args:
             now: The present wheel speeds.
             wanted: The commanded wheel speeds from now on.
-            seconds: For how long they are commanded; then it brakes.
+            seconds: For how long it is looked ahead. It brakes in time to stand then, or after one cycle.
         """
         found: list[tuple[float, float, float, float]] = []
         pose = (0.0, 0.0, 0.0, 0.0)
-        for _ in range(math.ceil(seconds / self.motors.period - 1e-9)):
+        fastest = max(abs(wanted.left), abs(wanted.right))
+        driving = seconds - self.motors.braking_time(fastest, STANDS)
+        for _ in range(max(1, math.ceil(driving / self.motors.period - 1e-9))):
             now, pose = self.driven(now, wanted, pose, found)
         for _ in range(math.ceil(LONGEST_BRAKING / self.motors.period)):
             if max(abs(now.left), abs(now.right)) < STANDS:
@@ -108,10 +110,16 @@ class MotionProjection:
             swing: Metres added to both ends of the footprint, to keep room for a later turn in place.
             longest: The farthest that any point of the body moves, m.
         """
+        body = self.outline
+        middle, half, side = (body.front - body.back) / 2.0, (body.front + body.back) / 2.0 + swing, body.side
+        far = longest + margin
         found = []
         for x, y in points:
+            # Most points are too far away to matter. It is told here without a call: there are many.
+            if abs(x - middle) - half > far or abs(y) - side > far:
+                continue
             lengthened = self.clearance(x, y, swing)
-            if lengthened - margin <= longest:
+            if lengthened <= far:
                 clearance = self.clearance(x, y, 0.0)
                 spent = CLEARANCE_SHARE * max(0.0, clearance)
                 least, least_long = min(margin, clearance - spent), min(margin, lengthened - spent)

@@ -41,6 +41,8 @@ JUMP: Final = 0.03
 """Metres by which a reading may shrink in a tick beyond the body's own motion; a larger step is a new obstacle."""
 LOOK_INTERVAL: Final = 0.1
 """Distance between two updates of the free cells, in m of driving (1 rad of turning counts as 1 m)."""
+LOOK_CELLS: Final = 6000
+"""Free cells that are noted in a tick, at least those of one beam: the beams take turns, so that no tick is long."""
 LONE_AGE: Final = 0.3
 """Age at which a point without neighbours is dropped, in m of driving (1 rad of turning counts as 1 m). A real
 obstacle is seen from several places, and each leaves a point beside the last."""
@@ -103,6 +105,7 @@ class ObstacleMemory:
         self._early: list[tuple[int, ProximityReading]] = []
         self._travel = 0.0
         self._looked_at = -math.inf
+        self._to_look: dict[str, None] = {}
         # When each cell was seen free. What is older than `FREE_TIME` at a look does not count, and is dropped later.
         self._free: dict[Cell, float] = {}
         self._looked_time = -math.inf
@@ -136,6 +139,8 @@ class ObstacleMemory:
                 self._free_limit = 2 * len(self._free) + 1000
             self._set_free(pose, self._covered, measures.time)
             self._drop_lone(local)
+            self._to_look.update(dict.fromkeys(self._beams))
+        room = LOOK_CELLS
         for tick, reading in self._due(measures, now):
             beam = self._beams.get(reading.id)
             metres = None if beam is None else distance(reading, beam.sensor)
@@ -148,7 +153,9 @@ class ObstacleMemory:
                 continue
             then, time = found
             self._clear(beam, min(metres, beam.sensor.max_range), local, then, tick)
-            if looks:
+            if reading.id == next(iter(self._to_look), None) or (reading.id in self._to_look and room > 0):
+                del self._to_look[reading.id]
+                room -= len(beam.lattice)
                 clear = metres - self._clearing
                 self._set_free(then, [(x, y) for x, y, far in beam.lattice if far < clear], time)
             appeared = last is None or metres < last.metres - JUMP - _between(last.pose, then)

@@ -84,6 +84,13 @@ class Motors:
                 break
         return travelled
 
+    def braking_time(self, speed: float, least: float) -> float:
+        """Return a time in which a wheel slows down from a speed to the least one, m/s, in s; 0 if it is slower."""
+        if speed <= least:
+            return 0.0
+        lag = self.settling / (1.0 - self.kept) * log(speed / least) if self.kept > 0.0 else 0.0
+        return lag + speed / self.limit
+
     def _wheel(self, speed: float, wanted: float) -> tuple[float, float]:
         new = (1.0 - self.kept) * wanted + self.kept * speed
         most = self.limit * self.period

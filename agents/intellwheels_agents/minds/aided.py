@@ -121,7 +121,7 @@ class Mind:
         self._ticks = MotionProjection(outline(robot), robot.track, motors)
         self._projection = MotionProjection(outline(robot), robot.track, Motors.of(robot, max(period, SHORTEST_STEP)))
         sees = min((one.max_range for one in robot.proximity if one.mount == "body"), default=math.inf)
-        far = self._speed * self._ahead + motors.stopping(self._speed) + self._margin
+        far = self._speed * max(period, SHORTEST_STEP) + motors.stopping(self._speed) + self._margin
         sees = min(max(REACH, far), sees)
         self._safe_speed = SafeSpeed(motors, max(self._speed, robot.top_speed), sees - self._margin)
         self._obstacles = ObstacleMemory(robot, MEMORY_CELL if by_itself else CELL, max(REACH, sees))

@@ -17,7 +17,7 @@ from intellwheels_agents.navigation.goal_progress import Progress
 from intellwheels_agents.navigation.lattice import ANGLES
 from intellwheels_agents.navigation.right_of_way import AT_GOAL, TIRED, USUAL, Claim, Right, RightOfWay, halved
 from intellwheels_agents.navigation.scan_points import Pose, thinned
-from intellwheels_agents.portable_math import dist
+from intellwheels_agents.portable_math import dist, sincos
 from intellwheels_schemas.messages import Heard
 
 STALLED: Final = 1.5
@@ -34,6 +34,8 @@ MEET: Final = 0.9
 """Ways nearer to each other than this meet, m."""
 SAME_WAY: Final = 0.5
 """Cosine of the angle between two ways that lead in the same direction."""
+TURN_WITHIN: Final = 1.0
+"""Length of the own way at whose end its direction is compared with the heading, m."""
 DOOR_ROOM: Final = 1.4
 """Distance to a closed door at which its leaf can swing, m."""
 RETHINK: Final = 5.0
@@ -54,6 +56,10 @@ MOVED: Final = 0.4
 """A chair that stays within this distance does not move, m."""
 STUCK: Final = 9.0
 """Time without moving after which it backs out of where it is, s."""
+QUEUED: Final = 25.0
+"""The same among other chairs, which will move on, s."""
+NEAR_BY: Final = 3.0
+"""Distance to a chair that may be why it stands, m."""
 OUT: Final = 6.0
 """Time for which it backs out, s."""
 OUT_ROOM: Final = 0.8
@@ -81,13 +87,14 @@ class GivingWay:
         since: The time of the need behind that right, s.
         inside: Whether it is inside a passage without room for two.
         stands: Whether it stands, and needs the way.
+        turns: Whether it must turn where it is.
         heard: The claims of the others.
     """
 
     def __init__(self, name: str, weights: Weights, patience: float, circles: BodyCircles) -> None:
         """Take the chair's name, the costs of its moves, how much longer than others it is stubborn (s), its body."""
         self.aside: CostToGo | None = None
-        self.waits = self.inside = self.stands = False
+        self.waits = self.inside = self.stands = self.turns = False
         self.right, self.since = Right(USUAL, name), 0.0
         self.heard = RightOfWay(name)
         self._name, self._weights, self._patience, self._circles = name, weights, patience, circles
@@ -129,9 +136,10 @@ class GivingWay:
         others = self.heard.of_others()
         above = [claim for claim in others if claim.right < own]
         room = ROOM + SPARE if away else ROOM
-        pressed = [claim for claim in above if self._circles.gap(pose, claim.way) < room]
+        pressed = [claim for claim in above if self._circles.gap(pose, claim.space) < room]
         self.right, self.since = min([(own, time), *((claim.right, claim.since) for claim in pressed)])
         self.stands = stalled > STALLED
+        self.turns = _must_turn(pose, way)
         self.waits = False
         if self._out_until <= time < self._stubborn_until:
             self.aside = None
@@ -158,7 +166,7 @@ class GivingWay:
             return
         at_door = door is not None and dist(pose[:2], door[:2]) < 1.2 * DOOR_ROOM
         if most or first:
-            points = np.concatenate([claim.way for claim in (*most, *first)])
+            points = np.concatenate([claim.space for claim in (*most, *first)])
             self._go_aside(time, pose, points, ROOM + SPARE, strange)
         elif door is not None and at_door and (away or stalled > STALLED):
             self._go_aside(time, pose, np.array([door]), DOOR_ROOM - self._circles.side, strange)
@@ -203,7 +211,8 @@ class GivingWay:
             return False
         off = _lengths((own[:, None, :] - other[None, :, :]).reshape(-1, 2)).reshape(own.shape[0], other.shape[0])
         lengths = _lengths(own_step)[:, None] * _lengths(other_step)[None, :]
-        along = (own_step[:, None, :] * other_step[None, :, :]).sum(axis=2)
+        product = own_step[:, None, :] * other_step[None, :, :]
+        along = product[:, :, 0] + product[:, :, 1]
         narrow = self._is_narrow(other)[None, :]
         return bool(((off < MEET) & narrow & (along < SAME_WAY * lengths)).any())
 
@@ -212,8 +221,12 @@ class GivingWay:
         resting = arrived or (self.aside is not None and self.cost(pose) < THERE)
         if resting or dist(pose[:2], self._anchor[:2]) > MOVED:
             self._anchor, self._anchored = (pose[0], pose[1]), time
-        elif time - self._anchored > STUCK + self._patience:
+        elif time - self._anchored > (QUEUED if self._has_company(pose) else STUCK) + self._patience:
             self._out_until, self._anchored, self.aside = time + OUT, time + OUT, None
+
+    def _has_company(self, pose: Pose) -> bool:
+        """Return whether another chair that is on its way was heard near by."""
+        return any(dist(pose[:2], (claim.way[0, 0], claim.way[0, 1])) < NEAR_BY for claim in self.heard.of_others())
 
     def _back_out(self, time: float, pose: Pose, strange: Floats) -> None:
         near = strange[np.abs(strange - np.array([[pose[0], pose[1]]])).max(axis=1) < 2.0]
@@ -285,6 +298,17 @@ class GivingWay:
         return CostToGo(self._weights, ends, costs, blocked if self._past_others else None)
 
 
+def _must_turn(pose: Pose, way: Floats) -> bool:
+    """Return whether a way leads off to the side, or back, from the heading."""
+    steps = way - way[:1]
+    far = steps[_lengths(steps) > TURN_WITHIN] if way.shape[0] else way
+    if not far.shape[0]:
+        return False
+    s, c = sincos(pose[2])
+    along = float(c * far[0][0] + s * far[0][1])
+    return along < SAME_WAY * float(_lengths(far[:1])[0])
+
+
 def _cross(way: Floats, claim: Claim) -> bool:
     """Return whether two ways come near to each other."""
     if not way.shape[0]:
@@ -300,6 +324,9 @@ def _leads(way: Floats, claim: Claim) -> bool:
     off = _lengths(claim.way - way[:1])
     nearest = min(int(np.argmin(off)), claim.way.shape[0] - 2)
     other = claim.way[nearest + 1] - claim.way[nearest]
+    past = way[0] - claim.way[nearest]
+    if nearest == 0 and float(past[0] * other[0] + past[1] * other[1]) < 0.0:
+        return False
     along = float(step[0] * other[0] + step[1] * other[1])
     lengths = _lengths(np.stack([step, other]))
     return along > SAME_WAY * float(lengths[0] * lengths[1])

@@ -227,7 +227,8 @@ class Navigator:
         if giving.aside is not None:
             way = giving.aside.way(*pose, LENGTH) or [pose[:2]]
         stands = giving.stands or giving.aside is not None
-        return claim_message(Claim(giving.right, giving.since, np.array(way), giving.inside, stands), self._say_limit)
+        claim = Claim(giving.right, giving.since, np.array(way), giving.inside, stands, giving.turns)
+        return claim_message(claim, self._say_limit)
 
     def _not_chairs(self) -> Floats:
         """Return what is seen that is neither on the map nor a chair that was heard."""
