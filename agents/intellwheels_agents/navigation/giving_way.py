@@ -150,8 +150,10 @@ class GivingWay:
             claim
             for claim in others
             if not self._was_arrived
-            and (claim.right < own or (claim.inside and not self.inside))
-            and self._meets(way, claim)
+            and (
+                ((claim.right < own or (claim.inside and not self.inside)) and self._meets(way, claim))
+                or (claim.right < own and claim.turns and claim.stands and _comes_near(way, claim))
+            )
         ]
         self._watch(time, pose, arrived or bool(pressed or first))
         if time < self._out_until:
@@ -314,6 +316,12 @@ def _cross(way: Floats, claim: Claim) -> bool:
     if not way.shape[0]:
         return False
     return bool((_lengths((way[:, None, :] - claim.way[None, :, :]).reshape(-1, 2)) < MEET).any())
+
+
+def _comes_near(way: Floats, claim: Claim) -> bool:
+    """Return whether a way comes, before long, into the circle that another chair needs to turn."""
+    near = way[_lengths(way - way[:1]) <= AHEAD] if way.shape[0] else way
+    return bool((_lengths(near - claim.way[:1]) < MEET).any())
 
 
 def _leads(way: Floats, claim: Claim) -> bool:
