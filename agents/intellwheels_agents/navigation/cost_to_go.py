@@ -71,24 +71,6 @@ class Weights:
         other.move, other.turn = self.move.copy(), self.turn.copy()
         return other
 
-    def narrow(self, width: float) -> npt.NDArray[np.bool_]:
-        """Return whether each cell is in a passage narrower than this, m: as its centre can move."""
-        solid = (self.clearance < 0.0).all(axis=0)
-        reach = int(width / self.frame.cell) + 1
-        padded = np.pad(solid, reach + 1, constant_values=True)
-        rows, columns, edge = self.frame.rows, self.frame.columns, reach + 1
-        least = np.full(solid.shape, np.inf)
-        for i, j in ((1, 0), (0, 1), (1, 1), (1, -1)):
-            count = np.ones(solid.shape)
-            for sign in (1, -1):
-                free = ~solid
-                for n in range(1, reach + 1):
-                    di, dj = sign * n * i, sign * n * j
-                    free = free & ~padded[edge + dj : edge + dj + rows, edge + di : edge + di + columns]
-                    count += free
-            np.minimum(least, count * (self.frame.cell * math.sqrt(i * i + j * j)), out=least)
-        return np.asarray(~solid & (least < width))
-
     def refresh(self, rows: tuple[int, int], columns: tuple[int, int]) -> None:
         """Compute the costs again in a range of rows and columns, after the clearances there have changed."""
         (south, north), (west, east) = rows, columns
@@ -163,14 +145,8 @@ class CostToGo:
         done: Whether every pose that has a way has its cost.
     """
 
-    def __init__(
-        self,
-        weights: Weights,
-        ends: npt.NDArray[np.bool_],
-        costs: Floats | None = None,
-        blocked: npt.NDArray[np.bool_] | None = None,
-    ) -> None:
-        """Start at the poses that are `True` in `ends`, with costs in m (default 0); no way leads on from `blocked`."""
+    def __init__(self, weights: Weights, ends: npt.NDArray[np.bool_], costs: Floats | None = None) -> None:
+        """Start at the poses that are `True` in `ends`, with their costs, m (default 0)."""
         self._weights = weights
         frame = weights.frame
         self.costs: Costs = np.full((COUNT, frame.rows, frame.columns), np.inf, dtype=np.float32)
@@ -180,12 +156,12 @@ class CostToGo:
         self._layer = layer
         self._size = COUNT * layer
         self._move, self._turn = weights.move.reshape(-1), weights.turn.reshape(-1)
-        self._closed = np.zeros(self._size, dtype=bool) if blocked is None else blocked.reshape(-1).copy()
+        self._closed = np.zeros(self._size, dtype=bool)
         self._bands: dict[int, list[npt.NDArray[np.int64]]] = {}
         self._band = 0
         self.done = False
         index = np.flatnonzero(ends)
-        first = np.zeros(index.size) if costs is None else np.broadcast_to(costs, ends.shape)[ends]
+        first = np.zeros(index.size) if costs is None else np.broadcast_to(costs, ends.shape).reshape(-1)[index]
         self._flat[index] = first
         self._store(index, first)
 

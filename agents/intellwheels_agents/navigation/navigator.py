@@ -13,7 +13,6 @@ from msgspec import structs
 from intellwheels_agents.differential_drive import powers
 from intellwheels_agents.mind import Context
 from intellwheels_agents.navigation.array_angles import Floats
-from intellwheels_agents.navigation.body_circles import BodyCircles
 from intellwheels_agents.navigation.cone_points import ConePoints
 from intellwheels_agents.navigation.cost_to_go import CostToGo, Weights
 from intellwheels_agents.navigation.footprint_clearance import (
@@ -33,7 +32,7 @@ from intellwheels_agents.navigation.motion_window import BRAKING_SHARE, MARGIN, 
 from intellwheels_agents.navigation.moving_tracks import MovingTracks
 from intellwheels_agents.navigation.particle_pose import ParticlePose
 from intellwheels_agents.navigation.pose_ahead import PoseAhead
-from intellwheels_agents.navigation.right_of_way import LENGTH, SAY_PERIOD, Claim, claim_message
+from intellwheels_agents.navigation.right_of_way import LENGTH, SAY_PERIOD, way_message
 from intellwheels_agents.navigation.scan_points import ScanPoints, into_body, into_map, thinned
 from intellwheels_agents.navigation.strange_obstacles import entered
 from intellwheels_agents.portable_math import dist, sincos
@@ -59,12 +58,10 @@ CELLS: Final = ((0.25, 0.02), (0.7, 0.05), (FARTHEST, 0.1))
 """Points nearer to the body than the first number are thinned to cells of the second, m."""
 POSES_KEPT: Final = 64
 """Ticks for which poses are kept, for readings that come late."""
+INSIST: Final = 6.0
+"""Time for which it goes on asking after it has made progress again, s."""
 PATIENCE: Final = 2.0
 """Time without progress after which it plans around what stands in the way, s."""
-CHAIR: Final = 1.3
-"""What is seen so near to a chair that was heard is taken for it, m."""
-TRUST: Final = 25.0
-"""Time without progress after which it plans around other chairs as around things, s."""
 DOOR_RANGE: Final = 2.8
 """Distance at which a door hears that it shall open, m."""
 
@@ -131,13 +128,12 @@ class Navigator:
         self._orders = GoalOrders(context)
         self._doorways = document.doorway
         self._say_limit = context.parameters.say_limit
-        self._said_at, self._said_open = -1.0, False
-        self._way = np.zeros((0, 2))
+        self._said_at, self._said_open, self._stalled_at = -1.0, False, 0.0
         self._arrived = False
-        self._strange = self._things = np.zeros((0, 2))
+        self._strange = np.zeros((0, 2))
         # Two chairs that meet must not lose their patience at the same tick.
         self._patience = crc32(context.agent.encode()) % 8 * 0.4
-        self._giving = GivingWay(context.agent, self._weights, self._patience, BodyCircles(boxes))
+        self._giving = GivingWay(context.agent, self._weights, self._patience)
         while self._goals and not self._planned((start.x, start.y, start.heading)):
             pass
 
@@ -168,20 +164,18 @@ class Navigator:
             self._progress.reset(time)
         else:
             self._progress.update(time, self._plan.at_pose(pose))
-        say = self._say(time, pose, arrived) or None
-        giving = self._giving
-        away = giving.aside is not None or giving.waits
-        door = self._closed_door(pose) if self._progress.stalled > STALLED or away else None
-        giving.update(time, pose, measures.message, self._progress.stalled, arrived, door, self._strange, self._way)
-        self._things = self._not_chairs()
-        if giving.aside is not None:
-            return self._give_way(giving.aside, pose, points, say)
-        if giving.waits:
-            return self._stand("yielding", say)
-        if away:
+            if self._progress.stalled > STALLED:
+                self._stalled_at = time
+        say = None if arrived else self._say(time, pose)
+        aside = self._giving.aside
+        door = self._closed_door(pose) if self._progress.stalled > STALLED or aside is not None else None
+        self._giving.update(time, pose, measures.message, self._progress.stalled, arrived, door, self._strange)
+        if self._giving.aside is not None:
+            return self._give_way(self._giving.aside, pose, points, say)
+        if aside is not None:
             self._progress.reset(time)
         if arrived:
-            return self._stand("arrived", say)
+            return self._stand("arrived")
         self._detour(time, pose)
         slow = self._share()
         choice = self._window.choose(pose, self._plan, points, slow)
@@ -202,7 +196,6 @@ class Navigator:
             new = self._orders.goal(message) or new
         if new is not None:
             self._goals, self._arrived = [new], False
-            self._giving.new_goal()
             self._new_plan(measures.time)
 
     def _new_plan(self, time: float) -> None:
@@ -211,44 +204,30 @@ class Navigator:
 
     # ------------------------------------------------------------ others in the way
 
-    def _say(self, time: float, pose: Pose, arrived: bool) -> str | None:
+    def _say(self, time: float, pose: Pose) -> str | None:
         """Return the message that asks a door or others for the way, if one is due."""
         if time - self._said_at < SAY_PERIOD or self._plan is None:
             return None
-        self._said_at = time
-        way = [pose[:2]] if arrived else self._plan.way(*pose, LENGTH) or [pose[:2]]
-        self._way = np.array(way)
-        door = None if arrived else self._closed_door(pose)
+        door = self._closed_door(pose)
         if door and not self._said_open:
-            self._said_open = True
+            self._said_at, self._said_open = time, True
             return "open"
         self._said_open = False
-        giving = self._giving
-        if giving.aside is not None:
-            way = giving.aside.way(*pose, LENGTH) or [pose[:2]]
-        stands = giving.stands or giving.aside is not None
-        claim = Claim(giving.right, giving.since, np.array(way), giving.inside, stands, giving.turns)
-        return claim_message(claim, self._say_limit)
-
-    def _not_chairs(self) -> Floats:
-        """Return what is seen that is neither on the map nor a chair that was heard."""
-        strange = self._strange
-        if self._progress.stalled > TRUST + self._patience:
-            return strange
-        for claim in self._giving.heard.claims.values():
-            off = strange - claim.way[:1]
-            strange = strange[off[:, 0] * off[:, 0] + off[:, 1] * off[:, 1] > CHAIR * CHAIR]
-        return strange
+        if time - self._stalled_at > INSIST or self._stalled_at == 0.0:
+            return None
+        self._said_at = time
+        way = way_message(self._plan.way(*pose, LENGTH), self._say_limit)
+        return way if way != "way" else None
 
     def _closed_door(self, pose: Pose) -> Point | None:
         """Return the doorway ahead in which something stands that is not on the map."""
-        if not self._things.shape[0]:
+        if not self._strange.shape[0]:
             return None
         for doorway in self._doorways:
             x, y = doorway.x - pose[0], doorway.y - pose[1]
             if x * x + y * y > DOOR_RANGE * DOOR_RANGE:
                 continue
-            off = self._things - np.array([[doorway.x, doorway.y]])
+            off = self._strange - np.array([[doorway.x, doorway.y]])
             if (np.sqrt(off[:, 0] * off[:, 0] + off[:, 1] * off[:, 1]) < 0.4 * doorway.width).any():
                 return doorway.x, doorway.y
         return None
@@ -276,12 +255,12 @@ class Navigator:
             if here < float("inf"):
                 self._map_plan = self._map_plan or self._plan
                 self._plan = plan
-                self._progress.reset(time)
+            self._progress.reset(time)
             return
         if self._entering is None:
-            if self._progress.stalled < PATIENCE + self._patience or not self._things.shape[0]:
+            if self._progress.stalled < PATIENCE + self._patience or not self._strange.shape[0]:
                 return
-            self._entering = entered(self._weights, self._boxes, self._things)
+            self._entering = entered(self._weights, self._boxes, self._strange)
         copy = next(self._entering)
         if copy is not None:
             self._entering = None
