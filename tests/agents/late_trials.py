@@ -198,7 +198,7 @@ def main() -> None:
             if given.only and number not in given.only:
                 continue
             found = [
-                trial(mind, condition, seed, 40.0 if mind == "aided" else 90.0) for seed in range(1, given.seeds + 1)
+                trial(mind, condition, seed, 20.0 if mind == "aided" else 90.0) for seed in range(1, given.seeds + 1)
             ]
             rows += found
             reached, touched = sum(row.reached for row in found), sum(row.reported for row in found)

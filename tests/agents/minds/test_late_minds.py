@@ -45,6 +45,6 @@ def test_sweep_has_every_change_alone_and_some_together() -> None:
 @pytest.mark.parametrize("mind", MINDS)
 @pytest.mark.parametrize("condition", list(conditions()), ids=str)
 def test_sweep_of_late_chairs(mind: str, condition: Condition) -> None:
-    row = trial(mind, condition, 1, 40.0 if mind == "aided" else 90.0)
+    row = trial(mind, condition, 1, 20.0 if mind == "aided" else 90.0)
     assert row.reported == 0
     assert row.reached or mind == "aided"
