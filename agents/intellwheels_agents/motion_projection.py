@@ -63,13 +63,11 @@ class MotionProjection:
         Args:
             now: The present wheel speeds.
             wanted: The commanded wheel speeds from now on.
-            seconds: For how long it is looked ahead. It brakes in time to stand then, or after one cycle.
+            seconds: For how long they are commanded, at least one cycle; then it brakes.
         """
         found: list[tuple[float, float, float, float]] = []
         pose = (0.0, 0.0, 0.0, 0.0)
-        fastest = max(abs(wanted.left), abs(wanted.right))
-        driving = seconds - self.motors.braking_time(fastest, STANDS)
-        for _ in range(max(1, math.ceil(driving / self.motors.period - 1e-9))):
+        for _ in range(max(1, math.ceil(seconds / self.motors.period - 1e-9))):
             now, pose = self.driven(now, wanted, pose, found)
         for _ in range(math.ceil(LONGEST_BRAKING / self.motors.period)):
             if max(abs(now.left), abs(now.right)) < STANDS:

@@ -4,10 +4,10 @@
     turn     turn rate at full turn, rad/s (default 1.0)
     words    deflection that a word counts as: forward, back, left, right, stop (default 0.5)
     margin   clearance kept around the chair, m; a quarter of it to the sides (default 0.05)
-    ahead    seconds over which the wish is projected, before the braking distance (default 1.0)
+    ahead    seconds over which it looks ahead; longer where its braking takes longer (default 1.0)
 
-It knows how its motors follow, measures how late its commands act, and takes readings from where they were measured.
-Where its braking distance exceeds what its sensors can see, it drives more slowly and reports the mode `slow`.
+Sensors and commands may be late: a reading counts where it was measured, and the lateness of commands is measured with
+the encoders. If the chair would brake over more than its sensors see, it drives more slowly and reports the mode `slow`.
 It never does what the user did not ask for: forward and turn are each reduced, to 0 if necessary, and never reversed.
 Moving away from obstacles is always possible. When it stops, it keeps room ahead and behind to turn in place, but not
 so much that the user could not come within 0.104 m of an obstacle. So a chair whose corners are far beyond its front
@@ -28,7 +28,7 @@ import msgspec
 
 from intellwheels_agents.differential_drive import Odometry, powers, wrapped
 from intellwheels_agents.mind import Context
-from intellwheels_agents.motion_projection import MotionProjection
+from intellwheels_agents.motion_projection import STANDS, MotionProjection
 from intellwheels_agents.obstacle_memory import CELL as MEMORY_CELL
 from intellwheels_agents.obstacle_memory import REACH, ObstacleMemory
 from intellwheels_agents.options import OptionError, Options
@@ -190,9 +190,11 @@ class Mind:
 
     def _allowed(self, speed: float, rate: float) -> Wheels:
         """Return the wheel speeds for the largest share of a speed and a turn rate that is free."""
-        projection, now = self._projection, self._start
+        projection, now, whole = self._projection, self._start, self._wheels_of(speed, rate)
+        fastest = max(abs(whole.left), abs(whole.right))
+        seconds = self._ahead - projection.motors.braking_time(fastest, STANDS)
         # No share moves the body farther than the full command and the run-out to a stop together.
-        motions = (projection.poses(now, wheels, self._ahead) for wheels in (self._wheels_of(speed, rate), STILL))
+        motions = (projection.poses(now, wheels, seconds) for wheels in (whole, STILL))
         longest = math.fsum(motion[-1][3] for motion in motions if motion)
         points = self.points
         # Driving preserves the room for a turn in place; a turn in place uses it.
@@ -201,7 +203,7 @@ class Mind:
         driving = projection.watched(points, self._driving_margin, swing_ahead, longest) if speed else turning
         for forward, turn in _shares(abs(speed), abs(rate), self._creep_speeds):
             wheels = self._wheels_of(speed * forward, rate * turn)
-            motion = projection.poses(now, wheels, self._ahead)
+            motion = projection.poses(now, wheels, seconds)
             watched, swing = (driving, swing_ahead) if speed * forward else (turning, 0.0)
             if projection.is_free(motion, watched, swing):
                 return wheels
