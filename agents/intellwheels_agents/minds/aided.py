@@ -7,7 +7,7 @@
     ahead    seconds over which it looks ahead; longer where its braking takes longer (default 1.0)
 
 Sensors and commands may be late: a reading counts where it was measured, and the lateness of commands is measured with
-the encoders. If the chair would brake over more than its sensors see, it drives more slowly and reports the mode `slow`.
+the encoders. A chair that would brake over more than its sensors see drives more slowly and reports the mode `slow`.
 It never does what the user did not ask for: forward and turn are each reduced, to 0 if necessary, and never reversed.
 Moving away from obstacles is always possible. When it stops, it keeps room ahead and behind to turn in place, but not
 so much that the user could not come within 0.104 m of an obstacle. So a chair whose corners are far beyond its front
@@ -191,11 +191,13 @@ class Mind:
     def _allowed(self, speed: float, rate: float) -> Wheels:
         """Return the wheel speeds for the largest share of a speed and a turn rate that is free."""
         projection, now, whole = self._projection, self._start, self._wheels_of(speed, rate)
-        fastest = max(abs(whole.left), abs(whole.right))
-        seconds = self._ahead - projection.motors.braking_time(fastest, STANDS)
-        # No share moves the body farther than the full command and the run-out to a stop together.
-        motions = (projection.poses(now, wheels, seconds) for wheels in (whole, STILL))
-        longest = math.fsum(motion[-1][3] for motion in motions if motion)
+        motors, fastest = projection.motors, max(abs(whole.left), abs(whole.right))
+        # No share moves the body farther than the full command for the whole time, its run-out, and that of now.
+        farthest = (abs(whole.left + whole.right) / 2.0) + abs(whole.right - whole.left) / projection.track * (
+            projection.radius
+        )
+        still = projection.poses(now, STILL, 0.0)[-1][3]
+        longest = farthest * (self._ahead + motors.period + motors.stopping(fastest) / max(fastest, STANDS)) + still
         points = self.points
         # Driving preserves the room for a turn in place; a turn in place uses it.
         swing_ahead = self._front_swing if speed > 0.0 else self._back_swing
@@ -203,7 +205,8 @@ class Mind:
         driving = projection.watched(points, self._driving_margin, swing_ahead, longest) if speed else turning
         for forward, turn in _shares(abs(speed), abs(rate), self._creep_speeds):
             wheels = self._wheels_of(speed * forward, rate * turn)
-            motion = projection.poses(now, wheels, seconds)
+            braking = motors.braking_time(max(abs(wheels.left), abs(wheels.right)), STANDS)
+            motion = projection.poses(now, wheels, self._ahead - braking)
             watched, swing = (driving, swing_ahead) if speed * forward else (turning, 0.0)
             if projection.is_free(motion, watched, swing):
                 return wheels
