@@ -27,6 +27,12 @@ CLEARANCE_SHARE: Final = 0.1
 """Where the clearance is already below the margin, a motion may use up this share of it. A chair that rests beside a
 wall can then drive along it, and never touches it."""
 
+FLOOR: Final = 0.01
+"""Clearance of which nothing may be used up, m: many small shares, tick after tick, would add up to a contact. Chosen:
+more than a projection is wrong by."""
+ROUNDING: Final = 1e-6
+"""Loss of clearance that counts as a rounding error, m."""
+
 WatchedPoint = tuple[float, float, float, float, float]
 """How far the body can move before the point can come too near (m), x and y of the point, and its least clearances (m):
 to the footprint, and to the lengthened footprint."""
@@ -119,7 +125,7 @@ class MotionProjection:
             lengthened = self.clearance(x, y, swing)
             if lengthened <= far:
                 clearance = self.clearance(x, y, 0.0)
-                spent = CLEARANCE_SHARE * max(0.0, clearance)
+                spent = max(CLEARANCE_SHARE * (clearance - FLOOR), ROUNDING)
                 least, least_long = min(margin, clearance - spent), min(margin, lengthened - spent)
                 found.append((min(clearance - least, lengthened - least_long), x, y, least, least_long))
         return found

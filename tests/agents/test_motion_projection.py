@@ -71,6 +71,14 @@ def test_driving_along_a_near_wall_is_free_but_not_into_it() -> None:
     assert 0.0 < CLEARANCE_SHARE < 1.0
 
 
+def test_last_centimetre_is_not_used_up() -> None:
+    # Towards a wall at its side, at 2 mm a second: free as long as more than a centimetre is left.
+    for gap, is_it in ((0.03, True), (0.009, False)):
+        assert free((0.5, 0.3 + gap), Wheels(0.5, 0.502)) is is_it
+        assert free((0.5, 0.3 + gap), Wheels(0.5, 0.5))
+        assert free((0.5, 0.3 + gap), Wheels(0.502, 0.5))
+
+
 def test_swing_room_is_kept_ahead_and_the_body_itself_still_counts() -> None:
     assert free((1.4, 0.0), Wheels(0.5, 0.5))
     assert not free((1.4, 0.0), Wheels(0.5, 0.5), swing=0.1)
