@@ -46,6 +46,7 @@ class Odometry:
         x, y: Metres, in the map's frame.
         heading: Radians, in (-pi, pi].
         turned: Radians turned since the start, not wrapped.
+        tick: Tick of the reading behind the pose, if it came late; otherwise None.
     """
 
     def __init__(self, robot: Robot, start: Position, compass_share: float = 0.05) -> None:
@@ -63,6 +64,7 @@ class Odometry:
         self.y = start.y
         self.heading = wrapped(start.heading)
         self.turned = 0.0
+        self.tick: int | None = None
         self._start = start
         self._compass_share = compass_share
         self._track = robot.track
@@ -78,10 +80,12 @@ class Odometry:
         if sensors is None:
             return
         if sensors.odometry:
+            self.tick = sensors.odometry[0].tick
             self._take_odometry(sensors.odometry[0])
             return
         if sensors.encoders:
             reading = sensors.encoders[0]
+            self.tick = reading.tick
             # The body may have joined, and counted, long before this mind: the first reading is the reference.
             last_left, last_right = self._last or (reading.left, reading.right)
             self._move(

@@ -1,8 +1,7 @@
 """Projects a body's footprint along its motion, and says whether it comes too near to an obstacle.
 
-The wheel speeds lag behind their command, s' = a s + (1 - a) s* with a the `AccelerationCurve` (equation (1) of the
-IntellWheels simulator paper), and the body follows the arcs that the wheels roll. A motion is free if no obstacle
-point comes nearer than its own limit.
+The wheels follow their command as the motors let them, then brake, and the body follows the arcs that they roll. A
+motion is free if no obstacle point comes nearer than its own limit until the body stands.
 """
 
 from __future__ import annotations
@@ -17,10 +16,22 @@ from intellwheels_agents.footprint import STEP
 from intellwheels_agents.portable_math import hypot, sincos
 from intellwheels_agents.pure_pursuit import Point
 from intellwheels_agents.range_scan import Outline
+from intellwheels_agents.wheel_motors import STILL, Motors, Wheels
+
+STANDS: Final = 0.01
+"""A body with slower wheels stands, m/s."""
+LONGEST_BRAKING: Final = 8.0
+"""Longest time of braking that is looked at, s: from 1.5 m/s at 0.2 m/s2."""
 
 CLEARANCE_SHARE: Final = 0.1
 """Where the clearance is already below the margin, a motion may use up this share of it. A chair that rests beside a
 wall can then drive along it, and never touches it."""
+
+FLOOR: Final = 0.01
+"""Clearance of which nothing may be used up, m: many small shares, tick after tick, would add up to a contact. Chosen:
+more than a projection is wrong by."""
+ROUNDING: Final = 1e-6
+"""Loss of clearance that counts as a rounding error, m."""
 
 WatchedPoint = tuple[float, float, float, float, float]
 """How far the body can move before the point can come too near (m), x and y of the point, and its least clearances (m):
@@ -28,27 +39,12 @@ to the footprint, and to the lengthened footprint."""
 
 
 @dataclass(frozen=True, slots=True)
-class Wheels:
-    """Speeds of the wheels, m/s."""
-
-    left: float
-    right: float
-
-    def lagged(self, wanted: Wheels, inertia: float) -> Wheels:
-        """Return the speeds one tick later; `inertia` is the share of the old speed that remains."""
-        return Wheels(
-            inertia * self.left + (1.0 - inertia) * wanted.left, inertia * self.right + (1.0 - inertia) * wanted.right
-        )
-
-
-@dataclass(frozen=True, slots=True)
 class MotionProjection:
-    """Projects the motion of one body, from its outline, track (m), inertia and the simulation's period (s)."""
+    """Projects the motion of one body, from its outline, track (m) and motors."""
 
     outline: Outline
     track: float
-    inertia: float
-    period: float
+    motors: Motors
 
     def clearance(self, x: float, y: float, swing: float) -> float:
         """Return the distance from the footprint to a point in m, negative inside; `swing` lengthens both ends."""
@@ -65,7 +61,7 @@ class MotionProjection:
         return hypot(max(self.outline.front, self.outline.back), self.outline.side)
 
     def poses(self, now: Wheels, wanted: Wheels, seconds: float) -> list[tuple[float, float, float, float]]:
-        """Return the poses of the coming motion, as x, y, heading and path length.
+        """Return the poses of the coming motion until the body stands, as x, y, heading and path length.
 
         Positions are in the body's present frame. The path length (m) is an upper bound for how far any point of the
         body has moved.
@@ -73,24 +69,41 @@ class MotionProjection:
         Args:
             now: The present wheel speeds.
             wanted: The commanded wheel speeds from now on.
-            seconds: How far to look ahead.
+            seconds: For how long they are commanded, at least one cycle; then it brakes.
         """
-        found = []
-        x = y = heading = moved = 0.0
-        for _ in range(math.ceil(seconds / self.period)):
-            now = now.lagged(wanted, self.inertia)
-            travel, turn = (now.left + now.right) / 2.0 * self.period, (now.right - now.left) / self.track * self.period
-            reach = abs(travel) + abs(turn) * self.radius
-            pieces = max(1, math.ceil(reach / STEP))
-            travel, turn, reach = travel / pieces, turn / pieces, reach / pieces
-            for _ in range(pieces):
-                s, c = sincos(heading + turn / 2.0)
-                x += travel * c
-                y += travel * s
-                heading += turn
-                moved += reach
-                found.append((x, y, heading, moved))
+        found: list[tuple[float, float, float, float]] = []
+        pose = (0.0, 0.0, 0.0, 0.0)
+        for _ in range(max(1, math.ceil(seconds / self.motors.period - 1e-9))):
+            now, pose = self.driven(now, wanted, pose, found)
+        for _ in range(math.ceil(LONGEST_BRAKING / self.motors.period)):
+            if max(abs(now.left), abs(now.right)) < STANDS:
+                break
+            now, pose = self.driven(now, STILL, pose, found)
         return found
+
+    def driven(
+        self,
+        now: Wheels,
+        wanted: Wheels,
+        pose: tuple[float, float, float, float],
+        passed: list[tuple[float, float, float, float]] | None = None,
+    ) -> tuple[Wheels, tuple[float, float, float, float]]:
+        """Return the wheel speeds and the pose a cycle later; `passed` takes the poses on the way."""
+        now, rolled = self.motors.cycle(now, wanted)
+        travel, turn = (rolled.left + rolled.right) / 2.0, (rolled.right - rolled.left) / self.track
+        reach = abs(travel) + abs(turn) * self.radius
+        pieces = max(1, math.ceil(reach / STEP))
+        travel, turn, reach = travel / pieces, turn / pieces, reach / pieces
+        x, y, heading, moved = pose
+        for _ in range(pieces):
+            s, c = sincos(heading + turn / 2.0)
+            x += travel * c
+            y += travel * s
+            heading += turn
+            moved += reach
+            if passed is not None:
+                passed.append((x, y, heading, moved))
+        return now, (x, y, heading, moved)
 
     def watched(self, points: Iterable[Point], margin: float, swing: float, longest: float) -> list[WatchedPoint]:
         """Return the points that matter to a motion, each with the clearances it must keep.
@@ -101,12 +114,18 @@ class MotionProjection:
             swing: Metres added to both ends of the footprint, to keep room for a later turn in place.
             longest: The farthest that any point of the body moves, m.
         """
+        body = self.outline
+        middle, half, side = (body.front - body.back) / 2.0, (body.front + body.back) / 2.0 + swing, body.side
+        far = longest + margin
         found = []
         for x, y in points:
+            # Most points are too far away to matter. It is told here without a call: there are many.
+            if abs(x - middle) - half > far or abs(y) - side > far:
+                continue
             lengthened = self.clearance(x, y, swing)
-            if lengthened - margin <= longest:
+            if lengthened <= far:
                 clearance = self.clearance(x, y, 0.0)
-                spent = CLEARANCE_SHARE * max(0.0, clearance)
+                spent = max(CLEARANCE_SHARE * (clearance - FLOOR), ROUNDING)
                 least, least_long = min(margin, clearance - spent), min(margin, lengthened - spent)
                 found.append((min(clearance - least, lengthened - least_long), x, y, least, least_long))
         return found

@@ -1,11 +1,12 @@
 """Remembers where obstacles may be around a body, from its proximity sensors and odometry.
 
 A reading says how near an obstacle is inside a cone, but not where in the cone: it may be anywhere on the arc at that
-distance. The arc is stored as points. A point is removed when a later beam sees past it, when the body itself stands
-there, or when it is left far behind. So an obstacle stays known while it is between two beams.
+distance, seen from where the sensor was when it measured. The arc is stored as points. A point is removed when a beam
+that measured later sees past it, when the body itself stands there, or when it is left far behind. So an obstacle stays
+known while it is between two beams.
 Points of an arc that were seen free a moment ago do not count, as long as others of the same arc remain. If two
-neighbouring beams both see something near, a wall may connect the two: the straight line between their arcs counts
-too, for that tick.
+neighbouring beams both see something near, a wall may connect the two: the straight line between their newest arcs
+counts too.
 
 Never seen means unknown: a thin obstacle that appears between two beams, or one above or below their height.
 """
@@ -31,7 +32,7 @@ CLEARING: Final = 1.5
 """Cells by which a beam must see past a point, and contain it within its edges, to clear it. That is more than the
 diagonal of a cell, so an obstacle in the point's cell, or between it and the next point of its arc, would be seen."""
 REACH: Final = 1.5
-"""Longest reading that is stored, m: what is farther is seen again, nearer, before it matters."""
+"""Longest reading that is stored by default, m: what is farther is seen again, nearer, before it matters."""
 MAX_AGE: Final = 8.0
 """Age at which a point is dropped, in m of driving (1 rad of turning counts as 1 m): odometry has drifted too far."""
 FREE_TIME: Final = 5.0
@@ -40,6 +41,8 @@ JUMP: Final = 0.03
 """Metres by which a reading may shrink in a tick beyond the body's own motion; a larger step is a new obstacle."""
 LOOK_INTERVAL: Final = 0.1
 """Distance between two updates of the free cells, in m of driving (1 rad of turning counts as 1 m)."""
+LOOK_CELLS: Final = 6000
+"""Free cells that are noted in a tick, at least those of one beam: the beams take turns, so that no tick is long."""
 LONE_AGE: Final = 0.3
 """Age at which a point without neighbours is dropped, in m of driving (1 rad of turning counts as 1 m). A real
 obstacle is seen from several places, and each leaves a point beside the last."""
@@ -74,29 +77,40 @@ class _Beam(NamedTuple):
         return self.x + metres * c, self.y + metres * s
 
 
+class _Sight(NamedTuple):
+    """The last range of a sensor (m), its tick, and the pose of the body at that tick."""
+
+    metres: float
+    tick: int
+    pose: Pose
+
+
 class ObstacleMemory:
     """The possible places of obstacles around a body.
 
     Attributes:
-        points: Possible obstacle points (x, y) within `REACH` of the body, in the body frame, m.
+        points: Possible obstacle points (x, y) within the reach of the body, in the frame of the body at the last
+            pose that it was given, m.
     """
 
-    def __init__(self, robot: Robot, cell: float = CELL) -> None:
-        """Take the sensors of `robot` that move with it, and the cell size of the grid, m."""
-        self._cell, self._spacing, self._clearing = cell, SPACING * cell, CLEARING * cell
+    def __init__(self, robot: Robot, cell: float = CELL, reach: float = REACH) -> None:
+        """Take the sensors of `robot` that move with it, the size of a cell, and the longest reading stored, m."""
+        self._cell, self._spacing, self._clearing, self._reach = cell, SPACING * cell, CLEARING * cell, reach
         self.points: list[Point] = []
         self._outline = outline(robot)
-        self._beams = {sensor.id: _beam(sensor, cell) for sensor in robot.proximity if sensor.mount == "body"}
-        self._cells: dict[Cell, tuple[float, float, float]] = {}
-        self._poses: deque[tuple[int, Pose]] = deque(maxlen=_POSES_KEPT)
+        self._beams = {sensor.id: _beam(sensor, cell, reach) for sensor in robot.proximity if sensor.mount == "body"}
+        # Of each cell: its point in the map frame, the travel at which it was stored, and the tick of its reading.
+        self._cells: dict[Cell, tuple[float, float, float, int]] = {}
+        self._poses: deque[tuple[int, Pose, float]] = deque(maxlen=_POSES_KEPT)
+        self._early: list[tuple[int, ProximityReading]] = []
         self._travel = 0.0
-        self._step = 0.0
         self._looked_at = -math.inf
+        self._to_look: dict[str, None] = {}
         # When each cell was seen free. What is older than `FREE_TIME` at a look does not count, and is dropped later.
         self._free: dict[Cell, float] = {}
         self._looked_time = -math.inf
         self._free_limit = 1000
-        self._last: dict[str, float] = {}
+        self._last: dict[str, _Sight] = {}
         self._covered = _lattice_of(self._outline, cell)
         self._ring = sorted(self._beams, key=lambda name: math.remainder(self._beams[name].bearing, math.tau))
 
@@ -104,16 +118,17 @@ class ObstacleMemory:
         """Update with the readings of a tick.
 
         Args:
-            measures: The measures; a reading of an older tick is placed where the body was at that tick.
-            odometry: The pose estimate, already updated with the same measures.
+            measures: The measures; a reading is placed where the body was at the tick at which it was taken.
+            odometry: The pose estimate, already updated with the same measures. If its tick is older than that of a
+                reading, the reading waits until the pose is known.
         """
         pose = odometry.x, odometry.y, odometry.heading
+        now = measures.tick if odometry.tick is None else odometry.tick
         if self._poses:
-            x, y, heading = self._poses[-1][1]
-            turned = math.remainder(pose[2] - heading, math.tau)
-            self._step = hypot(pose[0] - x, pose[1] - y) + abs(turned)
-            self._travel += self._step
-        self._poses.append((measures.tick, pose))
+            self._travel += _between(self._poses[-1][1], pose)
+        if self._poses and self._poses[-1][0] == now:
+            self._poses.pop()
+        self._poses.append((now, pose, measures.time))
         local = self._around(pose)
         looks = self._travel - self._looked_at >= LOOK_INTERVAL
         if looks:
@@ -124,42 +139,53 @@ class ObstacleMemory:
                 self._free_limit = 2 * len(self._free) + 1000
             self._set_free(pose, self._covered, measures.time)
             self._drop_lone(local)
-        ranges: dict[str, float] = {}
-        for reading in measures.sensors.proximity if measures.sensors else ():
+            self._to_look.update(dict.fromkeys(self._beams))
+        room = LOOK_CELLS
+        for tick, reading in self._due(measures, now):
             beam = self._beams.get(reading.id)
             metres = None if beam is None else distance(reading, beam.sensor)
             if beam is None or metres is None:
+                self._last.pop(reading.id, None)
                 continue
-            then = self._pose_at(reading.tick)
-            if then is None:
+            last, found = self._last.get(reading.id), self._pose_at(tick)
+            # A sensor that is slower than the simulation repeats its reading, which counts once.
+            if found is None or (last is not None and last.tick >= tick):
                 continue
-            # A delayed reading must not clear points that were seen after it.
-            if then == pose:
-                ranges[reading.id] = metres
-                self._clear(beam, min(metres, beam.sensor.max_range), local)
-                if looks:
-                    clear = metres - self._clearing
-                    self._set_free(pose, [(x, y) for x, y, far in beam.lattice if far < clear], measures.time)
-            appeared = metres < self._last.get(reading.id, math.inf) - JUMP - self._step
-            self._mark(beam, reading, metres, then, local, appeared)
-        self._last = ranges
-        self.points = [*local.values(), *self._walls_between(ranges)]
+            then, time = found
+            self._clear(beam, min(metres, beam.sensor.max_range), local, then, tick)
+            if reading.id == next(iter(self._to_look), None) or (reading.id in self._to_look and room > 0):
+                del self._to_look[reading.id]
+                room -= len(beam.lattice)
+                clear = metres - self._clearing
+                self._set_free(then, [(x, y) for x, y, far in beam.lattice if far < clear], time)
+            appeared = last is None or metres < last.metres - JUMP - _between(last.pose, then)
+            self._last[reading.id] = _Sight(metres, tick, then)
+            self._mark(beam, reading, metres, then, tick, local, appeared)
+        self.points = [*local.values(), *self._walls_between(pose)]
 
-    def _pose_at(self, tick: int | None) -> Pose | None:
-        if tick is None:
-            return self._poses[-1][1]
-        return next((pose for at, pose in self._poses if at == tick), None)
+    def _due(self, measures: Measures, now: int) -> list[tuple[int, ProximityReading]]:
+        """Return the readings whose poses are known by now, with their ticks."""
+        readings = self._early + [
+            (measures.tick if reading.tick is None else reading.tick, reading)
+            for reading in (measures.sensors.proximity if measures.sensors else ())
+        ]
+        self._early = [(tick, reading) for tick, reading in readings if tick > now]
+        return [(tick, reading) for tick, reading in readings if tick <= now]
+
+    def _pose_at(self, tick: int) -> tuple[Pose, float] | None:
+        """Return the pose at a tick, and its time."""
+        return next(((pose, time) for at, pose, time in self._poses if at == tick), None)
 
     def _around(self, pose: Pose) -> dict[Cell, Point]:
         """Return the near points in the body frame; drop those that are far, old, or covered by the body."""
         px, py, heading = pose
         s, c = sincos(heading)
         body = self._outline
-        reach = REACH + max(body.front, body.back)
+        reach = self._reach + max(body.front, body.back)
         oldest = self._travel - MAX_AGE
         near: dict[Cell, Point] = {}
         dropped = []
-        for cell, (wx, wy, travel) in self._cells.items():
+        for cell, (wx, wy, travel, _) in self._cells.items():
             dx, dy = wx - px, wy - py
             x, y = c * dx + s * dy, c * dy - s * dx
             if travel < oldest or not (-reach < x < reach and -reach < y < reach) or _within(body, x, y):
@@ -170,24 +196,33 @@ class ObstacleMemory:
             del self._cells[cell]
         return near
 
-    def _clear(self, beam: _Beam, metres: float, local: dict[Cell, Point]) -> None:
-        """Drop the points that a beam sees past."""
-        s, c = sincos(beam.bearing)
+    def _clear(self, beam: _Beam, metres: float, local: dict[Cell, Point], then: Pose, tick: int) -> None:
+        """Drop the points that a beam saw past from a pose, and that no later reading saw."""
         clear = metres - self._clearing
         if clear <= 0.0:
             return
-        behind, tangent, slack = c * beam.x + s * beam.y, beam.tangent, beam.slack
-        aside = c * beam.y - s * beam.x
+        # A point of the body's frame now, in that of the beam then: turned by (turn_s, turn_c), then moved.
+        now = self._poses[-1][1]
+        s, c = sincos(beam.bearing)
+        off_x, off_y = -(c * beam.x + s * beam.y), s * beam.x - c * beam.y
+        if then != now:
+            then_s, then_c = sincos(then[2])
+            dx, dy = now[0] - then[0], now[1] - then[1]
+            moved_x, moved_y = then_c * dx + then_s * dy, then_c * dy - then_s * dx
+            off_x, off_y = off_x + c * moved_x + s * moved_y, off_y + c * moved_y - s * moved_x
+            s, c = sincos(beam.bearing + then[2] - now[2])
+        tangent, slack, cells = beam.tangent, beam.slack, self._cells
         cleared = []
         for cell, (x, y) in local.items():
-            along = c * x + s * y - behind
+            along = c * x + s * y + off_x
             if not 0.0 < along < clear:
                 continue
-            across = abs(c * y - s * x - aside)
+            across = abs(c * y - s * x + off_y)
             if across < along * tangent - slack and along * along + across * across < clear * clear:
                 cleared.append(cell)
         for cell in cleared:
-            del local[cell], self._cells[cell]
+            if cells[cell][3] <= tick:
+                del local[cell], cells[cell]
 
     def _drop_lone(self, local: dict[Cell, Point]) -> None:
         cells = self._cells
@@ -212,11 +247,12 @@ class ObstacleMemory:
         reading: ProximityReading,
         metres: float,
         then: Pose,
+        tick: int,
         local: dict[Cell, Point],
         appeared: bool,
     ) -> None:
         """Store the arc of a reading; `appeared` says that the obstacle is new, so cells seen free may hold it."""
-        if metres > min(REACH, beam.sensor.max_range):
+        if metres > min(self._reach, beam.sensor.max_range):
             return
         # Nearer than the sensor's minimum range: an arc at half of it is wrong by at most that half.
         radius = metres / 2.0 if reading.status == "near" else metres
@@ -238,30 +274,48 @@ class ObstacleMemory:
         free, looked, never = self._free, self._looked_time, -math.inf
         possible = arc if appeared else [entry for entry in arc if looked - free.get(entry[0], never) > FREE_TIME]
         for cell, (wx, wy), here in possible or arc:
-            self._cells[cell] = (wx, wy, self._travel)
+            self._cells[cell] = (wx, wy, self._travel, tick)
             local[cell] = here
             self._free.pop(cell, None)
 
-    def _walls_between(self, ranges: dict[str, float]) -> Iterator[Point]:
-        """Yield points of the walls that may connect the arcs of neighbouring beams."""
+    def _walls_between(self, now: Pose) -> Iterator[Point]:
+        """Yield points of the walls that may connect the arcs of neighbouring beams, in the frame of the body now."""
         for first, second in zip(self._ring, self._ring[1:] + self._ring[:1], strict=True):
-            one, other = self._beams[first], self._beams[second]
-            near, far = ranges.get(first, math.inf), ranges.get(second, math.inf)
-            if first == second or max(near, far) > REACH:
+            near, far = self._last.get(first), self._last.get(second)
+            # Both of the newest readings: an older one no longer says what is there.
+            if first == second or near is None or far is None or near.tick != far.tick:
                 continue
-            a, b = one.at(one.half, near), other.at(-other.half, far)
+            if max(near.metres, far.metres) > self._reach:
+                continue
+            one, other = self._beams[first], self._beams[second]
+            a, b = one.at(one.half, near.metres), other.at(-other.half, far.metres)
             length = dist(a, b)
             if length < WALL_GAP:
                 pieces = max(1, math.ceil(length / self._spacing))
                 for k in range(1, pieces):
-                    yield a[0] + (b[0] - a[0]) * k / pieces, a[1] + (b[1] - a[1]) * k / pieces
+                    point = a[0] + (b[0] - a[0]) * k / pieces, a[1] + (b[1] - a[1]) * k / pieces
+                    yield point if near.pose == now else _seen_from(now, near.pose, point)
 
 
-def _beam(sensor: Proximity, cell: float) -> _Beam:
+def _between(one: Pose, other: Pose) -> float:
+    """Return how far a body moves between two poses, m; a turn of 1 rad counts as 1 m."""
+    turned = math.remainder(other[2] - one[2], math.tau)
+    return hypot(other[0] - one[0], other[1] - one[1]) + abs(turned)
+
+
+def _seen_from(now: Pose, then: Pose, point: Point) -> Point:
+    """Return a point of the body's frame at one pose in its frame at another."""
+    s, c = sincos(then[2])
+    dx, dy = then[0] + c * point[0] - s * point[1] - now[0], then[1] + s * point[0] + c * point[1] - now[1]
+    s, c = sincos(now[2])
+    return c * dx + s * dy, c * dy - s * dx
+
+
+def _beam(sensor: Proximity, cell: float, reach: float) -> _Beam:
     half = min(math.radians(sensor.cone_deg) / 2.0, math.radians(89.0))
     bearing, tangent, slack = math.radians(sensor.direction_deg), tan(half), CLEARING * cell / cos(half)
     s, c = sincos(bearing)
-    count = math.ceil(REACH / cell)
+    count = math.ceil(reach / cell)
     lattice = tuple(
         (sensor.x + c * along - s * across, sensor.y + s * along + c * across, hypot(along, across))
         for along in (cell * i for i in range(1, count + 1))

@@ -14,7 +14,7 @@ from intellwheels_agents.options import Options
 from intellwheels_agents.robot_document import equipped, split_options
 from intellwheels_maps import floor, robot
 from intellwheels_schemas.file_records import Inputs, Join
-from intellwheels_schemas.messages import Actions, Event, Map, Parameters, Position, Scene, UserInput
+from intellwheels_schemas.messages import Actions, Event, Map, Parameters, Position, Robot, Scene, UserInput
 from intellwheels_server.world import Setup, State, advance, apply, begin, measures
 from intellwheels_server.world.kernels import rows
 
@@ -71,7 +71,7 @@ class Arena:
         """Add an agent, at a place of the floor or at a position."""
         of_robot, of_mind = split_options(dict(options or {}))
         source = minds.find(mind)
-        document = source.equip(equipped(robot(body), of_robot), Options(of_mind))
+        document = self.adapted(source.equip(equipped(robot(body), of_robot), Options(of_mind)))
         wanted = msgspec.structs.replace(document, format=None, place=place, position=position)
         self.state, outputs = apply(self.state, [Join(agent=name, robot=wanted)])
         (outcome,) = outputs.outcomes
@@ -94,6 +94,14 @@ class Arena:
         self.said[name] = []
         return player
 
+    def adapted(self, document: Robot) -> Robot:
+        """Return the robot that joins; a world with other sensors changes it."""
+        return document
+
+    def sent(self, name: str, answer: Actions) -> Actions:
+        """Return the actions of an agent that act at this tick; a world with a slow line keeps them back."""
+        return answer
+
     def _pose(self, name: str) -> tuple[float, float, float]:
         x, y, heading = self.state.numbers[[rows.X, rows.Y, rows.HEADING], self.state.body_set.index[name]].tolist()
         return x, y, heading
@@ -112,7 +120,7 @@ class Arena:
                 answer = Actions(left_motor=answer.left_motor, right_motor=answer.right_motor)
             if answer.say is not None:
                 self.said[name].append((self.state.tick, answer.say))
-            actions[name] = answer
+            actions[name] = self.sent(name, answer)
         self.state, outputs = advance(self.state, Inputs(actions=actions, user_input=dict(self.users)))
         self.events.extend(outputs.events)
         for name in self.players:

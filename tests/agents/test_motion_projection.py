@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import math
 
+import msgspec
 import pytest
 
-from intellwheels_agents.motion_projection import CLEARANCE_SHARE, MotionProjection, Wheels
+from intellwheels_agents.motion_projection import CLEARANCE_SHARE, MotionProjection
 from intellwheels_agents.range_scan import Outline, outline
+from intellwheels_agents.wheel_motors import Motors, Wheels
 from intellwheels_maps import robot
-from intellwheels_schemas.messages import Actions
-from tests.agents.kinematics import Body
 
-FOOTPRINT = MotionProjection(Outline(front=0.8, back=0.3, side=0.3), track=0.5, inertia=0.0, period=0.05)
+FOOTPRINT = MotionProjection(Outline(front=0.8, back=0.3, side=0.3), 0.5, Motors(0.0, 0.0, math.inf, 0.05))
 STILL = Wheels(0.0, 0.0)
 
 
@@ -29,14 +29,22 @@ def test_clearance_to_a_point(point: tuple[float, float], room: float) -> None:
     assert FOOTPRINT.clearance(*point, 0.0) == pytest.approx(room)
 
 
-def test_poses_follow_the_motor_lag() -> None:
-    body = Body(robot("front-wheel"))
-    print_ = MotionProjection(outline(body.robot), body.robot.track, body.robot.acceleration_curve, 0.05)
-    top = body.robot.top_speed
-    poses = print_.poses(STILL, Wheels(0.4 * top, 0.7 * top), 1.0)
-    for _ in range(20):
-        body.step(Actions(left_motor=0.4, right_motor=0.7))
-    assert poses[-1][:3] == pytest.approx((body.x, body.y, body.heading), abs=1e-4)  # chords against arcs
+def test_poses_follow_the_motors_until_the_body_stands_at_any_period() -> None:
+    document = msgspec.structs.replace(robot("front-wheel"), acceleration_limit=0.8)
+    ends = []
+    for period in (0.01, 0.05, 0.2):
+        print_ = MotionProjection(outline(document), document.track, Motors.of(document, period))
+        ends.append(print_.poses(STILL, Wheels(0.36, 0.63), 1.0)[-1][:3])
+    assert ends[0][0] > 0.4
+    assert ends[1] == pytest.approx(ends[0], abs=0.01)
+    # Where the limit acts in a part of a cycle only, the cycle takes it as a whole.
+    assert ends[2] == pytest.approx(ends[0], abs=0.05)
+
+
+def test_motion_ends_with_the_braking_distance() -> None:
+    slow = MotionProjection(FOOTPRINT.outline, 0.5, Motors(0.0, 0.0, 0.5, 0.05))
+    way = slow.poses(Wheels(1.0, 1.0), Wheels(1.0, 1.0), 0.05)
+    assert way[-1][0] == pytest.approx(0.05 + 1.0, abs=0.01)
 
 
 @pytest.mark.parametrize(("gap", "is_it"), [(0.56, True), (0.54, False)])
@@ -61,6 +69,14 @@ def test_driving_along_a_near_wall_is_free_but_not_into_it() -> None:
     assert free(beside, Wheels(0.5, 0.5))
     assert not free(beside, Wheels(0.45, 0.55))
     assert 0.0 < CLEARANCE_SHARE < 1.0
+
+
+def test_last_centimetre_is_not_used_up() -> None:
+    # Towards a wall at its side, at 2 mm a second: free as long as more than a centimetre is left.
+    for gap, is_it in ((0.03, True), (0.009, False)):
+        assert free((0.5, 0.3 + gap), Wheels(0.5, 0.502)) is is_it
+        assert free((0.5, 0.3 + gap), Wheels(0.5, 0.5))
+        assert free((0.5, 0.3 + gap), Wheels(0.502, 0.5))
 
 
 def test_swing_room_is_kept_ahead_and_the_body_itself_still_counts() -> None:

@@ -4,8 +4,10 @@
     turn     turn rate at full turn, rad/s (default 1.0)
     words    deflection that a word counts as: forward, back, left, right, stop (default 0.5)
     margin   clearance kept around the chair, m; a quarter of it to the sides (default 0.05)
-    ahead    seconds over which the footprint is projected (default 1.0)
+    ahead    seconds over which it looks ahead; longer where its braking takes longer (default 1.0)
 
+Sensors and commands may be late: a reading counts where it was measured, and the lateness of commands is measured with
+the encoders. A chair that would brake over more than its sensors see drives more slowly and reports the mode `slow`.
 It never does what the user did not ask for: forward and turn are each reduced, to 0 if necessary, and never reversed.
 Moving away from obstacles is always possible. When it stops, it keeps room ahead and behind to turn in place, but not
 so much that the user could not come within 0.104 m of an obstacle. So a chair whose corners are far beyond its front
@@ -20,19 +22,22 @@ from __future__ import annotations
 
 import itertools
 import math
-from typing import Final
+from typing import Final, NamedTuple
 
 import msgspec
 
-from intellwheels_agents.differential_drive import Odometry, powers
+from intellwheels_agents.differential_drive import Odometry, powers, wrapped
 from intellwheels_agents.mind import Context
-from intellwheels_agents.motion_projection import MotionProjection, Wheels
-from intellwheels_agents.obstacle_memory import ObstacleMemory
+from intellwheels_agents.motion_projection import STANDS, MotionProjection
+from intellwheels_agents.obstacle_memory import CELL as MEMORY_CELL
+from intellwheels_agents.obstacle_memory import REACH, ObstacleMemory
 from intellwheels_agents.options import OptionError, Options
-from intellwheels_agents.portable_math import hypot
+from intellwheels_agents.portable_math import hypot, sincos
+from intellwheels_agents.pure_pursuit import Point
 from intellwheels_agents.range_scan import outline
 from intellwheels_agents.user_input import takes_drive, wanted
-from intellwheels_schemas.messages import Actions, Measures, Robot, Sensors
+from intellwheels_agents.wheel_motors import STILL, CommandLateness, Motors, SafeSpeed, Wheels
+from intellwheels_schemas.messages import Actions, Measures, Robot
 
 SHARES: Final = (1.0, 0.7, 0.45, 0.3, 0.2, 0.12, 0.06, 0.0)
 """Shares of the user's speed and turn rate that are tried."""
@@ -49,8 +54,8 @@ CONE_OFFSET: Final = 0.26
 lines where the cones at the middle and at the corners of a chair do not look."""
 CURVE_WEIGHT: Final = 0.1
 """Penalty for different shares of speed and turn rate, which change the curve; ties go to equal shares."""
-ENCODER_TOLERANCE: Final = 0.05
-"""Difference (m/s) at which encoders override the motor model. The model has no quantisation, so it is preferred."""
+SHORTEST_STEP: Final = 0.05
+"""Shortest cycle of a projection, s: at shorter periods of the simulation it is as fine as at this one."""
 
 
 def equip(robot: Robot, options: Options) -> Robot:
@@ -68,12 +73,21 @@ def equip(robot: Robot, options: Options) -> Robot:
     return msgspec.structs.replace(robot, proximity=(*robot.proximity, *added))
 
 
+class Pose(NamedTuple):
+    """A pose in the map's frame, m and rad, and how far the chair has turned since its start, rad."""
+
+    x: float
+    y: float
+    heading: float
+    turned: float
+
+
 class Mind:
     """Does as much of what its user wants as the obstacles allow.
 
     Attributes:
-        pose: The estimated pose.
-        obstacles: Where obstacles may be around the chair.
+        pose: The estimated pose at which the next command will act.
+        points: Where obstacles may be around the chair, in its frame there, m.
     """
 
     def __init__(self, context: Context, by_itself: bool = False) -> None:
@@ -96,11 +110,21 @@ class Mind:
         self._words = options.number("words", 0.5, 0.0, 1.0)
         self._margin = options.number("margin", 0.05, 0.01, 1.0)
         self._ahead = options.number("ahead", 1.0, 0.2, 5.0)
-        self.pose = Odometry(robot, context.position, compass_share=0.0)
-        self.obstacles = ObstacleMemory(robot) if by_itself else ObstacleMemory(robot, CELL)
-        self._projection = MotionProjection(
-            outline(robot), robot.track, robot.acceleration_curve, context.parameters.period
-        )
+        self._odometry = Odometry(robot, context.position, compass_share=0.0)
+        start = context.position
+        self.pose = Pose(start.x, start.y, start.heading, 0.0)
+        self.points: list[Point] = []
+        period = context.parameters.period
+        self._late = CommandLateness(robot, period)
+        motors = self._late.motors
+        # Of a cycle of the simulation, and of one that is not too short to be projected in time.
+        self._ticks = MotionProjection(outline(robot), robot.track, motors)
+        self._projection = MotionProjection(outline(robot), robot.track, Motors.of(robot, max(period, SHORTEST_STEP)))
+        sees = min((one.max_range for one in robot.proximity if one.mount == "body"), default=math.inf)
+        far = self._speed * max(period, SHORTEST_STEP) + motors.stopping(self._speed) + self._margin
+        sees = min(max(REACH, far), sees)
+        self._safe_speed = SafeSpeed(motors, max(self._speed, robot.top_speed), sees - self._margin)
+        self._obstacles = ObstacleMemory(robot, MEMORY_CELL if by_itself else CELL, max(REACH, sees))
         body = self._projection.outline
         # A turn in place may come nearer to obstacles than driving.
         self._driving_margin, self._turning_margin = (
@@ -112,9 +136,8 @@ class Mind:
         swings = [hypot(end, body.side) - end + extra for end in (body.front, body.back)]
         limit = math.inf if by_itself else max(extra, APPROACH - self._driving_margin)
         self._front_swing, self._back_swing = (min(swing, limit) for swing in swings)
-        self._wheels = Wheels(0.0, 0.0)
-        self._commanded = Wheels(0.0, 0.0)
-        self._counts: tuple[int, int] | None = None
+        self._start = STILL
+        self._tick = 0
 
     def decide(self, measures: Measures) -> Actions:
         """Return the powers for as much of the user's wish as the obstacles allow."""
@@ -124,49 +147,70 @@ class Mind:
 
     def perceive(self, measures: Measures) -> None:
         """Update with the measures of a tick; for a mind that calls `drive` itself."""
-        self.pose.update(measures.sensors)
-        self.obstacles.update(measures, self.pose)
-        self._measure_wheels(measures.sensors)
+        self._tick = measures.tick
+        self._odometry.update(measures.sensors)
+        readings = measures.sensors.encoders if measures.sensors else ()
+        self._late.update(measures, readings[0] if readings else None)
+        self._odometry.tick = self._late.tick
+        self._obstacles.update(measures, self._odometry)
+        self._look_from_the_next_command()
 
     def drive(self, speed: float, rate: float, mode: str) -> Actions:
         """Return the powers for as much of a speed (m/s) and a turn rate (rad/s) as the obstacles allow."""
-        self._commanded = self._allowed(speed, rate)
+        # What is seen is as old as the pose by which it is placed. Until a command acts, the chair drives on.
+        blind = self._tick - (self._late.tick or 0) + self._late.ticks + 1
+        most = self._safe_speed.after(blind * self._ticks.motors.period)
+        if abs(speed) > most:
+            speed, rate, mode = math.copysign(most, speed), rate * most / abs(speed), "slow"
+        commanded = self._allowed(speed, rate)
+        self._late.send(self._tick, commanded)
         top = self._robot.top_speed or 1.0
-        return Actions(left_motor=self._commanded.left / top, right_motor=self._commanded.right / top, mode=mode)
+        return Actions(left_motor=commanded.left / top, right_motor=commanded.right / top, mode=mode)
 
-    def _measure_wheels(self, sensors: Sensors | None) -> None:
-        """Estimate the wheel speeds: from the motor model, unless the encoders clearly differ."""
-        self._wheels = self._wheels.lagged(self._commanded, self._projection.inertia)
-        if sensors is None or not sensors.encoders:
+    def _look_from_the_next_command(self) -> None:
+        """Go on from the last measured pose to the one at which the next command acts, by the commands before it."""
+        odometry, now = self._odometry, self._late.speeds
+        moved = (0.0, 0.0, 0.0, 0.0)
+        for command in self._late.pending(self._tick):
+            now, moved = self._ticks.driven(now, command, moved)
+        self._start = now
+        x, y, turn, way = moved
+        points = self._obstacles.points
+        if way == 0.0:
+            self.pose = Pose(odometry.x, odometry.y, odometry.heading, odometry.turned)
+            self.points = points
             return
-        counts = sensors.encoders[0].left, sensors.encoders[0].right
-        if self._counts is not None:
-            robot = self._robot
-            speed = math.pi * robot.wheel_diameter / robot.encoder_ticks / self._projection.period
-            measured = Wheels((counts[0] - self._counts[0]) * speed, (counts[1] - self._counts[1]) * speed)
-            difference = max(abs(measured.left - self._wheels.left), abs(measured.right - self._wheels.right))
-            if difference > ENCODER_TOLERANCE:
-                self._wheels = measured
-        self._counts = counts
+        s, c = sincos(odometry.heading)
+        self.pose = Pose(
+            odometry.x + c * x - s * y, odometry.y + s * x + c * y, wrapped(odometry.heading + turn),
+            odometry.turned + turn,
+        )  # fmt: skip
+        s, c = sincos(turn)
+        self.points = [(c * (px - x) + s * (py - y), c * (py - y) - s * (px - x)) for px, py in points]
 
     def _allowed(self, speed: float, rate: float) -> Wheels:
         """Return the wheel speeds for the largest share of a speed and a turn rate that is free."""
-        projection, now, still = self._projection, self._wheels, Wheels(0.0, 0.0)
-        # No share moves the body farther than the full command and the run-out to a stop together.
-        motions = (projection.poses(now, wheels, self._ahead) for wheels in (self._wheels_of(speed, rate), still))
-        longest = math.fsum(motion[-1][3] for motion in motions)
-        points = self.obstacles.points
+        projection, now, whole = self._projection, self._start, self._wheels_of(speed, rate)
+        motors, fastest = projection.motors, max(abs(whole.left), abs(whole.right))
+        # No share moves the body farther than the full command for the whole time, its run-out, and that of now.
+        farthest = (abs(whole.left + whole.right) / 2.0) + abs(whole.right - whole.left) / projection.track * (
+            projection.radius
+        )
+        still = projection.poses(now, STILL, 0.0)[-1][3]
+        longest = farthest * (self._ahead + motors.period + motors.stopping(fastest) / max(fastest, STANDS)) + still
+        points = self.points
         # Driving preserves the room for a turn in place; a turn in place uses it.
         swing_ahead = self._front_swing if speed > 0.0 else self._back_swing
         turning = projection.watched(points, self._turning_margin, 0.0, longest)
         driving = projection.watched(points, self._driving_margin, swing_ahead, longest) if speed else turning
         for forward, turn in _shares(abs(speed), abs(rate), self._creep_speeds):
             wheels = self._wheels_of(speed * forward, rate * turn)
-            motion = projection.poses(now, wheels, self._ahead)
+            braking = motors.braking_time(max(abs(wheels.left), abs(wheels.right)), STANDS)
+            motion = projection.poses(now, wheels, self._ahead - braking)
             watched, swing = (driving, swing_ahead) if speed * forward else (turning, 0.0)
             if projection.is_free(motion, watched, swing):
                 return wheels
-        return still
+        return STILL
 
     def _wheels_of(self, speed: float, rate: float) -> Wheels:
         left, right = powers(self._robot, speed, rate)

@@ -17,6 +17,8 @@ and "go X Y" replace the goals.
 
 Where it makes no progress, it says "open" to a closed doorway, leaves room for the leaf, says its way to others, and
 gives way to those with more right. It plans around what is not on the map, and backs out of where it is stuck.
+Sensors and commands may be late. If it would brake over more than its sensors see, it drives more slowly and reports
+the mode `slow`.
 It needs numpy: the extra `navigate`. It cannot see what is above or below its sensors and not on the map.
 """
 

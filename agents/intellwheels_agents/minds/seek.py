@@ -110,7 +110,7 @@ class Mind:
         reach = self._body.front + min(self._cruise * self._cruise / (2.0 * BRAKING) + 0.8, distance)
         # Points behind the body, or beyond the reach of every strip, block no direction.
         far = reach + self._body.side + self._clear
-        self._near = [point for point in self._guard.obstacles.points if point[0] > -1.0 and hypot(*point) < far]
+        self._near = [point for point in self._guard.points if point[0] > -1.0 and hypot(*point) < far]
         free_lengths = {direction: self._free_length(direction, reach) for direction in DIRECTIONS}
         for share in REACH_SHARES:
             least = self._body.front + share * (reach - self._body.front)

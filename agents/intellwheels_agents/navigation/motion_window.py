@@ -32,6 +32,8 @@ from intellwheels_schemas.messages import Robot
 STEP: Final = 0.2
 STEPS: Final = 8
 """Time between two poses of a simulated motion (s), and how many there are."""
+BRAKING_SHARE: Final = 0.7
+"""Share of a wheel's highest acceleration that is for the speed; the rest is for the turn rate. Chosen."""
 BRAKE_STEP: Final = 0.1
 """Time between two poses while it brakes, s."""
 ACCELERATION: Final = 0.6
@@ -98,9 +100,9 @@ class MotionWindow:
         limit = robot.turn_limit if robot.turn_limit is not None else TURN_RATE
         self._rate = min(TURN_RATE, limit, top / self._half_track)
         wheel = robot.acceleration_limit if robot.acceleration_limit is not None else 1e3
-        self._hardest, self._hardest_turn = wheel * 0.7, wheel * 0.3 / self._half_track
-        self._acceleration = min(ACCELERATION, 0.7 * wheel)
-        self._slowing = min(SLOWING, 0.7 * wheel)
+        self._hardest, self._hardest_turn = wheel * BRAKING_SHARE, wheel * (1.0 - BRAKING_SHARE) / self._half_track
+        self._acceleration = min(ACCELERATION, BRAKING_SHARE * wheel)
+        self._slowing = min(SLOWING, BRAKING_SHARE * wheel)
         self._turn_acceleration = min(TURN_ACCELERATION, self._hardest_turn)
         self._inertia = robot.acceleration_curve
         self._tick_inertia = _kept(self._inertia, period / 0.05)
@@ -121,16 +123,12 @@ class MotionWindow:
     def reach(self) -> float:
         """How far from its centre the body can be at the end of a simulated motion, m."""
         corner = max(max(box.front, -box.back) + max(box.left, -box.right) for box in self._boxes)
-        return corner + self._speed * STEP * STEPS + SOFT
+        braking = self._speed * self._speed / (2.0 * self._hardest) + self._speed * self._lag
+        return corner + max(self._speed * STEP * STEPS, braking + self._speed * self._period) + SOFT
 
-    def measured(self, speed: float | None, rate: float | None) -> None:
-        """Take the speed and turn rate that encoders measured over the last tick, or go by the motor model."""
-        keep = self._tick_inertia
-        v = keep * self.actual.speed + (1.0 - keep) * self.last.speed
-        w = keep * self.actual.rate + (1.0 - keep) * self.last.rate
-        if speed is not None and rate is not None and (abs(speed - v) > 0.05 or abs(rate - w) > 0.15):
-            v, w = speed, rate
-        self.actual = Command(v, w)
+    def starts(self, speed: float, rate: float) -> None:
+        """Take the speed (m/s) and the turn rate (rad/s) that the body has when the next command acts."""
+        self.actual = Command(speed, rate)
 
     def stop(self) -> Command:
         """Return the command that brakes."""

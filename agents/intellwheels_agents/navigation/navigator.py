@@ -8,6 +8,7 @@ from typing import Final
 from zlib import crc32
 
 import numpy as np
+from msgspec import structs
 
 from intellwheels_agents.differential_drive import powers
 from intellwheels_agents.mind import Context
@@ -27,22 +28,26 @@ from intellwheels_agents.navigation.giving_way import STALLED, THERE, GivingWay
 from intellwheels_agents.navigation.goal_orders import GoalOrders
 from intellwheels_agents.navigation.goal_progress import Progress
 from intellwheels_agents.navigation.map_distance import MapDistance
-from intellwheels_agents.navigation.motion_window import MotionWindow
+from intellwheels_agents.navigation.motion_window import BRAKING_SHARE, MARGIN, MotionWindow
 from intellwheels_agents.navigation.moving_tracks import MovingTracks
 from intellwheels_agents.navigation.particle_pose import ParticlePose
+from intellwheels_agents.navigation.pose_ahead import PoseAhead
 from intellwheels_agents.navigation.right_of_way import LENGTH, SAY_PERIOD, way_message
 from intellwheels_agents.navigation.scan_points import ScanPoints, into_body, into_map, thinned
 from intellwheels_agents.navigation.strange_obstacles import entered
 from intellwheels_agents.portable_math import dist, sincos
 from intellwheels_agents.user_input import Goals
+from intellwheels_agents.wheel_motors import Motors, SafeSpeed
 from intellwheels_schemas.messages import Actions, Goal, Map, Measures
 
 CELL: Final = 0.1
 """Size of a cell of the plan, m."""
 WORK: Final = 1500
 """Poses of the plan that are expanded in a tick while it drives."""
-WORK_AT_REST: Final = 6000
-"""Poses of the plan that are expanded in a tick while it waits for the plan."""
+WORK_ON_DETOUR: Final = 4000
+"""The same of a way round: some 3 ms."""
+WORK_AT_REST: Final = 14000
+"""The same while it waits for the plan: some 9 ms. The whole of a ward of 36 m takes 2.3 s at 20 ticks a second."""
 BEYOND: Final = 6.0
 """How far the plan reaches beyond the body, m: so far it may be driven away from its way without a new plan."""
 ON_MAP: Final = 0.12
@@ -88,11 +93,13 @@ class Navigator:
             goals: The goals, m.
         """
         robot = context.robot
+        limit = robot.acceleration_limit
         self._robot, self._period, self._within = robot, context.parameters.period, within
         boxes = boxes_of(robot)
         self._solids = solids_of(document)
         self._weights = weights_of(document, tuple(boxes))
         outer = covering(boxes)
+        self._speed = min(speed, robot.top_speed)
         self._window = MotionWindow(robot, outer, self._period, speed)
         self._scan = ScanPoints(robot)
         heights = [lidar.z for lidar in robot.lidar] or [sensor.z for sensor in robot.proximity] or [0.4]
@@ -104,12 +111,19 @@ class Navigator:
         start = context.position
         self._pose: Pose = start.x, start.y, start.heading
         self._estimate = None if truth else ParticlePose(robot, start, self._map, context.agent)
+        self._ahead = PoseAhead(robot, self._period, self._pose)
+        # It brakes with less than the motors can, as the window does.
+        weaker = robot if limit is None else structs.replace(robot, acceleration_limit=BRAKING_SHARE * limit)
+        sees = min([FARTHEST, *(lidar.max_range for lidar in robot.lidar)])
+        self._safe_speed = SafeSpeed(Motors.of(weaker, self._period), speed, sees - MARGIN)
         self._poses: dict[int, Pose] = {}
         self._goals = list(goals)
         self._user = Goals()
         self._plan: CostToGo | None = None
-        self._active, self._boxes = self._weights, boxes
+        self._boxes = boxes
         self._entering: Iterator[Weights | None] | None = None
+        self._detour_plan: CostToGo | None = None
+        self._map_plan: CostToGo | None = None
         self._progress = Progress()
         self._orders = GoalOrders(context)
         self._doorways = document.doorway
@@ -125,11 +139,14 @@ class Navigator:
 
     def decide(self, measures: Measures) -> Actions:
         """Return the actions of a tick."""
+        actions = self._decided(measures)
+        self._ahead.send(measures.tick, actions)
+        return actions
+
+    def _decided(self, measures: Measures) -> Actions:
         time = measures.time
         scans = self._scan.update(measures)
         pose = self._locate(measures, scans)
-        self._poses[measures.tick] = pose
-        self._poses.pop(measures.tick - POSES_KEPT, None)
         self._take_goal(measures)
         points = self._points(measures, scans, pose)
         if not self._goals:
@@ -159,12 +176,17 @@ class Navigator:
             self._progress.reset(time)
         if arrived:
             return self._stand("arrived")
-        if self._detour(time):
-            return self._stand("planning", say)
-        choice = self._window.choose(pose, self._plan, points)
+        self._detour(time, pose)
+        slow = self._share()
+        choice = self._window.choose(pose, self._plan, points, slow)
         if choice.moves and choice.cost == float("inf"):
             return self._stand("unreachable", say)
-        return self._answer("autonomous" if choice.moves else "waiting", say)
+        mode = "autonomous" if slow >= 1.0 else "slow"
+        return self._answer(mode if choice.moves else "waiting", say)
+
+    def _share(self) -> float:
+        """Return the share of the highest speed from which it can stop within what its sensors see."""
+        return min(1.0, self._safe_speed.after(self._ahead.blind) / max(self._speed, 1e-6))
 
     def _take_goal(self, measures: Measures) -> None:
         """Take over a goal of the user or of a message."""
@@ -177,7 +199,7 @@ class Navigator:
             self._new_plan(measures.time)
 
     def _new_plan(self, time: float) -> None:
-        self._plan, self._active, self._entering = None, self._weights, None
+        self._plan = self._map_plan = self._entering = self._detour_plan = None
         self._progress.reset(time)
 
     # ------------------------------------------------------------ others in the way
@@ -217,22 +239,32 @@ class Navigator:
             return self._stand("yielding", say)
         if cost < THERE:
             return self._stand("yielding", say)
-        self._window.choose(pose, aside, points)
+        self._window.choose(pose, aside, points, self._share())
         return self._answer("yielding", say)
 
-    def _detour(self, time: float) -> bool:
-        """Plan around what stands in the way if it has no patience left; return whether there is a new plan to make."""
+    def _detour(self, time: float, pose: Pose) -> None:
+        """Plan around what stands in the way if it has no patience left, while it goes on by the plan that it has."""
+        plan = self._detour_plan
+        if plan is not None:
+            here = plan.at_pose(pose)
+            if here > plan.reached:
+                plan.expand(WORK_ON_DETOUR)
+                return
+            self._detour_plan = None
+            # If there is no way round, it waits on the way that the map has.
+            if here < float("inf"):
+                self._map_plan = self._map_plan or self._plan
+                self._plan = plan
+            self._progress.reset(time)
+            return
         if self._entering is None:
             if self._progress.stalled < PATIENCE + self._patience or not self._strange.shape[0]:
-                return False
+                return
             self._entering = entered(self._weights, self._boxes, self._strange)
         copy = next(self._entering)
-        if copy is None:
-            return False
-        self._entering = None
-        self._active, self._plan = copy, None
-        self._progress.reset(time)
-        return True
+        if copy is not None:
+            self._entering = None
+            self._detour_plan = CostToGo.to_point(copy, self._goals[0], self._within / 2.0)
 
     # ------------------------------------------------------------ answers and plans
 
@@ -243,13 +275,13 @@ class Navigator:
     def _planned(self, pose: Pose) -> bool:
         """Work on the plan for a tick; return whether it has reached the body."""
         if self._plan is None:
-            self._plan = CostToGo.to_point(self._active, self._goals[0], self._within / 2.0)
+            self._plan = CostToGo.to_point(self._weights, self._goals[0], self._within / 2.0)
         plan = self._plan
         here = plan.at_pose(pose)
-        if plan.done and here == float("inf") and self._active is not self._weights:
-            # There is no way round: wait on the way that the map has.
-            self._active, self._plan = self._weights, None
-            return False
+        if plan.done and here == float("inf") and self._map_plan is not None:
+            # The way round does not lead on from here.
+            plan, self._map_plan = self._map_plan, None
+            self._plan, here = plan, plan.at_pose(pose)
         ready = here <= plan.reached
         if not plan.done and here + BEYOND > plan.reached:
             plan.expand(WORK if ready else WORK_AT_REST)
@@ -264,14 +296,19 @@ class Navigator:
         return dist(pose[:2], goal[:2]) <= within
 
     def _locate(self, measures: Measures, scans: list[tuple[int, Floats]]) -> Pose:
-        sensors = measures.sensors
-        self._window.measured(None, None)
         if self._estimate is not None:
-            return self._estimate.update(measures, scans)
-        if sensors is not None and sensors.truth:
-            reading = sensors.truth[0]
-            self._pose = reading.x, reading.y, reading.heading
-        return self._pose
+            self._pose, tick = self._estimate.update(measures, scans), self._estimate.tick
+        else:
+            tick = measures.tick
+            if measures.sensors is not None and measures.sensors.truth:
+                reading = measures.sensors.truth[0]
+                self._pose = reading.x, reading.y, reading.heading
+                tick = tick if reading.tick is None else reading.tick
+        ahead = self._ahead
+        self._poses.update(ahead.update(measures, self._pose, tick))
+        self._poses.pop(measures.tick - POSES_KEPT, None)
+        self._window.starts(ahead.speed, ahead.rate)
+        return ahead.pose
 
     def _points(self, measures: Measures, scans: list[tuple[int, Floats]], pose: Pose) -> Floats:
         """Return what is around, as rows x, y, vx, vy in the body's frame."""
@@ -296,6 +333,8 @@ class Navigator:
             found = np.concatenate([found, hidden])
             velocities = np.concatenate([velocities, np.zeros_like(hidden)])
             growth = np.concatenate([growth, np.zeros(hidden.shape[0])])
+        # What moves has moved on until the next command acts.
+        found = found + velocities * self._ahead.time
         body = into_body(found, pose)
         speed = np.sqrt(velocities[:, 0] * velocities[:, 0] + velocities[:, 1] * velocities[:, 1])
         gaps = self._window.gaps(body[:, 0], body[:, 1])

@@ -53,7 +53,12 @@ ARC: Final = (-1.0, -0.5, 0.0, 0.5, 1.0)
 
 
 class ParticlePose:
-    """The estimated pose of one body."""
+    """The estimated pose of one body.
+
+    Attributes:
+        pose: The pose.
+        tick: The tick at which the body was there: that of the encoders.
+    """
 
     def __init__(self, robot: Robot, start: Position, field: MapDistance, name: str) -> None:
         """Start at the pose at which the body joined."""
@@ -69,10 +74,12 @@ class ParticlePose:
         self._last: Pose = (start.x, start.y, start.heading)
         self._then: dict[int, Pose] = {}
         self._moved = 0.0
+        self.tick = 0
+        self._waiting: list[tuple[int, Floats]] = []
         self.pose: Pose = self._last
 
     def update(self, measures: Measures, scans: list[tuple[int, Floats]]) -> Pose:
-        """Return the pose after the measures of a tick.
+        """Return the pose after the measures of a tick; `tick` is its tick.
 
         Args:
             measures: The measures.
@@ -81,8 +88,13 @@ class ParticlePose:
         self._odometry.update(measures.sensors)
         now = self._odometry.x, self._odometry.y, self._odometry.heading
         self._move(now)
-        self._then[measures.tick] = now
-        self._then.pop(measures.tick - HISTORY, None)
+        tick = self._odometry.tick
+        self.tick = measures.tick if tick is None else tick
+        self._then[self.tick] = now
+        self._then.pop(self.tick - HISTORY, None)
+        # A scan that is newer than the encoders waits for them.
+        scans = self._waiting + scans
+        self._waiting = [(at, points) for at, points in scans if at > self.tick]
         if self._moved >= EVERY:
             self._moved = 0.0
             self._match(measures, scans, now)

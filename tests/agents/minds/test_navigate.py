@@ -14,7 +14,7 @@ from intellwheels_maps import floor, robot
 from intellwheels_schemas.messages import Position
 from tests.agents.arena import Arena
 from tests.agents.kinematics import context
-from tests.agents.navigate_trials import trial
+from tests.agents.navigate_trials import Timed, trial
 from tests.agents.navigation.rooms import room
 
 
@@ -72,10 +72,16 @@ def test_chair_plans_around_what_is_not_on_the_map() -> None:
     arena = Arena(room((3.9, 0.0, 4.1, 1.0), (3.9, 2.4, 4.1, 5.4), size=7.0))
     arena.join("crate", "table", "crate", None, {}, Position(x=4.0, y=1.7, heading=1.57))
     start = Position(x=1.5, y=2.0, heading=0.0)
-    arena.join("chair", "navigate", "mid-wheel", None, {"points": "5.5 2", "truth": "true"}, start)
-    arena.run(60.0, until=lambda now: near(now, "chair", 5.5, 2.0))
+    player = arena.join("chair", "navigate", "mid-wheel", None, {"points": "5.5 2", "truth": "true"}, start)
+    timed = player.mind = Timed(player.mind)
+    modes = set()
+    while arena.state.tick < 1200 and not near(arena, "chair", 5.5, 2.0):
+        arena.step()
+        modes.add(timed.mode)
     assert near(arena, "chair", 5.5, 2.0)
     assert max(y for _, y, _ in arena.paths["chair"]) > 5.5
+    # It does not stand to plan the way round.
+    assert "planning" not in modes
     assert arena.contacts() == []
 
 

@@ -36,9 +36,9 @@ def drive(
 ) -> tuple[tuple[float, float, float], float]:
     """Drive an ideal body towards the goal ahead among points of the map; return its pose and its least gap."""
     x, y, heading = 2.0, 6.0, 0.0
-    least = math.inf
+    least, v, w = math.inf, 0.0, 0.0
     for _ in range(round(seconds / period)):
-        one.measured(None, None)
+        one.starts(v, w)
         c, s = math.cos(heading), math.sin(heading)
         dx, dy = points[:, 0] - x, points[:, 1] - y
         velocity = points[:, 2:4]
@@ -114,9 +114,6 @@ def test_without_a_safe_command_it_brakes() -> None:
     assert not choice.moves
 
 
-def test_measured_speed_overrides_the_model() -> None:
-    one = window()
-    one.measured(0.5, 0.0)
-    assert one.actual == (0.5, 0.0)
-    one.measured(0.26, 0.0)
-    assert one.actual == (0.25, 0.0)
+def test_window_reaches_as_far_as_braking_takes() -> None:
+    slow = msgspec.structs.replace(CHAIR, acceleration_limit=0.3)
+    assert window(slow).reach > window().reach + 0.2
