@@ -126,7 +126,7 @@ def test_missing_numpy_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
     for name in [name for name in sys.modules if name.startswith("intellwheels_agents.navigation")]:
         monkeypatch.delitem(sys.modules, name)
     monkeypatch.setitem(sys.modules, "numpy", None)
-    with pytest.raises(OptionError, match="mind navigate: expected numpy"):
+    with pytest.raises(OptionError, match="mind navigate: expected the extra navigate"):
         Mind(context(robot("mid-wheel"), points="3 2"))
 
 
