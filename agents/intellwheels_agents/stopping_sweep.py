@@ -85,13 +85,13 @@ class StoppingSweep:
                 self._wheels = measured
         self._counts = counts
 
-    def watch(self, points: Iterable[Point]) -> None:
-        """Take the points that motions must stay clear of, in the body's present frame, m."""
+    def watch(self, points: Iterable[Point], margin: float = MARGIN) -> None:
+        """Take the points that motions must stay clear of, in the body's present frame, and the margin, m."""
         watched = []
         for x, y in points:
             clearance = self.clearance(x, y)
-            if clearance > MARGIN:
-                least = max(MARGIN, (1.0 - SHARE) * clearance)
+            if clearance > margin:
+                least = max(margin, (1.0 - SHARE) * clearance)
             else:
                 least = clearance - NEAR_SHARE * max(clearance, 0.0)
             watched.append((clearance - least, x, y, least))

@@ -53,6 +53,9 @@ def test_a_corner_may_not_swing_into_a_point_and_the_other_way_is_free() -> None
     assert not one.is_free(0.0, 1.0)
     assert one.is_free(0.0, -1.0)
     assert one.is_free(0.0, 0.0)
+    assert not one.is_free(0.0, 0.2)
+    one.watch([(FRONT - 0.02, SIDE + MARGIN + 0.002)], 0.02)
+    assert one.is_free(0.0, 0.2)
 
 
 def test_nearer_than_the_margin_it_may_pass_and_leave_but_not_come_nearer() -> None:

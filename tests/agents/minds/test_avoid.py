@@ -56,6 +56,16 @@ def test_a_chair_pressed_by_what_it_cannot_see_backs_out() -> None:
     assert not [event for event in touched if at_sensor_height(event, arena.setup.floor, {"chair": "rear-wheel"})]
 
 
+def test_a_chair_in_a_niche_finds_its_way_out() -> None:
+    # It can turn neither way, with a wall 0.06 m beside it and 0.2 m of room along it.
+    arena = Arena("corner")
+    niche = Position(x=12.01, y=-0.25, heading=math.pi / 2.0)
+    arena.join("chair", "avoid", "front-wheel", None, position=niche)
+    arena.run(60.0, until=lambda now: math.dist(now.paths["chair"][-1][:2], (niche.x, niche.y)) > 1.0)
+    assert math.dist(arena.paths["chair"][-1][:2], (niche.x, niche.y)) > 1.0
+    assert arena.contacts() == []
+
+
 def test_late_readings_are_put_where_the_chair_was() -> None:
     arena = Arena("room")
     arena.join("chair", "avoid", "front-wheel", "start1", {"Proximity.Latency": "4"})
