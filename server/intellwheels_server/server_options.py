@@ -184,7 +184,7 @@ def _add_run_options(group: argparse._ArgumentGroup) -> None:
     )  # fmt: skip
     group.add_argument(
         "--branch", type=readable_file, metavar="FILE",
-        help="repeat the run of this input log up to tick --at, then follow the agents; "
+        help="repeat the run of this input log up to tick --at, then let the agents drive; "
         "map, seed, period and end condition are those of the log",
     )  # fmt: skip
     group.add_argument(
