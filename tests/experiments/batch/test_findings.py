@@ -81,6 +81,7 @@ def test_two_single_runs_are_compared_in_time_path_and_clearance() -> None:
     changes = {"time": one.measured.time + 3.5, "path": one.measured.path - 0.25, "clearance": one.measured.clearance}
     other = msgspec.structs.replace(other, measured=msgspec.structs.replace(other.measured, **changes))
     before = one.measured
+    assert before.clearance is not None
     assert sentence([one, other], Compare(first="bad", second="good")) == (
         "First run: The bad. Second run: The good. Both runs reached the place and touched nothing. "
         f"The first run took 3.50 s longer ({before.time + 3.5:.2f} s, not {before.time:.2f} s), "
