@@ -8,6 +8,7 @@ from intellwheels_agents import Context, minds
 from intellwheels_agents.mind import Mind
 from intellwheels_agents.mind_trial import check_mind_file, check_mind_options
 from intellwheels_agents.options import OptionError, Options
+from intellwheels_agents.robot_document import default_robot
 from intellwheels_maps import floor, robot
 from intellwheels_schemas.messages import Robot
 
@@ -18,7 +19,18 @@ def check(mind: str, options: dict[str, str], **given: object) -> None:
     check_mind_options(source, body, options, **given)  # type: ignore[arg-type]
 
 
-@pytest.mark.parametrize("mind", sorted(set(minds.names()) - {"door", "person", "car", "driver", "seek", "waypoints"}))
+NEEDS_AN_OPTION = {"car", "driver", "follow", "seek", "waypoints"}
+"""The minds that would stand for ever without an option. Others obey a user, or what their sensors see."""
+
+
+@pytest.mark.parametrize("mind", sorted(NEEDS_AN_OPTION))
+def test_a_mind_that_could_do_nothing_is_refused_before_it_joins(mind: str) -> None:
+    body = minds.find(mind).equip(robot(default_robot(mind)), Options({}))
+    with pytest.raises(OptionError, match=r"^option \w+: expected .*, got none$"):
+        check_mind_options(minds.find(mind), body, {}, fetch_map=lambda: floor("room"))
+
+
+@pytest.mark.parametrize("mind", sorted(set(minds.names()) - NEEDS_AN_OPTION - {"door", "person"}))
 def test_included_minds_take_no_options_on_the_usual_chair(mind: str) -> None:
     check(mind, {}, fetch_map=lambda: floor("room"))
 

@@ -30,14 +30,15 @@ class Mind:
         if not robot.encoders:
             raise OptionError("mind follow: expected a robot with encoders, got one without")
         self._robot = robot
-        leaders = options.words("leader") or ("leader",)
-        if len(leaders) != 1:
-            raise OptionError(f"option leader: expected one name, got {' '.join(leaders)!r}")
-        (self._leader,) = leaders
         self._gap = options.number("gap", 2.0, 0.1, 100.0)
         self._stop = options.number("stop", 0.4, 0.05, 10.0)
         self._silence = options.number("silence", 3.0, 0.1, 60.0)
         self._pilot = PathFollower(options.number("speed", 0.8, MIN_SPEED, 20.0))
+        leaders = options.words("leader")
+        if len(leaders) != 1:
+            got = repr(" ".join(leaders)) if leaders else "none"
+            raise OptionError(f"option leader: expected the name of the agent to follow, got {got}")
+        (self._leader,) = leaders
         self._pose = Odometry(robot, context.position)
         self._scan = RangeScan(robot)
         self._path: Path | None = None

@@ -21,6 +21,19 @@ _DIFFERENCES: Final = {
 """By measure: the words for a positive and a negative difference, the scale to the unit, the unit, the decimals."""
 
 
+_OF_TWO_RUNS: Final = {
+    "time": ("took {} longer", "took {} less time", "took as long", 1.0, "s", 2),
+    "path": ("drove {} further", "drove {} less", "drove as far", 1.0, "m", 2),
+    "clearance": ("kept {} more clearance", "kept {} less clearance", "kept as much clearance", 100.0, "cm", 1),
+}
+"""By measure: the words for a positive, a negative and no difference, the scale to the unit, the unit, the decimals."""
+
+
+def counted(number: int, noun: str) -> str:
+    """Return a number with its noun, which is in the plural unless the number is 1."""
+    return f"{number} {noun}" if number == 1 else f"{number} {noun}s"
+
+
 def sentences(summary: Summary) -> list[str]:
     """Return one or two sentences per comparison of a batch; an empty list if nothing is compared."""
     rows = {row.name: row for row in summary.lines}
@@ -32,7 +45,10 @@ def _sentence(comparison: Comparison, rows: dict[str, RowSummary]) -> str:
     if comparison.second is None:
         return _single(comparison, first)
     second = rows[comparison.second]
-    counts = f"{_count(first)} runs succeeded, against {_count(second)}"
+    if comparison.expect is None and first.runs == second.runs == 1:
+        return _of_two_runs(first, second)
+    noun = "run" if first.runs == 1 else "runs"
+    counts = f"{_count(first)} {noun} succeeded, against {_count(second)}"
     expected = _EXPECTED.get(comparison.expect or "", "")
     claim = f"{first.title} was expected to {expected} {second.title}"
     finding = {
@@ -42,6 +58,29 @@ def _sentence(comparison: Comparison, rows: dict[str, RowSummary]) -> str:
         "not asked": f"{first.title} compared with {second.title}: {counts}.",
     }[comparison.verdict]
     return " ".join([finding, *_differences(comparison)])
+
+
+def _of_two_runs(first: RowSummary, second: RowSummary) -> str:
+    """Return how a single run differs from another one, as a branch does from its parent."""
+    outcomes = _outcome(first), _outcome(second)
+    both = outcomes[0] if outcomes[0] == outcomes[1] else f"{outcomes[0]}, but the second one {outcomes[1]}"
+    who = "Both runs" if outcomes[0] == outcomes[1] else "The first run"
+    phrases = []
+    for name, (more, less, same, scale, unit, digits) in _OF_TWO_RUNS.items():
+        if name not in first.spread or name not in second.spread:
+            continue
+        one, other = (round(scale * row.spread[name].median, digits) for row in (first, second))
+        words = more if one > other else less if one < other else same
+        values = f"{one:.{digits}f} {unit}" + (f", not {other:.{digits}f} {unit}" if one != other else "")
+        phrases.append(f"{words.format(f'{abs(one - other):.{digits}f} {unit}')} ({values})")
+    listed = f" The first run {_listed(phrases)}." if phrases else ""
+    return f"First run: {first.title}. Second run: {second.title}. {who} {both}.{listed}"
+
+
+def _outcome(row: RowSummary) -> str:
+    """Return what the single run of a row came to."""
+    arrived = "reached the place" if row.reached else "did not reach the place"
+    return f"{arrived} and touched {'something' if row.collided else 'nothing'}"
 
 
 def _within_margin(comparison: Comparison) -> str:
@@ -54,8 +93,8 @@ def _single(comparison: Comparison, row: RowSummary) -> str:
     if comparison.verdict == "undecided":
         return f"{row.title} was expected to touch nothing, but no run finished."
     if comparison.verdict == "as expected":
-        return f"{row.title} touched nothing in {row.runs} runs, as expected."
-    return f"{row.title} was expected to touch nothing, but it did in {row.collided} of {row.runs} runs."
+        return f"{row.title} touched nothing in {counted(row.runs, 'run')}, as expected."
+    return f"{row.title} was expected to touch nothing, but it did in {row.collided} of {counted(row.runs, 'run')}."
 
 
 def _differences(comparison: Comparison) -> Iterator[str]:
@@ -68,9 +107,12 @@ def _differences(comparison: Comparison) -> Iterator[str]:
                 size = f"{scale * abs(mean):.{digits}f} {unit} ({_interval(interval, scale, digits)})"
                 phrases.append((more if mean > 0.0 else less).format(size))
     if phrases:
-        *others, last = phrases
-        listed = f"{', '.join(others)} and {last}" if others else last
-        yield f"In the runs in which both reached their place, the first {listed}."
+        yield f"In the runs in which both reached their place, the first {_listed(phrases)}."
+
+
+def _listed(phrases: list[str]) -> str:
+    *others, last = phrases
+    return f"{', '.join(others)} and {last}" if others else last
 
 
 def _interval(interval: Interval, scale: float, digits: int) -> str:

@@ -12,7 +12,7 @@ from typing import Final
 import msgspec
 
 from intellwheels_experiments.batch import report_drawings
-from intellwheels_experiments.batch.findings import sentences
+from intellwheels_experiments.batch.findings import counted, sentences
 from intellwheels_experiments.batch.report_drawings import PlottedRun
 from intellwheels_experiments.batch.run_store import StoredRun
 from intellwheels_experiments.batch.summary import Comparison, RowSummary, Summary
@@ -107,7 +107,8 @@ def render(page: HtmlReport) -> str:
     """Return the page as HTML text."""
     title = page.scene.title or page.scene.name
     seeds = len({run.seed for run in page.runs})
-    lead = f"{len(page.summary.lines)} rows with {seeds} seeds each on the map {page.floor.title or page.floor.name}."
+    rows = counted(len(page.summary.lines), "row")
+    lead = f"{rows} with {counted(seeds, 'seed')} each on the map {page.floor.title or page.floor.name}."
     parts = [
         f"<h1>{escape(title)}</h1><p class=lead>{escape(lead)} All rows use the same seeds. Runs are scored by the "
         "chair's true pose, not by the pose that the chair reports.</p>",

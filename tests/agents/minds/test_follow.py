@@ -82,6 +82,7 @@ def test_robot_without_encoders_cannot_follow() -> None:
         Arena("corner").join("blind", "follow", "crate", "follower1", {"leader": "leader"})
 
 
-def test_two_leaders_are_refused() -> None:
-    with pytest.raises(OptionError, match="option leader: expected one name, got 'one two'"):
-        Arena("corner").join("torn", "follow", "mid-wheel", "follower1", {"leader": "one, two"})
+@pytest.mark.parametrize(("given", "got"), [({}, "none"), ({"leader": "one, two"}, "'one two'")])
+def test_no_leader_and_two_leaders_are_refused(given: dict[str, str], got: str) -> None:
+    with pytest.raises(OptionError, match=f"option leader: expected the name of the agent to follow, got {got}"):
+        Arena("corner").join("torn", "follow", "mid-wheel", "follower1", given)

@@ -8,7 +8,7 @@ import msgspec
 import pytest
 
 from intellwheels_experiments.batch.experiment_rows import Row
-from intellwheels_experiments.batch.findings import sentences
+from intellwheels_experiments.batch.findings import counted, sentences
 from intellwheels_experiments.batch.run_store import StoredRun
 from intellwheels_experiments.batch.summary import summarize
 from intellwheels_maps import scene
@@ -72,3 +72,34 @@ def test_other_measures_may_differ_where_success_does_not() -> None:
 
 def test_difference_whose_interval_contains_zero_is_not_mentioned() -> None:
     assert "In the runs" not in sentence(forty(0), Compare(first="bad", second="good"))
+
+
+def test_two_single_runs_are_compared_in_time_path_and_clearance() -> None:
+    one, other = stored("good", "1"), stored("bad", "1")
+    assert one.measured is not None
+    assert other.measured is not None
+    changes = {"time": one.measured.time + 3.5, "path": one.measured.path - 0.25, "clearance": one.measured.clearance}
+    other = msgspec.structs.replace(other, measured=msgspec.structs.replace(other.measured, **changes))
+    before = one.measured
+    assert before.clearance is not None
+    assert sentence([one, other], Compare(first="bad", second="good")) == (
+        "First run: The bad. Second run: The good. Both runs reached the place and touched nothing. "
+        f"The first run took 3.50 s longer ({before.time + 3.5:.2f} s, not {before.time:.2f} s), "
+        f"drove 0.25 m less ({before.path - 0.25:.2f} m, not {before.path:.2f} m) "
+        f"and kept as much clearance ({100 * before.clearance:.1f} cm)."
+    )
+
+
+def test_two_single_runs_that_came_to_something_else_say_so() -> None:
+    found = sentence([stored("good", "1"), stored("bad", "1", success=False)], Compare(first="bad", second="good"))
+    assert "but the second one reached the place and touched nothing." in found
+
+
+@pytest.mark.parametrize(("number", "words"), [(0, "0 runs"), (1, "1 run"), (2, "2 runs")])
+def test_a_noun_is_in_the_plural_unless_there_is_one(number: int, words: str) -> None:
+    assert counted(number, "run") == words
+    if number:
+        runs = [stored("good", str(seed)) for seed in range(number)]
+        assert f"touched nothing in {words}, as expected" in sentence(
+            runs, Compare(first="good", expect="collision-free")
+        )

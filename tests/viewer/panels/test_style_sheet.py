@@ -56,3 +56,15 @@ def test_a_command_stands_out() -> None:
 def test_a_word_or_a_long_number_in_place_of_a_figure_is_written_smaller() -> None:
     written = [style_sheet.figures([(figure, "tick")]) for figure in ("12.50", "paused", "123456789")]
     assert ["word" in one for one in written] == [False, True, True]
+
+
+SCROLLBAR = 12
+"""Pixels of the scrollbar that viser lays over the right edge of a panel (the default of its library)."""
+
+
+@pytest.mark.parametrize("selector", [".iw", ".iw-plan"])
+def test_no_text_is_under_the_scrollbar_of_a_long_panel(selector: str) -> None:
+    rule = re.search(rf"{re.escape(selector)}{{[^}}]*?padding:([^;}}]+)", style_sheet._RULES)
+    assert rule is not None
+    sides = [int(size.removesuffix("px")) for size in rule[1].split()]
+    assert sides[1] > SCROLLBAR

@@ -20,9 +20,10 @@ _DARK: Final = (
     "--iw-red:#ff7b78;--iw-amber:#f0ad4e;--iw-green:#62c98d;--iw-near:#ff83a6;--iw-middle:#f3a35c;--iw-far:#92bddd;"
     "--iw-wall:#b4bdc8;--iw-floor:#2a2e34;--iw-thing:#6b7682"
 )
+# On the right, text keeps clear of the scrollbar that viser lays over a panel that is longer than the window: 12 px.
 # The contrast of every text colour with its background is 4.5 : 1 or more (tests/viewer/panels/test_style_sheet.py).
 _RULES: Final = """
-.iw{box-sizing:border-box;padding:2px 10px 8px;font-size:13px;line-height:18px;color:var(--iw-ink);
+.iw{box-sizing:border-box;padding:2px 16px 8px 10px;font-size:13px;line-height:18px;color:var(--iw-ink);
 font-variant-numeric:tabular-nums;overflow-wrap:anywhere}
 .iw *{box-sizing:border-box}.iw b{font-weight:600}
 .iw code{font-size:12px;padding:1px 4px;border-radius:3px;background:var(--iw-tint)}
@@ -59,7 +60,7 @@ margin:2px 0}
 .iw-over{position:relative;height:0;z-index:2;pointer-events:none}
 .iw-over span{position:absolute;right:12px;width:84px;font-size:11px;line-height:12px;white-space:nowrap;
 overflow:hidden;text-overflow:ellipsis;font-variant-numeric:tabular-nums}
-.iw-plan{position:relative;padding:2px 10px 0}.iw-plan svg{display:block;width:100%;height:auto;overflow:hidden}
+.iw-plan{position:relative;padding:2px 16px 0 10px}.iw-plan svg{display:block;width:100%;height:auto;overflow:hidden}
 .iw-plan.over{height:0;z-index:2;padding-top:2px}.iw-plan [data-agent]{cursor:pointer}
 .iw-bar{height:5px;border:solid var(--iw-soft);border-width:0 1px 1px}
 .iw-drive{display:flex;gap:12px;align-items:center}
