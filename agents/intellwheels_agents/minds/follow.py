@@ -1,4 +1,4 @@
-"""Follows a leader along the positions that the leader says.
+"""Follows a leader along the positions that the leader announces.
 
     leader   the agent to follow: a `waypoints` with lead=true, or any agent that says "at X Y" in metres
     gap      distance kept to the leader's last position, along its path, m (default 2.0)

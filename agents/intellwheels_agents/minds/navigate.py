@@ -9,14 +9,14 @@
              (default true)
     map      path of a map file, instead of the simulator's map
 
-It plans with the footprint of the robot at every heading, parts and heights included, and chooses at every tick the
-command that is cheapest among those after which it can still stop before anything its sensors see (the package
-`navigation` says how, with sources). Its pose comes from odometry and a particle filter that matches scans, or cones of
+It plans with the footprint of the robot at every heading, parts and heights included. At every tick it considers only
+commands after which it can still stop before anything its sensors see, and takes the cheapest. The package `navigation`
+says how, with sources. Its pose comes from odometry and a particle filter that matches scans, or cones of
 proximity sensors, with the map. A goal of the user, in the viewer or by `UserInput.Goal`, and the messages "go PLACE"
 and "go X Y" replace the goals.
 
-Where it makes no progress, it says "open" to a closed doorway, leaves room for the leaf, says its way to others, and
-gives way to those with more right. It plans around what is not on the map, and backs out of where it is stuck.
+Where it makes no progress, it says "open" to a closed doorway, leaves room for the leaf, announces its path, and yields to
+those with priority. It plans around what is not on the map, and backs out of where it is stuck.
 Sensors and commands may be late. If it would brake over more than its sensors see, it drives more slowly and reports
 the mode `slow`.
 It needs numpy: the extra `navigate`. It cannot see what is above or below its sensors and not on the map.
