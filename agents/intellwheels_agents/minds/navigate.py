@@ -15,8 +15,8 @@ says how, with sources. Its pose comes from odometry and a particle filter that 
 proximity sensors, with the map. A goal of the user, in the viewer or by `UserInput.Goal`, and the messages "go PLACE"
 and "go X Y" replace the goals.
 
-Where it makes no progress, it says "open" to a closed doorway, leaves room for the leaf, announces its path, and yields to
-those with priority. It plans around what is not on the map, and backs out of where it is stuck.
+Where it makes no progress, it says "open" to a closed doorway, leaves room for the leaf, announces its path, and yields
+to those with priority. It plans around what is not on the map, and backs out of where it is stuck.
 Sensors and commands may be late. If it would brake over more than its sensors see, it drives more slowly and reports
 the mode `slow`.
 It needs numpy: the extra `navigate`. It cannot see what is above or below its sensors and not on the map.
