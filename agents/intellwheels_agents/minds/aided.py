@@ -11,8 +11,8 @@ the encoders. A chair that would brake over more than its sensors see drives mor
 It never does what the user did not ask for: forward and turn are each reduced, to 0 if necessary, and never reversed.
 Moving away from obstacles is always possible. When it stops, it keeps room ahead and behind to turn in place, but still
 lets the user come within 0.104 m of an obstacle. So a chair whose corners are far beyond its front (mid-wheel,
-front-wheel) must back up there before it can turn further. Nor can a chair with a long back turn in place away from a wall
-beside it.
+front-wheel) must back up there before it can turn further. Nor can a chair with a long back turn in place away from a
+wall beside it.
 It cannot see what no sensor sees: behind a robot without rear sensors, above or below the height of the sensors, and
 obstacles that are between two cones from the start. `equip` adds two cones ahead that tell a doorway from a
 wall. In front of a narrow doorway approached at an angle it may still stop, because two cones leave the gap unclear.
