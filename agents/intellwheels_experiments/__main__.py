@@ -24,7 +24,13 @@ from intellwheels_experiments.run.progress import Progress
 from intellwheels_experiments.run.run_report import show, to_json
 from intellwheels_experiments.run.scene_run import perform
 from intellwheels_experiments.run.start_watch import once
-from intellwheels_experiments.run.usage_checks import check_cast_of, check_connection, check_speed, first_agent
+from intellwheels_experiments.run.usage_checks import (
+    check_cast_of,
+    check_connection,
+    check_speed,
+    first_agent,
+    narrow_warnings,
+)
 from intellwheels_experiments.run.world_watch import watching
 from intellwheels_maps import floor, names, scene
 from intellwheels_maps.library import folder_of
@@ -212,9 +218,12 @@ def _run(arguments: Sequence[str] | None) -> int:
             if options.seeds is None:
                 check_programs(chosen.cast, folder, _meeting(options))
                 check_cast_of([chosen], folder, options)
+        warnings = narrow_warnings(chosen, chosen_floor, folder)
     except (WireError, ConnectionError) as error:
         print(f"iw-run: {error}", file=sys.stderr)
         return 2
+    for warning in warnings:
+        print(f"iw-run: warning: {warning}", file=sys.stderr)
     if options.seeds is not None or options.branch is not None:
         return _batch(options, chosen, chosen_floor, folder)
     changes = {"pace": pace, "seed": options.seed}

@@ -4,17 +4,20 @@ from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 from intellwheels_maps import floor, names, robot, scene
+from intellwheels_maps.check import Finding
 from intellwheels_maps.draw import draw
 from intellwheels_maps.hospital import hospital
-from intellwheels_maps.library import is_path
+from intellwheels_maps.library import folder_of, is_path
+from intellwheels_maps.turning import narrow_places, narrow_starts
 from intellwheels_schemas.command_parser import CommandParser, naming, readable_file, whole
 from intellwheels_schemas.elements import parse
 from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.files import write_file
+from intellwheels_schemas.messages import Robot
 from intellwheels_schemas.output_paths import check_output_file
 from intellwheels_schemas.process import printing
 
@@ -45,7 +48,9 @@ def _parser() -> argparse.ArgumentParser:
     listing = commands.add_parser("list", help="print the included maps (as `floors`), robots and scenes")
     listing.set_defaults(run=_list)
 
-    checking = commands.add_parser("check", help="check a map, robot or scene file, and print each fault with its line")
+    checking = commands.add_parser(
+        "check", help="check a map, robot or scene file: faults with their lines, and places where a chair cannot turn"
+    )
     checking.add_argument("file", metavar="FILE", type=readable_file, help="a map, robot or scene file")
     checking.set_defaults(run=_check)
 
@@ -71,15 +76,28 @@ def _list(_: argparse.Namespace) -> int:
 def _check(parsed: argparse.Namespace) -> int:
     root = _root(parsed.file)
     if root == "Map":
-        floor(parsed.file)
+        _warn(narrow_places(floor(parsed.file), _chairs()))
     elif root == "Robot":
         robot(parsed.file)
     elif root == "Scene":
-        scene(parsed.file)
+        found = scene(parsed.file)
+        folder = folder_of(parsed.file)
+        bodies = {cast.name: robot(cast.robot, beside=folder) for cast in found.cast if cast.robot}
+        _warn(narrow_starts(found, floor(found.map, beside=folder), bodies))
     else:
         raise WireError("field", f"{parsed.file}: expected the root Map, Robot or Scene, got {root}", str(parsed.file))
     print(f"{parsed.file}: a valid {root}")
     return 0
+
+
+def _chairs() -> dict[str, Robot]:
+    """Return the included wheelchairs by name."""
+    return {name: body for name in names("robots") if (body := robot(name)).kind == "wheelchair"}
+
+
+def _warn(findings: Iterable[Finding]) -> None:
+    for finding in findings:
+        print(f"warning: {finding.element}: {finding.text}", file=sys.stderr)
 
 
 def _root(file: Path) -> str:

@@ -454,7 +454,7 @@ class IMU(Record, frozen=True, kw_only=True):
     turn_noise: TurnRateNoise = 0.0
     """Standard deviation of the Gaussian noise on the turn rate."""
     walk: Annotated[Walk, Meta(extra=_unit("m/s2"))] = 0.0
-    """Random walk of the bias of each acceleration: standard deviation of its change in one second."""
+    """Random walk of the bias that each acceleration has: standard deviation of its change in one second."""
     turn_walk: Annotated[Walk, Meta(extra=_unit("rad/s"))] = 0.0
     """Random walk of the bias of the turn rate: standard deviation of its change in one second."""
     step: Annotated[StepSize, Meta(extra=_unit("m/s2"))] = 0.0
@@ -574,7 +574,7 @@ class Robot(Record, frozen=True, kw_only=True):
     turn_limit: Annotated[Limit, Meta(extra=_unit("rad/s"))] | None = None
     """Largest turn rate in either direction; a larger one is reduced to it. Absent means no limit."""
     motor_noise: Share = 0.0
-    """Standard deviation of a motor's output, as a share of that output."""
+    """Standard deviation of a motor's output, as a share of it. A deviation is held for 50 ms of simulated time."""
     slip: Share = 0.0
     """How far the wheels of a blocked body spin: 0 not at all, 1 as if the body were free."""
     length: Size | None = None

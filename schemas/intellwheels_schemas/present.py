@@ -1,4 +1,4 @@
-"""Checks whether a router, a simulator or an agent is running, for health checks and scripts.
+"""Check whether a router, a simulator or an agent is running, for health checks and scripts.
 
 Exit code 0: it is running; 1: it is not running, or the endpoint does not answer; 2: wrong usage.
 """

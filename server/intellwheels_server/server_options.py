@@ -177,11 +177,12 @@ def _add_time_options(group: argparse._ArgumentGroup) -> None:
 def _add_run_options(group: argparse._ArgumentGroup) -> None:
     group.add_argument("--log", type=Path, metavar="FILE", help="write the input log (JSON Lines)")
     group.add_argument(
-        "--runs", type=Path, metavar="DIR", help="write the input log and the true trace of each run into DIR"
-    )
+        "--runs", type=Path, metavar="DIR",
+        help="write the input log and the true trace of each run, up to its end condition, into DIR",
+    )  # fmt: skip
     group.add_argument(
         "--branch", type=readable_file, metavar="FILE",
-        help="repeat the run of this input log up to tick --at, then follow the agents; "
+        help="repeat the run of this input log up to tick --at, then let the agents drive; "
         "map, seed, period and end condition are those of the log",
     )  # fmt: skip
     group.add_argument(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 
 import pytest
@@ -269,3 +270,23 @@ def test_goal_behind_the_door_is_out_of_sight_of_its_sensors() -> None:
                 [(x, y), *((x + sensor.max_range * math.cos(a), y + sensor.max_range * math.sin(a)) for a in rim)]
             )
             assert not wedge.intersects(chair[0]), (goal, sensor.id)
+
+
+def test_every_chair_can_turn_at_each_place_of_the_ward_even_beside_another_chair() -> None:
+    document = floor("ward")
+    spots = [*places(document, "wheelchair"), *places(document, "goal")]
+    assert len(spots) > 30
+    still = Place(name="still", x=0.0, y=0.0, heading_deg=0.0)
+    # Of each height interval that a chair has, the farthest corner of any chair.
+    reach: dict[tuple[float, float], float] = {}
+    for chair in CHAIRS:
+        for shape, bottom, top in plan(robot(chair), still):
+            farthest = max(math.hypot(x, y) for x, y in shape.exterior.coords)
+            reach[bottom, top] = max(reach.get((bottom, top), 0.0), farthest)
+    for (bottom, top), radius in reach.items():
+        solid = solids(document, bottom, top)
+        for spot in spots:
+            assert Point(spot.x, spot.y).distance(solid) > radius + 0.01, spot.name
+    starts = places(document, "wheelchair")
+    apart = min(math.dist((a.x, a.y), (b.x, b.y)) for a, b in itertools.combinations(starts, 2))
+    assert apart > 2.0 * max(reach.values())

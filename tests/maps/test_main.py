@@ -26,6 +26,33 @@ def test_hospital_is_printed_as_a_floor_that_reads_back(tmp_path: Path, capsys: 
     assert capsys.readouterr().out == f"{path}: a valid Map\n"
 
 
+def test_check_warns_of_places_where_a_chair_cannot_turn(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / "mine.xml"
+    path.write_text(
+        '<Map Format="iw.v1" Name="mine">'
+        '<Wall><Corner X="0.7" Y="-1"/><Corner X="1" Y="-1"/><Corner X="1" Y="1"/></Wall>'
+        '<Grid><Position Name="p" X="0.1" Y="-1"/></Grid></Map>'
+    )
+    assert main(["check", str(path)]) == 0
+    printed = capsys.readouterr()
+    assert printed.out == f"{path}: a valid Map\n"
+    assert (
+        "warning: Map.Grid.Position[0]: place 'p' is too narrow for 'rear-wheel': "
+        "it needs 0.905 m to turn on the spot, got 0.600 m to Wall[0]"
+    ) in printed.err.splitlines()
+    assert "'person'" not in printed.err
+    scene = tmp_path / "scene.xml"
+    scene.write_text(
+        '<Scene Format="iw.v1" Name="s" Map="mine.xml">'
+        '<Cast Name="a" Robot="mid-wheel" Mind="drive" Place="p"/></Scene>'
+    )
+    assert main(["check", str(scene)]) == 0
+    assert capsys.readouterr().err == (
+        "warning: Scene.Cast[0]: agent 'a': place 'p' is too narrow: it needs 0.662 m to turn on the spot, "
+        "got 0.600 m to Wall[0]\n"
+    )
+
+
 def test_draw_writes_a_plan(tmp_path: Path) -> None:
     path = tmp_path / "ward.svg"
     assert main(["draw", "ward", str(path)]) == 0

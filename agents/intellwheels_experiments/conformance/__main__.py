@@ -1,4 +1,4 @@
-"""`iw-check-agent`: runs a program against a scripted simulator and reports which points of the contract it keeps."""
+"""`iw-check-agent`: runs a program against a scripted simulator and reports which points of the contract it meets."""
 
 from __future__ import annotations
 

@@ -7,11 +7,12 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from intellwheels_experiments.run.cast_trial import check_cast
-from intellwheels_maps.library import is_path
+from intellwheels_maps.library import is_path, robot
+from intellwheels_maps.turning import narrow_starts
 from intellwheels_schemas.endpoint_form import check_free, is_free
 from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.link import Link, check_link
-from intellwheels_schemas.messages import Pace, Scene
+from intellwheels_schemas.messages import Map, Pace, Scene
 
 
 def check_connection(options: argparse.Namespace) -> None:
@@ -47,6 +48,19 @@ def check_cast_of(scenes: Sequence[Scene], folder: Path | None, options: argpars
     given = [f"--{name}" for name in ("mind", "option", "command") if getattr(options, name)]
     if given or is_path(options.scene):
         check_cast(scenes, folder, " or ".join(given) or "SCENE")
+
+
+def narrow_warnings(chosen: Scene, ground: Map, folder: Path | None) -> list[str]:
+    """Return a sentence for each simulated agent of a scene that starts where its robot cannot turn on the spot.
+
+    Raises:
+        WireError: A robot cannot be read.
+    """
+    bridged = {bridge.agent for bridge in chosen.bridge}
+    bodies = {
+        cast.name: robot(cast.robot, beside=folder) for cast in chosen.cast if cast.robot and cast.name not in bridged
+    }
+    return [finding.text for finding in narrow_starts(chosen, ground, bodies)]
 
 
 def first_agent(chosen: Scene) -> str:

@@ -8,7 +8,7 @@ from typing import Final, get_args
 from intellwheels_schemas import zenoh_inbox
 from intellwheels_schemas.codec import Encoding, encode
 from intellwheels_schemas.keys import Keys
-from intellwheels_schemas.messages import Record
+from intellwheels_schemas.messages import Map, Record
 from intellwheels_server.service.arrival import Arrival, Put, PutKind, Query, Token, Topic
 
 MAX_KEYS: Final = 4_096
@@ -29,6 +29,8 @@ class ArrivalReader:
         self._keys = keys
         # The same keys come again and again, so their parts are remembered, up to a limit: anyone can invent keys.
         self._known: dict[str, tuple[str, PutKind]] = {}
+        self._map: Map | None = None
+        self._map_bytes: dict[Encoding, bytes] = {}
 
     def read(self, arrival: zenoh_inbox.Arrival) -> Arrival | None:
         """Return what an arrival is, or None if it is to be ignored."""
@@ -102,13 +104,21 @@ class ArrivalReader:
     def _send(
         self, arrival: zenoh_inbox.Ask, topic: Topic, message: Record, encoding: Encoding, ok: bool, name: str | None
     ) -> None:
-        data = encode(message, encoding)
+        data = self._map_data(message, encoding) if isinstance(message, Map) else encode(message, encoding)
         if ok:
             key = (arrival.served or None) if name is None else f"{self._keys.prefix}{topic}/{name}"
             # A reply needs a key without wildcards.
             arrival.reply(data, encoding, key if name is not None or "*" in arrival.key else None)
         else:
             arrival.refuse(data, encoding)
+
+    def _map_data(self, floor: Map, encoding: Encoding) -> bytes:
+        """Return a map as bytes. They may take longer than a tick to make, so those of the last map are kept."""
+        if floor is not self._map:
+            self._map, self._map_bytes = floor, {}
+        if encoding not in self._map_bytes:
+            self._map_bytes[encoding] = encode(floor, encoding)
+        return self._map_bytes[encoding]
 
 
 def _parameters(text: str) -> dict[str, str]:

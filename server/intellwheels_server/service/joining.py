@@ -10,16 +10,7 @@ import msgspec
 from intellwheels_schemas.codec import Encoding, decode, encoding_of
 from intellwheels_schemas.errors import RequestRefusedError, WireError
 from intellwheels_schemas.file_records import Depart, Join, Note, TakeBody
-from intellwheels_schemas.messages import (
-    ErrorCode,
-    Joined,
-    Leave,
-    Parameters,
-    Position,
-    Refused,
-    RefusedCode,
-    Robot,
-)
+from intellwheels_schemas.messages import ErrorCode, Joined, Leave, Parameters, Position, Refused, RefusedCode, Robot
 from intellwheels_schemas.rules import has_motors
 from intellwheels_server.service import outbound
 from intellwheels_server.service.arrival import Query, Token
@@ -28,6 +19,7 @@ from intellwheels_server.service.error_replies import Fault
 from intellwheels_server.service.roster import Member, Roster, new_hex, same_body
 from intellwheels_server.service.sensor_budget import check_sensor_budget
 from intellwheels_server.service.service_state import ServiceState
+from intellwheels_server.service.start_report import report_joined
 from intellwheels_server.service.truth_filter import nominal
 from intellwheels_server.world import State
 from intellwheels_server.world.kernels import rows
@@ -201,7 +193,7 @@ def _admit(
         # The entry of a body that stays is kept: it records what the world knows, such as that the pose is old.
         agents.bridges.setdefault(agent, bridge_status(service.run.state, agent, now))
     _update_members(service, agent)
-    service.publisher.outlet.log_line(f"joined agent={agent} role={member.role} tick={service.run.state.tick}")
+    report_joined(service, member, position, starts=current is None)
     if pacing.barrier_open and pacing.lockstep:
         pacing.barrier.add(member.answers())
     if not pacing.waiting_to_start and (pacing.barrier_open or not pacing.lockstep):

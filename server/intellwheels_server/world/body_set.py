@@ -69,8 +69,8 @@ class BodySet(msgspec.Struct, frozen=True, kw_only=True):
         by_key: The name of each key.
         models: The body of each name.
         bodies: Shapes, for contact and sensing.
-        motors: float64[8, n], motor parameters, rows of `kernels.motor_model`.
-        flaws: float64[FLAW_ROWS, n]: how motors err and wheels slip, rows of `kernels.motor_power` and `wheel_slip`.
+        motors: float64[MOTOR_ROWS, n], motor parameters, rows of `kernels.motor_model`.
+        flaws: float64[FLAW_ROWS, n]: how motors err and wheels slip, rows of `kernels.motor_noise` and `wheel_slip`.
         noise: uint64[2, n] viewed as int64, keys of the motor noise.
         limits: int64[2, n]: steps until a command times out; 1 for externally posed bodies, else 0.
         doors: int64[n], 1 for doors, which stop speech where walls do.

@@ -7,10 +7,16 @@ from typing import Any
 import pytest
 
 from intellwheels_experiments.run import usage_checks
-from intellwheels_experiments.run.usage_checks import check_cast_of, check_connection, check_speed, first_agent
-from intellwheels_maps import scene
+from intellwheels_experiments.run.usage_checks import (
+    check_cast_of,
+    check_connection,
+    check_speed,
+    first_agent,
+    narrow_warnings,
+)
+from intellwheels_maps import floor, scene
 from intellwheels_schemas.errors import WireError
-from intellwheels_schemas.messages import Scene
+from intellwheels_schemas.messages import Bridge, Cast, Scene
 
 
 def options(**given: Any) -> Namespace:
@@ -64,3 +70,14 @@ def test_a_scene_without_agents_has_no_first_one() -> None:
     assert first_agent(scene("figure6")) == "chair1"
     with pytest.raises(WireError, match=r"^SCENE: empty: expected a Cast, got none$"):
         first_agent(Scene(format="iw.v1", name="empty", map="room"))
+
+
+def test_agents_that_start_where_they_cannot_turn_are_named_but_no_real_ones() -> None:
+    tight = floor("crossing")
+    cast = tuple(Cast(name=name, robot="rear-wheel", mind="drive", place="south-side") for name in ("a", "b"))
+    bridge = Bridge(agent="b")
+    chosen = Scene(format="iw.v1", name="s", map="crossing", cast=cast, bridge=(bridge,))
+    assert narrow_warnings(chosen, tight, None) == [
+        "agent 'a': place 'south-side' is too narrow: it needs 0.905 m to turn on the spot, got 0.800 m to Wall[0]"
+    ]
+    assert narrow_warnings(scene("figure6"), floor("room"), None) == []

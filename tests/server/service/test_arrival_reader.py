@@ -4,10 +4,11 @@ from typing import Any, cast
 
 import pytest
 
-from intellwheels_schemas import zenoh_inbox
+from intellwheels_schemas import codec, zenoh_inbox
 from intellwheels_schemas.codec import Encoding
 from intellwheels_schemas.keys import Keys
-from intellwheels_schemas.messages import Quit
+from intellwheels_schemas.messages import Map, Quit
+from intellwheels_server.service import arrival_reader
 from intellwheels_server.service.arrival import Put, Query
 from intellwheels_server.service.arrival_reader import MAX_SHOWN, ArrivalReader
 
@@ -49,3 +50,33 @@ def test_query_with_wildcards_is_about_the_key_of_its_queryable_and_answered_the
     assert (query.topic, query.has_wildcards) == ("clock", True)
     query.reply(Quit())
     assert sent == ["iw/v1/main/clock"]
+
+
+def test_map_is_encoded_once_in_each_encoding(monkeypatch: pytest.MonkeyPatch) -> None:
+    sent: list[bytes] = []
+    made: list[Encoding] = []
+
+    def encode(message: Map, encoding: Encoding) -> bytes:
+        made.append(encoding)
+        return codec.encode(message, encoding)
+
+    class Ask(zenoh_inbox.Ask):
+        def reply(self, data: bytes, encoding: Encoding, key: str | None = None) -> None:
+            sent.append(data)
+
+        def close(self) -> None:
+            pass
+
+    monkeypatch.setattr(arrival_reader, "encode", encode)
+    reader = ArrivalReader(Keys("main"))
+    first, second = Map(format="iw.v1", name="first"), Map(format="iw.v1", name="second")
+    for floor in (first, first, second):
+        for encoding in (Encoding.JSON, Encoding.XML):
+            ask = Ask("iw/v1/main/map", "", b"", encoding.value, cast(Any, None), "iw/v1/main/map")
+            query = reader.read(ask)
+            assert isinstance(query, Query)
+            query.reply(floor)
+    assert made == [Encoding.JSON, Encoding.XML] * 2
+    assert sent == [
+        codec.encode(floor, encoding) for floor in (first, first, second) for encoding in (Encoding.JSON, Encoding.XML)
+    ]

@@ -13,7 +13,13 @@ from intellwheels_server.world import advance, begin
 from intellwheels_server.world.body_set import assemble, body_model_of
 from intellwheels_server.world.kernels import rows
 from intellwheels_server.world.kernels.arrays import ANCHORED, EXTERNALLY_POSED, KEY
-from intellwheels_server.world.kernels.motor_model import MOTOR_ACCELERATION, MOTOR_KEPT, MOTOR_TOP_SPEED, MOTOR_TRACK
+from intellwheels_server.world.kernels.motor_model import (
+    MOTOR_ACCELERATION,
+    MOTOR_KEPT,
+    MOTOR_ROWS,
+    MOTOR_TOP_SPEED,
+    MOTOR_TRACK,
+)
 from intellwheels_server.world.state import Setup
 from tests.server.worlds import RUN, cart, do, floor_of
 
@@ -57,7 +63,7 @@ def test_arrays_of_a_body_set_are_in_the_order_of_names() -> None:
 
 def test_body_set_may_be_empty() -> None:
     body_set, _ = assemble({}, Setup(floor=floor_of()), 0, None)
-    assert body_set.motors.shape == (8, 0)
+    assert body_set.motors.shape == (MOTOR_ROWS, 0)
     assert body_set.noise.shape == (2, 0)
 
 

@@ -1,18 +1,13 @@
-"""The power in force (the command, the user's input, or none), and the output of the motors for it."""
+"""The power in force: the command, the user's input, or none."""
 
-import numpy as np
 from numba import njit
 
 from intellwheels_server.world.kernels import rows
 from intellwheels_server.world.kernels.arrays import Floats, Ints
-from intellwheels_server.world.kernels.motor_model import LEFT, MOTOR_TOP_SPEED, RIGHT
-from intellwheels_server.world.kernels.noise import normal
+from intellwheels_server.world.kernels.motor_model import MOTOR_TOP_SPEED
 
 # Rows of limits, int64[2, n]: steps until a command times out; 1 for a real body.
 TIMEOUT, REAL = 0, 1
-# Rows of flaws that say how a motor errs: standard deviation of its output, as a share. `wheel_slip` has the others.
-MOTOR_NOISE = 0
-MOTOR_NOISE_ROWS = 1
 
 # The changes that `powers` found, as bits, so that a tick without changes needs no search.
 NOW_TIMED_OUT, NOW_SILENT, NOW_STALE = 1, 2, 4
@@ -44,7 +39,7 @@ def powers(
     Args:
         numbers: float64[NUMBER_ROWS, n], in and out.
         flags: int64[FLAG_ROWS, n], in and out; ages count the step that begins.
-        motors: float64[8, n], rows of `motor_model`.
+        motors: float64[MOTOR_ROWS, n], rows of `motor_model`.
         limits: int64[2, n].
         silence: Steps after which a user counts as silent, or -1 if verdicts decide it.
         staleness: Steps after which the pose of a real body is stale, or -1 if verdicts decide it.
@@ -89,26 +84,3 @@ def powers(
         flags[rows.USER_AGE, i] += 1
         flags[rows.POSE_AGE, i] += 1
     return found
-
-
-@njit(cache=True, error_model="numpy")
-def noisy_powers(numbers: Floats, flaws: Floats, keys: Ints, tick: int, power: Floats) -> None:
-    """Fill in the output of the motors for the power in force.
-
-    The output of each motor is multiplied by 1 + sd x a standard normal number, drawn for each motor and tick.
-
-    Args:
-        numbers: float64[NUMBER_ROWS, n].
-        flaws: float64[FLAW_ROWS, n].
-        keys: int64[2, n], bits of the noise keys.
-        tick: This tick.
-        power: float64[2, n], out.
-    """
-    for i in range(numbers.shape[1]):
-        power[LEFT, i] = numbers[rows.LEFT_POWER, i]
-        power[RIGHT, i] = numbers[rows.RIGHT_POWER, i]
-        sd = flaws[MOTOR_NOISE, i]
-        if sd > 0.0:
-            key0, key1 = np.uint64(keys[0, i]), np.uint64(keys[1, i])
-            power[LEFT, i] *= 1.0 + sd * normal(key0, key1, tick, 0)
-            power[RIGHT, i] *= 1.0 + sd * normal(key0, key1, tick, 1)

@@ -35,8 +35,8 @@ from intellwheels_server.world.kernels.contact import resolve
 from intellwheels_server.world.kernels.contact_hits import Outcomes
 from intellwheels_server.world.kernels.geometry import arc
 from intellwheels_server.world.kernels.motor_model import LEFT, MOTOR_TRACK, RIGHT, drive
-from intellwheels_server.world.kernels.motor_power import REAL, noisy_powers, powers
-from intellwheels_server.world.kernels.wheel_slip import rolled_while_blocked
+from intellwheels_server.world.kernels.motor_power import REAL, powers
+from intellwheels_server.world.kernels.wheel_slip import SLIP, rolled_while_blocked, rolled_while_stalled
 
 _ROOM = 16
 
@@ -59,8 +59,8 @@ def _stay_inside(pose: Floats, wheels: Floats, twist: Floats) -> None:
 
 @njit(cache=True, error_model="numpy", inline="always")
 def _take_over(
-    outcome: Floats, outcome_flags: Ints, twist: Floats, motors: Floats, flaws: Floats, limits: Ints, tick: int,
-    period: float, numbers: Floats, flags: Ints,
+    outcome: Floats, outcome_flags: Ints, twist: Floats, motors: Floats, flaws: Floats, noise: Ints, limits: Ints,
+    before: Floats, tick: int, period: float, numbers: Floats, flags: Ints,
 ) -> None:  # fmt: skip
     """Write the outcome of contact into the state: poses, speeds, and how far the wheels rolled."""
     for i in range(numbers.shape[1]):
@@ -75,16 +75,22 @@ def _take_over(
         forward, turned = outcome[FORWARD, i], outcome[TURNED, i]
         numbers[rows.SPEED, i] = min(max(forward / period, -rows.MOST_SPEED), rows.MOST_SPEED)
         numbers[rows.TURN_RATE, i] = min(max(turned / period, -rows.MOST_TURN_RATE), rows.MOST_TURN_RATE)
-        if outcome_flags[BLOCKED, i] != 0:
+        if outcome_flags[STALLED, i] != 0:
+            left, right, spun, spun_turn = rolled_while_stalled(
+                motors, flaws, noise, i, before[LEFT, i], before[RIGHT, i], numbers[rows.LEFT_POWER, i],
+                numbers[rows.RIGHT_POWER, i], tick, period,
+            )  # fmt: skip
+            numbers[rows.LEFT_SPEED, i], numbers[rows.RIGHT_SPEED, i] = left, right
+            if flaws[SLIP, i] > 0.0:
+                forward = spun + (1.0 - flaws[SLIP, i]) * forward
+                turned = spun_turn + (1.0 - flaws[SLIP, i]) * turned
+        elif outcome_flags[BLOCKED, i] != 0:
             forward, turned = rolled_while_blocked(
                 flaws, i, twist[TRAVEL, i], twist[TURN, i], forward, turned, tick, period
             )
         half = 0.5 * turned * motors[MOTOR_TRACK, i]
         numbers[rows.LEFT_TRAVEL, i] += forward - half
         numbers[rows.RIGHT_TRAVEL, i] += forward + half
-        if outcome_flags[STALLED, i] != 0:
-            numbers[rows.LEFT_SPEED, i] = 0.0
-            numbers[rows.RIGHT_SPEED, i] = 0.0
 
 
 @njit(cache=True, error_model="numpy", inline="always")
@@ -136,8 +142,8 @@ def tick_all(
         edges: Of the walls.
         cells: Of the walls.
         frame: Of the walls.
-        motors: float64[8, n], rows of `motor_model`.
-        flaws: float64[FLAW_ROWS, n], rows of `motor_power` and `wheel_slip`.
+        motors: float64[MOTOR_ROWS, n], rows of `motor_model`.
+        flaws: float64[FLAW_ROWS, n], rows of `motor_noise` and `wheel_slip`.
         noise: int64[2, n], bits of the motors' noise keys.
         limits: int64[2, n], rows of `motor_power`.
         numbers: float64[NUMBER_ROWS, n], in and out; the inputs of the step are in it.
@@ -159,11 +165,10 @@ def tick_all(
     if reported.shape[0] > 0:
         allow_overlap(bodies, walls, pose, reported, allowed)
 
-    power = np.empty((2, count))
-    noisy_powers(numbers, flaws, noise, tick, power)
     twist = np.empty((2, count))
     wheels = numbers[rows.LEFT_SPEED : rows.RIGHT_SPEED + 1]
-    drive(motors, wheels, power, period, twist, wheels)
+    before = wheels.copy()
+    drive(motors, flaws, noise, before, numbers[rows.LEFT_POWER : rows.RIGHT_POWER + 1], tick, period, twist, wheels)
     _stay_inside(pose, wheels, twist)
 
     outcome = np.empty((6, count))
@@ -180,7 +185,7 @@ def tick_all(
             break
         room = used + _ROOM
 
-    _take_over(outcome, outcome_flags, twist, motors, flaws, limits, tick, period, numbers, flags)
+    _take_over(outcome, outcome_flags, twist, motors, flaws, noise, limits, before, tick, period, numbers, flags)
     _flag_touched(hits, used, limits, numbers, flags)
     return found, hits[:used], hit_numbers[:used]
 

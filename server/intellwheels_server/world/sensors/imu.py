@@ -1,4 +1,4 @@
-"""Inertial units: acceleration of the centre of movement along and across, and turn rate.
+"""Inertial units: acceleration of the centre of movement along and across, and turn rate, each with its own bias.
 
 The forward acceleration is the change of speed in the last tick over the period. The acceleration to the left is speed
 times turn rate. At the first tick there is no earlier speed, and the forward acceleration is 0.
@@ -6,6 +6,7 @@ times turn rate. At the first tick there is no earlier speed, and the forward ac
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -27,8 +28,10 @@ _WIDTH = 3
 _MOST = 1000.0
 # Behind the biases: the speed at the last tick and at the one before, and the last tick, from 1.
 _LAST, _BEFORE, _AT = BIAS_MEMORY, BIAS_MEMORY + 1, BIAS_MEMORY + 2
-# Draws of the acceleration to the left, behind those of `sensor_errors`.
-_LEFT_DRAW = 4
+# Behind them the bias of the acceleration to the left, for units whose accelerations have biases.
+_LEFT_BIAS = BIAS_MEMORY + 3
+# Draws of the acceleration to the left, behind those of `sensor_errors`: noise, and the step of the bias.
+_LEFT_DRAW, _LEFT_WALK_DRAW = 4, 5
 
 
 @njit(cache=True, error_model="numpy")
@@ -41,7 +44,11 @@ def _take(tick: int, period: float, numbers: Floats, settings: Floats, schedule:
             samples[place + _BEFORE] = samples[place + _LAST] if samples[place + _AT] > 0.0 else speed
             samples[place + _AT] = tick + 1.0
         samples[place + _LAST] = speed
-        walk(schedule, sensor, tick, _WIDTH, 2, settings[sensor, _WALK], settings[sensor, _TURN_WALK], period, samples)
+        key0, key1 = np.uint64(schedule[sensor, KEY0]), np.uint64(schedule[sensor, KEY1])
+        walks = settings[sensor, _WALK]
+        if walks > 0.0 and samples[place] != 0.0 and samples[place] != tick + 1.0:
+            samples[place + _LEFT_BIAS] += walks * math.sqrt(period) * normal(key0, key1, tick, _LEFT_WALK_DRAW)
+        walk(schedule, sensor, tick, _WIDTH, 2, walks, settings[sensor, _TURN_WALK], period, samples)
         slot = due_slot(schedule, sensor, tick, _WIDTH)
         if slot < 0:
             continue
@@ -53,9 +60,10 @@ def _take(tick: int, period: float, numbers: Floats, settings: Floats, schedule:
         )  # fmt: skip
         left = speed * turn_rate
         if sigma > 0.0:
-            key0, key1 = np.uint64(schedule[sensor, KEY0]), np.uint64(schedule[sensor, KEY1])
             left += sigma * normal(key0, key1, tick, _LEFT_DRAW)
-        samples[slot + 1] = spoilt(left, schedule, sensor, tick, _WIDTH, 0, True, 0.0, step, _MOST, samples)
+        if walks > 0.0:
+            left += samples[place + _LEFT_BIAS]
+        samples[slot + 1] = spoilt(left, schedule, sensor, tick, _WIDTH, 0, False, 0.0, step, _MOST, samples)
         samples[slot + 2] = spoilt(
             turn_rate, schedule, sensor, tick, _WIDTH, 1, True, settings[sensor, _TURN_SIGMA],
             settings[sensor, _TURN_STEP], rows.MOST_TURN_RATE, samples,
@@ -75,14 +83,14 @@ class IMUBlock:
 
 
 class IMUKind(Kind):
-    """The kind that serves `IMU`. Both accelerations share one bias."""
+    """The kind that serves `IMU`."""
 
     declaration = IMU
     sample_width = _WIDTH
 
-    def memory(self, _declaration: IMU, /) -> int:
+    def memory(self, declaration: IMU, /) -> int:
         """Return the size of the memory: biases and speeds."""
-        return BIAS_MEMORY + 3
+        return BIAS_MEMORY + (4 if declaration.walk > 0.0 else 3)
 
     def compile(self, fitted: Sequence[Fitted], schedule: Ints, /) -> IMUBlock:
         """Return the block."""

@@ -170,13 +170,13 @@ def test_chair_slides_along_a_wall_at_v_cos(angle_deg: int, period: float) -> No
     angle = math.radians(angle_deg)
     # A centimetre before the corner touches.
     floor = chair_at(1.99 - 0.85 * math.sin(angle) - 0.33 * math.cos(angle), -15.0, math.pi / 2 - angle)
-    kept, settling = lag(0.9, period)
-    motors = np.array([[0.572], [1.0], [kept], [settling], [math.inf], [math.inf], [1.0], [1.0]])
-    wheels = np.zeros((2, 1))
+    kept, settling, rate = lag(0.9, period)
+    motors = np.array([0.572, 1.0, kept, settling, math.inf, math.inf, 1.0, 1.0, rate]).reshape(-1, 1)
+    wheels, flaws, keys = np.zeros((2, 1)), np.zeros((2, 1)), np.zeros((2, 1), dtype=np.int64)
 
     def run(seconds: float) -> None:
         for _ in range(round(seconds / period)):
-            drive(motors, wheels, np.ones((2, 1)), period, floor.twist, wheels)
+            drive(motors, flaws, keys, wheels, np.ones((2, 1)), 0, period, floor.twist, wheels)
             floor.tick()
             if floor.flags[STALLED, 0]:
                 wheels[:] = 0.0

@@ -7,22 +7,46 @@ import pytest
 
 from intellwheels_server.world.kernels.arrays import TRAVEL, TURN, Floats
 from intellwheels_server.world.kernels.geometry import arc
-from intellwheels_server.world.kernels.motor_model import LEFT, RIGHT, drive, lag, wheel_cycle, wheel_scales
+from intellwheels_server.world.kernels.motor_model import (
+    LEFT,
+    MOTOR_ACCELERATION,
+    RIGHT,
+    drive,
+    lag,
+    wheel_cycle,
+    wheel_scales,
+)
 
 INF = math.inf
+
+
+def motor(
+    track: float, kept: float = 0.0, settling: float = 0.0, rate: float = INF, *, top_speed: float = 1.0,
+    turn_rate: float = INF, scales: tuple[float, float] = (1.0, 1.0),
+) -> Floats:  # fmt: skip
+    """Return the motor block of one body without a limit of acceleration."""
+    return np.array([track, top_speed, kept, settling, INF, turn_rate, *scales, rate]).reshape(-1, 1)
+
+
+def roll(
+    motors: Floats, wheels: Floats, powers: tuple[float, float], period: float, twist: Floats, noise: float = 0.0,
+    tick: int = 0,
+) -> None:  # fmt: skip
+    """Drive one body for a tick; `wheels` and `twist` are written."""
+    flaws, keys = np.array([[noise], [0.0]]), np.array([[1], [2]], dtype=np.int64)
+    drive(motors, flaws, keys, wheels, np.array(powers).reshape(2, 1), tick, period, twist, wheels)
 
 
 def driven(
     a: float, period: float, powers: list[tuple[float, float, float]], track: float = 0.572
 ) -> tuple[float, float, float]:
     """Return the pose after powers (left, right, seconds) from rest, one after another, at 1 m/s top speed."""
-    kept, settling = lag(a, period)
-    motors = np.array([[track], [1.0], [kept], [settling], [INF], [INF], [1.0], [1.0]])
+    motors = motor(track, *lag(a, period))
     wheels, twist = np.zeros((2, 1)), np.zeros((2, 1))
     pose = (0.0, 0.0, 0.0)
     for left, right, seconds in powers:
         for _ in range(round(seconds / period)):
-            drive(motors, wheels, np.array([[left], [right]]), period, twist, wheels)
+            roll(motors, wheels, (left, right), period, twist)
             pose = arc(*pose, twist[TRAVEL, 0], twist[TURN, 0])[:3]
     return pose
 
@@ -44,9 +68,9 @@ def test_larger_wheel_rolls_farther_for_the_same_power_and_its_mean_stays() -> N
     left, right = wheel_scales(1.01, 1.0)
     assert (right / left, 0.5 * (left + right)) == pytest.approx((1.01, 1.0), abs=1e-15)
     assert wheel_scales(1.0, 1.0) == (1.0, 1.0)
-    motors = np.array([[0.5], [1.0], [0.0], [0.0], [INF], [INF], [left], [right]])
+    motors = motor(0.5, scales=(left, right))
     wheels, twist = np.zeros((2, 1)), np.zeros((2, 1))
-    drive(motors, wheels, np.array([[1.0], [1.0]]), 0.05, twist, wheels)
+    roll(motors, wheels, (1.0, 1.0), 0.05, twist)
     assert wheels[:, 0].tolist() == [left, right]
     assert twist[TRAVEL, 0] == pytest.approx(0.05, abs=1e-15)
     assert twist[TURN, 0] == pytest.approx((right - left) * 0.05 / 0.5, abs=1e-15)
@@ -54,10 +78,10 @@ def test_larger_wheel_rolls_farther_for_the_same_power_and_its_mean_stays() -> N
 
 @pytest.mark.parametrize("a", [0.0, 0.3, 0.5, 0.9, 0.99])
 def test_reference_cycle_is_equation_one_to_the_bit(a: float) -> None:
-    kept, settling = lag(a, 0.05)
-    assert kept == a
+    figures = lag(a, 0.05)
+    assert figures[0] == a
     for speed, wanted in ((0.0, 1.0), (0.3, -0.7), (-0.11, 0.95)):
-        assert wheel_cycle(speed, wanted, kept, settling, INF, 1.0, 0.05)[0] == (1.0 - a) * wanted + a * speed
+        assert wheel_cycle(speed, wanted, *figures, INF, 1.0, 0.05)[0] == (1.0 - a) * wanted + a * speed
 
 
 @pytest.mark.parametrize("a", [0.3, 0.5, 0.9, 0.99])
@@ -70,8 +94,8 @@ def test_two_half_cycles_are_one_whole(a: float) -> None:
 
 
 def test_without_inertia_the_wheel_obeys_at_once() -> None:
-    assert lag(0.0, 0.02) == (0.0, 0.0)
-    assert wheel_cycle(-1.0, 0.5, 0.0, 0.0, INF, 1.0, 0.02) == (0.5, 0.01)
+    assert lag(0.0, 0.02) == (0.0, 0.0, INF)
+    assert wheel_cycle(-1.0, 0.5, 0.0, 0.0, INF, INF, 1.0, 0.02) == (0.5, 0.01)
 
 
 def test_error_of_a_turning_transient_falls_with_the_square_of_the_cycle() -> None:
@@ -127,15 +151,33 @@ def test_acceleration_is_limited_after_the_lag() -> None:
     assert wheel_cycle(0.0, 1.0, *lag(0.5, 0.05), 20.0, 1.0, 0.05)[0] == 0.5
 
 
+@pytest.mark.parametrize("a", [0.0, 0.5, 0.95])
+@pytest.mark.parametrize("limit", [0.3, 1.0, 2.0])
+def test_limited_wheel_meets_the_closed_solution_whatever_the_cycle(a: float, limit: float) -> None:
+    tau = -0.05 / math.log(a) if a > 0.0 else 0.0
+    # Even until the lag asks for less than the limit, then exponential: from 0.2 to -0.9 m/s in 6 s.
+    wanted, seconds = -0.9, 6.0
+    even = max(0.0, (1.1 - limit * tau) / limit)
+    then = 0.2 - limit * even
+    decay = math.exp(-(seconds - even) / tau) if tau > 0.0 else 0.0
+    end = wanted + (then - wanted) * decay
+    way = 0.5 * (0.2 + then) * even + wanted * (seconds - even) + (then - wanted) * tau * (1.0 - decay)
+    for period in (0.01, 0.02, 0.05, 0.1, 0.2, 1.0):
+        speed, travel = 0.2, 0.0
+        for _ in range(round(seconds / period)):
+            speed, rolled = wheel_cycle(speed, wanted, *lag(a, period), limit, 1.0, period)
+            travel += rolled
+        assert (speed, travel) == pytest.approx((end, way), abs=1e-12)
+
+
 def test_top_speed_is_kept_even_with_a_motor_that_gives_too_much() -> None:
-    speed, travel = wheel_cycle(1.0, 1.05, 0.0, 0.0, INF, 1.0, 0.05)
+    speed, travel = wheel_cycle(1.0, 1.05, 0.0, 0.0, INF, INF, 1.0, 0.05)
     assert (speed, travel) == (1.0, 0.05)
 
 
 def limited(rate: float) -> tuple[Floats, Floats]:
-    motors = np.array([[0.5], [1.0], [0.0], [0.0], [INF], [rate], [1.0], [1.0]])
     twist, wheels = np.zeros((2, 1)), np.zeros((2, 1))
-    drive(motors, wheels, np.array([[0.0], [1.0]]), 0.05, twist, wheels)
+    roll(motor(0.5, turn_rate=rate), wheels, (0.0, 1.0), 0.05, twist)
     return twist, wheels
 
 
@@ -148,9 +190,7 @@ def test_turn_limit_scales_the_difference_and_leaves_the_mean() -> None:
 
 def test_body_without_motors_stands_still() -> None:
     twist, wheels = np.ones((2, 1)), np.ones((2, 1))
-    drive(
-        np.array([[0.5], [0.0], [0.0], [0.0], [INF], [INF], [1.0], [1.0]]), wheels, np.ones((2, 1)), 0.05, twist, wheels
-    )
+    roll(motor(0.5, top_speed=0.0), wheels, (1.0, 1.0), 0.05, twist)
     assert not twist.any()
     assert not wheels.any()
 
@@ -165,8 +205,7 @@ def test_right_wheel_faster_turns_left() -> None:
 def test_wheel_that_hardly_obeys_at_all_hardly_moves_whatever_the_cycle() -> None:
     for period in (0.001, 0.05, 1.0):
         for a in (1.0 - 2.0**-53, 1.0 - 1e-12):
-            kept, settling = lag(a, period)
-            speed, travel = wheel_cycle(0.0, 1.0, kept, settling, INF, 1.0, period)
+            speed, travel = wheel_cycle(0.0, 1.0, *lag(a, period), INF, 1.0, period)
             assert 0.0 <= travel <= 1e-9
             assert 0.0 <= speed <= 1e-9
 
@@ -174,3 +213,19 @@ def test_wheel_that_hardly_obeys_at_all_hardly_moves_whatever_the_cycle() -> Non
 def test_spin_of_a_chair_is_not_cut_short_by_a_long_cycle() -> None:
     _, _, heading = driven(0.0, 1.0, [(-1.0, 1.0, 1.0)])
     assert heading == pytest.approx(2.0 / 0.572 - 2.0 * math.pi)
+
+
+@pytest.mark.parametrize(("a", "limit"), [(0.0, INF), (0.9, INF), (0.0, 0.5), (0.6, 1.0)])
+def test_noisy_wheels_are_where_they_are_whatever_the_cycle(a: float, limit: float) -> None:
+    found = []
+    for period in (0.01, 0.02, 0.05, 0.1, 0.2):
+        motors = motor(0.5, *lag(a, period))
+        motors[MOTOR_ACCELERATION] = limit
+        wheels, twist, rolled = np.zeros((2, 1)), np.zeros((2, 1)), np.zeros(2)
+        for tick in range(round(2.0 / period)):
+            roll(motors, wheels, (0.6, 0.5), period, twist, 0.05, tick)
+            rolled += twist[:, 0]
+        found.append([*wheels[:, 0], *rolled])
+    assert found[0] != pytest.approx([0.6, 0.5, 1.1, -0.4], abs=1e-3)
+    for other in found[1:]:
+        assert other == pytest.approx(found[0], abs=1e-12)

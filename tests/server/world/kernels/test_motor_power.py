@@ -2,8 +2,7 @@ import numpy as np
 import pytest
 
 from intellwheels_server.world.kernels import motor_power, rows
-from intellwheels_server.world.kernels.motor_model import MOTOR_TOP_SPEED
-from intellwheels_server.world.kernels.noise import noise_key
+from intellwheels_server.world.kernels.motor_model import MOTOR_ROWS, MOTOR_TOP_SPEED
 
 
 class One:
@@ -12,7 +11,7 @@ class One:
     def __init__(self) -> None:
         self.numbers = np.zeros((rows.NUMBER_ROWS, 1))
         self.flags = np.zeros((rows.FLAG_ROWS, 1), dtype=np.int64)
-        self.motors = np.ones((8, 1))
+        self.motors = np.ones((MOTOR_ROWS, 1))
         self.limits = np.array([[10], [0]], dtype=np.int64)
         self.numbers[rows.LEFT_COMMAND], self.numbers[rows.RIGHT_COMMAND] = 0.5, 0.4
 
@@ -92,19 +91,3 @@ def test_ages_count_steps() -> None:
     one.step()
     one.step()
     assert one.flags[[rows.COMMAND_AGE, rows.USER_AGE, rows.POSE_AGE], 0].tolist() == [2, 2, 2]
-
-
-def test_motor_noise_is_a_factor_with_its_standard_deviation() -> None:
-    numbers = np.zeros((rows.NUMBER_ROWS, 1))
-    numbers[rows.LEFT_POWER], numbers[rows.RIGHT_POWER] = 0.5, 0.0
-    flaws = np.array([[0.1], [0.0]])
-    keys = np.array([[int(half.view(np.int64))] for half in noise_key("1", "a", "@motors")], dtype=np.int64)
-    power = np.empty((2, 1))
-    left = []
-    for tick in range(4000):
-        motor_power.noisy_powers(numbers, flaws, keys, tick, power)
-        left.append(power[0, 0] / 0.5 - 1.0)
-        assert power[1, 0] == 0.0
-    # Both within four standard errors: sd/sqrt(n) and sd/sqrt(2 n).
-    assert np.mean(left) == pytest.approx(0.0, abs=4 * 0.1 / np.sqrt(4000))
-    assert np.std(left) == pytest.approx(0.1, abs=4 * 0.1 / np.sqrt(8000))

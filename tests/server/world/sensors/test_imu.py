@@ -51,6 +51,16 @@ def test_steps_and_walking_biases() -> None:
     state, _ = run(world({"a": robot}), 3, {"a": (0.5, 1.0)})
     assert (_read(state).left, _read(state).turn_rate) == pytest.approx((1.0, 0.9), abs=1e-12)
     walked = _read(state, 1)
-    assert walked.forward == pytest.approx(walked.left - 0.75, abs=1e-9)
-    assert walked.forward != 0.0
     assert walked.turn_rate != 1.0
+
+
+def test_each_of_the_three_values_has_its_own_bias() -> None:
+    count, ticks = 400, 20
+    units = tuple(IMU(id=f"w{k}", walk=0.3, turn_walk=0.05) for k in range(count))
+    state, _ = run(world({"a": cart(imu=units)}), ticks)
+    sensors = measures(state, "a").sensors
+    assert sensors is not None
+    found = np.array([(one.forward, one.left, one.turn_rate) for one in sensors.imu])
+    # One second: the declared deviations, within four standard errors, and no common cause.
+    assert found.std(axis=0) == pytest.approx([0.3, 0.3, 0.05], rel=4 / np.sqrt(2 * count))
+    assert np.abs(np.corrcoef(found.T) - np.eye(3)).max() < 4 / np.sqrt(count)
