@@ -12,7 +12,7 @@ from intellwheels_agents.options import OptionError
 from intellwheels_maps import robot, scene
 from intellwheels_schemas.messages import Corner, Map, Position, Wall
 from tests.agents.arena import Arena
-from tests.agents.minds.corridor import Corridor, weidmann
+from tests.agents.minds.corridor import Corridor, lane_order, weidmann
 
 SEEDS = [str(seed) for seed in range(1, 21)]
 STRETCH = {"MotorNoise": "0.05"}
@@ -113,6 +113,12 @@ def test_flow_of_a_crowd_is_near_weidmanns(density: float, settle: float, second
 def test_flow_of_a_crowd_is_near_weidmanns_for_minutes(density: float, width: float) -> None:
     flows = [Corridor(density, width=width, seed=seed).flow(10.0, 30.0) for seed in (1, 2, 3)]
     assert sum(flows) / len(flows) == pytest.approx(density * weidmann(density), rel=0.2)
+
+
+def test_lanes_have_order_one_and_a_mixed_crowd_less() -> None:
+    across = np.array([-1.0, -1.0, 1.0, 1.0])
+    assert lane_order(across, np.array([1.0, 1.0, -1.0, -1.0])) == 1.0
+    assert lane_order(across, np.array([1.0, -1.0, 1.0, -1.0])) == 0.0
 
 
 def apart(*, together: bool) -> float:
