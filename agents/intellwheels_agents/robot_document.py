@@ -2,12 +2,14 @@
 
 `MotorNoise=0.015` sets a field of the robot, `Compass.NoiseDeg=0.5` sets a field of all its compasses. The names are
 those of the contract, so they begin with a capital letter; the options of a mind do not. `Proximity.Device=srf08`
-makes all proximity sensors sonars of that device: its beam, its range, crosstalk and a tick of latency. Options win.
+makes all proximity sensors sonars of that device: its beam, its range, its rate, crosstalk and a tick of latency.
+Options win.
 """
 
 from __future__ import annotations
 
 import contextlib
+import math
 import re
 from collections.abc import Mapping
 from typing import Any
@@ -15,6 +17,7 @@ from typing import Any
 import msgspec
 
 from intellwheels_agents.options import OptionError
+from intellwheels_schemas.defaults import PERIOD
 from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.explain import check_plain
 from intellwheels_schemas.messages import Position, Robot, Role
@@ -66,8 +69,19 @@ def equipped(robot: Robot, changes: Mapping[str, str]) -> Robot:
             robot = msgspec.convert(plain, Robot)
         except msgspec.ValidationError as error:
             raise OptionError(f"option {name}: {_explained(plain, text, error)}") from None
+    if changes.get("Proximity.Device") in DEVICES:
+        _check_sonars(robot)
     check_robot(robot)
     return robot
+
+
+def _check_sonars(robot: Robot) -> None:
+    """Refuse options that no sonar of a device can have."""
+    for one in robot.proximity:
+        if one.model != "sonar":
+            raise OptionError(f"option Proximity.Model: expected sonar with Proximity.Device, got '{one.model}'")
+        if one.latency < 1:
+            raise OptionError(f"option Proximity.Latency: expected at least 1 with Proximity.Device, got {one.latency}")
 
 
 def _device_fields(name: str, record: Mapping[str, Any], changes: Mapping[str, str]) -> dict[str, Any]:
@@ -76,6 +90,8 @@ def _device_fields(name: str, record: Mapping[str, Any], changes: Mapping[str, s
     fields = {
         "Model": "sonar", "ConeDeg": device.cone_deg, "MinRange": device.min_range, "MaxRange": device.max_range,
         "Latency": max(1, record.get("Latency", 0)), "Crosstalk": 1.0,
+        # Of the usual period; a shorter one needs the option.
+        "Every": max(math.ceil(device.ping_period / PERIOD - 1e-9), record.get("Every", 1)),
     }  # fmt: skip
     return {field: value for field, value in fields.items() if f"Proximity.{field}" not in changes}
 

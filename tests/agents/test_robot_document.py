@@ -8,6 +8,7 @@ from intellwheels_agents.options import OptionError
 from intellwheels_agents.robot_document import equipped, joining, split_options
 from intellwheels_maps import robot as included
 from intellwheels_schemas.messages import Compass, Encoders, Robot
+from intellwheels_schemas.sonar_devices import DEVICES
 
 ROBOT = Robot(
     format="iw.v1",
@@ -71,6 +72,27 @@ def test_device_gives_all_proximity_sensors_its_figures_but_for_those_that_are_s
     assert {(one.cone_deg, one.latency) for one in later.proximity} == {(72.0, 3)}
     with pytest.raises(OptionError, match=r"option Proximity.Device: expected one of srf04, .*, got 'srf99'"):
         equipped(included("mid-wheel"), {"Proximity.Device": "srf99"})
+
+
+@pytest.mark.parametrize("name", ["corridor-chair", "mid-wheel"])
+def test_device_pings_no_faster_than_it_can_at_50_ms(name: str) -> None:
+    for device, figures in DEVICES.items():
+        for one in equipped(included(name), {"Proximity.Device": device}).proximity:
+            assert one.every * 0.05 >= figures.ping_period
+
+
+@pytest.mark.parametrize(
+    ("changes", "text"),
+    [
+        ({"Proximity.Model": "ideal"}, "Proximity.Model: expected sonar with Proximity.Device, got 'ideal'"),
+        ({"Proximity.Latency": "0"}, "Proximity.Latency: expected at least 1 with Proximity.Device, got 0"),
+    ],
+)
+@pytest.mark.parametrize("order", [1, -1])
+def test_option_that_no_device_can_have_is_refused(changes: dict[str, str], text: str, order: int) -> None:
+    given = dict([("Proximity.Device", "srf08"), *changes.items()][::order])
+    with pytest.raises(OptionError, match=f"option {text}"):
+        equipped(included("mid-wheel"), given)
 
 
 def test_whole_agent_joins_with_its_body_and_without_the_files_format() -> None:

@@ -34,8 +34,8 @@ FIGURE_COLUMNS = 8
 # Speed of sound in air at 24 degrees, m/s: the figure of the maker of the SRF sonars.
 SPEED_OF_SOUND = 346.0
 
-# Draws of a sonar and tick.
-DROPOUT_DRAW, CROSSTALK_DRAW, BEAM_DRAW, JITTER_DRAW = 0, 1, 2, 3
+# Draws of a sonar and tick; `sonar_crosstalk` draws by the keys of others.
+DROPOUT_DRAW, BEAM_DRAW, JITTER_DRAW = 0, 2, 3
 
 
 @njit(cache=True, error_model="numpy")

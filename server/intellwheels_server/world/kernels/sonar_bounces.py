@@ -65,6 +65,7 @@ def nearest_bounce(
     wall_cos: float,
     wall_sin: float,
     thin: float,
+    wave: float,
     best: float,
     scene: Scene,
     counts: Counts,
@@ -81,6 +82,7 @@ def nearest_bounce(
         wall_cos: Cosine of the angle up to which the ping hears walls; beyond a right angle it counts as one.
         wall_sin: Sine of it.
         thin: What is narrower than this times the cube of its distance is not heard, 1/m2.
+        wave: Wavelength, m; a corner is one of a right angle if that moves its echo by no more.
         best: The distance of the nearest echo so far, m.
         scene: What is around the sonar.
         counts: How much of it there is.
@@ -171,11 +173,34 @@ def nearest_bounce(
                 or max(behind, behind - faces[other, FACE_LENGTH] * lean) < SKIN
             ):
                 continue
+            level = mx * qx + my * qy
+            if level > -SKIN:
+                continue
+            # A corner of nearly a right angle sends all sound back from its vertex, where the faces meet.
+            if abs(lean) > 0.5:
+                vertex_x, vertex_y = (height * my - level * ny) / lean, (level * nx - height * mx) / lean
+                square = vertex_x * vertex_x + vertex_y * vertex_y
+                if abs(nx * mx + ny * my) * math.sqrt(square) <= wave:
+                    at, along = nx * (vertex_y - py) - ny * (vertex_x - px), mx * (vertex_y - qy) - my * (vertex_x - qx)
+                    if (
+                        square < best * best
+                        and -wave <= at <= faces[mirror, FACE_LENGTH] + wave
+                        and -wave <= along <= faces[other, FACE_LENGTH] + wave
+                        and right_x * vertex_y - right_y * vertex_x >= 0.0
+                        and vertex_x * left_y - vertex_y * left_x >= 0.0
+                        and min(faces[other, FACE_LENGTH], faces[mirror, FACE_LENGTH])
+                        >= thin * square * math.sqrt(square)
+                        and not blocked(
+                            x, y, z, vertex_x, vertex_y, 0.0, thin, -1, boxes, owners, box_count, near, near_count,
+                            pieces, links, edges,
+                        )
+                    ):  # fmt: skip
+                        best = math.sqrt(square)
+                    continue
             twice_x, twice_y = image_x + 2.0 * depth * mx, image_y + 2.0 * depth * my
             square = twice_x * twice_x + twice_y * twice_y
             rise = mx * twice_x + my * twice_y
-            level = mx * qx + my * qy
-            if not 0.25 * square < best * best or level > -SKIN or rise >= level:
+            if not 0.25 * square < best * best or rise >= level:
                 continue
             share = level / rise
             bx, by = share * twice_x, share * twice_y
@@ -184,7 +209,6 @@ def nearest_bounce(
                 continue
             if right_x * by - right_y * bx < 0.0 or bx * left_y - by * left_x < 0.0:
                 continue
-            # In a right-angled corner both points are the corner itself, but for rounding.
             rise = nx * (bx - image_x) + ny * (by - image_y)
             if rise <= -height - SKIN:
                 continue

@@ -27,10 +27,10 @@ from intellwheels_server.world.kernels.proximity_wedges import BEAM_FARTHEST, BE
 from intellwheels_server.world.kernels.sample_schedule import KEY0, KEY1
 from intellwheels_server.world.kernels.sonar_beam import (
     CROSSTALK,
-    CROSSTALK_DRAW,
     DELAY,
     SECOND_DELAY,
     SPEED_OF_SOUND,
+    STEP,
     THIN,
     ping_delay,
 )
@@ -47,6 +47,9 @@ from intellwheels_server.world.kernels.sonar_scene import (
     Scene,
     blocked,
 )
+
+# Sonars hear each other if their wavelengths differ by no more than this share; chosen.
+BAND = 0.05
 
 
 class Sonars(NamedTuple):
@@ -159,10 +162,6 @@ def hear_others(
     """
     beams, figures, schedule, owners, poses, order, ordered_x = sonars
     boxes, box_owners, near, _, faces, _ = scene
-    if figures[sonar, CROSSTALK] < 1.0 and figures[sonar, CROSSTALK] <= uniform(
-        np.uint64(schedule[sonar, KEY0]), np.uint64(schedule[sonar, KEY1]), tick, CROSSTALK_DRAW
-    ):
-        return heard
     x, y, z = poses[sonar, 0], poses[sonar, 1], beams[sonar, BEAM_Z]
     farthest, thin = beams[sonar, BEAM_FARTHEST], figures[sonar, THIN]
     own_delay = ping_delay(figures, schedule, sonar, tick)
@@ -173,6 +172,13 @@ def hear_others(
             break
         square = dx * dx + dy * dy
         if other == sonar or square <= SKIN * SKIN or square > farthest * farthest:
+            continue
+        if abs(figures[other, STEP] - figures[sonar, STEP]) > BAND * figures[sonar, STEP]:
+            continue
+        # The key of the other as the index of the draw: each ping has a draw of its own, whoever else is there.
+        if figures[sonar, CROSSTALK] < 1.0 and figures[sonar, CROSSTALK] <= uniform(
+            np.uint64(schedule[sonar, KEY0]), np.uint64(schedule[sonar, KEY1]), tick, schedule[other, KEY0]
+        ):
             continue
         loudest = 2.0 * beams[other, BEAM_FARTHEST]
         way = math.sqrt(square)

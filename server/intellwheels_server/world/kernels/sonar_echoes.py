@@ -53,7 +53,7 @@ from intellwheels_server.world.kernels.proximity_wedges import (
     mount_pose,
 )
 from intellwheels_server.world.kernels.sample_schedule import KEY0, KEY1, due_slot
-from intellwheels_server.world.kernels.sonar_beam import CROSSTALK, DROPOUT, DROPOUT_DRAW, THIN, jitter, wall_beam
+from intellwheels_server.world.kernels.sonar_beam import CROSSTALK, DROPOUT, DROPOUT_DRAW, STEP, THIN, jitter, wall_beam
 from intellwheels_server.world.kernels.sonar_bounces import nearest_bounce
 from intellwheels_server.world.kernels.sonar_crosstalk import Sonars, hear_others
 from intellwheels_server.world.kernels.sonar_faces import (
@@ -313,7 +313,8 @@ def sense_sonars(
             best = _nearest_rough(beam, thin, best, scene, counts, pieces, links, edges, sides)
             if best > 0.0:
                 best = nearest_bounce(
-                    beam, wall_cos, wall_sin, thin, best, scene, counts, pieces, links, edges, sides, close
+                    beam, wall_cos, wall_sin, thin, figures[sonar, STEP], best, scene, counts, pieces, links, edges,
+                    sides, close,
                 )  # fmt: skip
             if best < limit:
                 heard[sonar] = best

@@ -1,7 +1,8 @@
 """What is around a mount of sonars: parts of bodies, wall pieces, and the faces of walls that reflect like mirrors.
 
 A face is an edge of a wall. Edges along which a wall was cut into convex pieces are inside the wall, so they are no
-faces. A wall of at most `POST` either way is a post. Posts and bodies are rough: they have no faces in this sense.
+faces. A wall is a post if no two of its corners are farther apart than `POST`. Posts and bodies are rough: they have no
+faces in this sense.
 
 A thing hides what is behind it only if it is wide enough to be heard itself. A wall counts as wide as all its pieces
 together.
@@ -53,8 +54,8 @@ from intellwheels_server.world.kernels.spatial_query import (
 )
 from intellwheels_server.world.kernels.wedge_distance import ray_to_box
 
-# A wall no wider than this either way is a post, m; chosen.
-POST = 0.1
+# A wall is a post if no two of its corners are farther apart than this, m; chosen.
+POST = 0.15
 
 # Columns of a face block, float64[faces, 7]: corner (the face runs anticlockwise around its wall, along (-ny, nx)),
 # unit normal outwards, length, z range.
@@ -118,25 +119,27 @@ def scene_room(placed: PlacedBodies, walls: Walls) -> Scene:
 
 
 @njit(cache=True, error_model="numpy")
-def _is_post(piece: int, pieces: Floats, links: Ints) -> bool:
-    """Return whether the wall of a piece is a post."""
-    if pieces[piece, PIECE_X1] - pieces[piece, PIECE_X0] > POST:
-        return False
-    if pieces[piece, PIECE_Y1] - pieces[piece, PIECE_Y0] > POST:
+def _is_post(piece: int, pieces: Floats, links: Ints, edges: Floats) -> bool:
+    """Return whether the wall of a piece is a post: no two of its corners are farther apart than `POST`."""
+    if max(pieces[piece, PIECE_X1] - pieces[piece, PIECE_X0], pieces[piece, PIECE_Y1] - pieces[piece, PIECE_Y0]) > POST:
         return False
     # The pieces of a wall follow one another.
-    first = piece
-    while first > 0 and links[first - 1, WALL] == links[piece, WALL]:
-        first -= 1
-    x0 = y0 = np.inf
-    x1 = y1 = -np.inf
-    for at in range(first, links.shape[0]):
-        if links[at, WALL] != links[piece, WALL]:
-            break
-        x0, y0 = min(x0, pieces[at, PIECE_X0]), min(y0, pieces[at, PIECE_Y0])
-        x1, y1 = max(x1, pieces[at, PIECE_X1]), max(y1, pieces[at, PIECE_Y1])
-        if max(x1 - x0, y1 - y0) > POST:
+    begin, end = piece, piece + 1
+    while begin > 0 and links[begin - 1, WALL] == links[piece, WALL]:
+        begin -= 1
+    while end < links.shape[0] and links[end, WALL] == links[piece, WALL]:
+        end += 1
+    x, y = pieces[piece, PIECE_X0], pieces[piece, PIECE_Y0]
+    for at in range(begin, end):  # before corners are compared in pairs: is the wall far too large?
+        if max(abs(pieces[at, PIECE_X1] - x), abs(pieces[at, PIECE_Y1] - y)) > POST:
             return False
+    first, last = links[begin, FIRST_EDGE], links[end - 1, END_EDGE]
+    for one in range(first, last):
+        for other in range(first, one):
+            dx = edges[one, EDGE_X] - edges[other, EDGE_X]
+            dy = edges[one, EDGE_Y] - edges[other, EDGE_Y]
+            if dx * dx + dy * dy > POST * POST:
+                return False
     return True
 
 
@@ -190,7 +193,7 @@ def gather_scene(place: Place, spread: float, placed: PlacedBodies, walls: Walls
                 continue
             near[near_count] = piece
             near_count += 1
-            if _is_post(piece, pieces, links):
+            if _is_post(piece, pieces, links, edges):
                 posts[post_count] = piece
                 post_count += 1
                 continue

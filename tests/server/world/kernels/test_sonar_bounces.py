@@ -57,6 +57,33 @@ def test_corner_of_a_room_answers_from_its_vertex(heading: float) -> None:
     assert heard(state) == told(2.5) if expected is not None else heard(state) in (told(2.5), "none")
 
 
+def _turned(corners: list[tuple[float, float]], turn: float, digits: int = 17) -> Wall:
+    c, s = math.cos(turn), math.sin(turn)
+    return solid(*((round(c * x - s * y, digits), round(s * x + c * y, digits)) for x, y in corners))
+
+
+@pytest.mark.parametrize("digits", [3, 17])
+def test_corner_answers_at_every_turn(digits: int) -> None:
+    corner = [(2.0, -9.0), (3.0, -9.0), (3.0, 3.0), (-9.0, 3.0), (-9.0, 1.5), (2.0, 1.5)]
+    beam = sonar(cone_deg=30.0, direction_deg=math.degrees(math.atan2(1.5, 2.0)))
+    for degrees in range(0, 360, 3):
+        turn = math.radians(degrees)
+        state = world({"a": cart(heading=turn, proximity=(beam,))}, [_turned(corner, turn, digits)])
+        assert heard(state) == told(2.5), degrees
+
+
+@pytest.mark.parametrize(("excess", "answers"), [(-0.1, True), (0.0001, True), (0.1, True), (1.0, False)])
+def test_corner_answers_if_its_angle_moves_the_echo_by_less_than_a_wave(excess: float, *, answers: bool) -> None:
+    """At 2.5 m a wave is 0.2 degrees."""
+    lift = 11.0 * math.tan(math.radians(excess))
+    corner = [(2.0, -9.0), (3.0, -9.0), (3.0, 3.0), (-9.0, 3.0), (-9.0, 1.5 + lift), (2.0, 1.5)]
+    beam = sonar(cone_deg=30.0, direction_deg=math.degrees(math.atan2(1.5, 2.0)))
+    for degrees in range(0, 360, 40):
+        turn = math.radians(degrees)
+        state = world({"a": cart(heading=turn, proximity=(beam,))}, [_turned(corner, turn)])
+        assert heard(state) == (told(2.5) if answers else "none"), degrees
+
+
 def test_obtuse_corner_sends_nothing_back() -> None:
     walls = [solid((2.0, 0.0), (1.0, 3.0), (3.0, 3.0)), solid((2.0, 0.0), (3.0, -3.0), (1.0, -3.0))]
     assert heard(world({"a": cart(proximity=(sonar(cone_deg=20.0),))}, walls)) == "none"

@@ -75,6 +75,29 @@ def test_share_of_pings_that_is_taken_for_an_echo() -> None:
     assert taken == pytest.approx(120, abs=37)  # four standard deviations
 
 
+def test_pings_of_two_others_are_drawn_each_by_itself() -> None:
+    """The first that is taken counts: 1 - 0.7 * 0.7 of the pings."""
+    robots = {"a": cart(proximity=many(64, x=0.5, crosstalk=0.3))}
+    robots.update({
+        name: cart(4.0, y, heading=math.pi, proximity=(sonar(x=0.5),)) for name, y in (("b", 0.5), ("c", -0.5))
+    })  # fmt: skip
+    state, taken = world(robots), 0
+    for _ in range(10):
+        state, _ = run(state, 1)
+        taken += sum(value != "none" and float(value) < 2.0 for value in readings(state))
+    assert taken == pytest.approx(0.51 * 640, abs=51)  # four standard deviations
+
+
+@pytest.mark.parametrize(("device", "cone", "disturbs"), [("srf235", 15.0, False), ("srf08", 55.0, True)])
+def test_ping_of_another_frequency_is_not_heard(device: str, cone: float, *, disturbs: bool) -> None:
+    fields: dict[str, Any] = {"min_range": 0.1, "max_range": 1.2, "every": 2, "x": 0.5}
+    robots = {
+        "a": cart(proximity=(sonar(device="srf08", **{**fields, "cone_deg": 55.0}, crosstalk=1.0),)),
+        "b": cart(2.1, heading=math.pi, proximity=(sonar(device=device, **{**fields, "cone_deg": cone}),)),
+    }
+    assert heard(world(robots)) == told(0.55 if disturbs else 1.1)
+
+
 def test_ping_is_heard_by_way_of_a_wall() -> None:
     """Two sonars side by side look at a wall at 45 degrees: the way is that from the image, 2 sqrt(2) long."""
     wall = box_wall(2.0, -9.0, 3.0, 9.0)

@@ -95,6 +95,16 @@ def test_post_answers_from_whatever_side_it_is_seen() -> None:
     assert heard(world({"a": cart(proximity=(sonar(),))}, walls)) == told(2.0)
 
 
+def test_small_solid_is_a_post_at_every_turn() -> None:
+    """A square of 9 cm, turned about its middle; its nearest point is a corner or an edge."""
+    for degrees in range(0, 90, 10):
+        corners = [0.045 * math.sqrt(2.0) * complex(math.cos(at), math.sin(at)) for at in (
+            math.radians(degrees + 45 + 90 * k) for k in range(4)
+        )]  # fmt: skip
+        state = world({"a": cart(proximity=(sonar(),))}, [solid(*((2.0 + one.real, one.imag) for one in corners))])
+        assert heard(state) in (told(2.0 - max(-one.real for one in corners)), told(1.955)), degrees
+
+
 def test_body_answers_from_whatever_side_it_is_seen() -> None:
     robots = {"a": cart(proximity=(sonar(),)), "b": cart(3.0, heading=math.radians(45))}
     nearest = 3.0 - 0.8 * math.sqrt(0.5)  # the corner
