@@ -146,7 +146,7 @@ class Mind:
             self._store(reading, [(sensor.x + metres * c, sensor.y + metres * s) for s, c in seen], now)
         lidar = self._lidar
         for scan in sensors.lidar if sensors and lidar else ():
-            if lidar is not None and scan.id == lidar.id:
+            if lidar is not None and scan.id == lidar.id and len(scan.ranges) == len(self._rays):
                 # A failed ray counts as free: it is seen again in the next scan, beside its neighbours.
                 rays = zip(scan.ranges, self._rays, strict=True)
                 spots = [(lidar.x + r * c, lidar.y + r * s) for r, (s, c) in rays if r is not None and r <= reach]

@@ -104,9 +104,12 @@ def perform(
         children.end([child for child in children.running if child not in (SERVER, LABORATORY, VIEWER)])
         children.end(children.running, grace=5.0)
         if finish.how == "ended":
-            # A simulator that could not write the last of its log says so when it ends.
+            # A simulator that could not write the last of its log says so when it ends. If it has ended by itself
+            # already, that may not be known yet: so it is awaited too.
+            servers = (SERVER, LABORATORY) if spec.bridges else (SERVER,)
+            children.end(servers)
             children.receive()
-            for server in (SERVER, LABORATORY):
+            for server in servers:
                 exited = children.exited(server)
                 if exited is not None and exited.code > 0:
                     finish = _died(children, exited)

@@ -6,6 +6,7 @@ import os
 import signal
 import subprocess
 import sys
+import time
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -158,6 +159,19 @@ def test_child_that_ignores_sigterm_is_killed(children: ChildProcesses) -> None:
     children.line(child, "here", DEADLINE)
     assert children.end([child], grace=0.3) == [child]
     assert children.running == ()
+
+
+def test_how_a_child_ended_by_itself_is_known_after_end(children: ChildProcesses) -> None:
+    # A process outside its group keeps the pipe open, so the end becomes known a second later.
+    outside = "import subprocess; subprocess.Popen(['sleep', '5'], start_new_session=True); raise SystemExit(3)"
+    child = launch(children, "a", outside)
+    until = time.monotonic() + DEADLINE
+    while children.running and time.monotonic() < until:
+        os.sched_yield()
+    assert children.running == ()
+    children.end([child])
+    children.receive()
+    assert children.exited(child) == Exited("a", 3)
 
 
 def test_stopped_child_still_ends_by_itself(children: ChildProcesses) -> None:
