@@ -49,20 +49,34 @@ def test_runs_by_hand_and_virtual_ones_touch_nothing(rows: dict[str, list[dict[s
     assert all(line["collided"] == "no" for line in rows[row])
 
 
-def test_real_chair_by_itself_succeeds_as_often_as_a_virtual_one_and_is_worse_in_all_else(
+def test_real_chair_by_itself_fails_where_a_virtual_one_succeeds(
     rows: dict[str, list[dict[str, str]]], summary: Summary
 ) -> None:
-    """In the paper each of the two had one run.
+    """In the paper each of the two had one run. This chair has sonars of a device, in turn over 0.4 s.
 
-    Wheels that differ by 0.2 % and have the random error of measured ones put it 0.4 m off at the end, which is still
-    at its place. Its sonars miss surfaces at a slant, jitter by a wave, and answer a tick late.
+    The experiment `sonars` tells what makes it fail: the beam of 55 degrees before timing and pose.
     """
-    assert compare(succeeded(rows["real-autonomous"]), succeeded(rows["virtual-autonomous"])).equivalent
-    (found,) = (one for one in summary.comparisons if one.first == "real-autonomous" and one.second)
-    assert found.verdict == "otherwise"
-    assert found.differences["clearance"][1].high < 0.0
-    assert found.differences["path"][1].low > 0.0
-    assert found.differences["odometry_error"][1].low > 0.3
+    found = compare(succeeded(rows["real-autonomous"]), succeeded(rows["virtual-autonomous"]))
+    assert found.interval.high < -0.5
+    assert found.p < 0.001
+    (reported,) = (one for one in summary.comparisons if one.first == "real-autonomous" and one.second)
+    assert reported.verdict == "as expected"
+    assert reported.differences["odometry_error"][1].low > 0.1
+
+
+def test_start_blocks_and_wheels_differ_by_seed_and_not_by_row(rows: dict[str, list[dict[str, str]]]) -> None:
+    for lines in zip(*(rows[row] for row in ROWS), strict=True):
+        places = [{part for part in line["drawn"].split("; ") if not part.startswith("chair.")} for line in lines]
+        assert len(places[0]) == 7
+        assert all(found == places[0] for found in places)
+    drawn = {line["drawn"] for line in rows["augmented-calibrated"]}
+    assert len(drawn) == 40
+
+
+def test_clearance_varies_by_centimetres(rows: dict[str, list[dict[str, str]]]) -> None:
+    for row in ("virtual-manual", "virtual-autonomous"):
+        clearance = [float(line["clearance"]) for line in rows[row]]
+        assert max(clearance) - min(clearance) > 0.04
 
 
 def test_stored_summary_has_the_same_numbers(rows: dict[str, list[dict[str, str]]], summary: Summary) -> None:
@@ -93,5 +107,5 @@ def test_calibrated_or_corrected_augmented_chair_is_equivalent_to_a_virtual_one(
 @pytest.mark.parametrize("other", ["virtual-autonomous", "augmented-calibrated", "augmented-corrected"])
 def test_augmented_chair_with_raw_odometry_is_worse(rows: dict[str, list[dict[str, str]]], other: str) -> None:
     found = compare(succeeded(rows["augmented-raw"]), succeeded(rows[other]))
-    assert found.interval.high < -0.5
+    assert found.interval.high < -0.3
     assert found.p < 0.001
