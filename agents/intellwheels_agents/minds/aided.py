@@ -2,20 +2,21 @@
 
     speed    speed at full forward, m/s (default 0.8)
     turn     turn rate at full turn, rad/s (default 1.0)
-    words    deflection that a word counts as: forward, back, left, right, stop (default 0.5)
+    words    deflection for the words forward, back, left and right; stop is always 0 (default 0.5)
     margin   clearance kept around the chair, m; a quarter of it to the sides (default 0.05)
     ahead    seconds over which it looks ahead; longer where its braking takes longer (default 1.0)
 
-Sensors and commands may be late: a reading counts where it was measured, and the lateness of commands is measured with
-the encoders. A chair that would brake over more than its sensors see drives more slowly and reports the mode `slow`.
-It never does what the user did not ask for: forward and turn are each reduced, to 0 if necessary, and never reversed.
-Moving away from obstacles is always possible. When it stops, it keeps room ahead and behind to turn in place, but still
-lets the user come within 0.104 m of an obstacle. So a chair whose corners are far beyond its front (mid-wheel,
-front-wheel) must back up there before it can turn further. Nor can a chair with a long back turn in place away from a
-wall beside it.
-It cannot see what no sensor sees: behind a robot without rear sensors, above or below the height of the sensors, and
-obstacles that are between two cones from the start. `equip` adds two cones ahead that tell a doorway from a
-wall. In front of a narrow doorway approached at an angle it may still stop, because two cones leave the gap unclear.
+Sensors and commands may be late: each reading is placed where the sensor was when it measured, and the delay of
+commands is measured with the encoders. If its braking distance would be longer than its sensors can see, the chair
+drives more slowly and reports the mode `slow`. It never does what the user did not ask for: forward and turn are each
+reduced, to 0 if necessary, and never reversed. Moving away from obstacles is always possible. When it stops, it keeps
+room ahead and behind to turn in place, but still lets the user come within 0.104 m of an obstacle. So a chair whose
+corners are far beyond its front (mid-wheel, front-wheel) must back up there before it can turn further. Likewise, a
+chair that extends far behind its wheels cannot turn in place away from a wall beside it.
+
+It cannot see what no sensor sees: anything behind a robot without rear sensors, anything above or below the sensors,
+and anything that is between two cones from the start. `equip` adds two cones ahead that tell a doorway from a wall. In
+front of a narrow doorway approached at an angle it may still stop, because two cones leave the gap unclear.
 """
 
 from __future__ import annotations

@@ -4,15 +4,15 @@
     clear    distance ahead at which it begins to slow down, m (default 1.5)
     stop     distance ahead at which it turns in place, m (default 0.5)
 
-The cones of the included chairs are blind between 15 and 30 degrees off the nose, and do not tell where in a cone a
-thing is. So `equip` adds a lidar all round at the height of the robot's own sensors, and the mind uses it alone. On a
-body of another process that has none, the mind uses the proximity sensors that the robot has: it is blind between them,
-and takes a thing to be anywhere on the arc of its reading.
+The cones of the included chairs leave gaps between 15 and 30 degrees to either side, and do not tell where in a cone an
+object is. So `equip` adds a lidar all round at the height of the robot's own sensors, and the mind uses it alone. If
+another process provides the body and it has no lidar, the mind uses the robot's proximity sensors. It is then blind
+between their cones, and treats an obstacle as if it could be anywhere on the arc at the measured distance.
 
 It never gives a command after which it could not stop in time (`stopping_sweep`). It drives ahead and bends away from
 what is near. In front of an obstacle it turns in place to the side with more room, and keeps to that side until the way
-ahead is free. Where it cannot turn it backs out, and where it cannot do that either it tries the other side, and then
-to creep ahead.
+ahead is free. If it cannot turn, it backs out. If it cannot do that either, it tries the other side, and then
+creeps ahead.
 """
 
 from __future__ import annotations

@@ -8,7 +8,7 @@
 
 It opens when a sensor on its frame sees something nearer than the background, or when an agent nearby says "open". It
 closes when the hold time has passed and nothing is detected. If it detects or touches something while it closes, it
-opens again. The first readings of a sensor are its background, so the door must start with a free space in front.
+opens again. The first readings of a sensor are its background, so the door must start with nothing in front of it.
 """
 
 from __future__ import annotations

@@ -12,8 +12,8 @@ A person who drives by hand sees the chair and the room, not an odometry estimat
 sensor, which the simulation must allow. The person aims at a point ahead on the path; the hand follows after the
 reaction time, with tremor on both axes. There is no collision avoidance.
 
-The noise of the tremor comes from the simulation, so it follows from the seed of the run like all noise. For this the
-mind adds a GPS receiver to its robot, whose error has standard deviation 1 on each axis.
+The noise of the tremor comes from the simulation, so it follows from the seed of the run like all noise. To get it, the
+mind adds to its robot a GPS receiver whose error has a standard deviation of 1 on each axis.
 
 The defaults of the hand are chosen, not measured. The reaction time is in the range of the delays in quasi-linear
 models of a person who tracks a target (McRuer and Jex 1967, A review of quasi-linear pilot models, IEEE Transactions on

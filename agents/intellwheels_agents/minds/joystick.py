@@ -2,7 +2,7 @@
 
     speed    share of the motor power at full forward, in [0, 1] (default 1)
     turn     share of the motor power at full turn, in [0, 1] (default 1)
-    words    deflection that a word counts as: forward, back, left, right, stop (default 0.5)
+    words    deflection for the words forward, back, left and right; stop is always 0 (default 0.5)
 
 The user is whoever writes `user/<agent>`: `iw-joystick`, the viewer, a voice recogniser. If the user is silent for
 0.3 s, the simulator clears the input and the chair stops. This mind ignores obstacles; `aided` stops for them.

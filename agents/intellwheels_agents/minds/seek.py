@@ -6,8 +6,8 @@
     within   distance from the place that counts as arrived, m (default 0.2)
     and of `aided`: turn, words, margin, ahead
 
-It locates itself by odometry alone, and obstacles by its proximity sensors alone. Of the directions in which the
-body fits, it takes the cheapest; `aided` then slows and stops that motion as it does a user's. If nothing has been free
+It locates itself by odometry alone, and obstacles by its proximity sensors alone. Of the directions in which the body
+fits, it takes the cheapest; `aided` then slows and stops that motion as it does a user's. If no direction has been free
 for a while, it backs up a little. A goal that the user sets, in the viewer or by `UserInput.Goal`, replaces the place.
 
 Source:

@@ -34,11 +34,11 @@ def add_batch_options(parser: argparse.ArgumentParser) -> None:
     )
     batch.add_argument(
         "--part", type=part, metavar="I/N", default=WHOLE,
-        help="make only the I-th of N shares of the runs, and no report: for job arrays and several machines",
+        help="do only the I-th of N shares of the runs, and write no report: for job arrays and several machines",
     )  # fmt: skip
     batch.add_argument(
         "--merge", type=Path, metavar="DIR", action="append", default=[],
-        help="make no runs, but bring those of another part's folder into --out, and write the report; may be repeated",
+        help="do no runs, but copy those of another part's folder into --out, and write the report; may be repeated",
     )  # fmt: skip
     branch = parser.add_argument_group(
         "branch",

@@ -27,7 +27,7 @@ def lost(session: AgentSession) -> str:
 
 
 def again(session: AgentSession) -> str:
-    """Gets the same Measures again, as if its answer was lost: answers with the same bytes again."""
+    """Gets the same Measures again, as if its answer had been lost: answers with the same bytes again."""
     session.require_joined()
     session.exchange()
     first = session.last_answer
