@@ -95,8 +95,8 @@ def _add_world_options(group: argparse._ArgumentGroup) -> None:
         "--hide-truth",
         action="store_true",
         default=None,
-        help="write true poses to the log only, not to the network; for a laboratory, whose chairs are real "
-        "in another world",
+        help="write true poses to the log only, not to the network; for a laboratory: a world whose simulated chairs "
+        "stand in for real ones of another world",
     )
     group.add_argument(
         "--say-limit", type=whole(1, 1000), default=defaults.SAY_LIMIT, metavar="N",

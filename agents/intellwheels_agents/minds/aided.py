@@ -4,7 +4,7 @@
     turn     turn rate at full turn, rad/s (default 1.0)
     words    deflection for the words forward, back, left and right; stop is always 0 (default 0.5)
     margin   clearance kept around the chair, m; a quarter of it to the sides (default 0.05)
-    ahead    seconds over which it looks ahead; longer where its braking takes longer (default 1.0)
+    ahead    seconds that it looks ahead; more if braking takes longer (default 1.0)
 
 Sensors and commands may be late: each reading is placed where the sensor was when it measured, and the delay of
 commands is measured with the encoders. If its braking distance would be longer than its sensors can see, the chair

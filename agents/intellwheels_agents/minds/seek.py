@@ -1,6 +1,6 @@
 """Drives to a place and around the obstacles that its proximity sensors see.
 
-    to       the place of the map
+    to       required: the place of the map
     speed    speed with nothing near, m/s (default 0.6)
     clear    clearance kept beside the body, m (default 0.06: slightly more than `aided` keeps)
     within   distance from the place that counts as arrived, m (default 0.2)
