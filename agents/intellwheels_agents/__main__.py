@@ -80,7 +80,7 @@ def parser() -> argparse.ArgumentParser:
         "--place",
         action="append",
         metavar="PLACE",
-        help="a place of the map to start at; may be repeated, the first free one is used (default: any free place)",
+        help="a place of the map to start at; may be repeated; the first free one is used (default: any free place)",
     )
     result.add_argument(
         "--position",

@@ -107,8 +107,9 @@ class Mind:
             raise OptionError("mind aided: expected a robot with encoders, got one without")
         self._robot = robot
         self._speed = options.number("speed", 0.8, 0.0, 5.0)
-        self._turn = options.number("turn", 1.0, 0.0, 5.0)
-        self._words = options.number("words", 0.5, 0.0, 1.0)
+        # A mind that drives reads no deflections, so these two are not options of it.
+        self._turn = 1.0 if by_itself else options.number("turn", 1.0, 0.0, 5.0)
+        self._words = 0.5 if by_itself else options.number("words", 0.5, 0.0, 1.0)
         self._margin = options.number("margin", 0.05, 0.01, 1.0)
         self._ahead = options.number("ahead", 1.0, 0.2, 5.0)
         self._odometry = Odometry(robot, context.position, compass_share=0.0)

@@ -17,8 +17,8 @@ and "go X Y" replace the goals.
 
 Where it makes no progress, it says "open" to a closed doorway, leaves room for the leaf, announces its path, and yields
 to those with priority. It plans around what is not on the map, and backs out of where it is stuck.
-Sensors and commands may be late. If it would brake over more than its sensors see, it drives more slowly and reports
-the mode `slow`.
+Sensors and commands may be late. If its braking distance would be longer than its sensors can see, it drives
+more slowly and reports the mode `slow`.
 It needs numpy: the extra `navigate`. It cannot see what is above or below its sensors and not on the map.
 """
 

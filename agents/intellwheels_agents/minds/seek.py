@@ -2,13 +2,14 @@
 
     to       required: the place of the map
     speed    speed with nothing near, m/s (default 0.6)
-    clear    clearance kept beside the body, m (default 0.06: slightly more than `aided` keeps)
+    clear    clearance kept beside the body, m (default 0.06)
     within   distance from the place that counts as arrived, m (default 0.2)
-    and of `aided`: turn, words, margin, ahead
+    and of `aided`: margin, ahead
 
 It locates itself by odometry alone, and obstacles by its proximity sensors alone. Of the directions in which the body
-fits, it takes the cheapest; `aided` then slows and stops that motion as it does a user's. If no direction has been free
-for a while, it backs up a little. A goal that the user sets, in the viewer or by `UserInput.Goal`, replaces the place.
+fits, it takes the cheapest; `aided` then slows and stops that motion, with its full margin on all sides. If no
+direction has been free for a while, it backs up a little. A goal that the user sets, in the viewer or by
+`UserInput.Goal`, replaces the place.
 
 Source:
     The candidate directions and their cost are those of VFH+: Ulrich and Borenstein (1998), VFH+: reliable obstacle
