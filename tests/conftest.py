@@ -63,14 +63,6 @@ def _audited(open_session: Callable[..., zenoh.Session]) -> Callable[..., zenoh.
 zenoh.open = _audited(zenoh.open)
 
 
-def pytest_xdist_auto_num_workers() -> int | None:
-    """Return one worker more than there are cores: tests of processes wait most of the time."""
-    if "PYTEST_XDIST_AUTO_NUM_WORKERS" in os.environ:
-        return None  # xdist reads it
-    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-    return cores + 1
-
-
 def pytest_sessionstart(session: pytest.Session) -> None:
     """Compile the kernels once, before any test waits for a process that would do it."""
     if hasattr(session.config, "workerinput") or session.config.option.collectonly:

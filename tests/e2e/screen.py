@@ -230,6 +230,10 @@ class Screen:
         """Select by a click on a body in the scene; where frames are few the first one finds nothing there yet."""
 
         def chosen() -> bool | None:
+            # What is under the pointer is looked up as the last frame has it.
+            self.page.evaluate("window.__viserMutable.requestRender()")
+            self.page.mouse.move(*self.pixel(x, y, z))
+            self.page.wait_for_timeout(200)
             self.page.mouse.click(*self.pixel(x, y, z))
             until = time.monotonic() + 5.0
             while not (found := self.page.query_selector(f"tr.chosen[data-agent={agent}]")):
