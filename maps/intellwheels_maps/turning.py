@@ -51,28 +51,39 @@ def narrow_starts(scene: Scene, floor: Map, robots: Mapping[str, Robot]) -> list
     """
     places: dict[str | None, Place] = {place.name: place for place in floor.grid.position} if floor.grid else {}
     findings = []
+    check = TurningCheck(floor)
     for index, cast in enumerate(scene.cast):
         if cast.name in robots and cast.place in places:
             place = places[cast.place]
-            why = narrowness(robots[cast.name], floor, place.x, place.y)
+            why = check.narrowness(robots[cast.name], place.x, place.y)
             if why is not None:
                 text = f"agent {cast.name!r}: place {place.name!r} is too narrow: {why}"
                 findings.append(Finding(f"Scene.Cast[{index}]", text))
     return findings
 
 
-def narrowness(robot: Robot, floor: Map, x: float, y: float) -> str | None:
-    """Return why a robot cannot turn on the spot at a point of a map, or None if it can or never turns.
+class TurningCheck:
+    """Tells where robots cannot turn on one map. It cuts the walls once, which takes longer than all else here.
 
-    Args:
-        robot: The robot. One without motors, or on a hinge, never turns on the spot.
+    Attributes:
         floor: The map.
-        x: The point, m.
-        y: The point, m.
     """
-    circles = _circles(robot)
-    reach = _reach(circles)
-    return _why(circles, (solid for solid in _solids(floor) if _may_meet(solid, x, y, reach)), x, y)
+
+    def __init__(self, floor: Map) -> None:
+        self.floor = floor
+        self._solids = list(_solids(floor))
+
+    def narrowness(self, robot: Robot, x: float, y: float) -> str | None:
+        """Return why a robot cannot turn on the spot at a point of the map, or None if it can or never turns.
+
+        Args:
+            robot: The robot. One without motors, or on a hinge, never turns on the spot.
+            x: The point, m.
+            y: The point, m.
+        """
+        circles = _circles(robot)
+        reach = _reach(circles)
+        return _why(circles, (solid for solid in self._solids if _may_meet(solid, x, y, reach)), x, y)
 
 
 Circle = tuple[float, float, float]

@@ -23,7 +23,7 @@ from itertools import pairwise
 from pathlib import Path
 
 from intellwheels_maps import floor, names, robot
-from intellwheels_maps.turning import narrowness
+from intellwheels_maps.turning import TurningCheck
 from intellwheels_schemas.messages import Event, Map, Place
 from intellwheels_schemas.rules import parts_of
 from tests.agents.arena import Arena
@@ -59,10 +59,11 @@ class Row:
 def starts(ground: str) -> list[str]:
     """Return places of a map at which chairs start clear of one another and can turn."""
     document = floor(ground)
+    check = TurningCheck(document)
     found: list[Place] = []
     for place in document.grid.position if document.grid else ():
         fits = not place.kinds or "wheelchair" in place.kinds
-        turns = all(narrowness(robot(name), document, place.x, place.y) is None for name in ROBOTS)
+        turns = all(check.narrowness(robot(name), place.x, place.y) is None for name in ROBOTS)
         if fits and turns and all(math.dist((place.x, place.y), (one.x, one.y)) > APART for one in found):
             found.append(place)
     return [place.name for place in found]

@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from intellwheels_maps import floor, names, robot, scene
-from intellwheels_maps.turning import narrow_places, narrow_starts, narrowness
+from intellwheels_maps.turning import TurningCheck, narrow_places, narrow_starts
 from intellwheels_schemas.messages import Cast, Corner, Grid, Map, Obstacle, Part, Place, Robot, Scene, Wall
 
 CHAIRS = {name: body for name in names("robots") if (body := robot(name)).kind == "wheelchair"}
@@ -29,18 +29,24 @@ def test_each_part_needs_the_circle_of_its_farthest_corner_at_its_own_height() -
     low = ground(obstacle=(Obstacle(name="box", top=0.9, corner=ring(0.7, -1.0, 2.0, 1.0)),))
     high = ground(obstacle=(Obstacle(name="shelf", bottom=1.0, top=1.5, corner=ring(0.7, -1.0, 2.0, 1.0)),))
     assert math.hypot(0.6, 0.3) < 0.7 < math.hypot(1.0, 0.25)
-    assert narrowness(body, low, 0.0, 0.0) is None
+    assert TurningCheck(low).narrowness(body, 0.0, 0.0) is None
     expected = "it needs 1.031 m to turn on the spot, got 0.700 m to obstacle 'shelf'"
-    assert narrowness(body, high, 0.0, 0.0) == expected
-    assert narrowness(body, low, 0.1, 0.0) == "it needs 0.671 m to turn on the spot, got 0.600 m to obstacle 'box'"
-    assert narrowness(body, low, 1.0, 0.0) == "it needs 0.671 m to turn on the spot, got 0.000 m to obstacle 'box'"
+    assert TurningCheck(high).narrowness(body, 0.0, 0.0) == expected
+    assert (
+        TurningCheck(low).narrowness(body, 0.1, 0.0)
+        == "it needs 0.671 m to turn on the spot, got 0.600 m to obstacle 'box'"
+    )
+    assert (
+        TurningCheck(low).narrowness(body, 1.0, 0.0)
+        == "it needs 0.671 m to turn on the spot, got 0.000 m to obstacle 'box'"
+    )
 
 
 def test_what_never_turns_on_the_spot_needs_no_room() -> None:
     close = ground(wall=(Wall(thickness=0.2, corner=(Corner(x=0.3, y=-1.0), Corner(x=0.3, y=1.0))),))
-    assert narrowness(Robot(top_speed=1.0, part=(BASE,)), close, 0.0, 0.0) is not None
-    assert narrowness(Robot(part=(BASE,)), close, 0.0, 0.0) is None
-    assert narrowness(Robot(top_speed=1.0, anchored=True, part=(BASE,)), close, 0.0, 0.0) is None
+    assert TurningCheck(close).narrowness(Robot(top_speed=1.0, part=(BASE,)), 0.0, 0.0) is not None
+    assert TurningCheck(close).narrowness(Robot(part=(BASE,)), 0.0, 0.0) is None
+    assert TurningCheck(close).narrowness(Robot(top_speed=1.0, anchored=True, part=(BASE,)), 0.0, 0.0) is None
 
 
 def test_places_are_held_to_the_robots_that_use_them() -> None:

@@ -137,7 +137,8 @@ def _run_seeds(
                 while remaining:
                     _run_seed(batch, row, worker, remaining[0], on_run)
                     remaining.popleft()
-        except RunWorkerError as error:
+        except (RunWorkerError, WireError) as error:
+            # A map may be valid at both ends of its ranges and not between them.
             seed = remaining.popleft()
             run = StoredRun(row=row.name, seed=seed, died=str(error), drawn=drawn(row, seed))
             store_run(batch.out, run)

@@ -78,7 +78,8 @@ def check_variation(rows: Sequence[Row], floor: Map) -> None:
     for row in rows:
         _check_followed(row)
         for ends in ([one.low for one in row.uniform], [one.high for one in row.uniform]):
-            offsets = {label_of(one): end for one, end in zip(row.uniform, ends, strict=True)}
+            own = {label_of(one): end for one, end in zip(row.uniform, ends, strict=True)}
+            offsets = _with_followed(row.uniform, own)
             _varied_row(row, offsets)
             _varied_floor(floor, row.uniform, offsets)
 
@@ -107,10 +108,11 @@ def _with_followed(uniforms: Sequence[Uniform], own: Mapping[str, float]) -> dic
 
 
 def _check_followed(row: Row) -> None:
-    labels = [label_of(one) for one in row.uniform]
+    labels = {label_of(one): one for one in row.uniform}
     for one in row.uniform:
-        if one.follows is not None and f"{one.agent}.{one.follows}" not in labels:
-            text = f"Uniform.Follows: expected an option of {one.agent!r} that row {row.name!r} draws"
+        followed = None if one.follows is None else labels.get(f"{one.agent}.{one.follows}")
+        if one.follows is not None and (followed is None or followed.follows is not None):
+            text = f"Uniform.Follows: expected an option of {one.agent!r} that row {row.name!r} draws by itself"
             raise WireError("value", f"{text}, got {one.follows!r}", "Uniform.Follows")
 
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 
+from intellwheels_maps.turning import TurningCheck
 from intellwheels_schemas import defaults
 from intellwheels_schemas.file_records import Change
 from intellwheels_schemas.messages import Pace, Result, ResultCode
@@ -90,6 +91,7 @@ class ServiceState:
         unasked_limit: How many reports there are about input that nobody asked for, and about unknown keys.
         publisher: The outgoing side.
         floors: The requests to load a floor, and those that wait for them.
+        turning_check: Where bodies cannot turn, on the floor of the last body that joined.
         playback: How far the playback is; None in a live run.
     """
 
@@ -124,6 +126,7 @@ class ServiceState:
         self.unasked_limit = ErrorLimit(UNASKED_RATE, UNASKED_BURST)
         self.publisher = Publisher(outlet, unix_time, hide_truth=options.hide_truth)
         self.floors = FloorQueue(floor_worker)
+        self.turning_check = TurningCheck(options.setup.floor)
         self.playback: PlaybackProgress | None = None
         self._queue: list[Callable[[float], None]] = []
 

@@ -12,11 +12,13 @@ from pathlib import Path
 import msgspec
 import pytest
 
+from intellwheels_experiments.batch import run_batch as run_batch_module
 from intellwheels_experiments.batch.experiment_rows import rows_of
 from intellwheels_experiments.batch.run_batch import Batch, pending_runs, read_batch, run_batch
 from intellwheels_experiments.batch.run_store import StoredRun, read_tum, run_folder, runs_csv
 from intellwheels_maps import floor, scene
-from intellwheels_schemas.messages import Robot, Uniform
+from intellwheels_schemas.errors import WireError
+from intellwheels_schemas.messages import Map, Robot, Uniform
 from tests.experiments.scenes import write_scene
 
 pytestmark = pytest.mark.process
@@ -100,6 +102,17 @@ def test_each_seed_has_the_start_and_the_wheels_that_it_draws(tmp_path: Path) ->
     (run_folder(wanted.out, "unlike", "2") / "result.json").unlink()
     run(wanted)
     assert runs_csv(read_batch(wanted)) == before
+
+
+def test_map_that_is_invalid_for_a_seed_is_why_its_run_died(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def invalid(*_: object) -> Map:
+        raise WireError("value", "Uniform: expected a valid map, got another")
+
+    monkeypatch.setattr(run_batch_module, "varied_floor", invalid)
+    nominal = batch(tmp_path, 2)
+    uniform = (Uniform(place="start", name="Y", low=0.1, high=0.3),)
+    wanted = replace(nominal, rows=(replace(nominal.rows[0], uniform=uniform),))
+    assert [one.died for one in run(wanted)] == ["Uniform: expected a valid map, got another"] * 2
 
 
 def test_chair_of_a_laboratory_is_mirrored_away_from_its_true_pose(tmp_path: Path) -> None:

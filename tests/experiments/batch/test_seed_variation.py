@@ -136,7 +136,10 @@ def test_files_of_a_run_hold_its_scene_and_map(tmp_path: Path) -> None:
         ('<Uniform Obstacle="c" Name="X" Low="0" High="1"/>',
          "Uniform.Obstacle: expected one of map 'corridor15m' (a, b), got 'c'"),
         ('<Uniform Agent="chair" Name="left" Low="0" High="1" Follows="right"/>',
-         "Uniform.Follows: expected an option of 'chair' that row 'equal' draws, got 'right'"),
+         "Uniform.Follows: expected an option of 'chair' that row 'equal' draws by itself, got 'right'"),
+        ('<Uniform Agent="chair" Name="left" Low="0" High="1" Follows="right"/>'
+         '<Uniform Agent="chair" Name="right" Low="0" High="1" Follows="left"/>',
+         "Uniform.Follows: expected an option of 'chair' that row 'equal' draws by itself, got 'right'"),
     ],
 )  # fmt: skip
 def test_what_is_not_there_is_refused_before_anything_starts(tmp_path: Path, common: str, text: str) -> None:
