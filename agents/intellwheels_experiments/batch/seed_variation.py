@@ -168,7 +168,7 @@ def _varied_floor(floor: Map, uniforms: Sequence[Uniform], offsets: Mapping[str,
     found = msgspec.structs.replace(floor, obstacle=tuple(obstacles.values()), grid=grid)
     findings = check_map(found)
     if findings:
-        raise WireError("value", f"Uniform: expected a valid map at the ends of the ranges, got {findings[0].text}")
+        raise WireError("value", f"Uniform: expected ranges in which the map stays valid, got {findings[0].text}")
     return found
 
 
