@@ -19,9 +19,10 @@ from collections.abc import Iterable
 from typing import Final
 
 from intellwheels_agents.differential_drive import powers
-from intellwheels_agents.portable_math import exp, hypot, log, sincos
+from intellwheels_agents.portable_math import hypot, sincos
 from intellwheels_agents.pure_pursuit import Point
 from intellwheels_agents.range_scan import outline
+from intellwheels_agents.wheel_motors import STILL, TOLERANCE, Motors, Wheels
 from intellwheels_schemas.messages import EncodersReading, Robot
 
 MARGIN: Final = 0.06
@@ -34,10 +35,6 @@ SHARE: Final = 0.4
 """Share of the present clearance to a point that a motion may use up."""
 NEAR_SHARE: Final = 0.1
 """The same below the margin, so that a body can still drive along a wall."""
-ENCODER_TOLERANCE: Final = 0.05
-"""Difference (m/s) at which encoders override the motor model. The model has no quantisation, so it is preferred."""
-REFERENCE_CYCLE: Final = 0.05
-"""The cycle for which a robot's AccelerationCurve holds, s."""
 
 
 class StoppingSweep:
@@ -54,12 +51,8 @@ class StoppingSweep:
         self._front, self._back, self._side = body.front, body.back, body.side
         self.radius = hypot(max(body.front, body.back), body.side)
         self._period = period
-        curve = robot.acceleration_curve
-        self._tau = -REFERENCE_CYCLE / log(curve) if curve > 0.0 else 0.0
-        self._kept = exp(-period / self._tau) if curve > 0.0 else 0.0
-        self._limit = math.inf if robot.acceleration_limit is None else robot.acceleration_limit
-        self._wheels = (0.0, 0.0)
-        self._wanted = (0.0, 0.0)
+        self._motors = Motors.of(robot, period)
+        self._wheels = self._wanted = STILL
         self._counts: tuple[int, int] | None = None
         self._watched: list[tuple[float, float, float, float]] = []
 
@@ -74,14 +67,14 @@ class StoppingSweep:
 
     def measure(self, encoders: EncodersReading | None) -> None:
         """Estimate the wheel speeds after a tick: from the motor model, unless the encoders clearly differ."""
-        self._wheels = self._after(self._wheels, self._wanted, self._period)
+        self._wheels, _ = self._motors.cycle(self._wheels, self._wanted)
         if encoders is None:
             return
         counts = encoders.left, encoders.right
         if self._counts is not None:
             speed = math.pi * self._robot.wheel_diameter / self._robot.encoder_ticks / self._period
-            measured = (counts[0] - self._counts[0]) * speed, (counts[1] - self._counts[1]) * speed
-            if max(abs(measured[0] - self._wheels[0]), abs(measured[1] - self._wheels[1])) > ENCODER_TOLERANCE:
+            measured = Wheels((counts[0] - self._counts[0]) * speed, (counts[1] - self._counts[1]) * speed)
+            if max(abs(measured.left - self._wheels.left), abs(measured.right - self._wheels.right)) > TOLERANCE:
                 self._wheels = measured
         self._counts = counts
 
@@ -105,14 +98,14 @@ class StoppingSweep:
             turn_rate: Anticlockwise, rad/s.
         """
         wanted = self._speeds(speed, turn_rate)
-        first = self._after(self._wheels, wanted, self._period)
-        mean = tuple((one + other) / 2.0 for one, other in zip(self._wheels, first, strict=True))
+        now, (first, _) = self._wheels, self._motors.cycle(self._wheels, wanted)
+        run_out = self._motors.run_out
         x = y = heading = moved = 0.0
         # The tick, the spare time at the new speeds, and the run-out: three arcs.
         arcs = [
-            (mean[0] * self._period, mean[1] * self._period),
-            (first[0] * SPARE, first[1] * SPARE),
-            (self._run_out(first[0]), self._run_out(first[1])),
+            ((now.left + first.left) / 2.0 * self._period, (now.right + first.right) / 2.0 * self._period),
+            (first.left * SPARE, first.right * SPARE),
+            (run_out(first.left), run_out(first.right)),
         ]
         for left, right in arcs:
             travel, turn = (left + right) / 2.0, (right - left) / self._robot.track
@@ -128,30 +121,16 @@ class StoppingSweep:
 
     def needed(self, speed: float) -> float:
         """Return the clearance ahead that a speed, m/s, needs at most, m."""
-        return ((self._period + SPARE) * speed + self._run_out(speed)) / SHARE + MARGIN
+        return ((self._period + SPARE) * speed + self._motors.run_out(speed)) / SHARE + MARGIN
 
     def drive(self, speed: float, turn_rate: float) -> tuple[float, float]:
         """Return the powers for a motion, and remember it as the command in force."""
         self._wanted = self._speeds(speed, turn_rate)
         return powers(self._robot, speed, turn_rate)
 
-    def _speeds(self, speed: float, turn_rate: float) -> tuple[float, float]:
+    def _speeds(self, speed: float, turn_rate: float) -> Wheels:
         left, right = powers(self._robot, speed, turn_rate)
-        return left * self._robot.top_speed, right * self._robot.top_speed
-
-    def _after(self, now: tuple[float, float], wanted: tuple[float, float], seconds: float) -> tuple[float, float]:
-        most = self._limit * seconds
-        left, right = (
-            (1.0 - self._kept) * want + self._kept * is_now for is_now, want in zip(now, wanted, strict=True)
-        )
-        return min(max(left, now[0] - most), now[0] + most), min(max(right, now[1] - most), now[1] + most)
-
-    def _run_out(self, speed: float) -> float:
-        """Return how far a wheel rolls until it stands: evenly at the limit, then with the lag."""
-        fast, eased = abs(speed), self._limit * self._tau if self._limit < math.inf else math.inf
-        if fast <= eased:
-            return speed * self._tau
-        return math.copysign((fast * fast - eased * eased) / (2.0 * self._limit) + eased * self._tau, speed)
+        return Wheels(left * self._robot.top_speed, right * self._robot.top_speed)
 
     def _clear_at(self, px: float, py: float, heading: float, moved: float) -> bool:
         s, c = sincos(heading)

@@ -84,6 +84,17 @@ class Motors:
                 break
         return travelled
 
+    def run_out(self, speed: float) -> float:
+        """Return how far a wheel rolls from a speed (m/s) until it stands, m: evenly at the limit, then with the lag.
+
+        This is `stopping` in closed form, for any period and in the direction of the speed.
+        """
+        lag = self.settling / (1.0 - self.kept)
+        fast, eased = abs(speed), self.limit * lag if self.limit < inf else inf
+        if fast <= eased:
+            return speed * lag
+        return math.copysign((fast * fast - eased * eased) / (2.0 * self.limit) + eased * lag, speed)
+
     def braking_time(self, speed: float, least: float) -> float:
         """Return a time in which a wheel slows down from a speed to the least one, m/s, in s; 0 if it is slower."""
         if speed <= least:

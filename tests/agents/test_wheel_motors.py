@@ -86,3 +86,13 @@ def test_wheels_that_are_blocked_are_believed() -> None:
         measuring.update(Measures(run=RUN, tick=tick, time=0.05 * tick), EncodersReading(id="wheels", left=0, right=0))
         measuring.send(tick, Wheels(0.5, 0.5))
     assert measuring.speeds == STILL
+
+
+@pytest.mark.parametrize("curve", [0.0, 0.5, 0.95])
+@pytest.mark.parametrize("limit", [None, 0.3, 2.0])
+def test_run_out_is_the_way_of_short_cycles_until_the_body_stands(curve: float, limit: float | None) -> None:
+    body = msgspec.structs.replace(CHAIR, acceleration_curve=curve, acceleration_limit=limit)
+    short = Motors.of(body, 0.001)
+    # `stopping` ends at 5 mm/s, and its limit acts on whole cycles.
+    assert Motors.of(body, 0.05).run_out(0.8) == pytest.approx(short.stopping(0.8), abs=0.01)
+    assert Motors.of(body, 0.05).run_out(-0.8) == -Motors.of(body, 0.05).run_out(0.8)

@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import pytest
 
 from intellwheels_maps import turning
@@ -18,6 +20,11 @@ def test_an_agent_that_joins_where_it_cannot_turn_is_in_the_log() -> None:
 def test_walls_are_cut_once_for_all_that_join(monkeypatch: pytest.MonkeyPatch) -> None:
     cut: list[Map] = []
     solids = turning._solids
-    monkeypatch.setattr(turning, "_solids", lambda floor: (cut.append(floor), solids(floor))[1])
+
+    def counted(floor: Map) -> Iterator[turning.Solid]:
+        cut.append(floor)
+        return solids(floor)
+
+    monkeypatch.setattr(turning, "_solids", counted)
     Stage().join_two()
     assert len(cut) == 1
