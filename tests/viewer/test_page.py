@@ -125,6 +125,21 @@ def test_space_pauses_resumes_and_runs_again(here: Opened) -> None:
         until(lambda message=message: here.network.asked and here.network.asked[-1][1] == message)  # type: ignore[misc]
 
 
+def test_space_after_the_end_says_that_a_new_run_begins(here: Opened) -> None:
+    def told() -> bool:
+        return any("A new run of the scene begins." in str(message) for message in here.browser.heard)
+
+    for state, notices in (("running", False), ("ended", True)):
+        here.show(replace(SNAPSHOT, clock=clock(state=state)))
+        before = len(here.network.asked)
+        press(here, "Pause, resume or run again")
+        until(lambda before=before: len(here.network.asked) > before)  # type: ignore[misc]
+        if notices:
+            here.browser.wait(told)
+        else:
+            assert not told()
+
+
 def test_escape_ends_placing_and_waiting_for_a_goal(here: Opened) -> None:
     here.page._choose("Table")
     assert here.ghost()
