@@ -8,6 +8,7 @@ child kills itself after a grace time.
 from __future__ import annotations
 
 import argparse
+import atexit
 import contextlib
 import os
 import signal
@@ -66,9 +67,16 @@ def stop_on_signals(lifeline: int | None = None) -> threading.Event:
     threading.Thread(target=set_on_signal, name="signals", daemon=True).start()
     signal.signal(signal.SIGTERM, on_signal)
     signal.signal(signal.SIGINT, on_signal)
+    atexit.register(_ignore_signals)
     if lifeline is not None:
         threading.Thread(target=_watch, args=(lifeline, stop), name="lifeline", daemon=True).start()
     return stop
+
+
+def _ignore_signals() -> None:
+    """Ignore signals while Python ends: it restores their default, which would replace the exit code of the command."""
+    signal.signal(signal.SIGTERM, signal.SIG_IGN)
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
 
 
 @contextlib.contextmanager

@@ -50,6 +50,31 @@ def test_signal_at_any_moment_and_any_number_of_them_stop_a_process() -> None:
     assert (done.returncode, done.stdout) == (0, "stopped\n"), done.stderr
 
 
+LATE = """
+import os, sys
+from intellwheels_schemas.process import stop_on_signals
+class Last:
+    def __del__(self, write=os.write, read=os.read):
+        # Python has put the default handlers back by now.
+        write(1, b"last\\n")
+        read(0, 1)
+last = Last()
+stop_on_signals()
+sys.exit(3)
+"""
+
+
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
+def test_signal_to_a_process_that_is_ending_leaves_its_exit_code(number: signal.Signals) -> None:
+    command = [sys.executable, "-c", LATE]
+    with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as child:
+        assert child.stdout is not None
+        assert child.stdout.readline() == "last\n"
+        child.send_signal(number)
+        child.communicate("x", timeout=10.0)
+        assert child.returncode == 3
+
+
 def test_end_of_the_parents_pipe_stops_a_process() -> None:
     reading, writing = os.pipe()
     command = [sys.executable, "-c", CHILD, str(reading)]

@@ -12,6 +12,7 @@ from collections.abc import Callable, Mapping
 from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from functools import partial
+from signal import SIGKILL
 from typing import Final, Protocol
 
 from intellwheels_experiments.run.child_processes import READY_LIMIT, ChildProcesses, Exited, WaitError
@@ -36,6 +37,9 @@ START_LIMIT: Final = 60.0
 
 VIEW_LIMIT: Final = 60.0
 """Seconds for the viewer to serve its page."""
+
+END_LIMIT: Final = 30.0
+"""Seconds for the simulators to write the rest of their logs and to end; the machine may be busy."""
 
 INTERVAL: Final = 0.1
 """Seconds between two checks of a run."""
@@ -102,16 +106,16 @@ def perform(
         progress.doing("ending the processes")
         # The agents first: each says that it leaves, and the simulator must still be there to hear it.
         children.end([child for child in children.running if child not in (SERVER, LABORATORY, VIEWER)])
-        children.end(children.running, grace=5.0)
+        servers = (SERVER, LABORATORY) if spec.bridges else (SERVER,)
+        children.end(children.running, grace=END_LIMIT)
         if finish.how == "ended":
-            # A simulator that could not write the last of its log says so when it ends. If it has ended by itself
-            # already, that may not be known yet: so it is awaited too.
-            servers = (SERVER, LABORATORY) if spec.bridges else (SERVER,)
+            # A simulator that could not write the last of its log says so when it ends, and one that had to be killed
+            # has not written it. If it ended by itself already, that may not be known yet: so it is awaited too.
             children.end(servers)
             children.receive()
             for server in servers:
-                exited = children.exited(server)
-                if exited is not None and exited.code > 0:
+                exited = children.exited(server) or Exited(server, -SIGKILL)
+                if exited.code != 0:
                     finish = _died(children, exited)
     return _result(spec, record, finish, stopwatch.seconds, further)
 

@@ -51,7 +51,9 @@ SCENE = Scene(
     hold=Hold(contacts=0, reached="all"),
 )
 
-READY = "print('ready world=main', flush=True); "
+ENDS = "import signal; signal.signal(signal.SIGTERM, lambda *_: exit(0)); "
+"""A process of this project ends with exit code 0 when it is told to."""
+READY = ENDS + "print('ready world=main', flush=True); "
 RUNNING = READY + "print('running tick=0', flush=True); "
 WAIT = "import signal; signal.alarm(60); signal.pause()"
 
@@ -120,6 +122,14 @@ def test_run_that_ends_is_judged_by_the_last_state(tmp_path: Path) -> None:
     assert (result.finish, result.hash, result.ticks, result.held) == ("ended", HASH, 812, True)
     assert result.time == pytest.approx(40.6)
     assert result.wall > 0.0
+
+
+def test_simulator_that_fails_or_is_killed_after_the_end_does_not_hold(tmp_path: Path) -> None:
+    ended = RUNNING + f"print('ended tick=812 hash={HASH}', flush=True); "
+    for last, how in (("exit(1)", "exit 1"), ("import os; os.kill(os.getpid(), 9)", "killed by SIGKILL")):
+        result = play(tmp_path, ended + last)
+        assert (result.finish, result.held) == ("died", False)
+        assert result.words.startswith(f"server: {how}; ")
 
 
 def test_agent_that_dies_is_named_with_its_last_lines(tmp_path: Path) -> None:
