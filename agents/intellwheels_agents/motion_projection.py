@@ -6,15 +6,16 @@ motion is free if no obstacle point comes nearer than its own limit until the bo
 
 from __future__ import annotations
 
-import heapq
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Final
+from typing import Final, NamedTuple
+
+import numpy as np
 
 from intellwheels_agents.footprint import STEP
+from intellwheels_agents.point_cells import Floats
 from intellwheels_agents.portable_math import hypot, sincos
-from intellwheels_agents.pure_pursuit import Point
 from intellwheels_agents.range_scan import Outline
 from intellwheels_agents.wheel_motors import STILL, Motors, Wheels
 
@@ -33,9 +34,25 @@ more than a projection is wrong by."""
 ROUNDING: Final = 1e-6
 """Loss of clearance that counts as a rounding error, m."""
 
-WatchedPoint = tuple[float, float, float, float, float]
-"""How far the body can move before the point can come too near (m), x and y of the point, and its least clearances (m):
-to the footprint, and to the lengthened footprint."""
+CHUNK: Final = 12
+"""Poses that are checked together; a motion that is not free mostly shows it at its beginning."""
+
+
+class WatchedPoints(NamedTuple):
+    """The points that matter to a motion, those that the body can be near first.
+
+    Attributes:
+        slack: How far the body can move before each point can come too near, m.
+        x, y: The points in the body's present frame, m.
+        least: The least clearances to the footprint, m.
+        least_long: The least clearances to the lengthened footprint, m.
+    """
+
+    slack: Floats
+    x: Floats
+    y: Floats
+    least: Floats
+    least_long: Floats
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,14 +63,11 @@ class MotionProjection:
     track: float
     motors: Motors
 
-    def clearance(self, x: float, y: float, swing: float) -> float:
-        """Return the distance from the footprint to a point in m, negative inside; `swing` lengthens both ends."""
+    def clearance(self, x: Floats, y: Floats, swing: float) -> Floats:
+        """Return the distances from the footprint to points in m, negative inside; `swing` lengthens both ends."""
         body = self.outline
         middle, half = (body.front - body.back) / 2.0, (body.front + body.back) / 2.0 + swing
-        dx, dy = abs(x - middle) - half, abs(y) - body.side
-        if dx <= 0.0 or dy <= 0.0:
-            return max(dx, dy)
-        return hypot(dx, dy)
+        return _outside(np.abs(x - middle) - half, np.abs(y) - body.side)
 
     @property
     def radius(self) -> float:
@@ -105,34 +119,27 @@ class MotionProjection:
                 passed.append((x, y, heading, moved))
         return now, (x, y, heading, moved)
 
-    def watched(self, points: Iterable[Point], margin: float, swing: float, longest: float) -> list[WatchedPoint]:
+    def watched(self, points: Floats, margin: float, swing: float, longest: float) -> WatchedPoints:
         """Return the points that matter to a motion, each with the clearances it must keep.
 
         Args:
-            points: Obstacle points, in the body's present frame.
+            points: Obstacle points in the body's present frame, of shape (n, 2), m.
             margin: The clearance to keep, m; where there is less now, `CLEARANCE_SHARE` of it may be used up.
             swing: Metres added to both ends of the footprint, to keep room for a later turn in place.
             longest: The farthest that any point of the body moves, m.
         """
-        body = self.outline
-        middle, half, side = (body.front - body.back) / 2.0, (body.front + body.back) / 2.0 + swing, body.side
-        far = longest + margin
-        found = []
-        for x, y in points:
-            # Most points are too far away to matter. It is told here without a call: there are many.
-            if abs(x - middle) - half > far or abs(y) - side > far:
-                continue
-            lengthened = self.clearance(x, y, swing)
-            if lengthened <= far:
-                clearance = self.clearance(x, y, 0.0)
-                spent = max(CLEARANCE_SHARE * (clearance - FLOOR), ROUNDING)
-                least, least_long = min(margin, clearance - spent), min(margin, lengthened - spent)
-                found.append((min(clearance - least, lengthened - least_long), x, y, least, least_long))
-        return found
+        x, y = points[:, 0], points[:, 1]
+        lengthened = self.clearance(x, y, swing)
+        near = lengthened <= longest + margin
+        x, y, lengthened = x[near], y[near], lengthened[near]
+        clearance = self.clearance(x, y, 0.0)
+        spent = np.maximum(CLEARANCE_SHARE * (clearance - FLOOR), ROUNDING)
+        least, least_long = np.minimum(margin, clearance - spent), np.minimum(margin, lengthened - spent)
+        slack = np.minimum(clearance - least, lengthened - least_long)
+        first = np.argsort(slack, kind="stable")
+        return WatchedPoints(slack[first], x[first], y[first], least[first], least_long[first])
 
-    def is_free(
-        self, poses: Sequence[tuple[float, float, float, float]], watched: Sequence[WatchedPoint], swing: float
-    ) -> bool:
+    def is_free(self, poses: Sequence[tuple[float, float, float, float]], watched: WatchedPoints, swing: float) -> bool:
         """Return whether every point keeps its clearances along a motion.
 
         Args:
@@ -142,35 +149,24 @@ class MotionProjection:
         """
         body = self.outline
         middle, half, side = (body.front - body.back) / 2.0, (body.front + body.back) / 2.0, body.side
-        # No point can have come too near before the body has moved as far as the point has to spare. The heap has the
-        # point first that is to be checked first; points beyond the whole motion are never checked.
-        due = [point for point in watched if point[0] <= poses[-1][3]] if poses else []
-        heapq.heapify(due)
-        for px, py, heading, moved in poses:
-            if not due:
-                break
-            if due[0][0] > moved:
+        for begin in range(0, len(poses), CHUNK):
+            chunk = poses[begin : begin + CHUNK]
+            # No point can have come too near before the body has moved as far as the point has to spare.
+            count = int(np.searchsorted(watched.slack, chunk[-1][3], side="right"))
+            if count == 0:
                 continue
-            s, c = sincos(heading)
-            while due[0][0] <= moved:
-                _, x, y, least, least_long = due[0]
-                # `clearance` twice, inlined: most of a tick's time is spent here.
-                dx, dy = x - px, y - py
-                along = abs(c * dx + s * dy - middle) - half
-                across = abs(c * dy - s * dx) - side
-                square = across * across
-                if along <= 0.0 or across <= 0.0:
-                    spare = max(along, across) - least
-                else:
-                    spare = math.sqrt(along * along + square) - least
-                along -= swing
-                if along <= 0.0 or across <= 0.0:
-                    spare_long = max(along, across) - least_long
-                else:
-                    spare_long = math.sqrt(along * along + square) - least_long
-                spare = min(spare, spare_long)
-                if spare < 0.0:
-                    return False
-                later = max(moved + spare, math.nextafter(moved, math.inf))
-                heapq.heapreplace(due, (later, x, y, least, least_long))
+            px, py, s, c = np.array([(px, py, *sincos(heading)) for px, py, heading, _ in chunk]).T[:, :, None]
+            dx, dy = watched.x[:count] - px, watched.y[:count] - py
+            along = np.abs(c * dx + s * dy - middle) - half
+            across = np.abs(c * dy - s * dx) - side
+            if (_outside(along, across) < watched.least[:count]).any():
+                return False
+            if swing and (_outside(along - swing, across) < watched.least_long[:count]).any():
+                return False
         return True
+
+
+def _outside(along: Floats, across: Floats) -> Floats:
+    """Return the distances from a rectangle to points that are so far beyond its ends and its sides, m."""
+    nearer = np.maximum(along, across)
+    return np.where(np.minimum(along, across) <= 0.0, nearer, np.sqrt(along * along + across * across))

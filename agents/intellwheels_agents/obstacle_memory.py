@@ -15,10 +15,14 @@ from __future__ import annotations
 
 import math
 from collections import deque
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
+from dataclasses import dataclass
 from typing import Final, NamedTuple
 
+import numpy as np
+
 from intellwheels_agents.differential_drive import Odometry
+from intellwheels_agents.point_cells import NEIGHBOURS, Floats, Mask, PointCells, cells_at
 from intellwheels_agents.portable_math import cos, dist, hypot, sincos, tan
 from intellwheels_agents.pure_pursuit import Point
 from intellwheels_agents.range_scan import Outline, distance, outline
@@ -49,17 +53,17 @@ obstacle is seen from several places, and each leaves a point beside the last.""
 WALL_GAP: Final = 0.8
 """Longest gap between two beams' arcs that a wall is assumed to close, m."""
 _POSES_KEPT: Final = 40
-_NEIGHBOURS: Final = tuple((i, j) for i in (-1, 0, 1) for j in (-1, 0, 1) if i or j)
 
 Pose = tuple[float, float, float]
-Cell = tuple[int, int]
 
 
-class _Beam(NamedTuple):
+@dataclass(frozen=True, slots=True)
+class _Beam:
     """A sensor on the body: its position (m), bearing and half cone angle (rad), and what clearing needs.
 
-    `tangent` is that of the half angle, `slack` the margin to the edge of the cone (m), `lattice` the cells in the cone
-    as x, y and distance (m).
+    `tangent` is that of the half angle, `slack` the margin to the edge of the cone (m). The cells in the cone have
+    places in the body's frame, `lattice_x` and `lattice_y`, and distances from the sensor, `lattice_far`, the nearest
+    first (m). `arcs` has the sines and cosines of arcs by their number of pieces.
     """
 
     sensor: Proximity
@@ -69,12 +73,25 @@ class _Beam(NamedTuple):
     half: float
     tangent: float
     slack: float
-    lattice: tuple[tuple[float, float, float], ...]
+    lattice_x: Floats
+    lattice_y: Floats
+    lattice_far: Floats
+    arcs: dict[int, tuple[Floats, Floats]]
 
     def at(self, angle: float, metres: float) -> Point:
         """Return the point at an angle from the beam's axis (rad) and a distance (m), in the body frame."""
         s, c = sincos(self.bearing + angle)
         return self.x + metres * c, self.y + metres * s
+
+    def arc(self, radius: float, spacing: float) -> tuple[Floats, Floats]:
+        """Return the points of an arc about the sensor from edge to edge of the cone, in the body's frame, m."""
+        pieces = max(1, math.ceil(2.0 * self.half * radius / spacing))
+        if pieces not in self.arcs:
+            first = self.bearing - self.half
+            turned = np.array([sincos(first + 2.0 * self.half * k / pieces) for k in range(pieces + 1)])
+            self.arcs[pieces] = turned[:, 0], turned[:, 1]
+        s, c = self.arcs[pieces]
+        return self.x + radius * c, self.y + radius * s
 
 
 class _Sight(NamedTuple):
@@ -89,25 +106,24 @@ class ObstacleMemory:
     """The possible places of obstacles around a body.
 
     Attributes:
-        points: Possible obstacle points (x, y) within the reach of the body, in the frame of the body at the last
-            pose that it was given, m.
+        points: Possible obstacle points within the reach of the body, in the frame of the body at the last pose that
+            it was given: an array of shape (n, 2), m.
     """
 
     def __init__(self, robot: Robot, cell: float = CELL, reach: float = REACH) -> None:
         """Take the sensors of `robot` that move with it, the size of a cell, and the longest reading stored, m."""
         self._cell, self._spacing, self._clearing, self._reach = cell, SPACING * cell, CLEARING * cell, reach
-        self.points: list[Point] = []
+        self.points: Floats = np.empty((0, 2))
         self._outline = outline(robot)
         self._beams = {sensor.id: _beam(sensor, cell, reach) for sensor in robot.proximity if sensor.mount == "body"}
-        # Of each cell: its point in the map frame, the travel at which it was stored, and the tick of its reading.
-        self._cells: dict[Cell, tuple[float, float, float, int]] = {}
+        self._stored = PointCells()
         self._poses: deque[tuple[int, Pose, float]] = deque(maxlen=_POSES_KEPT)
         self._early: list[tuple[int, ProximityReading]] = []
         self._travel = 0.0
         self._looked_at = -math.inf
         self._to_look: dict[str, None] = {}
         # When each cell was seen free. What is older than `FREE_TIME` at a look does not count, and is dropped later.
-        self._free: dict[Cell, float] = {}
+        self._free: dict[int, float] = {}
         self._looked_time = -math.inf
         self._free_limit = 1000
         self._last: dict[str, _Sight] = {}
@@ -129,7 +145,7 @@ class ObstacleMemory:
         if self._poses and self._poses[-1][0] == now:
             self._poses.pop()
         self._poses.append((now, pose, measures.time))
-        local = self._around(pose)
+        self._keep_near(pose)
         looks = self._travel - self._looked_at >= LOOK_INTERVAL
         if looks:
             self._looked_at = self._travel
@@ -137,8 +153,8 @@ class ObstacleMemory:
             if len(self._free) > self._free_limit:
                 self._free = {cell: time for cell, time in self._free.items() if measures.time - time <= FREE_TIME}
                 self._free_limit = 2 * len(self._free) + 1000
-            self._set_free(pose, self._covered, measures.time)
-            self._drop_lone(local)
+            self._set_free(pose, *self._covered, measures.time)
+            self._drop_lone()
             self._to_look.update(dict.fromkeys(self._beams))
         room = LOOK_CELLS
         for tick, reading in self._due(measures, now):
@@ -152,16 +168,17 @@ class ObstacleMemory:
             if found is None or (last is not None and last.tick >= tick):
                 continue
             then, time = found
-            self._clear(beam, min(metres, beam.sensor.max_range), local, then, tick)
+            self._clear(beam, min(metres, beam.sensor.max_range), then, tick)
             if reading.id == next(iter(self._to_look), None) or (reading.id in self._to_look and room > 0):
                 del self._to_look[reading.id]
-                room -= len(beam.lattice)
-                clear = metres - self._clearing
-                self._set_free(then, [(x, y) for x, y, far in beam.lattice if far < clear], time)
+                room -= len(beam.lattice_far)
+                count = int(np.searchsorted(beam.lattice_far, metres - self._clearing))
+                self._set_free(then, beam.lattice_x[:count], beam.lattice_y[:count], time)
             appeared = last is None or metres < last.metres - JUMP - _between(last.pose, then)
             self._last[reading.id] = _Sight(metres, tick, then)
-            self._mark(beam, reading, metres, then, tick, local, appeared)
-        self.points = [*local.values(), *self._walls_between(pose)]
+            self._mark(beam, reading, metres, then, tick, appeared)
+        walls = np.array(list(self._walls_between(pose))).reshape(-1, 2)
+        self.points = np.concatenate([self._stored.here(), walls])
 
     def _due(self, measures: Measures, now: int) -> list[tuple[int, ProximityReading]]:
         """Return the readings whose poses are known by now, with their ticks."""
@@ -176,27 +193,21 @@ class ObstacleMemory:
         """Return the pose at a tick, and its time."""
         return next(((pose, time) for at, pose, time in self._poses if at == tick), None)
 
-    def _around(self, pose: Pose) -> dict[Cell, Point]:
-        """Return the near points in the body frame; drop those that are far, old, or covered by the body."""
+    def _keep_near(self, pose: Pose) -> None:
+        """Place the points in the body's frame; drop those that are far, old, or covered by the body."""
         px, py, heading = pose
         s, c = sincos(heading)
-        body = self._outline
+        body, stored = self._outline, self._stored
         reach = self._reach + max(body.front, body.back)
-        oldest = self._travel - MAX_AGE
-        near: dict[Cell, Point] = {}
-        dropped = []
-        for cell, (wx, wy, travel, _) in self._cells.items():
-            dx, dy = wx - px, wy - py
-            x, y = c * dx + s * dy, c * dy - s * dx
-            if travel < oldest or not (-reach < x < reach and -reach < y < reach) or _within(body, x, y):
-                dropped.append(cell)
-            else:
-                near[cell] = x, y
-        for cell in dropped:
-            del self._cells[cell]
-        return near
+        stored.drop_dead()
+        dx, dy = stored.values[stored.MAP_X] - px, stored.values[stored.MAP_Y] - py
+        stored.values[stored.X], stored.values[stored.Y] = c * dx + s * dy, c * dy - s * dx
+        x, y = stored.values[stored.X], stored.values[stored.Y]
+        near = (np.abs(x) < reach) & (np.abs(y) < reach) & (stored.values[stored.TRAVEL] >= self._travel - MAX_AGE)
+        stored.drop(~near | _within(body, x, y))
+        stored.drop_dead()
 
-    def _clear(self, beam: _Beam, metres: float, local: dict[Cell, Point], then: Pose, tick: int) -> None:
+    def _clear(self, beam: _Beam, metres: float, then: Pose, tick: int) -> None:
         """Drop the points that a beam saw past from a pose, and that no later reading saw."""
         clear = metres - self._clearing
         if clear <= 0.0:
@@ -211,35 +222,27 @@ class ObstacleMemory:
             moved_x, moved_y = then_c * dx + then_s * dy, then_c * dy - then_s * dx
             off_x, off_y = off_x + c * moved_x + s * moved_y, off_y + c * moved_y - s * moved_x
             s, c = sincos(beam.bearing + then[2] - now[2])
-        tangent, slack, cells = beam.tangent, beam.slack, self._cells
-        cleared = []
-        for cell, (x, y) in local.items():
-            along = c * x + s * y + off_x
-            if not 0.0 < along < clear:
-                continue
-            across = abs(c * y - s * x + off_y)
-            if across < along * tangent - slack and along * along + across * across < clear * clear:
-                cleared.append(cell)
-        for cell in cleared:
-            if cells[cell][3] <= tick:
-                del local[cell], cells[cell]
+        stored = self._stored
+        x, y = stored.values[stored.X], stored.values[stored.Y]
+        along = c * x + s * y + off_x
+        across = np.abs(c * y - s * x + off_y)
+        passed = (along > 0.0) & (along < clear) & (across < along * beam.tangent - beam.slack)
+        stored.drop(passed & (along * along + across * across < clear * clear) & (stored.values[stored.TICK] <= tick))
 
-    def _drop_lone(self, local: dict[Cell, Point]) -> None:
-        cells = self._cells
-        lone = [
-            (i, j)
-            for i, j in local
-            if cells[i, j][2] < self._travel - LONE_AGE and not any((i + di, j + dj) in cells for di, dj in _NEIGHBOURS)
+    def _drop_lone(self) -> None:
+        stored = self._stored
+        lone = stored.live & (stored.values[stored.TRAVEL] < self._travel - LONE_AGE)
+        lone[lone] = [
+            not any(cell + step in stored.columns for step in NEIGHBOURS) for cell in stored.cell[lone].tolist()
         ]
-        for cell in lone:
-            del local[cell], cells[cell]
+        stored.drop(lone)
 
-    def _set_free(self, pose: Pose, places: Iterable[Point], time: float) -> None:
+    def _set_free(self, pose: Pose, x: Floats, y: Floats, time: float) -> None:
+        """Note when cells were seen free, by places in the body's frame at a pose."""
         px, py, heading = pose
         s, c = sincos(heading)
-        cell, free, floor = self._cell, self._free, math.floor
-        for x, y in places:
-            free[floor((px + c * x - s * y) / cell), floor((py + s * x + c * y) / cell)] = time
+        cells = cells_at(px + c * x - s * y, py + s * x + c * y, self._cell)
+        self._free.update(dict.fromkeys(cells.tolist(), time))
 
     def _mark(
         self,
@@ -248,7 +251,6 @@ class ObstacleMemory:
         metres: float,
         then: Pose,
         tick: int,
-        local: dict[Cell, Point],
         appeared: bool,
     ) -> None:
         """Store the arc of a reading; `appeared` says that the obstacle is new, so cells seen free may hold it."""
@@ -260,23 +262,21 @@ class ObstacleMemory:
         s, c = sincos(heading)
         then_x, then_y, turned = then
         then_s, then_c = sincos(turned)
-        steps = max(1, math.ceil(2.0 * beam.half * radius / self._spacing))
-        arc: list[tuple[Cell, Point, Point]] = []
-        for k in range(steps + 1):
-            angle = beam.bearing - beam.half + 2.0 * beam.half * k / steps
-            beam_s, beam_c = sincos(angle)
-            bx, by = beam.x + radius * beam_c, beam.y + radius * beam_s
-            wx, wy = then_x + then_c * bx - then_s * by, then_y + then_s * bx + then_c * by
-            dx, dy = wx - x, wy - y
-            here = c * dx + s * dy, c * dy - s * dx
-            if not _within(self._outline, *here):
-                arc.append(((math.floor(wx / self._cell), math.floor(wy / self._cell)), (wx, wy), here))
-        free, looked, never = self._free, self._looked_time, -math.inf
-        possible = arc if appeared else [entry for entry in arc if looked - free.get(entry[0], never) > FREE_TIME]
-        for cell, (wx, wy), here in possible or arc:
-            self._cells[cell] = (wx, wy, self._travel, tick)
-            local[cell] = here
-            self._free.pop(cell, None)
+        bx, by = beam.arc(radius, self._spacing)
+        map_x, map_y = then_x + then_c * bx - then_s * by, then_y + then_s * bx + then_c * by
+        dx, dy = map_x - x, map_y - y
+        here_x, here_y = c * dx + s * dy, c * dy - s * dx
+        outside = ~_within(self._outline, here_x, here_y)
+        cells, free = cells_at(map_x, map_y, self._cell), self._free
+        if not appeared:
+            looked, never = self._looked_time, -math.inf
+            seen_free = [looked - free.get(cell, never) <= FREE_TIME for cell in cells.tolist()]
+            possible = outside & ~np.array(seen_free)
+            outside = possible if possible.any() else outside
+        self._stored.put(cells[outside], map_x[outside], map_y[outside], here_x[outside], here_y[outside],
+                         self._travel, tick)  # fmt: skip
+        for cell in cells[outside].tolist():
+            free.pop(cell, None)
 
     def _walls_between(self, now: Pose) -> Iterator[Point]:
         """Yield points of the walls that may connect the arcs of neighbouring beams, in the frame of the body now."""
@@ -316,26 +316,27 @@ def _beam(sensor: Proximity, cell: float, reach: float) -> _Beam:
     bearing, tangent, slack = math.radians(sensor.direction_deg), tan(half), CLEARING * cell / cos(half)
     s, c = sincos(bearing)
     count = math.ceil(reach / cell)
-    lattice = tuple(
-        (sensor.x + c * along - s * across, sensor.y + s * along + c * across, hypot(along, across))
-        for along in (cell * i for i in range(1, count + 1))
-        for across in (cell * j for j in range(-count, count + 1))
-        if abs(across) < along * tangent - slack
-    )
-    return _Beam(sensor, sensor.x, sensor.y, bearing, half, tangent, slack, lattice)
+    along, across = np.meshgrid(cell * np.arange(1, count + 1), cell * np.arange(-count, count + 1))
+    inside = np.abs(across) < along * tangent - slack
+    along, across = along[inside], across[inside]
+    far = np.sqrt(along * along + across * across)
+    nearest = np.argsort(far, kind="stable")
+    along, across, far = along[nearest], across[nearest], far[nearest]
+    x, y = sensor.x + c * along - s * across, sensor.y + s * along + c * across
+    return _Beam(sensor, sensor.x, sensor.y, bearing, half, tangent, slack, x, y, far, {})
 
 
-def _lattice_of(body: Outline, cell: float) -> tuple[Point, ...]:
-    """Return points that cover a body, far enough inside that all their cells are inside too."""
+def _lattice_of(body: Outline, cell: float) -> tuple[Floats, Floats]:
+    """Return points that cover a body, far enough inside that all their cells are inside too, as x and y."""
     edge = CLEARING * cell
     inside = Outline(body.front - edge, body.back - edge, body.side - edge)
-    return tuple(
-        (x, y)
-        for x in (cell * i for i in range(-math.floor(body.back / cell), math.ceil(body.front / cell)))
-        for y in (cell * j for j in range(-math.floor(body.side / cell), math.ceil(body.side / cell)))
-        if _within(inside, x, y)
+    x, y = np.meshgrid(
+        cell * np.arange(-math.floor(body.back / cell), math.ceil(body.front / cell)),
+        cell * np.arange(-math.floor(body.side / cell), math.ceil(body.side / cell)),
     )
+    covered = _within(inside, x, y)
+    return x[covered], y[covered]
 
 
-def _within(body: Outline, x: float, y: float) -> bool:
-    return -body.back < x < body.front and abs(y) < body.side
+def _within(body: Outline, x: Floats, y: Floats) -> Mask:
+    return (-body.back < x) & (x < body.front) & (np.abs(y) < body.side)

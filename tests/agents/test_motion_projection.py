@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 import msgspec
+import numpy as np
 import pytest
 
 from intellwheels_agents.motion_projection import CLEARANCE_SHARE, MotionProjection
@@ -18,7 +19,7 @@ STILL = Wheels(0.0, 0.0)
 
 def free(point: tuple[float, float], wanted: Wheels, margin: float = 0.05, swing: float = 0.0) -> bool:
     way = FOOTPRINT.poses(STILL, wanted, 1.0)
-    return FOOTPRINT.is_free(way, FOOTPRINT.watched([point], margin, swing, way[-1][3]), swing)
+    return FOOTPRINT.is_free(way, FOOTPRINT.watched(np.array([point]), margin, swing, way[-1][3]), swing)
 
 
 @pytest.mark.parametrize(
@@ -26,7 +27,8 @@ def free(point: tuple[float, float], wanted: Wheels, margin: float = 0.05, swing
     [((1.0, 0.0), 0.2), ((0.0, 0.5), 0.2), ((-0.4, 0.0), 0.1), ((1.1, 0.7), 0.5), ((0.5, 0.0), -0.3)],
 )
 def test_clearance_to_a_point(point: tuple[float, float], room: float) -> None:
-    assert FOOTPRINT.clearance(*point, 0.0) == pytest.approx(room)
+    x, y = np.array([point]).T
+    assert FOOTPRINT.clearance(x, y, 0.0).tolist() == [pytest.approx(room)]
 
 
 def test_poses_follow_the_motors_until_the_body_stands_at_any_period() -> None:
@@ -88,4 +90,14 @@ def test_swing_room_is_kept_ahead_and_the_body_itself_still_counts() -> None:
 
 def test_motion_without_obstacles_is_free() -> None:
     way = FOOTPRINT.poses(STILL, Wheels(1.0, 1.0), 1.0)
-    assert FOOTPRINT.is_free(way, [], 0.0)
+    nothing = FOOTPRINT.watched(np.empty((0, 2)), 0.05, 0.0, way[-1][3])
+    assert FOOTPRINT.is_free(way, nothing, 0.0)
+
+
+def test_point_among_many_that_comes_too_near_late_in_the_motion_is_found() -> None:
+    way = FOOTPRINT.poses(STILL, Wheels(0.5, 0.5), 1.0)
+    wall = np.column_stack([np.linspace(-1.0, 1.2, 200), np.full(200, 0.4)])
+    assert FOOTPRINT.is_free(way, FOOTPRINT.watched(wall, 0.05, 0.0, way[-1][3]), 0.0)
+    for gap, is_it in ((0.56, True), (0.54, False)):
+        points = np.concatenate([wall, [(0.8 + gap, 0.0)]])
+        assert FOOTPRINT.is_free(way, FOOTPRINT.watched(points, 0.05, 0.0, way[-1][3]), 0.0) is is_it

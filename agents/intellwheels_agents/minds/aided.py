@@ -26,6 +26,7 @@ import math
 from typing import Final, NamedTuple
 
 import msgspec
+import numpy as np
 
 from intellwheels_agents.differential_drive import Odometry, powers, wrapped
 from intellwheels_agents.mind import Context
@@ -33,8 +34,8 @@ from intellwheels_agents.motion_projection import STANDS, MotionProjection
 from intellwheels_agents.obstacle_memory import CELL as MEMORY_CELL
 from intellwheels_agents.obstacle_memory import REACH, ObstacleMemory
 from intellwheels_agents.options import OptionError, Options
+from intellwheels_agents.point_cells import Floats
 from intellwheels_agents.portable_math import hypot, sincos
-from intellwheels_agents.pure_pursuit import Point
 from intellwheels_agents.range_scan import outline
 from intellwheels_agents.user_input import takes_drive, wanted
 from intellwheels_agents.wheel_motors import STILL, CommandLateness, Motors, SafeSpeed, Wheels
@@ -88,7 +89,7 @@ class Mind:
 
     Attributes:
         pose: The estimated pose at which the next command will act.
-        points: Where obstacles may be around the chair, in its frame there, m.
+        points: Where obstacles may be around the chair, in its frame there: an array of shape (n, 2), m.
     """
 
     def __init__(self, context: Context, by_itself: bool = False) -> None:
@@ -115,7 +116,7 @@ class Mind:
         self._odometry = Odometry(robot, context.position, compass_share=0.0)
         start = context.position
         self.pose = Pose(start.x, start.y, start.heading, 0.0)
-        self.points: list[Point] = []
+        self.points: Floats = np.empty((0, 2))
         period = context.parameters.period
         self._late = CommandLateness(robot, period)
         motors = self._late.motors
@@ -188,7 +189,8 @@ class Mind:
             odometry.turned + turn,
         )  # fmt: skip
         s, c = sincos(turn)
-        self.points = [(c * (px - x) + s * (py - y), c * (py - y) - s * (px - x)) for px, py in points]
+        dx, dy = points[:, 0] - x, points[:, 1] - y
+        self.points = np.column_stack([c * dx + s * dy, c * dy - s * dx])
 
     def _allowed(self, speed: float, rate: float) -> Wheels:
         """Return the wheel speeds for the largest share of a speed and a turn rate that is free."""

@@ -22,11 +22,14 @@ from __future__ import annotations
 import math
 from typing import Final
 
+import numpy as np
+
 from intellwheels_agents.differential_drive import wrapped
 from intellwheels_agents.mind import Context
 from intellwheels_agents.minds.aided import Mind as Guard
 from intellwheels_agents.options import OptionError
 from intellwheels_agents.path_follower import BRAKING, TURN_IN_PLACE, TURN_RATE, braking
+from intellwheels_agents.point_cells import Floats
 from intellwheels_agents.portable_math import atan2, cos, hypot, sincos
 from intellwheels_agents.range_scan import outline
 from intellwheels_agents.user_input import Goals
@@ -37,6 +40,7 @@ __all__ = ["Mind", "equip"]
 
 DIRECTIONS: Final = tuple(math.radians(5.0 * k) for k in range(-18, 19))
 """Candidate directions, rad from straight ahead."""
+_SINES, _COSINES = np.array([sincos(direction) for direction in DIRECTIONS]).T[:, :, None]
 GOAL_WEIGHT, HEADING_WEIGHT, LAST_WEIGHT = 5.0, 2.0, 2.0
 REACH_SHARES: Final = (1.0, 0.75, 0.5)
 """Shares of the look-ahead, tried one after the other: a direction may be free over a shorter distance only."""
@@ -64,7 +68,6 @@ class Mind:
         self._body = outline(context.robot)
         self._last = 0.0
         self._arrived = False
-        self._near: list[tuple[float, float]] = []
         self._side = 0.0
         self._anchor = (0.0, math.inf, 0.0, 0.0)
         self._back_until = -math.inf
@@ -111,8 +114,9 @@ class Mind:
         reach = self._body.front + min(self._cruise * self._cruise / (2.0 * BRAKING) + 0.8, distance)
         # Points behind the body, or beyond the reach of every strip, block no direction.
         far = reach + self._body.side + self._clear
-        self._near = [point for point in self._guard.points if point[0] > -1.0 and hypot(*point) < far]
-        free_lengths = {direction: self._free_length(direction, reach) for direction in DIRECTIONS}
+        x, y = self._guard.points.T
+        near = (x > -1.0) & (np.sqrt(x * x + y * y) < far)
+        free_lengths = self._free_lengths(x[near], y[near], reach)
         for share in REACH_SHARES:
             least = self._body.front + share * (reach - self._body.front)
             free = [direction for direction, length in free_lengths.items() if length >= least]
@@ -137,13 +141,16 @@ class Mind:
         off = abs(wrapped(direction - bearing))
         return GOAL_WEIGHT * off + HEADING_WEIGHT * abs(direction) + LAST_WEIGHT * abs(direction - self._last)
 
-    def _free_length(self, direction: float, reach: float) -> float:
-        """Return how far the body's strip in a direction is free, in m from its centre, at most `reach`."""
-        s, c = sincos(direction)
-        half = self._body.side + self._clear
-        free = reach
-        for x, y in self._near:
-            along = c * x + s * y
-            if 0.0 < along < free and abs(c * y - s * x) < half:
-                free = along
-        return free
+    def _free_lengths(self, x: Floats, y: Floats, reach: float) -> dict[float, float]:
+        """Return how far the body's strip in each direction is free of points, in m from its centre, at most `reach`.
+
+        Args:
+            x: The points in the body's frame, m.
+            y: Their other coordinate, m.
+            reach: The farthest that matters, m.
+        """
+        along = _COSINES * x + _SINES * y
+        across = np.abs(_COSINES * y - _SINES * x)
+        blocks = (along > 0.0) & (across < self._body.side + self._clear)
+        lengths = np.min(np.where(blocks, along, reach), axis=1, initial=reach)
+        return dict(zip(DIRECTIONS, lengths.tolist(), strict=True))
