@@ -15,7 +15,14 @@ from intellwheels_agents.mind_error import USER_ERRORS, MindError, failed
 from intellwheels_agents.mind_help import mind_help
 from intellwheels_agents.mind_trial import check_mind_options
 from intellwheels_agents.options import OptionError, Options
-from intellwheels_agents.robot_document import DEFAULT_ROBOT, default_robot, equipped, joining, split_options
+from intellwheels_agents.robot_document import (
+    DEFAULT_ROBOT,
+    OWN_ROBOTS,
+    default_robot,
+    equipped,
+    joining,
+    split_options,
+)
 from intellwheels_maps import robot as robot_file
 from intellwheels_schemas.codec import Encoding
 from intellwheels_schemas.command_parser import CommandParser, naming, positive_seconds
@@ -28,7 +35,7 @@ from intellwheels_schemas.process import add_process_options, stop_on_signals
 
 EXAMPLES = """\
 examples:
-  a chair that drives to a place of the map, in an iw-server on this machine
+  a chair that drives to a place on the map; iw-server runs on this machine
       iw-agent waypoints --name chair1 --robot rear-wheel --option to=goal1
   a chair with scripted motor powers: straight on, a turn to the left, a stop
       iw-agent drive --name chair1 --option script="0:0.5,0.5; 2:0.1,0.4; 4:0,0"
@@ -43,8 +50,9 @@ examples:
 
 `iw-agent MIND --help` lists the options of an included mind, with ranges and defaults.
 
-On standard output: `joined agent=chair1 run=... tick=...`; `run agent=chair1 run=...` when a new run begins;
-`left agent=chair1`. Exit codes: 0 done, 1 refused or failed, 2 wrong usage.
+Standard output has `joined agent=chair1 run=... tick=...`, `run agent=chair1 run=...` when a new run begins, and
+`left agent=chair1`. Standard error has `counted ...` at the end: answers missed and repeated, and errors.
+Exit codes: 0 done, 1 refused or failed, 2 wrong usage.
 """
 FARTHEST = 10_000.0
 """Largest coordinate of --position, m; as in the contract."""
@@ -69,7 +77,8 @@ def parser() -> argparse.ArgumentParser:
     result.add_argument(
         "--robot",
         metavar="NAME|FILE",
-        help=f"the body: an included robot or a robot file (default: {DEFAULT_ROBOT}; door and table have their own)",
+        help=f"the body: an included robot or a robot file (default: {DEFAULT_ROBOT}; the minds "
+        f"{', '.join(OWN_ROBOTS)} have a robot of their own name)",
     )
     result.add_argument(
         "--numbered",

@@ -64,8 +64,8 @@ examples:
       --option chair.speed=0.3 --out what-if
       what if: repeat that run, but slower from tick 200 on
 
-exit codes: 0 all conditions of the scene held or, in a batch or branch, every run reached its end; 1 otherwise;
-2 wrong usage; 130 interrupted before anything started
+exit codes: 0 all conditions of the scene held or, in a batch or branch, every run reached its end; 1 otherwise, also if
+the run is interrupted; 2 wrong usage; 130 if interrupted before anything started
 """
 
 INTERRUPTED: Final = 130
@@ -87,16 +87,16 @@ def parser() -> argparse.ArgumentParser:
     )
     found.add_argument(
         "--view", action="store_true",
-        help="serve a page that shows and controls the run, until Ctrl-C; the default pace is then realtime",
+        help="serve a page that shows and controls the run, until Ctrl-C",
     )  # fmt: skip
     found.add_argument(
         "--view-port",
         type=command_parser.port,
         metavar="N",
         default=8080,
-        help="port of the page; 0 picks a free one (default: 8080)",
+        help="with --view: port of the page; 0 picks a free one (default: 8080)",
     )
-    found.add_argument("--pace", choices=get_args(Pace), help="pace of the run (default: the scene's)")
+    found.add_argument("--pace", choices=get_args(Pace), help="pace of the run (default: the scene's; realtime with --view)")
     found.add_argument(
         "--speed",
         type=like_field(messages.Factor),

@@ -62,10 +62,10 @@ def parser() -> argparse.ArgumentParser:
     )  # fmt: skip
     kept.add_argument(
         "--seconds", type=number("seconds", 0.0, LONGEST, low_open=True), default=20.0, metavar="S",
-        help="simulated seconds to record (default: 20; less if the run ends earlier)",
+        help="with --record: simulated seconds to record, fewer if the run ends earlier (default: 20)",
     )  # fmt: skip
     add_process_options(found)
-    add_link_options(found)
+    add_link_options(found, world="the only running world; if there are several, the page lets you choose")
     found.set_defaults(world=None)
     return found
 

@@ -62,7 +62,7 @@ def parser() -> argparse.ArgumentParser:
         "driver", choices=("world", "serial"), help="where the chair is: in another simulation, or on a serial line"
     )
     body = result.add_argument_group("body")
-    body.add_argument("--name", required=True, metavar="NAME", help="name of the agent, in both worlds")
+    body.add_argument("--name", required=True, metavar="NAME", help="name of the agent; with the driver world, in both worlds")
     body.add_argument(
         "--robot", default=DEFAULT_ROBOT, metavar="NAME|FILE",
         help=f"the body and its virtual sensors (default: {DEFAULT_ROBOT})",
@@ -76,19 +76,20 @@ def parser() -> argparse.ArgumentParser:
     )
     body.add_argument(
         "--resume", choices=("auto", "confirm"),
-        help="what the chair does after the simulator was gone or silent for 1 s: auto drives on, confirm waits until "
+        help="what the chair does after the simulator has been gone or silent for 1 s: auto drives on, confirm waits until "
         "Enter is pressed in this terminal (default: confirm for real hardware, auto for simulated)",
     )  # fmt: skip
-    body.add_argument("--place", metavar="PLACE", help="place of the map at which the chair is when the bridge starts")
+    body.add_argument("--place", metavar="PLACE", help="place of the map at which the chair stands when the "
+        "bridge starts (default: a free place that the simulator chooses)")
     body.add_argument(
         "--sensors", choices=SENSORS, default="virtual", help="which sensors the mind gets: the virtual"
-        " ones, the real sonars of the chair, or both; with both, a real sonar is named real-ID (default: virtual)",
+        " ones of --robot, the real sonars of --chair, or both; with both, a real sonar is named real-ID (default: virtual)",
     )  # fmt: skip
     chair = result.add_argument_group("the chair")
     chair.add_argument(
         "--chair",
         metavar="NAME|FILE",
-        help="robot with the nominal dimensions and the sonars of the chair (default: as --robot)",
+        help="robot with the nominal dimensions and the sonars of the chair (default: same as --robot)",
     )
     chair.add_argument(
         "--chair-option", action="append", default=[], metavar="FIELD=VALUE",
@@ -158,7 +159,7 @@ def _add_line_options(result: argparse.ArgumentParser) -> None:
         help="endpoint of the laboratory (default: that of the simulation)",
     )  # fmt: skip
     world.add_argument(
-        "--lab-place", metavar="PLACE", help="place where the chair starts in the laboratory (default: as --place)"
+        "--lab-place", metavar="PLACE", help="place where the chair starts in the laboratory (default: same as --place)"
     )
     world.add_argument(
         "--lab-role", choices=("both", "mind"), default="both",
