@@ -73,7 +73,9 @@ def parser() -> argparse.ArgumentParser:
         metavar="MIND",
         help=f"{', '.join(minds.names())}; or a Python file that defines a class Mind or a function make(context)",
     )
-    result.add_argument("--name", metavar="NAME", help="the agent's name (default: the mind's name)")
+    result.add_argument(
+        "--name", metavar="NAME", help="the agent's name (default: the name of the mind or of its file)"
+    )
     result.add_argument(
         "--robot",
         metavar="NAME|FILE",

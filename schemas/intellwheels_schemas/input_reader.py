@@ -1,8 +1,8 @@
 """Reads the lines of an input log in order, and tells a log that was edited from one that was truncated.
 
-A log ends with an `InputEnd`. One that ends earlier was truncated: by `kill -9`, a full disk, or a copy that is incomplete.
-Its lines can be used up to the last whole one. A log whose checksums do not match was edited, and is refused.
-Logs of version 1 have neither checksums nor an end; there, only an incomplete last line shows a cut.
+A log ends with an `InputEnd`. One that ends earlier was truncated: by `kill -9`, a full disk, or a copy that is
+incomplete. Its lines can be used up to the last whole one. A log whose checksums do not match was edited, and is
+refused. Logs of version 1 have neither checksums nor an end; there, only an incomplete last line shows it.
 """
 
 from __future__ import annotations

@@ -83,9 +83,7 @@ class Link:
         return ", ".join(self.listen + self.connect) or str(self.config or defaults.ENDPOINT)
 
 
-def add_link_options(
-    parser: argparse.ArgumentParser, *, listens: bool = False, world: str = defaults.WORLD
-) -> None:
+def add_link_options(parser: argparse.ArgumentParser, *, listens: bool = False, world: str = defaults.WORLD) -> None:
     """Add the connection options, which all commands share.
 
     Args:

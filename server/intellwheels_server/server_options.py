@@ -83,8 +83,7 @@ def _add_world_options(group: argparse._ArgumentGroup) -> None:
     group.add_argument(
         "--scene",
         metavar="NAME|FILE",
-        help="take map, seed, period, pace, --miss, --truth, end condition, agents and speech options from a "
-        "scene",
+        help="take map, seed, period, pace, --miss, --truth, end condition, agents and speech options from a scene",
     )
     group.add_argument(
         "--map", metavar="NAME|FILE",
@@ -145,7 +144,7 @@ def _add_time_options(group: argparse._ArgumentGroup) -> None:
     )  # fmt: skip
     group.add_argument(
         "--speed", type=like_field(messages.Factor), default=1.0, metavar="F",
-        help="simulated time over real time, at pace realtime (default: %(default)g)",
+        help="simulated time over real time, at pace realtime or with --play (default: %(default)g)",
     )  # fmt: skip
     group.add_argument(
         "--miss", choices=("strict", "elastic"),
@@ -216,8 +215,8 @@ def _add_run_options(group: argparse._ArgumentGroup) -> None:
     )
     group.add_argument(
         "--prove", action="store_true",
-        help="with --resimulate: if the log is complete and the run repeats exactly, print one line to quote, with map, "
-        "seed, versions, checksum and result; otherwise print no such line, and end with exit code 1",
+        help="with --resimulate: if the log is complete and the run repeats exactly, print one line to quote, with "
+        "map, seed, versions, checksum and result; otherwise print no such line, and end with exit code 1",
     )  # fmt: skip
     group.add_argument(
         "--trace", type=Path, metavar="FILE", help="with --resimulate: write the true state at each tick"

@@ -72,7 +72,10 @@ def parser() -> argparse.ArgumentParser:
 
 def main(arguments: list[str] | None = None) -> int:
     """Run the command and return its exit code."""
-    given = parser().parse_args(arguments)
+    command_line = parser()
+    given = command_line.parse_args(arguments)
+    if given.record is None and given.seconds != command_line.get_default("seconds"):
+        command_line.error("--seconds: expected with --record, got none")
     lacking = missing_extra("viewer")
     if lacking is not None:
         print(f"iw-viewer: {lacking}", file=sys.stderr)

@@ -46,6 +46,13 @@ Each message is valid for 0.3 s and is repeated while the input lasts.
 Standard output has the lines `ready agent=...`, `taken agent=...`, `released agent=...`, `ended agent=...`.
 Exit codes: 0 done, 1 refused or failed, 2 wrong usage.
 """
+OF_SOURCES = {
+    "clock": ("script",),
+    "forward": ("auto", "keyboard", "terminal", "gamepad", "words"),
+    "turn": ("auto", "keyboard", "terminal", "gamepad", "words"),
+    "hold": ("words",),
+}
+"""Options that only some sources use, which the others refuse."""
 
 
 def parser() -> argparse.ArgumentParser:
@@ -83,14 +90,14 @@ def parser() -> argparse.ArgumentParser:
         default=1.0,
         metavar="SHARE",
         help="input sent when the stick is fully forward, in [0, 1]; the mind decides what 1 means (joystick: full "
-        "motor power, aided: its option `speed`; with --take: full motor power) (default: 1)",
+        "motor power; aided: its option `speed`; with --take: full motor power); not with --source script (default: 1)",
     )
     result.add_argument(
         "--turn",
         type=share,
         default=0.5,
         metavar="SHARE",
-        help="input sent when the stick is fully to one side, in [0, 1] (default: 0.5)",
+        help="input sent when the stick is fully to one side, in [0, 1]; not with --source script (default: 0.5)",
     )
     result.add_argument(
         "--hold",
@@ -117,6 +124,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if (options.source == "script") != (options.script is not None):
         got = "none" if options.script is None else repr(str(options.script))
         command_line.error(f"--script: expected a file with --source script, none with another source, got {got}")
+    for name, sources in OF_SOURCES.items():
+        if options.source not in sources and getattr(options, name) != command_line.get_default(name):
+            command_line.error(f"--{name}: expected with --source {' or '.join(sources)}, got {options.source}")
     # First, because a signal may arrive while the other arguments are read.
     stop = stop_on_signals(options.lifeline)
     try:

@@ -13,8 +13,9 @@ The car accelerates and brakes by the Intelligent Driver Model:
 
 Here v is the speed, v0 the option `speed`, s the distance to the nearest obstacle ahead, and u the speed at which the
 car approaches it. The acceleration a is 1.5 m/s2, the comfortable braking b 2.0 m/s2, the gap at a standstill s0 2.0 m,
-and the time gap T 1.5 s; it never brakes harder than 6 m/s2. The obstacle is assumed to stand still (u = v), since people cross the road and do not move
-along it. The car looks with a fan of proximity cones that turns with it, so it takes bends slowly.
+and the time gap T 1.5 s. The car never brakes harder than 6 m/s2. The obstacle is assumed to stand still (u = v), since
+people cross the road and do not move along it. The car looks with a fan of proximity cones that turns with it, so it
+takes bends slowly.
 
 Source: M. Treiber, A. Hennecke, D. Helbing, Congested traffic states in empirical observations and microscopic
 simulations, Phys. Rev. E 62, 2000.

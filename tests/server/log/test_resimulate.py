@@ -89,7 +89,9 @@ def test_edited_log_is_refused_by_every_reader_and_a_cut_one_is_read_to_its_last
         assert len(list(trace_lines(path, told.append))) == 4
         assert "truncated after tick 3" in told[0]
         assert read_branch(path, 3).at == 3
-        with pytest.raises(LogError, match=r"expected a tick in \[0, 3\] to branch at, got 4: .*truncated after tick 3"):
+        with pytest.raises(
+            LogError, match=r"expected a tick in \[0, 3\] to branch at, got 4: .*truncated after tick 3"
+        ):
             read_branch(path, 4)
 
 
