@@ -79,8 +79,8 @@ def parser() -> argparse.ArgumentParser:
     result.add_argument(
         "--robot",
         metavar="NAME|FILE",
-        help=f"the body: an included robot or a robot file (default: {DEFAULT_ROBOT}; the minds "
-        f"{', '.join(OWN_ROBOTS)} have a robot of their own name)",
+        help=f"the body: an included robot or a robot file (default: {DEFAULT_ROBOT}; for the minds "
+        f"{', '.join(OWN_ROBOTS)}: the robot of that name)",
     )
     result.add_argument(
         "--numbered",
@@ -118,7 +118,9 @@ def parser() -> argparse.ArgumentParser:
         "--encoding", choices=("json", "xml"), default="json", help="the encoding of messages (default: json)"
     )
     result.add_argument(
-        "--no-barrier", action="store_true", help="in lockstep, the simulator does not wait for this agent"
+        "--no-barrier",
+        action="store_true",
+        help="in lockstep, the simulator does not wait for this agent (default: as the robot says)",
     )
     result.add_argument(
         "--retry-for",

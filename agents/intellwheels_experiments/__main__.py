@@ -112,8 +112,8 @@ def parser() -> argparse.ArgumentParser:
     )  # fmt: skip
     found.add_argument(
         "--command", action="append", default=[], metavar="AGENT=COMMAND",
-        help="let your program, in any language, play an agent; COMMAND may contain {name}, {endpoint} and {world}; "
-        "may be repeated",
+        help="let your program, in any language, play an agent; {name}, {endpoint} and {world} in COMMAND are "
+        "replaced; may be repeated",
     )  # fmt: skip
     found.add_argument(
         "--option", action="append", default=[], metavar="AGENT.NAME=VALUE",
@@ -139,7 +139,7 @@ def parser() -> argparse.ArgumentParser:
         "--timeout",
         type=command_parser.positive_seconds,
         metavar="S",
-        help=f"seconds of wall time after which the run is aborted (default: {WALL_LIMIT:g}, plus the scene's time "
+        help=f"seconds of wall time after which a run is aborted (default: {WALL_LIMIT:g}, plus the scene's time "
         "limit at pace realtime; none with --view)",
     )
     add_batch_options(found)

@@ -83,7 +83,8 @@ def _add_world_options(group: argparse._ArgumentGroup) -> None:
     group.add_argument(
         "--scene",
         metavar="NAME|FILE",
-        help="take map, seed, period, pace, --miss, --truth, end condition, agents and speech options from a scene",
+        help="take the map, the end condition, the agents to expect and the defaults of --seed, --period, --pace, "
+        "--miss, --truth and the options of messages between agents (--say-...) from a scene",
     )
     group.add_argument(
         "--map", metavar="NAME|FILE",
@@ -114,11 +115,11 @@ def _add_world_options(group: argparse._ArgumentGroup) -> None:
     )  # fmt: skip
     group.add_argument(
         "--say-range", type=like_field(messages.SayRange), metavar="M",
-        help=f"distance in metres up to which an agent is heard (default: the scene's, or {defaults.SAY_RANGE:g})",
+        help=f"distance in metres up to which a message is heard (default: the scene's, or {defaults.SAY_RANGE:g})",
     )  # fmt: skip
     group.add_argument(
         "--say-walls", action=argparse.BooleanOptionalAction,
-        help="whether walls and closed doors stop speech (default: the scene's, or no)",
+        help="whether walls and closed doors block messages between agents (default: the scene's, or no)",
     )  # fmt: skip
     group.add_argument(
         "--say-loss", type=share, metavar="P",
@@ -153,7 +154,7 @@ def _add_time_options(group: argparse._ArgumentGroup) -> None:
     )  # fmt: skip
     group.add_argument(
         "--expect", metavar="A,B,C",
-        help="wait at tick 0 until these agents have joined (default: the agents of the scene or of --branch)",
+        help="wait at tick 0 until these agents have joined (default: those of the scene or of --branch, or none)",
     )  # fmt: skip
     group.add_argument(
         "--reserve", action="append", metavar="AGENT=PLACE",
@@ -171,7 +172,7 @@ def _add_time_options(group: argparse._ArgumentGroup) -> None:
     )  # fmt: skip
     group.add_argument(
         "--deadline", type=positive_seconds, metavar="S",
-        help="seconds that lockstep waits for an answer "
+        help="seconds of wall time that lockstep waits for an answer "
         f"(default: strict {defaults.STRICT_DEADLINE:g}, elastic {defaults.ELASTIC_DEADLINE:g})",
     )  # fmt: skip
     group.add_argument(
@@ -186,7 +187,7 @@ def _add_time_options(group: argparse._ArgumentGroup) -> None:
     )  # fmt: skip
     group.add_argument(
         "--grace", type=positive_seconds, default=defaults.GRACE, metavar="S",
-        help="seconds after which an agent that vanished is removed (default: %(default)g)",
+        help="seconds of wall time after which an agent that vanished is removed (default: %(default)g)",
     )  # fmt: skip
 
 
@@ -210,8 +211,8 @@ def _add_run_options(group: argparse._ArgumentGroup) -> None:
         "--resimulate",
         type=readable_file,
         metavar="FILE",
-        help="run an input log again, compare every hash, and exit; exit code 1 if the log is truncated or edited, or "
-        "if a hash differs",
+        help="run an input log again, compare the hash of the state at every tick, and exit; exit code 1 if the log is "
+        "truncated or edited, or if a hash differs",
     )
     group.add_argument(
         "--prove", action="store_true",
@@ -219,7 +220,11 @@ def _add_run_options(group: argparse._ArgumentGroup) -> None:
         "map, seed, versions, checksum and result; otherwise print no such line, and end with exit code 1",
     )  # fmt: skip
     group.add_argument(
-        "--trace", type=Path, metavar="FILE", help="with --resimulate: write the true state at each tick"
+        "--trace",
+        type=Path,
+        metavar="FILE",
+        help="with --resimulate: write the true state at each tick; a truncated log is then written as far as it goes, "
+        "with exit code 0",
     )
     group.add_argument(
         "--play", type=readable_file, metavar="FILE",
@@ -233,7 +238,11 @@ def _add_run_options(group: argparse._ArgumentGroup) -> None:
         "the world that they joined; both logs must be of a lockstep run, because their runs and ticks are paired "
         "in order",
     )  # fmt: skip
-    group.add_argument("--quit-at-end", action="store_true", help="exit when the end condition is met")
+    group.add_argument(
+        "--quit-at-end",
+        action="store_true",
+        help="exit when the end condition is met or, with --play, at the end of the log",
+    )
 
 
 def options_of(given: argparse.Namespace) -> tuple[Options, Link]:

@@ -17,10 +17,11 @@ examples:
       iw-bridge serial --port /dev/ttyUSB0 --name chair1 --robot intellwheels --place start1
       iw-agent avoid --name chair1 --role mind
   a chair in the simulation `lab` instead of hardware; its right wheel is 0.2 % too large, its pose is raw odometry
+      iw-server --map ward
       iw-server --world lab --listen tcp/127.0.0.1:7448 --map ward --hide-truth
-      iw-bridge world --lab-connect tcp/127.0.0.1:7448 --name chair1 --chair-option WheelRatio=1.002
+      iw-bridge world --lab-connect tcp/127.0.0.1:7448 --name chair1 --place lobby1 --chair-option WheelRatio=1.002
   the same, with its pose corrected once a second by a position with an error of 5 cm
-      iw-bridge world --lab-connect tcp/127.0.0.1:7448 --name chair1 --chair-option WheelRatio=1.002 \\
+      iw-bridge world --lab-connect tcp/127.0.0.1:7448 --name chair1 --place lobby1 --chair-option WheelRatio=1.002 \\
           --pose corrected --fix-every 20 --fix-noise 0.05
 
 Two worlds in lockstep advance together, tick by tick. Give each server a --deadline that covers the slowest tick of the
@@ -148,8 +149,8 @@ def _add_pose_options(result: argparse.ArgumentParser) -> None:
     )  # fmt: skip
     pose.add_argument(
         "--fix-every", type=whole(1, MAX_COUNT), default=20, metavar="TICKS",
-        help="driver world, corrected poses: ticks between position fixes, for a chair without a GPS of its own "
-        "(default: 20)",
+        help="driver world, corrected poses: ticks between position fixes (measured positions), for a chair without a "
+        "GPS of its own (default: 20)",
     )  # fmt: skip
     pose.add_argument(
         "--fix-noise", type=like_field(messages.Length), default=0.05, metavar="M",

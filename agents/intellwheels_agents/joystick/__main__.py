@@ -41,7 +41,8 @@ examples:
   play a script: on each line seconds, forward, turn, and optionally buttons and a word
       iw-joystick chair1 --source script --script drive.txt
 
-Use it with worlds in real time. A run at full speed is too fast to steer by hand.
+The arrow keys, W A S D and I J K L give 0.6 of --forward and --turn, with shift all of it; space stops.
+Use it with worlds at pace realtime. At the paces lockstep and free a run is too fast to steer by hand.
 Each message is valid for 0.3 s and is repeated while the input lasts.
 Standard output has the lines `ready agent=...`, `taken agent=...`, `released agent=...`, `ended agent=...`.
 Exit codes: 0 done, 1 refused or failed, 2 wrong usage.
@@ -68,9 +69,9 @@ def parser() -> argparse.ArgumentParser:
         "--source",
         choices=("auto", "keyboard", "terminal", "gamepad", "script", "words"),
         default="auto",
-        help="input device. keyboard: the keys, in a window; terminal: the keys, in this terminal; words: lines of "
-        "standard input; script: a file; auto: a gamepad if one is connected, else keyboard, or terminal if there is "
-        "no display (default: auto)",
+        help="input device. gamepad: its first stick; keyboard: the keys, in a window; terminal: the keys, in this "
+        "terminal; words: words on standard input; script: a file; auto: a gamepad if one is connected, else keyboard, "
+        "or terminal if there is no display (default: auto)",
     )
     result.add_argument("--script", type=readable_file, metavar="FILE", help="with --source script: the file to play")
     result.add_argument(
