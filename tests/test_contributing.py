@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from importlib.util import find_spec
 from pathlib import Path
 
 import pytest
@@ -51,6 +52,11 @@ def test_name_stands_in_the_sources(name: str) -> None:
     word = name.rpartition(".")[2]
     snake = re.sub(r"(?<=[a-z])(?=[A-Z])", "_", word).lower()  # a field of the wire
     assert re.search(rf"\b({word}|{snake})\b", SOURCE), name
+
+
+@pytest.mark.parametrize("module", sorted(set(re.findall(r"python -m ([\w.]+)", TEXT))))
+def test_module_that_is_run_is_there(module: str) -> None:
+    assert find_spec(module) is not None
 
 
 @pytest.mark.parametrize("target", re.findall(r"\]\((?!http)([^)#]+)\)", TEXT))

@@ -69,6 +69,12 @@ def test_public_imports_are_there() -> None:
             assert hasattr(module, first) or importlib.util.find_spec(f"{package}.{first}"), f"{package}: {name}"
 
 
+def test_modules_that_the_readme_runs_are_there() -> None:
+    modules = set(re.findall(r"python3? -m ([\w.]+)", README))
+    assert modules >= {"intellwheels_schemas", "tests.bench"}
+    assert [module for module in modules if importlib.util.find_spec(module) is None] == []
+
+
 def test_files_the_readme_points_at_are_there() -> None:
     root = Path(__file__).parents[1]
     for target in re.findall(r"\]\((?!http)([^)#]+)\)", README):

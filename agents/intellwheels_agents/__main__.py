@@ -15,7 +15,14 @@ from intellwheels_agents.mind_error import USER_ERRORS, MindError, failed
 from intellwheels_agents.mind_help import mind_help
 from intellwheels_agents.mind_trial import check_mind_options
 from intellwheels_agents.options import OptionError, Options
-from intellwheels_agents.robot_document import DEFAULT_ROBOT, default_robot, equipped, joining, split_options
+from intellwheels_agents.robot_document import (
+    DEFAULT_ROBOT,
+    OWN_ROBOTS,
+    default_robot,
+    equipped,
+    joining,
+    split_options,
+)
 from intellwheels_maps import robot as robot_file
 from intellwheels_schemas.codec import Encoding
 from intellwheels_schemas.command_parser import CommandParser, naming, positive_seconds
@@ -28,7 +35,7 @@ from intellwheels_schemas.process import add_process_options, stop_on_signals
 
 EXAMPLES = """\
 examples:
-  a chair that drives to a place of the map, in an iw-server on this machine
+  a chair that drives to a place on the map; iw-server runs on this machine
       iw-agent waypoints --name chair1 --robot rear-wheel --option to=goal1
   a chair with scripted motor powers: straight on, a turn to the left, a stop
       iw-agent drive --name chair1 --option script="0:0.5,0.5; 2:0.1,0.4; 4:0,0"
@@ -43,8 +50,9 @@ examples:
 
 `iw-agent MIND --help` lists the options of an included mind, with ranges and defaults.
 
-On standard output: `joined agent=chair1 run=... tick=...`; `run agent=chair1 run=...` when a new run begins;
-`left agent=chair1`. Exit codes: 0 done, 1 refused or failed, 2 wrong usage.
+Standard output has `joined agent=chair1 run=... tick=...`, `run agent=chair1 run=...` when a new run begins, and
+`left agent=chair1`. Standard error has `counted ...` at the end: answers missed and repeated, and errors.
+Exit codes: 0 done, 1 refused or failed, 2 wrong usage.
 """
 FARTHEST = 10_000.0
 """Largest coordinate of --position, m; as in the contract."""
@@ -65,11 +73,14 @@ def parser() -> argparse.ArgumentParser:
         metavar="MIND",
         help=f"{', '.join(minds.names())}; or a Python file that defines a class Mind or a function make(context)",
     )
-    result.add_argument("--name", metavar="NAME", help="the agent's name (default: the mind's name)")
+    result.add_argument(
+        "--name", metavar="NAME", help="the agent's name (default: the name of the mind or of its file)"
+    )
     result.add_argument(
         "--robot",
         metavar="NAME|FILE",
-        help=f"the body: an included robot or a robot file (default: {DEFAULT_ROBOT}; door and table have their own)",
+        help=f"the body: an included robot or a robot file (default: {DEFAULT_ROBOT}; for the minds "
+        f"{', '.join(OWN_ROBOTS)}: the robot of that name)",
     )
     result.add_argument(
         "--numbered",
@@ -107,7 +118,9 @@ def parser() -> argparse.ArgumentParser:
         "--encoding", choices=("json", "xml"), default="json", help="the encoding of messages (default: json)"
     )
     result.add_argument(
-        "--no-barrier", action="store_true", help="in lockstep, the simulator does not wait for this agent"
+        "--no-barrier",
+        action="store_true",
+        help="in lockstep, the simulator does not wait for this agent (default: as the robot says)",
     )
     result.add_argument(
         "--retry-for",

@@ -54,7 +54,7 @@ def parser() -> argparse.ArgumentParser:
         epilog=(
             f"commands (each with its own --help):\n{lines}\n"
             f"  iw {'list KIND':{width}}what is included: {', '.join(KINDS)}\n"
-            f"  iw {'completion SHELL':{width}}print the completion script of {', '.join(shtab.SUPPORTED_SHELLS)}\n\n"
+            f"  iw {'completion SHELL':{width}}print the completion script for {', '.join(shtab.SUPPORTED_SHELLS)}\n\n"
             "examples:\n"
             "  iw run figure6 --view          three chairs, a table and a door, on a page in your browser\n"
             "  iw list floors                 the included maps\n"

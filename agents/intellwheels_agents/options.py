@@ -46,7 +46,7 @@ class Options(Mapping[str, str]):
 
     def text(self, name: str, default: str = "") -> str:
         """Return the option as text."""
-        self._declare(name, "text", default or "none")
+        self._declare(name, f"text; default {default or 'none'}")
         return self.get(name, default)
 
     def number(self, name: str, default: float, low: float = -math.inf, high: float = math.inf) -> float:
@@ -56,7 +56,7 @@ class Options(Mapping[str, str]):
             OptionError: It is not a number, or is out of range.
         """
         expected = "a number" if math.isinf(low) and math.isinf(high) else f"a number in [{low:g}, {high:g}]"
-        self._declare(name, expected, f"{default:g}")
+        self._declare(name, f"{expected}; default {default:g}")
         text = self.get(name)
         if text is None:
             return default
@@ -79,15 +79,20 @@ class Options(Mapping[str, str]):
         Raises:
             OptionError: It is none of them.
         """
-        self._declare(name, f"one of {', '.join(words)}", default)
+        self._declare(name, f"one of {', '.join(words)}; default {default}")
         text = self.get(name, default)
         if text not in words:
             raise OptionError(f"option {name}: expected one of {', '.join(words)}, got {text!r}")
         return text
 
-    def words(self, name: str) -> tuple[str, ...]:
-        """Return the option as words separated by spaces or commas."""
-        self._declare(name, "words", "none")
+    def words(self, name: str, expected: str = "names, separated by spaces or commas; default none") -> tuple[str, ...]:
+        """Return the option as words separated by spaces or commas.
+
+        Args:
+            name: The option.
+            expected: What it is, for the help; with its default, or whether it is required.
+        """
+        self._declare(name, expected)
         return tuple(self.get(name, "").replace(",", " ").split())
 
     def points(self, name: str) -> tuple[tuple[float, float], ...]:
@@ -96,7 +101,7 @@ class Options(Mapping[str, str]):
         Raises:
             OptionError: A word is not a number, or the last y is missing.
         """
-        self._declare(name, "points x y x y", "none")
+        self._declare(name, 'pairs of coordinates, "x y x y"; default none')
         words = self.words(name)
         numbers = [_number(word) for word in words]
         values = [number for number in numbers if number is not None]
@@ -104,8 +109,8 @@ class Options(Mapping[str, str]):
             raise OptionError(f"option {name}: expected numbers in pairs, x y x y, got {self[name]!r}")
         return tuple(zip(values[::2], values[1::2], strict=True))
 
-    def _declare(self, name: str, expected: str, default: str) -> None:
-        self.declared.setdefault(name, f"{expected}; default {default}")
+    def _declare(self, name: str, text: str) -> None:
+        self.declared.setdefault(name, text)
 
     def check_all_read(self) -> None:
         """Refuse options that no reader asked for.

@@ -27,13 +27,14 @@ from intellwheels_schemas.sonar_devices import DEVICES
 
 DEFAULT_ROBOT = "intellwheels"
 """The robot of a mind that has none of its own."""
-_OWN_ROBOTS = {"door": "door", "table": "table"}
+OWN_ROBOTS = {name: name for name in ("car", "door", "person", "table")}
+"""The robot of each mind that does not drive a wheelchair."""
 _NUMBER = re.compile(r"-?\d+(\.\d+)?([eE][-+]?\d+)?")
 
 
 def default_robot(mind: str) -> str:
     """Return the name of the included robot that a mind drives if no robot is given."""
-    return _OWN_ROBOTS.get(mind, DEFAULT_ROBOT)
+    return OWN_ROBOTS.get(mind, DEFAULT_ROBOT)
 
 
 def split_options(given: Mapping[str, str]) -> tuple[dict[str, str], dict[str, str]]:

@@ -64,8 +64,8 @@ examples:
       --option chair.speed=0.3 --out what-if
       what if: repeat that run, but slower from tick 200 on
 
-exit codes: 0 all conditions of the scene held or, in a batch or branch, every run reached its end; 1 otherwise;
-2 wrong usage; 130 interrupted before anything started
+exit codes: 0 all conditions of the scene held or, in a batch or branch, every run reached its end; 1 otherwise, also if
+the run is interrupted; 2 wrong usage; 130 if interrupted before anything started
 """
 
 INTERRUPTED: Final = 130
@@ -87,16 +87,15 @@ def parser() -> argparse.ArgumentParser:
     )
     found.add_argument(
         "--view", action="store_true",
-        help="serve a page that shows and controls the run, until Ctrl-C; the default pace is then realtime",
+        help="serve a page that shows and controls the run, until Ctrl-C",
     )  # fmt: skip
     found.add_argument(
-        "--view-port",
-        type=command_parser.port,
-        metavar="N",
-        default=8080,
-        help="port of the page; 0 picks a free one (default: 8080)",
+        "--view-port", type=command_parser.port, metavar="N", default=8080,
+        help="with --view: port of the page; 0 picks a free one (default: 8080)",
+    )  # fmt: skip
+    found.add_argument(
+        "--pace", choices=get_args(Pace), help="pace of the run (default: the scene's; realtime with --view)"
     )
-    found.add_argument("--pace", choices=get_args(Pace), help="pace of the run (default: the scene's)")
     found.add_argument(
         "--speed",
         type=like_field(messages.Factor),
@@ -113,8 +112,8 @@ def parser() -> argparse.ArgumentParser:
     )  # fmt: skip
     found.add_argument(
         "--command", action="append", default=[], metavar="AGENT=COMMAND",
-        help="let your program, in any language, play an agent; COMMAND may contain {name}, {endpoint} and {world}; "
-        "may be repeated",
+        help="let your program, in any language, play an agent; {name}, {endpoint} and {world} in COMMAND are "
+        "replaced; may be repeated",
     )  # fmt: skip
     found.add_argument(
         "--option", action="append", default=[], metavar="AGENT.NAME=VALUE",
@@ -124,28 +123,29 @@ def parser() -> argparse.ArgumentParser:
         "--encoding", choices=("json", "xml"), default="json", help="encoding of the agents' messages (default: json)"
     )
     found.add_argument(
-        "--json",
-        type=Path,
-        metavar="FILE",
+        "--json", type=Path, metavar="FILE",
         help="write the result to this file as JSON; its field `hash` is the hash of the final state",
-    )
+    )  # fmt: skip
     found.add_argument(
-        "--log",
-        type=Path,
-        metavar="FILE",
+        "--log", type=Path, metavar="FILE",
         help="write the input log, for iw-server --resimulate and --play; with FILE run.jsonl, the log of a laboratory "
-        "is run-lab.jsonl",
-    )
-    found.add_argument("--logs", type=Path, metavar="DIR", help="keep the logs of the processes in this folder")
+        "(the second simulation of a scene with Bridge elements) is run-lab.jsonl",
+    )  # fmt: skip
+    found.add_argument(
+        "--logs", type=Path, metavar="DIR",
+        help="keep the logs of the processes in this folder (default: a temporary one, kept only if the run fails)",
+    )  # fmt: skip
     found.add_argument(
         "--timeout",
         type=command_parser.positive_seconds,
         metavar="S",
-        help=f"seconds of wall time after which the run is aborted (default: {WALL_LIMIT:g}, plus the scene's time "
+        help=f"seconds of wall time after which a run is aborted (default: {WALL_LIMIT:g}, plus the scene's time "
         "limit at pace realtime; none with --view)",
     )
     add_batch_options(found)
-    link = found.add_argument_group("connection", "by default the simulator listens at a free port of this machine")
+    link = found.add_argument_group(
+        "connection", "by default the simulator listens at a free port of this machine; not for a batch or branch"
+    )
     link.add_argument(
         "--world",
         type=_world,
@@ -153,10 +153,13 @@ def parser() -> argparse.ArgumentParser:
         default=defaults.WORLD,
         help=f"name of the world (default: {defaults.WORLD})",
     )
-    link.add_argument("--listen", action="append", default=[], metavar="ENDPOINT", help="where the simulator listens")
     link.add_argument(
-        "--connect", action="append", default=[], metavar="ENDPOINT", help="router to which all processes connect"
+        "--listen", action="append", default=[], metavar="ENDPOINT", help="where the simulator listens; may be repeated"
     )
+    link.add_argument(
+        "--connect", action="append", default=[], metavar="ENDPOINT",
+        help="router to which all processes connect; may be repeated",
+    )  # fmt: skip
     link.add_argument(
         "--config", type=readable_file, metavar="FILE", help="Zenoh configuration (JSON5) of all processes"
     )
@@ -340,6 +343,8 @@ def _check_together(grammar: argparse.ArgumentParser, options: argparse.Namespac
         rules += [(_BRANCH_ONLY, "expected with --branch, got none")]
     else:
         rules += [(("seeds", "jobs", "part", "merge"), "expected without --branch, which repeats one run")]
+        if len(options.row or ()) > 1:
+            rules += [(("row",), "expected one row with --branch, which repeats one run")]
     if options.merge:
         rules += [(("jobs", "part"), "expected without --merge, which makes no runs")]
     for group, text in rules:

@@ -49,7 +49,7 @@ def _parser() -> argparse.ArgumentParser:
     listing.set_defaults(run=_list)
 
     checking = commands.add_parser(
-        "check", help="check a map, robot or scene file: faults with their lines, and places where a chair cannot turn"
+        "check", help="check a map, robot or scene file: errors with their lines, and places where a chair cannot turn"
     )
     checking.add_argument("file", metavar="FILE", type=readable_file, help="a map, robot or scene file")
     checking.set_defaults(run=_check)

@@ -32,8 +32,9 @@ def _parser() -> argparse.ArgumentParser:
     commands = parser.add_subparsers(dest="command", metavar="COMMAND")
     check = commands.add_parser(
         "check",
-        help="check a document, and print the first fault and its place",
-        description="Check a document, and print the first fault and its place. "
+        prog="python -m intellwheels_schemas check",
+        help="check a document, and print the first error and its place",
+        description="Check a document, and print the first error and its place. "
         "Exit codes: 0 valid, 1 not valid, 2 wrong usage.",
     )
     check.add_argument("file", metavar="FILE", help="XML or JSON file; - for standard input")

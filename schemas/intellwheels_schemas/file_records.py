@@ -294,7 +294,7 @@ class InputTick(FileRecord, frozen=True, kw_only=True):
 
 
 class InputEnd(FileRecord, frozen=True, kw_only=True):
-    """The last line of an input log of version 2 that was closed in order. A log without it was cut."""
+    """The last line of an input log of version 2 that was closed in order. A log without it was truncated."""
 
     end: Literal["closed"]
     """What ended the log."""

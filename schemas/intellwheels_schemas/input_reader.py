@@ -1,8 +1,8 @@
-"""Reads the lines of an input log in order, and tells a log that was edited from one that was cut.
+"""Reads the lines of an input log in order, and tells a log that was edited from one that was truncated.
 
-A log ends with an `InputEnd`. One that ends earlier was cut: by `kill -9`, a full disk, or a copy that is incomplete.
-Its lines can be used up to the last whole one. A log whose checksums do not match was edited, and is refused.
-Logs of version 1 have neither checksums nor an end; there, only an incomplete last line shows a cut.
+A log ends with an `InputEnd`. One that ends earlier was truncated: by `kill -9`, a full disk, or a copy that is
+incomplete. Its lines can be used up to the last whole one. A log whose checksums do not match was edited, and is
+refused. Logs of version 1 have neither checksums nor an end; there, only an incomplete last line shows it.
 """
 
 from __future__ import annotations
@@ -52,7 +52,7 @@ class InputReader:
             where = self._where()
             raise WireError(
                 "malformed",
-                f"{where}: expected the header of an input log, got one that is cut: no tick is left",
+                f"{where}: expected the header of an input log, got one that is truncated: no tick is left",
                 where,
             )
         if is_sealed(text):
@@ -148,8 +148,8 @@ class InputReader:
 
 
 def cut_text(name: str, tick: int) -> str:
-    """Return the text that tells people of a cut log."""
-    return f"{name}: the log is cut after tick {tick}: it has no end, so later ticks may be missing"
+    """Return the text that tells people of a truncated log."""
+    return f"{name}: the log is truncated after tick {tick}: it has no end, so later ticks may be missing"
 
 
 def unchained_text(name: str) -> str:

@@ -156,8 +156,8 @@ _LOGS = """## Files for programs
 reader refuses a header of another `Version`, and ignores fields that it does not know.
 
 Each line of an input log ends with a checksum, `Chain`, over itself and all lines before it. A log without an
-`InputEnd` was cut, and can be used up to its last whole line. A log with a wrong checksum was edited. Input logs of
-version 1 have no `Chain` and no `InputEnd`.
+`InputEnd` was truncated, and can be used up to its last whole line. A log with a wrong checksum was edited. Input logs
+of version 1 have no `Chain` and no `InputEnd`.
 
 """
 

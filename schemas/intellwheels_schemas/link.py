@@ -83,12 +83,13 @@ class Link:
         return ", ".join(self.listen + self.connect) or str(self.config or defaults.ENDPOINT)
 
 
-def add_link_options(parser: argparse.ArgumentParser, *, listens: bool = False) -> None:
+def add_link_options(parser: argparse.ArgumentParser, *, listens: bool = False, world: str = defaults.WORLD) -> None:
     """Add the connection options, which all commands share.
 
     Args:
         parser: Parser of a command.
         listens: Whether the command listens by default, as the simulator does; otherwise it connects.
+        world: The default of --world in words, if the command sets another than `defaults.WORLD`.
     """
     group = parser.add_argument_group("connection")
     if listens:
@@ -99,7 +100,7 @@ def add_link_options(parser: argparse.ArgumentParser, *, listens: bool = False) 
         "--world",
         default=defaults.WORLD,
         metavar="NAME",
-        help=f"name of the world; several worlds can share an endpoint (default: {defaults.WORLD})",
+        help=f"name of the world; several worlds can share an endpoint (default: {world})",
     )
     group.add_argument(
         "--connect", action="append", default=[], metavar="ENDPOINT",

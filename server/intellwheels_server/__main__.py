@@ -18,11 +18,12 @@ from intellwheels_schemas.output_paths import check_output_file, check_output_fo
 from intellwheels_schemas.process import stop_on_signals
 from intellwheels_server.server_options import PLAY_SUFFIX, options_of, parser
 
-LIVE_OPTIONS = (
-    "scene", "map", "seed", "period", "truth", "hide_truth", "pace", "miss", "expect", "await_page", "open_loop",
-    "deadline", "log", "runs", "branch",
-)  # fmt: skip
-"""Options of a live run, which a playback refuses."""
+_ALWAYS = ("lifeline", "link_listens")
+WITH_LOG = {
+    "resimulate": ("prove", "trace", *_ALWAYS),
+    "play": ("reported", "speed", "quit_at_end", "world", "connect", "listen", "config", *_ALWAYS),
+}
+"""Options that a log which is run again or played back leaves open. All others are those of a live run."""
 PLAY_NAME_LENGTH = 32 - len(PLAY_SUFFIX)
 """Characters of that name that are kept. A name has at most 32."""
 
@@ -49,6 +50,11 @@ def _perform(grammar: argparse.ArgumentParser, given: argparse.Namespace) -> int
         grammar.error("--prove: expected with --resimulate and without --trace")
     if given.reported is not None and given.play is None:
         grammar.error("--reported: expected with --play, got none")
+    if given.at and given.branch is None:
+        grammar.error("--at: expected with --branch, got none")
+    for reads, left in WITH_LOG.items():
+        if getattr(given, reads) is not None:
+            _refuse_live_options(grammar, given, reads, left)
     try:
         _check_outputs(given)
     except WireError as error:
@@ -59,10 +65,6 @@ def _perform(grammar: argparse.ArgumentParser, given: argparse.Namespace) -> int
             return _trace(given.resimulate, given.trace)
         return _resimulate(given.resimulate, prove=given.prove)
     if given.play is not None:
-        for name in LIVE_OPTIONS:
-            if getattr(given, name):
-                option = f"--{name.replace('_', '-')}"
-                grammar.error(f"{option}: expected a live run, got --play, whose log decides it")
         return _play(given)
     given.world = defaults.WORLD if given.world is None else given.world
     try:
@@ -96,6 +98,15 @@ def _perform(grammar: argparse.ArgumentParser, given: argparse.Namespace) -> int
         where = "" if error.filename is None else f"{written_by(given, error)}: "
         print(f"iw-server: {where}{error.strerror or error}", file=sys.stderr)
     return 1
+
+
+def _refuse_live_options(
+    grammar: argparse.ArgumentParser, given: argparse.Namespace, reads: str, left: tuple[str, ...]
+) -> None:
+    """End the command if an option is given that the log of `--resimulate` or `--play` makes meaningless."""
+    for name, value in vars(given).items():
+        if name not in (reads, *left) and value != grammar.get_default(name):
+            grammar.error(f"--{name.replace('_', '-')}: expected a live run, got --{reads}, whose log decides it")
 
 
 def written_by(given: argparse.Namespace, error: OSError) -> str:
@@ -201,7 +212,7 @@ def _resimulate(path: Path, *, prove: bool) -> int:
         return 0
     if prove:
         print("iw-server: --prove: expected a whole log with checksums; nothing is proved", file=sys.stderr)
-    word = "cut" if found.cut else "same"
+    word = "truncated" if found.cut else "same"
     print(f"{word} ticks={found.ticks} tick={found.tick} hash={found.hash}", flush=True)
     return 1 if prove or found.cut else 0
 

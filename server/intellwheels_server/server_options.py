@@ -48,6 +48,12 @@ Standard output has `ready ...` when agents may join, `running tick=0 run=R` whe
 `ended tick=N hash=H run=R` when the end condition is met. Exit codes: 0 done, 1 refused or failed, 2 wrong usage.
 """
 
+OF_A_LOG = {
+    "scene": None, "map": None, "seed": None, "period": None, "truth": None, "say_limit": defaults.SAY_LIMIT,
+    "say_range": None, "say_walls": None, "say_loss": None, "say_delay": None,
+    "command_timeout": defaults.COMMAND_TIMEOUT,
+}  # fmt: skip
+"""Options that the log of `--branch` decides, with their defaults."""
 LAST_TICK = 1 << 40
 """Largest tick of `--at`."""
 
@@ -68,7 +74,7 @@ def parser() -> argparse.ArgumentParser:
     _add_time_options(found.add_argument_group("time"))
     _add_run_options(found.add_argument_group("run"))
     add_process_options(found)
-    add_link_options(found, listens=True)
+    add_link_options(found, listens=True, world=f"{defaults.WORLD}; with --play, see there")
     found.set_defaults(world=None)  # a playback has another default
     return found
 
@@ -77,20 +83,25 @@ def _add_world_options(group: argparse._ArgumentGroup) -> None:
     group.add_argument(
         "--scene",
         metavar="NAME|FILE",
-        help="take map, seed, period, pace, end condition, agents and speech options from a scene",
+        help="take the map, the end condition, the agents to expect and the defaults of --seed, --period, --pace, "
+        "--miss, --truth and the options of messages between agents (--say-...) from a scene",
     )
     group.add_argument(
-        "--map", metavar="NAME|FILE", help=f"the map: an included one, or a file (default: {DEFAULT_FLOOR})"
-    )
+        "--map", metavar="NAME|FILE",
+        help=f"the map: an included one, or a file (default: the scene's, or {DEFAULT_FLOOR})",
+    )  # fmt: skip
     group.add_argument(
         "--seed", type=like_field(messages.Seed), metavar="TEXT",
-        help=f"the seed of all noise (default: {defaults.SEED})",
+        help=f"the seed of all noise (default: the scene's, or {defaults.SEED})",
     )  # fmt: skip
     group.add_argument(
         "--period", type=like_field(messages.Period), metavar="S",
-        help=f"simulated seconds per tick (default: {defaults.PERIOD:g})",
+        help=f"simulated seconds per tick (default: the scene's, or {defaults.PERIOD:g})",
     )  # fmt: skip
-    group.add_argument("--truth", action="store_true", default=None, help="allow sensors that give the true pose")
+    group.add_argument(
+        "--truth", action="store_true", default=None,
+        help="allow sensors that give the true pose (default: as the scene says, or no)",
+    )  # fmt: skip
     group.add_argument(
         "--hide-truth",
         action="store_true",
@@ -104,11 +115,11 @@ def _add_world_options(group: argparse._ArgumentGroup) -> None:
     )  # fmt: skip
     group.add_argument(
         "--say-range", type=like_field(messages.SayRange), metavar="M",
-        help=f"distance in metres up to which an agent is heard (default: the scene's, or {defaults.SAY_RANGE:g})",
+        help=f"distance in metres up to which a message is heard (default: the scene's, or {defaults.SAY_RANGE:g})",
     )  # fmt: skip
     group.add_argument(
         "--say-walls", action=argparse.BooleanOptionalAction,
-        help="whether walls and closed doors stop speech (default: the scene's, or no)",
+        help="whether walls and closed doors block messages between agents (default: the scene's, or no)",
     )  # fmt: skip
     group.add_argument(
         "--say-loss", type=share, metavar="P",
@@ -129,18 +140,22 @@ def _add_world_options(group: argparse._ArgumentGroup) -> None:
 def _add_time_options(group: argparse._ArgumentGroup) -> None:
     group.add_argument(
         "--pace", choices=("realtime", "free", "lockstep"),
-        help="what starts a tick: the clock, the end of the last tick, or the answers of all agents "
-        "(default: realtime)",
+        help="what starts a tick: the clock, the end of the previous tick, or the answers of all agents "
+        "(default: the scene's, or realtime)",
     )  # fmt: skip
     group.add_argument(
         "--speed", type=like_field(messages.Factor), default=1.0, metavar="F",
-        help="simulated time over real time (default: %(default)g)",
+        help="simulated time over real time, at pace realtime or with --play (default: %(default)g)",
     )  # fmt: skip
     group.add_argument(
         "--miss", choices=("strict", "elastic"),
-        help="what lockstep does when an answer is missing: end the run, or keep the last command (default: strict)",
+        help="what lockstep does when an answer is missing: end the run, or keep the last command "
+        "(default: the scene's, or strict)",
     )  # fmt: skip
-    group.add_argument("--expect", metavar="A,B,C", help="wait at tick 0 until these agents have joined")
+    group.add_argument(
+        "--expect", metavar="A,B,C",
+        help="wait at tick 0 until these agents have joined (default: those of the scene or of --branch, or none)",
+    )  # fmt: skip
     group.add_argument(
         "--reserve", action="append", metavar="AGENT=PLACE",
         help="keep a place of the map for an agent; may be repeated (default: the places of the scene's agents)",
@@ -157,22 +172,22 @@ def _add_time_options(group: argparse._ArgumentGroup) -> None:
     )  # fmt: skip
     group.add_argument(
         "--deadline", type=positive_seconds, metavar="S",
-        help="seconds that lockstep waits for an answer "
+        help="seconds of wall time that lockstep waits for an answer "
         f"(default: strict {defaults.STRICT_DEADLINE:g}, elastic {defaults.ELASTIC_DEADLINE:g})",
     )  # fmt: skip
     group.add_argument(
         "--agent-rays", type=whole(0, 10**12, "rays per second"), default=defaults.AGENT_RAYS, metavar="N",
-        help="rays per simulated second that the sensors of an agent may cast at pace realtime; more are refused "
-        "(default: %(default)s)",
+        help="largest number of rays per simulated second that the sensors of an agent may cast at pace realtime; "
+        "an agent with more is refused (default: %(default)s)",
     )  # fmt: skip
     group.add_argument(
         "--world-rays", type=whole(0, 10**12, "rays per second"), default=defaults.WORLD_RAYS, metavar="N",
-        help="rays per simulated second that the sensors of all agents may cast at pace realtime "
-        "(default: %(default)s)",
+        help="largest number of rays per simulated second that the sensors of all agents together may cast at pace "
+        "realtime; an agent that would exceed it is refused (default: %(default)s)",
     )  # fmt: skip
     group.add_argument(
         "--grace", type=positive_seconds, default=defaults.GRACE, metavar="S",
-        help="seconds after which an agent that vanished is removed (default: %(default)g)",
+        help="seconds of wall time after which an agent that vanished is removed (default: %(default)g)",
     )  # fmt: skip
 
 
@@ -184,8 +199,9 @@ def _add_run_options(group: argparse._ArgumentGroup) -> None:
     )  # fmt: skip
     group.add_argument(
         "--branch", type=readable_file, metavar="FILE",
-        help="repeat the run of this input log up to tick --at, then let the agents drive; "
-        "map, seed, period and end condition are those of the log",
+        help="repeat the run of this input log up to tick --at, then let the agents drive; needs --pace lockstep, and "
+        "excludes --scene, --map, --seed and the other options of the group `world` except --hide-truth, because the "
+        "log decides them",
     )  # fmt: skip
     group.add_argument(
         "--at", type=whole(0, LAST_TICK, "a tick"), metavar="TICK", default=0,
@@ -195,16 +211,20 @@ def _add_run_options(group: argparse._ArgumentGroup) -> None:
         "--resimulate",
         type=readable_file,
         metavar="FILE",
-        help="run an input log again, compare every hash, and exit; exit code 1 if the log is cut or edited, or if a "
-        "hash differs",
+        help="run an input log again, compare the hash of the state at every tick, and exit; exit code 1 if the log is "
+        "truncated or edited, or if a hash differs",
     )
     group.add_argument(
         "--prove", action="store_true",
-        help="with --resimulate: print one line to quote, with map, seed, versions, checksum and result; "
-        "fail if the log is cut or edited, or if a hash differs",
+        help="with --resimulate: if the log is complete and the run repeats exactly, print one line to quote, with "
+        "map, seed, versions, checksum and result; otherwise print no such line, and end with exit code 1",
     )  # fmt: skip
     group.add_argument(
-        "--trace", type=Path, metavar="FILE", help="with --resimulate: write the true state at each tick"
+        "--trace",
+        type=Path,
+        metavar="FILE",
+        help="with --resimulate: write the true state at each tick; a truncated log is then written as far as it goes, "
+        "with exit code 0",
     )
     group.add_argument(
         "--play", type=readable_file, metavar="FILE",
@@ -218,7 +238,11 @@ def _add_run_options(group: argparse._ArgumentGroup) -> None:
         "the world that they joined; both logs must be of a lockstep run, because their runs and ticks are paired "
         "in order",
     )  # fmt: skip
-    group.add_argument("--quit-at-end", action="store_true", help="exit when the end condition is met")
+    group.add_argument(
+        "--quit-at-end",
+        action="store_true",
+        help="exit when the end condition is met or, with --play, at the end of the log",
+    )
 
 
 def options_of(given: argparse.Namespace) -> tuple[Options, Link]:
@@ -268,10 +292,9 @@ def options_of(given: argparse.Namespace) -> tuple[Options, Link]:
     setup = _with_speech_rules(setup, given, written)
     branch = None if given.branch is None else read_branch(given.branch, given.at)
     if branch is not None:
-        if pace != "lockstep" or written is not None or given.map is not None or given.seed is not None:
-            raise ValueError(
-                "--branch: expected --pace lockstep and no --scene, --map or --seed, because the log sets them"
-            )
+        if pace != "lockstep" or any(getattr(given, name) not in (None, default) for name, default in OF_A_LOG.items()):
+            options_of_log = ", ".join(f"--{name.replace('_', '-')}" for name in OF_A_LOG)
+            raise ValueError(f"--branch: expected --pace lockstep and none of {options_of_log}: the log sets them")
         setup = branch.setup({"strict": strict})
         expect = expect or branch.agents
     options = Options(

@@ -1,16 +1,16 @@
-"""Chairs with the mind `avoid` on the included maps, many seeds: what they touch, and whether one freezes.
+"""Run chairs with the mind `avoid` on the included maps with many seeds: what they touch, and whether one freezes.
 
     python -m tests.agents.avoid_trials --seeds 100 --csv FILE
 
-A seed draws the chairs, their robots and their starts. One chair is alone on every map, fifteen are on the ward, and
-elsewhere as many as there are places where they start clear of one another and can turn. A row is a chair in a run.
-A contact counts at the height of the sensors, if both parts that touch are there. A chair is frozen for as long as it
-moves less than 0.1 m and turns less than 0.3 rad in all.
+A seed draws the robots and the starts of the chairs. Each map is run with one chair, and then with many: with fifteen
+on the ward, and on the other maps with as many as there are places where a chair can turn and is clear of the others.
+Each row of the CSV is one chair in one run. A contact counts if both parts that touch are at the height of the sensors.
+A chair is frozen for as long as it moves less than 0.1 m and turns less than 0.3 rad in all. Exit code 1: a chair
+touched something, or was frozen for more than 30 s.
 """
 
 from __future__ import annotations
 
-import argparse
 import csv
 import math
 import os
@@ -27,6 +27,7 @@ from intellwheels_maps.turning import TurningCheck
 from intellwheels_schemas.messages import Event, Map, Place
 from intellwheels_schemas.rules import parts_of
 from tests.agents.arena import Arena
+from tests.trial_command import add_runs, trial_parser
 
 ROBOTS = ("rear-wheel", "mid-wheel", "front-wheel", "intellwheels")
 HEIGHT = 0.4
@@ -138,13 +139,17 @@ def scenes(grounds: Sequence[str]) -> Iterator[tuple[str, int]]:
 
 def main(words: Sequence[str] | None = None) -> int:
     """Run the trials and return the exit code: 1 if a chair touched something or froze."""
-    parser = argparse.ArgumentParser(prog="python -m tests.agents.avoid_trials", description=__doc__)
-    parser.add_argument("--seeds", type=int, default=100)
-    parser.add_argument("--first", type=int, default=1)
-    parser.add_argument("--seconds", type=float, default=300.0)
-    parser.add_argument("--maps", nargs="*", default=names("floors"))
-    parser.add_argument("--chairs", type=int, help="only the scenes with so many")
-    parser.add_argument("--csv", type=Path)
+    parser = trial_parser("tests.agents.avoid_trials", __doc__)
+    add_runs(parser, "--seeds", 100, "runs of each map and number of chairs")
+    parser.add_argument(
+        "--seconds", type=float, default=300.0, metavar="S", help="simulated seconds of a run (default: 300)"
+    )
+    parser.add_argument(
+        "--maps", nargs="+", default=names("floors"), metavar="MAP", help="maps (default: all that are included)"
+    )
+    parser.add_argument(
+        "--chairs", type=int, metavar="N", help="only runs with this number of chairs (default: one, and many)"
+    )
     given = parser.parse_args(words)
     bad = 0
     with (given.csv or Path(os.devnull)).open("w", newline="") as file:

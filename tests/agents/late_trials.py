@@ -1,23 +1,23 @@
-"""Minds whose sensors and commands come late, with any period, chair and motors: who arrives, and who touches what.
+"""Run minds with late sensors and commands, other periods, chairs and motors: who arrives, and who touches what.
 
     python -m tests.agents.late_trials --seeds 8 --csv tests/agents/late_trials.csv
 
-A chair drives through the corridor with two blocks: `seek` and `navigate` to its end, `aided` with a user who holds
-the stick ahead and turns at random, without regard to anything. One condition is changed at a time, then several
-together, drawn at random. A row is a run. `navigate` is told its pose; the other sensors of all minds come late.
+A chair drives through the map `corridor15m`: `seek` and `navigate` to its end, `aided` with a user who holds the stick
+forward most of the time and turns at random, without regard to obstacles. First one condition is changed at a time,
+then several together, drawn at random. Each row of the CSV is one run. `navigate` gets its true pose at once; the other
+sensors of all minds come late. Exit code 1: a chair touched something that its sensors had reported, or one with `seek`
+or `navigate` did not arrive.
 """
 
 from __future__ import annotations
 
-import argparse
 import csv
 import math
 import random
 import sys
 from collections import deque
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass, replace
-from pathlib import Path
 
 import msgspec
 
@@ -25,6 +25,7 @@ from intellwheels_schemas.messages import Actions, Event, Robot, Sensors, UserIn
 from intellwheels_server.world import measures
 from tests.agents.arena import Arena
 from tests.agents.navigate_trials import Timed
+from tests.trial_command import trial_parser
 
 MINDS = ("seek", "navigate", "aided")
 CHAIRS = ("rear-wheel", "mid-wheel", "front-wheel", "intellwheels")
@@ -185,13 +186,25 @@ def trial(mind: str, condition: Condition, seed: int, seconds: float = 90.0) -> 
     )  # fmt: skip
 
 
-def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--minds", nargs="+", default=list(MINDS))
-    parser.add_argument("--seeds", type=int, default=8)
-    parser.add_argument("--only", type=int, nargs="*", help="numbers of the conditions, from 0")
-    parser.add_argument("--csv", type=Path)
-    given = parser.parse_args()
+def main(words: Sequence[str] | None = None) -> None:
+    """Run the trials."""
+    parser = trial_parser("tests.agents.late_trials", __doc__)
+    parser.add_argument(
+        "--minds", nargs="+", choices=MINDS, default=list(MINDS), metavar="MIND",
+        help=f"minds (default: {', '.join(MINDS)})",
+    )  # fmt: skip
+    parser.add_argument(
+        "--seeds",
+        type=int,
+        default=8,
+        metavar="N",
+        help="runs of each mind and condition, with the seeds 1 to N (default: 8)",
+    )
+    parser.add_argument(
+        "--only", type=int, nargs="+", metavar="N",
+        help=f"numbers of conditions, from 0 to {sum(1 for _ in conditions()) - 1} (default: all)",
+    )  # fmt: skip
+    given = parser.parse_args(words)
     rows: list[Row] = []
     for mind in given.minds:
         for number, condition in enumerate(conditions()):

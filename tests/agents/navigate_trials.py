@@ -1,27 +1,28 @@
-"""Chairs with the mind `navigate` on the ward, many scenes: who arrives, touches or stands, and what a tick costs.
+"""Run chairs with the mind `navigate` on a map: which chairs arrive, touch something or get stuck; what a tick costs.
 
     python -m tests.agents.navigate_trials --scenes 50 --chairs 5 --csv FILE
 
-A scene draws its chairs, their starts and their goals from its number: different places of the map, different goals, a
-robot each. All chairs use `navigate`. A chair has reached its goal once it is within 0.3 m of it. A row is a chair.
+Each scene has a number, from which the robot, the start and the goal of each chair are drawn. No two chairs have the
+same start or the same goal. A chair has reached its goal once it is within 0.3 m of it. By default the chairs get their
+true poses (`truth=true`). Each row of the CSV is one chair in one scene.
 """
 
 from __future__ import annotations
 
-import argparse
 import csv
 import math
 import random
 import statistics
 import sys
 import time
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass
-from pathlib import Path
 
 from intellwheels_agents.mind import Bridge, Mind
 from intellwheels_maps import floor
 from intellwheels_schemas.messages import Actions, Measures
 from tests.agents.arena import Arena
+from tests.trial_command import add_runs, trial_parser
 
 ROBOTS = ("rear-wheel", "mid-wheel", "front-wheel", "intellwheels")
 REACHED = 0.3
@@ -136,17 +137,21 @@ class Chase:
         )
 
 
-def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--scenes", type=int, default=50)
-    parser.add_argument("--first", type=int, default=1)
-    parser.add_argument("--chairs", type=int, default=1)
-    parser.add_argument("--seconds", type=float, default=180.0)
-    parser.add_argument("--map", default="ward")
-    parser.add_argument("--option", action="append", default=[])
-    parser.add_argument("--csv", type=Path)
-    parser.add_argument("--watch", action="store_true")
-    given = parser.parse_args()
+def main(words: Sequence[str] | None = None) -> None:
+    """Run the trials."""
+    parser = trial_parser("tests.agents.navigate_trials", __doc__)
+    add_runs(parser, "--scenes", 50, "scenes")
+    parser.add_argument("--chairs", type=int, default=1, metavar="N", help="chairs in each scene (default: 1)")
+    parser.add_argument(
+        "--seconds", type=float, default=180.0, metavar="S", help="longest simulated time of a scene (default: 180)"
+    )
+    parser.add_argument("--map", default="ward", metavar="MAP", help="the map (default: ward)")
+    parser.add_argument(
+        "--option", action="append", default=[], metavar="NAME=VALUE",
+        help="an option of the mind or, if NAME begins with a capital letter, a field of the robot; may be repeated",
+    )  # fmt: skip
+    parser.add_argument("--watch", action="store_true", help="also print the pose of each chair every 40 ticks")
+    given = parser.parse_args(words)
     options = dict(text.split("=", 1) for text in given.option)
     rows: list[Row] = []
     times: list[float] = []

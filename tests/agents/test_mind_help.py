@@ -33,9 +33,7 @@ def described(name: str) -> set[str]:
     blocks = [part.splitlines() for part in about.split("\n\n") if part.startswith("    ")]
     found: set[str] = set()
     for line in blocks[0] if blocks else []:
-        if line.startswith("    and of "):
-            found |= set(re.findall(r"\w+", line.partition(":")[2]))
-        elif (names := re.match(r" {4}(\w+(?:, \w+)*) +\S", line)) is not None:
+        if (names := re.match(r" {4}(\w+(?:, \w+)*) +\S", line)) is not None:
             found |= set(names[1].split(", "))
     return found
 
@@ -47,3 +45,10 @@ def test_every_option_that_a_mind_describes_is_listed_with_its_range(name: str) 
 
 def test_help_of_a_mind_that_needs_a_place_lists_what_it_reads_after_it() -> None:
     assert "margin" in option_rows("seek")
+
+
+def test_help_says_which_options_are_required_and_what_the_others_are() -> None:
+    assert option_rows("seek")["to"] == "a place of the map; required"
+    assert option_rows("follow")["leader"] == "the name of an agent; required"
+    assert option_rows("waypoints")["via"] == "names, separated by spaces or commas; default none"
+    assert option_rows("waypoints")["points"] == 'pairs of coordinates, "x y x y"; default none'

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from intellwheels_agents.options import OptionError
-from intellwheels_agents.robot_document import equipped, joining, split_options
+from intellwheels_agents.robot_document import default_robot, equipped, joining, split_options
 from intellwheels_maps import robot as included
 from intellwheels_schemas.messages import Compass, Encoders, Robot
 from intellwheels_schemas.sonar_devices import DEVICES
@@ -21,6 +21,15 @@ ROBOT = Robot(
     compass=(Compass(id="a"), Compass(id="b")),
     barrier=True,
 )
+
+
+@pytest.mark.parametrize(
+    ("mind", "name"),
+    [("avoid", "intellwheels"), ("mine.py", "intellwheels"), ("person", "person"), ("car", "car"), ("door", "door")],
+)
+def test_mind_that_does_not_drive_a_wheelchair_has_a_robot_of_its_own(mind: str, name: str) -> None:
+    assert default_robot(mind) == name
+    assert included(name).kind in ("wheelchair", name)
 
 
 def test_capitalised_options_belong_to_the_robot() -> None:

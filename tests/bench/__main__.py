@@ -16,12 +16,17 @@ def main() -> None:
         "benches",
         nargs="*",
         metavar="BENCH",
-        help="tick, network, viewer, loads or bystanders (default: all but the last)",
+        help="tick: the cost of a tick, part by part; network: whole processes; viewer: a page; loads: loading maps; "
+        "bystanders: late ticks beside a frozen viewer, 25 minutes (default: all but bystanders)",
     )
-    parser.add_argument("--quick", action="store_true", help="run short versions, to check that the benchmarks work")
+    parser.add_argument(
+        "--quick",
+        action="store_true",
+        help="run short versions, to check that the benchmarks work; their figures mean nothing",
+    )
     parser.add_argument(
         "--csv", type=Path, default=Path(__file__).parent / "results.csv", metavar="FILE",
-        help="the CSV file (default: tests/bench/results.csv)",
+        help="the CSV file (default: tests/bench/results.csv of the checkout)",
     )  # fmt: skip
     options = parser.parse_args()
     wanted = options.benches or ["tick", "network", "viewer", "loads"]

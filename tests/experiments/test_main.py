@@ -37,6 +37,7 @@ def test_unknown_scene_is_wrong_usage_and_the_known_are_named(capsys: pytest.Cap
         (["--seeds", "2", "--connect", "tcp/127.0.0.1:1"], "--connect: expected with a single run"),
         (["--branch", "/dev/null", "--log", "y"], "--log: expected with a single run"),
         (["--branch", "/dev/null", "--seeds", "2"], "--seeds: expected without --branch"),
+        (["--branch", "/dev/null", "--row", "a", "--row", "b"], "--row: expected one row with --branch"),
         (["--view-port", "9000"], "--view-port: expected with --view, got none"),
         (["--speed", "5"], "--speed: expected with --pace realtime, got pace lockstep"),
         (

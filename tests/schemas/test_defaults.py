@@ -39,7 +39,7 @@ def test_world_has_one_default_name() -> None:
 def test_help_shows_the_defaults() -> None:
     shown = " ".join(parser().format_help().split())
     for text in (
-        "(default: 0.05)",
+        "(default: the scene's, or 0.05)",
         "(default: 100)",
         "(default: the scene's, or 8)",
         "(default: strict 10, elastic 1)",

@@ -68,7 +68,9 @@ def test_cut_anywhere_leaves_every_whole_line_and_is_told() -> None:
 
 @pytest.mark.parametrize("at", [0, 1, 7, 100])
 def test_cut_in_the_header_leaves_nothing_and_is_told(at: int) -> None:
-    with pytest.raises(WireError, match=r"^log:1: expected the header of an input log, got one that is cut: no tick"):
+    with pytest.raises(
+        WireError, match=r"^log:1: expected the header of an input log, got one that is truncated: no tick"
+    ):
         read(log()[:at])
 
 
@@ -124,5 +126,5 @@ def test_header_without_its_checksum_is_no_header_of_version_1() -> None:
 
 
 def test_words_say_up_to_which_tick_a_log_can_be_used() -> None:
-    assert cut_text("run.jsonl", 9).startswith("run.jsonl: the log is cut after tick 9")
+    assert cut_text("run.jsonl", 9).startswith("run.jsonl: the log is truncated after tick 9")
     assert unchained_text("run.jsonl").startswith("run.jsonl: a log of version 1 has no checksums")

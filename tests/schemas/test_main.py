@@ -39,6 +39,12 @@ def test_wrong_document_is_told_with_its_place(capsys: pytest.CaptureFixture[str
     assert said.startswith(f"{path}{words}")
 
 
+def test_help_of_check_has_its_own_usage_line(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit):
+        main(["check", "--help"])
+    assert capsys.readouterr().out.startswith("usage: python -m intellwheels_schemas check [-h] [--as CLASS] FILE\n")
+
+
 def test_class_can_be_said(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     path = tmp_path / "mine.json"
     path.write_bytes(b'{"Text":"open"}\n')

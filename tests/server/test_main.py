@@ -25,6 +25,8 @@ def outcome(*words: str) -> int | str | None:
         (["--map", "ward"], "--map: expected a live run, got --play"),
         (["--pace", "lockstep"], "--pace: expected a live run, got --play"),
         (["--open-loop"], "--open-loop: expected a live run, got --play"),
+        (["--say-loss", "0.5"], "--say-loss: expected a live run, got --play"),
+        (["--grace", "3"], "--grace: expected a live run, got --play"),
         (["--log", "other"], "--log: expected a live run, got --play"),
         (["--world", "No Name"], "--world: expected a name"),
     ],
@@ -36,6 +38,31 @@ def test_playback_refuses_options_of_a_live_run(
     Log(path, Setup(floor=floor("room")), "0" * 16).close()
     assert outcome("--play", str(path), *words) == 2
     assert said in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["--resimulate", "/dev/null", "--map", "ward"], "--map: expected a live run, got --resimulate"),
+        (["--resimulate", "/dev/null", "--play", "/dev/null"], "--play: expected a live run, got --resimulate"),
+        (["--resimulate", "/dev/null", "--world", "lab"], "--world: expected a live run, got --resimulate"),
+        (["--at", "7"], "--at: expected with --branch, got none"),
+    ],
+)
+def test_option_that_would_be_ignored_is_refused(
+    words: list[str], said: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert outcome(*words) == 2
+    assert said in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("words", [["--period", "0.1"], ["--map", "ward"], ["--say-limit", "9"], ["--no-say-walls"]])
+def test_branch_refuses_what_its_log_decides(
+    words: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    written(tmp_path / "log")
+    assert outcome("--branch", str(tmp_path / "log"), "--pace", "lockstep", *words) == 2
+    assert "none of --scene, --map, --seed, --period" in capsys.readouterr().err
 
 
 def test_missing_or_invalid_log_is_reported(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -104,5 +131,5 @@ def test_trace_of_a_cut_log_is_written_and_the_cut_is_told(tmp_path: Path, capsy
     written(tmp_path / "log")
     (tmp_path / "log").write_bytes((tmp_path / "log").read_bytes()[:-50])
     assert outcome("--resimulate", str(tmp_path / "log"), "--trace", str(tmp_path / "trace")) == 0
-    assert "the log is cut after tick 6" in capsys.readouterr().err
+    assert "the log is truncated after tick 6" in capsys.readouterr().err
     assert (tmp_path / "trace").read_bytes().count(b"\n") == 7

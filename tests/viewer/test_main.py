@@ -25,6 +25,13 @@ def test_the_defaults_are_this_machine_only() -> None:
     assert given.world is None  # the only one there is
 
 
+def test_length_of_a_recording_needs_one(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit) as ended:
+        main(["--seconds", "5"])
+    assert ended.value.code == 2
+    assert "--seconds: expected with --record, got none" in capsys.readouterr().err
+
+
 def test_options_may_be_repeated_where_that_makes_sense() -> None:
     given = parser().parse_args(["--allow-host", "a", "--allow-host", "b", "--port", "0", "--world", "lab"])
     assert given.allow_host == ["a", "b"]

@@ -62,17 +62,20 @@ def parser() -> argparse.ArgumentParser:
     )  # fmt: skip
     kept.add_argument(
         "--seconds", type=number("seconds", 0.0, LONGEST, low_open=True), default=20.0, metavar="S",
-        help="simulated seconds to record (default: 20; less if the run ends earlier)",
+        help="with --record: simulated seconds to record, fewer if the run ends earlier (default: 20)",
     )  # fmt: skip
     add_process_options(found)
-    add_link_options(found)
+    add_link_options(found, world="the only running world; if there are several, the page lets you choose")
     found.set_defaults(world=None)
     return found
 
 
 def main(arguments: list[str] | None = None) -> int:
     """Run the command and return its exit code."""
-    given = parser().parse_args(arguments)
+    command_line = parser()
+    given = command_line.parse_args(arguments)
+    if given.record is None and given.seconds != command_line.get_default("seconds"):
+        command_line.error("--seconds: expected with --record, got none")
     lacking = missing_extra("viewer")
     if lacking is not None:
         print(f"iw-viewer: {lacking}", file=sys.stderr)

@@ -72,7 +72,7 @@ def parser() -> argparse.ArgumentParser:
     found = CommandParser(
         prog="python -m intellwheels_viewer.gallery",
         description="Take the eight pictures of the viewer: run the scene figure6 and open its page in Chromium.",
-        epilog="It takes a few minutes and needs a Chromium and the package playwright (pip install playwright).",
+        epilog="It takes about 5 minutes and needs Chromium and the package playwright (pip install playwright).",
     )
     found.add_argument(
         "--out", type=Path, default=Path("viewer/gallery"), metavar="FOLDER",

@@ -17,10 +17,11 @@ examples:
       iw-bridge serial --port /dev/ttyUSB0 --name chair1 --robot intellwheels --place start1
       iw-agent avoid --name chair1 --role mind
   a chair in the simulation `lab` instead of hardware; its right wheel is 0.2 % too large, its pose is raw odometry
+      iw-server --map ward
       iw-server --world lab --listen tcp/127.0.0.1:7448 --map ward --hide-truth
-      iw-bridge world --lab-connect tcp/127.0.0.1:7448 --name chair1 --chair-option WheelRatio=1.002
+      iw-bridge world --lab-connect tcp/127.0.0.1:7448 --name chair1 --place lobby1 --chair-option WheelRatio=1.002
   the same, with its pose corrected once a second by a position with an error of 5 cm
-      iw-bridge world --lab-connect tcp/127.0.0.1:7448 --name chair1 --chair-option WheelRatio=1.002 \\
+      iw-bridge world --lab-connect tcp/127.0.0.1:7448 --name chair1 --place lobby1 --chair-option WheelRatio=1.002 \\
           --pose corrected --fix-every 20 --fix-noise 0.05
 
 Two worlds in lockstep advance together, tick by tick. Give each server a --deadline that covers the slowest tick of the
@@ -54,15 +55,19 @@ def parser() -> argparse.ArgumentParser:
     """Return the parser of this command's own options."""
     result = CommandParser(
         prog="iw-bridge",
-        description="Bring a real chair into a simulation, as the body of an agent.",
+        description="Bring a real chair, or a stand-in for one, into a simulation, as the body of an agent.",
         epilog=EXAMPLES,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     result.add_argument(
-        "driver", choices=("world", "serial"), help="where the chair is: in another simulation, or on a serial line"
+        "driver",
+        choices=("world", "serial"),
+        help="where the chair is: in another simulation, the laboratory (world), or on a serial line (serial)",
     )
     body = result.add_argument_group("body")
-    body.add_argument("--name", required=True, metavar="NAME", help="name of the agent, in both worlds")
+    body.add_argument(
+        "--name", required=True, metavar="NAME", help="name of the agent; with the driver world, in both worlds"
+    )
     body.add_argument(
         "--robot", default=DEFAULT_ROBOT, metavar="NAME|FILE",
         help=f"the body and its virtual sensors (default: {DEFAULT_ROBOT})",
@@ -76,19 +81,25 @@ def parser() -> argparse.ArgumentParser:
     )
     body.add_argument(
         "--resume", choices=("auto", "confirm"),
-        help="what the chair does after the simulator was gone or silent for 1 s: auto drives on, confirm waits until "
-        "Enter is pressed in this terminal (default: confirm for real hardware, auto for simulated)",
+        help="what the chair does after the simulator has been gone, or silent for 1 s: auto drives on, confirm waits "
+        "until Enter is pressed in this terminal (default: confirm for real hardware, auto for simulated)",
     )  # fmt: skip
-    body.add_argument("--place", metavar="PLACE", help="place of the map at which the chair is when the bridge starts")
     body.add_argument(
-        "--sensors", choices=SENSORS, default="virtual", help="which sensors the mind gets: the virtual"
-        " ones, the real sonars of the chair, or both; with both, a real sonar is named real-ID (default: virtual)",
+        "--place",
+        metavar="PLACE",
+        help="place of the map at which the chair stands when the "
+        "bridge starts (default: a free place that the simulator chooses)",
+    )
+    body.add_argument(
+        "--sensors", choices=SENSORS, default="virtual",
+        help="which sensors the mind gets: the virtual ones of --robot, the real sonars of --chair, or both; with "
+        "both, a real sonar is named real-ID (default: virtual)",
     )  # fmt: skip
     chair = result.add_argument_group("the chair")
     chair.add_argument(
         "--chair",
         metavar="NAME|FILE",
-        help="robot with the nominal dimensions and the sonars of the chair (default: as --robot)",
+        help="robot with the nominal dimensions and the sonars of the chair (default: same as --robot)",
     )
     chair.add_argument(
         "--chair-option", action="append", default=[], metavar="FIELD=VALUE",
@@ -99,7 +110,9 @@ def parser() -> argparse.ArgumentParser:
         help="what the chair is; a real one can join only in real time at speed 1 "
         "(default: simulated for world, real for serial)",
     )  # fmt: skip
-    chair.add_argument("--joystick", action="store_true", help="send the chair's own joystick as user input")
+    chair.add_argument(
+        "--joystick", action="store_true", help="send the input of the chair's own joystick to the simulation"
+    )
     _add_pose_options(result)
     _add_line_options(result)
     result.add_argument(
@@ -128,19 +141,21 @@ def _add_pose_options(result: argparse.ArgumentParser) -> None:
             type=like_field(messages.FigureRatio),
             default=1.0,
             metavar="R",
-            help=f"calibration: {meaning} (default: 1)",
+            help=f"calibration, for calibrated and corrected poses: {meaning} (default: 1)",
         )
     pose.add_argument(
         "--drift", type=like_field(messages.WayVariance), default=DRIFT, metavar="K",
-        help=f"variance of the travel of a wheel, in m2 per metre, for the covariance (default: {DRIFT:g})",
+        help=f"variance of the travel of a wheel, in m2 per metre, for the covariance of poses (default: {DRIFT:g})",
     )  # fmt: skip
     pose.add_argument(
         "--fix-every", type=whole(1, MAX_COUNT), default=20, metavar="TICKS",
-        help="driver world: ticks between position fixes, for a chair without a GPS of its own (default: 20)",
+        help="driver world, corrected poses: ticks between position fixes (measured positions), for a chair without a "
+        "GPS of its own (default: 20)",
     )  # fmt: skip
     pose.add_argument(
         "--fix-noise", type=like_field(messages.Length), default=0.05, metavar="M",
-        help="driver world: standard deviation of a fix on each axis (default: 0.05)",
+        help="driver world, corrected poses: standard deviation of a fix on each axis, in metres, for a chair without "
+        "a GPS of its own (default: 0.05)",
     )  # fmt: skip
     pose.add_argument(
         "--clock-offset", type=number("seconds", -MAX_OFFSET, MAX_OFFSET), default=0.0, metavar="S",
@@ -155,10 +170,10 @@ def _add_line_options(result: argparse.ArgumentParser) -> None:
     )
     world.add_argument(
         "--lab-connect", action="append", default=[], metavar="ENDPOINT",
-        help="endpoint of the laboratory (default: that of the simulation)",
+        help="endpoint of the laboratory; may be repeated (default: that of the simulation)",
     )  # fmt: skip
     world.add_argument(
-        "--lab-place", metavar="PLACE", help="place where the chair starts in the laboratory (default: as --place)"
+        "--lab-place", metavar="PLACE", help="place where the chair starts in the laboratory (default: same as --place)"
     )
     world.add_argument(
         "--lab-role", choices=("both", "mind"), default="both",
@@ -167,7 +182,11 @@ def _add_line_options(result: argparse.ArgumentParser) -> None:
     line = result.add_argument_group("driver serial")
     line.add_argument("--port", metavar="DEVICE|URL", help="serial device such as /dev/ttyUSB0, or socket://HOST:PORT")
     line.add_argument(
-        "--baud", type=whole(1, MAX_COUNT), default=115_200, metavar="N", help="bits a second (default: 115200)"
+        "--baud",
+        type=whole(1, MAX_COUNT),
+        default=115_200,
+        metavar="N",
+        help="speed of the line in bits a second (default: 115200)",
     )
     faults = result.add_argument_group(
         "faults for experiments, on the line between chair and bridge, in both directions"

@@ -33,25 +33,34 @@ examples:
       iw-agent aided --name chair1 &  iw-joystick chair1
   take a chair from any mind, and give it back at the end
       iw-joystick chair1 --take
-  drive by voice, with a recogniser that prints forward, back, left, right or stop; the mind also gets other words
+  drive by voice, with a recogniser that prints one of forward, back, left, right and stop; any other word is passed to
+  the mind
       recogniser | iw-joystick chair1 --source words
   drive over ssh, with the keys of the terminal; releasing them cuts the motors' power within 0.4 s
       iw-joystick chair1 --source terminal
   play a script: on each line seconds, forward, turn, and optionally buttons and a word
       iw-joystick chair1 --source script --script drive.txt
 
-Use it with worlds in real time. A run at full speed is too fast to steer by hand.
-Each input is valid for 0.3 s.
+The arrow keys, W A S D and I J K L give 0.6 of --forward and --turn, with shift all of it; space stops.
+Use it with worlds at pace realtime. At the paces lockstep and free a run is too fast to steer by hand.
+Each message is valid for 0.3 s and is repeated while the input lasts.
 Standard output has the lines `ready agent=...`, `taken agent=...`, `released agent=...`, `ended agent=...`.
 Exit codes: 0 done, 1 refused or failed, 2 wrong usage.
 """
+OF_SOURCES = {
+    "clock": ("script",),
+    "forward": ("auto", "keyboard", "terminal", "gamepad", "words"),
+    "turn": ("auto", "keyboard", "terminal", "gamepad", "words"),
+    "hold": ("words",),
+}
+"""Options that only some sources use, which the others refuse."""
 
 
 def parser() -> argparse.ArgumentParser:
     """Return the command line."""
     result = CommandParser(
         prog="iw-joystick",
-        description="Drive a chair by hand: send the input of a person to the key user/AGENT.",
+        description="Drive a chair by hand: send a person's input to the Zenoh key user/AGENT.",
         epilog=EXAMPLES,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
@@ -60,41 +69,43 @@ def parser() -> argparse.ArgumentParser:
         "--source",
         choices=("auto", "keyboard", "terminal", "gamepad", "script", "words"),
         default="auto",
-        help="input device; auto chooses a gamepad if one is connected, else the keyboard. The keyboard is read in a "
-        "window, or in this terminal if there is no display (default: auto)",
+        help="input device. gamepad: its first stick; keyboard: the keys, in a window; terminal: the keys, in this "
+        "terminal; words: words on standard input; script: a file; auto: a gamepad if one is connected, else keyboard, "
+        "or terminal if there is no display (default: auto)",
     )
-    result.add_argument("--script", type=readable_file, metavar="FILE", help="the file for --source script")
+    result.add_argument("--script", type=readable_file, metavar="FILE", help="with --source script: the file to play")
     result.add_argument(
         "--clock",
         choices=("wall", "simulated"),
         default="wall",
-        help="clock for the times in the script (default: wall)",
+        help="with --source script: clock for the times in the script (default: wall)",
     )
     result.add_argument(
         "--take",
         action="store_true",
-        help="drive the chair instead of its mind, under a lease from the simulator",
+        help="drive the chair instead of its mind, until this command ends or loses contact",
     )
     result.add_argument(
         "--forward",
         type=share,
         default=1.0,
         metavar="SHARE",
-        help="motor power when the stick is fully forward, in [0, 1] (default: 1)",
+        help="input sent when the stick is fully forward, in [0, 1]; the mind decides what 1 means (joystick: full "
+        "motor power; aided: its option `speed`; with --take: full motor power); not with --source script (default: 1)",
     )
     result.add_argument(
         "--turn",
         type=share,
         default=0.5,
         metavar="SHARE",
-        help="motor power when the stick is fully to one side, in [0, 1] (default: 0.5)",
+        help="input sent when the stick is fully to one side, in [0, 1]; not with --source script (default: 0.5)",
     )
     result.add_argument(
         "--hold",
         type=positive_seconds,
         default=2.0,
         metavar="S",
-        help="seconds for which a spoken word drives the chair (default: 2)",
+        help="with --source words: seconds for which a word drives the chair (default: 2)",
     )
     result.add_argument(
         "--retry-for",
@@ -114,6 +125,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if (options.source == "script") != (options.script is not None):
         got = "none" if options.script is None else repr(str(options.script))
         command_line.error(f"--script: expected a file with --source script, none with another source, got {got}")
+    for name, sources in OF_SOURCES.items():
+        if options.source not in sources and getattr(options, name) != command_line.get_default(name):
+            command_line.error(f"--{name}: expected with --source {' or '.join(sources)}, got {options.source}")
     # First, because a signal may arrive while the other arguments are read.
     stop = stop_on_signals(options.lifeline)
     try:

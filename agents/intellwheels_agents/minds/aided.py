@@ -10,13 +10,15 @@ Sensors and commands may be late: each reading is placed where the sensor was wh
 commands is measured with the encoders. If its braking distance would be longer than its sensors can see, the chair
 drives more slowly and reports the mode `slow`. It never does what the user did not ask for: forward and turn are each
 reduced, to 0 if necessary, and never reversed. Moving away from obstacles is always possible. When it stops, it keeps
-room ahead and behind to turn in place, but still lets the user come within 0.104 m of an obstacle. So a chair whose
-corners are far beyond its front (mid-wheel, front-wheel) must back up there before it can turn further. Likewise, a
-chair that extends far behind its wheels cannot turn in place away from a wall beside it.
+room ahead and behind to turn in place, but it lets the user come as near as 0.104 m to an obstacle, even if that leaves
+too little room to turn. A chair whose corners swing far beyond its front (mid-wheel, front-wheel) must then back up
+before it can turn further. Likewise, a chair that extends far behind its wheels cannot turn in place away from a wall
+beside it.
 
 It cannot see what no sensor sees: anything behind a robot without rear sensors, anything above or below the sensors,
-and anything that is between two cones from the start. `equip` adds two cones ahead that tell a doorway from a wall. In
-front of a narrow doorway approached at an angle it may still stop, because two cones leave the gap unclear.
+and anything that has been between two cones ever since the run began. The mind adds two narrow cones ahead to the
+robot, which tell a doorway from a wall. In front of a narrow doorway approached at an angle it may still stop, because
+two cones leave the gap unclear.
 """
 
 from __future__ import annotations

@@ -2,17 +2,16 @@
 
     speed    speed with nothing near, m/s; less if the sensors do not see as far as it needs to stop (default 0.5)
     clear    distance ahead at which it begins to slow down, m (default 1.5)
-    stop     distance ahead at which it turns in place, m (default 0.5)
+    stop     distance ahead at which it turns in place, m; less than clear (default 0.5)
 
-The cones of the included chairs leave gaps between 15 and 30 degrees to either side, and do not tell where in a cone an
-object is. So `equip` adds a lidar all round at the height of the robot's own sensors, and the mind uses it alone. If
-another process provides the body and it has no lidar, the mind uses the robot's proximity sensors. It is then blind
-between their cones, and treats an obstacle as if it could be anywhere on the arc at the measured distance.
+The cones of the included chairs do not cover the bearings from 15 to 30 degrees on either side, and do not tell where
+in a cone an object is. So the mind adds a 360-degree lidar to the robot, at the height of its own sensors, and uses it
+alone. If another process provides the body and it has no such lidar, the mind uses the robot's proximity sensors. It is
+then blind between their cones, and treats an obstacle as if it could be anywhere on the arc at the measured distance.
 
-It never gives a command after which it could not stop in time (`stopping_sweep`). It drives ahead and bends away from
-what is near. In front of an obstacle it turns in place to the side with more room, and keeps to that side until the way
-ahead is free. If it cannot turn, it backs out. If it cannot do that either, it tries the other side, and then
-creeps ahead.
+It never gives a command after which it could not stop in time. It drives ahead and bends away from what is near. In
+front of an obstacle it turns in place to the side with more room, and keeps to that side until the way ahead is free.
+If it cannot turn, it backs out. If it cannot do that either, it tries the other side, and then creeps ahead.
 """
 
 from __future__ import annotations

@@ -1,19 +1,21 @@
 """Drives along a road and gives way to anybody who is on it or about to step onto it.
 
     points   "x y x y": corners of the path after the start, m
-    via, to  places of the map; the path goes through points, then via in their order, then to
+    via, to  places of the map; the path goes through points, then via in their order, then to; at least one of the
+             three options is required
     speed    speed on the free road, m/s (default 5.0)
     clear    distance beside the car within which somebody counts as on the road, m (default 1.5)
     within   distance from the end that counts as arrived, m (default 0.5)
 
 The car accelerates and brakes by the Intelligent Driver Model:
 
-    dv/dt = a (1 - (v / v0)^4 - (s' / s)^2),  s' = s0 + v T + v dv / (2 sqrt(a b))
+    dv/dt = a (1 - (v / v0)^4 - (s' / s)^2),  s' = s0 + v T + v u / (2 sqrt(a b))
 
-Here v is the speed, v0 the option `speed`, s the distance to the nearest obstacle ahead, and dv the speed at which the
+Here v is the speed, v0 the option `speed`, s the distance to the nearest obstacle ahead, and u the speed at which the
 car approaches it. The acceleration a is 1.5 m/s2, the comfortable braking b 2.0 m/s2, the gap at a standstill s0 2.0 m,
-and the time gap T 1.5 s. The obstacle is assumed to stand still (dv = v), since people cross the road and do not move
-along it. The car looks with a fan of proximity cones that turns with it, so it takes bends slowly.
+and the time gap T 1.5 s. The car never brakes harder than 6 m/s2. The obstacle is assumed to stand still (u = v), since
+people cross the road and do not move along it. The car looks with a fan of proximity cones that turns with it, so it
+takes bends slowly.
 
 Source: M. Treiber, A. Hennecke, D. Helbing, Congested traffic states in empirical observations and microscopic
 simulations, Phys. Rev. E 62, 2000.

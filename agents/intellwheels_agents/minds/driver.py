@@ -1,7 +1,7 @@
 """A model of a person who drives by joystick and sees the chair, for repeatable runs of manual driving.
 
     points     "x y x y": corners of the path that the person intends, m
-    to         the place of the map where it ends
+    to         places of the map; the path goes through points, then these; at least one of both options is required
     speed      intended speed on straight stretches, m/s (default 0.6)
     reaction   delay from seeing to moving the hand, s (default 0.3)
     tremor     standard deviation of the hand tremor, in full deflections (default 0.05)
@@ -12,8 +12,9 @@ A person who drives by hand sees the chair and the room, not an odometry estimat
 sensor, which the simulation must allow. The person aims at a point ahead on the path; the hand follows after the
 reaction time, with tremor on both axes. There is no collision avoidance.
 
-The noise of the tremor comes from the simulation, so it follows from the seed of the run like all noise. To get it, the
-mind adds to its robot a GPS receiver whose error has a standard deviation of 1 on each axis.
+The noise of the tremor comes from the simulation, so it follows from the seed of the run like all noise. The mind adds
+a GPS receiver to its robot and uses only its error, with a standard deviation of 1 m on each axis, as the source of
+random numbers.
 
 The defaults of the hand are chosen, not measured. The reaction time is in the range of the delays in quasi-linear
 models of a person who tracks a target (McRuer and Jex 1967, A review of quasi-linear pilot models, IEEE Transactions on

@@ -34,7 +34,7 @@ class Mind:
         self._stop = options.number("stop", 0.4, 0.05, 10.0)
         self._silence = options.number("silence", 3.0, 0.1, 60.0)
         self._pilot = PathFollower(options.number("speed", 0.8, MIN_SPEED, 20.0))
-        leaders = options.words("leader")
+        leaders = options.words("leader", "the name of an agent; required")
         if len(leaders) != 1:
             got = repr(" ".join(leaders)) if leaders else "none"
             raise OptionError(f"option leader: expected the name of the agent to follow, got {got}")

@@ -4,8 +4,9 @@
     turn     share of the motor power at full turn, in [0, 1] (default 1)
     words    deflection for the words forward, back, left and right; stop is always 0 (default 0.5)
 
-The user is whoever writes `user/<agent>`: `iw-joystick`, the viewer, a voice recogniser. If the user is silent for
-0.3 s, the simulator clears the input and the chair stops. This mind ignores obstacles; `aided` stops for them.
+The user is whoever writes the Zenoh key `user/<agent>`: `iw-joystick`, the viewer, or a program of your own. If the
+user is silent for 0.3 s, the simulator clears the input. The motors then lose power, and the chair coasts to a stop.
+This mind ignores obstacles; `aided` stops for them.
 """
 
 from __future__ import annotations

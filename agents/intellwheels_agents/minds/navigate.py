@@ -9,17 +9,18 @@
              (default true)
     map      path of a map file, instead of the simulator's map
 
-It plans with the footprint of the robot at every heading, parts and heights included. At every tick it considers only
-commands after which it can still stop before anything its sensors see, and takes the cheapest. The package `navigation`
-says how, with sources. Its pose comes from odometry and a particle filter that matches scans, or cones of
-proximity sensors, with the map. A goal of the user, in the viewer or by `UserInput.Goal`, and the messages "go PLACE"
-and "go X Y" replace the goals.
+It plans with the exact footprint of the robot at every heading, including the height of each of its parts. At every
+tick it considers only commands after which it can still stop before anything its sensors see, and takes the one with
+the lowest cost. The folder `agents/intellwheels_agents/navigation` has the methods, with sources. The pose comes from
+odometry and a particle filter that matches scans, or cones of proximity sensors, with the map. A goal of the user, in
+the viewer or by `UserInput.Goal`, and the messages "go PLACE" and "go X Y" replace the goals.
 
-Where it makes no progress, it says "open" to a closed doorway, leaves room for the leaf, announces its path, and yields
-to those with priority. It plans around what is not on the map, and backs out of where it is stuck.
-Sensors and commands may be late. If its braking distance would be longer than its sensors can see, it drives
-more slowly and reports the mode `slow`.
-It needs numpy: the extra `navigate`. It cannot see what is above or below its sensors and not on the map.
+Where it makes no progress, it says "open" to a closed doorway, leaves room for the leaf, and announces its path ("way
+X Y X Y ...", in metres). A chair with this mind that stands on an announced path drives off it and waits, if it has
+arrived itself, or if it makes no progress and its name comes later in alphabetical order than the sender's. It plans
+around what is not on the map, and backs out of where it is stuck. Sensors and commands may be late. If its braking
+distance would be longer than its sensors can see, it drives more slowly and reports the mode `slow`. It needs numpy:
+the extra `navigate`. It cannot see what is above or below its sensors and not on the map.
 """
 
 from __future__ import annotations

@@ -1,15 +1,15 @@
 """Drives to a place and around the obstacles that its proximity sensors see.
 
-    to       required: the place of the map
+    to       required: a place of the map
     speed    speed with nothing near, m/s (default 0.6)
     clear    clearance kept beside the body, m (default 0.06)
     within   distance from the place that counts as arrived, m (default 0.2)
-    and of `aided`: margin, ahead
+    margin, ahead   as for the mind `aided`
 
 It locates itself by odometry alone, and obstacles by its proximity sensors alone. Of the directions in which the body
-fits, it takes the cheapest; `aided` then slows and stops that motion, with its full margin on all sides. If no
-direction has been free for a while, it backs up a little. A goal that the user sets, in the viewer or by
-`UserInput.Goal`, replaces the place.
+fits, it takes the one with the lowest cost. The obstacle check of `aided` then slows or stops that motion, with the
+full margin on all sides. If no direction has been free for a while, the chair backs up a little. A goal that the user
+sets, in the viewer or by `UserInput.Goal`, replaces the place.
 
 Source:
     The candidate directions and their cost are those of VFH+: Ulrich and Borenstein (1998), VFH+: reliable obstacle
@@ -58,7 +58,7 @@ class Mind:
         self._cruise = options.number("speed", 0.6, 0.05, 5.0)
         self._clear = options.number("clear", 0.06, 0.0, 1.0)
         self._within = options.number("within", 0.2, 0.01, 10.0)
-        names = options.words("to")
+        names = options.words("to", "a place of the map; required")
         if len(names) != 1:
             raise OptionError(f"option to: expected a place of the map, got {' '.join(names) or 'none'}")
         place = context.place(names[0], "to")

@@ -1,7 +1,8 @@
 """Drives along a path of points and stops at its end.
 
     points   "x y x y": corners of the path after the start, m
-    via, to  places of the map; the path goes through points, then via in their order, then to
+    via, to  places of the map; the path goes through points, then via in their order, then to; at least one of the
+             three options is required
     speed    speed on straight stretches, m/s (default 0.6)
     within   distance from the end that counts as arrived, m (default 0.1)
     stop     distance kept from obstacles in the way, m (default 0.5)

@@ -17,7 +17,9 @@ MOST_RUNS: Final = 100_000
 def add_batch_options(parser: argparse.ArgumentParser) -> None:
     """Add the groups `batch` and `branch` to a parser."""
     batch = parser.add_argument_group(
-        "batch", "run every row of the scene's experiment with every seed; needs the extra `experiments`"
+        "batch",
+        "run every row (combination of settings) of the scene's experiment with every seed; needs the extra "
+        "`experiments`",
     )
     batch.add_argument(
         "--seeds", type=whole(1, MOST_RUNS), metavar="N", help="run with the seeds 1 to N and write a report"
@@ -25,12 +27,18 @@ def add_batch_options(parser: argparse.ArgumentParser) -> None:
     batch.add_argument(
         "--jobs", type=whole(1, MOST_RUNS), metavar="N", default=1, help="number of runs at a time (default: 1)"
     )
-    batch.add_argument("--row", metavar="ROW", action="append", help="run only this row; may be repeated")
+    batch.add_argument(
+        "--row",
+        metavar="ROW",
+        action="append",
+        help="run only this row; may be repeated (default: all rows; with --branch, the first one)",
+    )
     batch.add_argument(
         "--out",
         type=Path,
         metavar="DIR",
-        help="folder of the runs and the report; a batch does not repeat runs finished there (default: SCENE-runs)",
+        help="folder of the runs and the report; a batch does not repeat runs finished there (default: SCENE-runs, in "
+        "the working directory)",
     )
     batch.add_argument(
         "--part", type=part, metavar="I/N", default=WHOLE,

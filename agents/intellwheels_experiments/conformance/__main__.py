@@ -35,7 +35,7 @@ examples:
       iw-check-agent -- python agents/examples/other_languages/python/avoid.py {{name}} {{endpoint}}
   your own mind
       iw-check-agent -- iw-agent ./my_mind.py --name {{name}} --connect {{endpoint}}
-  a program that reaches port 7447 through your own bridge or router
+  a program that cannot be told an endpoint, and connects to port 7447 itself or through a bridge of your own
       iw-check-agent --listen tcp/127.0.0.1:7447 -- node avoid.js
 
 exit codes: 0 all points passed, 1 otherwise, 2 wrong usage
@@ -48,7 +48,7 @@ def parser() -> argparse.ArgumentParser:
         prog="iw-check-agent",
         usage="iw-check-agent [options] -- COMMAND ...",
         description="Run a program, in any language, against a scripted simulator, and report which points of the "
-        "contract it keeps.",
+        "contract it meets.",
         epilog=HELP,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )

@@ -1,4 +1,4 @@
-"""The points that a program must pass to keep the contract, in their order. Pure: it uses a `Probe`.
+"""The points that a program must pass to meet the contract, in their order. Pure: it uses a `Probe`.
 
 Each point reports what was expected and what happened. After a failed point the program is killed, and the next point
 starts a new one. So one fault fails one point. The first line of a point's docstring says what the program must do.

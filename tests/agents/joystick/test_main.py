@@ -45,6 +45,23 @@ def test_wrong_usage_is_exit_2(tmp_path: Path, capsys: pytest.CaptureFixture[str
         assert ended.value.code == 2
 
 
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["--hold", "3"], "--hold: expected with --source words, got auto"),
+        (["--source", "gamepad", "--clock", "simulated"], "--clock: expected with --source script, got gamepad"),
+        (["--source", "script", "--script", "/dev/null", "--turn", "1"], "--turn: expected with --source auto or "),
+    ],
+)
+def test_option_that_the_source_does_not_use_is_refused(
+    words: list[str], said: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with pytest.raises(SystemExit) as ended:
+        main(["chair1", *words])
+    assert ended.value.code == 2
+    assert said in capsys.readouterr().err
+
+
 def test_a_missing_script_is_wrong_usage(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     with pytest.raises(SystemExit) as ended:
         main(["chair1", "--source", "script", "--script", str(tmp_path / "none.txt")])

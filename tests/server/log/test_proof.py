@@ -60,7 +60,7 @@ def test_cut_edited_old_and_differing_logs_are_not_proved(tmp_path: Path, capsys
         assert words in shown.out + shown.err
 
     (tmp_path / "log").write_bytes(whole[:-50])
-    refused("the log is cut after tick 6")
+    refused("the log is truncated after tick 6")
     (tmp_path / "log").write_bytes(whole.replace(b'"LeftMotor":0.5', b'"LeftMotor":0.6', 1))
     refused("log:2: expected checksum")
     rewrite(tmp_path / "log", [line.replace(hashes[3].encode(), b"0" * 16) for line in lines])

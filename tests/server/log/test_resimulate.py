@@ -52,8 +52,8 @@ def test_incomplete_last_line_is_dropped_and_reported(tmp_path: Path, capsys: py
     assert (found.ticks, found.cut, found.differs) == (4, True, None)
     assert main(["--resimulate", str(path)]) == 1
     shown = capsys.readouterr()
-    assert shown.out.startswith("cut ticks=4 tick=4 hash=")
-    assert "the log is cut after tick 4" in shown.err
+    assert shown.out.startswith("truncated ticks=4 tick=4 hash=")
+    assert "the log is truncated after tick 4" in shown.err
 
 
 def test_log_without_checksums_runs_again_and_says_so(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -87,9 +87,11 @@ def test_edited_log_is_refused_by_every_reader_and_a_cut_one_is_read_to_its_last
         recording.close()
         told: list[str] = []
         assert len(list(trace_lines(path, told.append))) == 4
-        assert "cut after tick 3" in told[0]
+        assert "truncated after tick 3" in told[0]
         assert read_branch(path, 3).at == 3
-        with pytest.raises(LogError, match=r"expected a tick in \[0, 3\] to branch at, got 4: .*cut after tick 3"):
+        with pytest.raises(
+            LogError, match=r"expected a tick in \[0, 3\] to branch at, got 4: .*truncated after tick 3"
+        ):
             read_branch(path, 4)
 
 
