@@ -22,25 +22,22 @@ from __future__ import annotations
 import math
 from typing import Final
 
-import numpy as np
-
 from intellwheels_agents.differential_drive import wrapped
 from intellwheels_agents.mind import Context
-from intellwheels_agents.minds.aided import Mind as Guard
 from intellwheels_agents.options import OptionError
 from intellwheels_agents.path_follower import BRAKING, TURN_IN_PLACE, TURN_RATE, braking
-from intellwheels_agents.point_cells import Floats
 from intellwheels_agents.portable_math import atan2, cos, hypot, sincos
 from intellwheels_agents.range_scan import outline
 from intellwheels_agents.user_input import Goals
 from intellwheels_agents.user_input import takes_goals as equip
+from intellwheels_schemas.extras import missing_extra
 from intellwheels_schemas.messages import Actions, Goal, Measures
 
 __all__ = ["Mind", "equip"]
 
 DIRECTIONS: Final = tuple(math.radians(5.0 * k) for k in range(-18, 19))
 """Candidate directions, rad from straight ahead."""
-_SINES, _COSINES = np.array([sincos(direction) for direction in DIRECTIONS]).T[:, :, None]
+_STRIPS: Final = tuple(sincos(direction) for direction in DIRECTIONS)
 GOAL_WEIGHT, HEADING_WEIGHT, LAST_WEIGHT = 5.0, 2.0, 2.0
 REACH_SHARES: Final = (1.0, 0.75, 0.5)
 """Shares of the look-ahead, tried one after the other: a direction may be free over a shorter distance only."""
@@ -54,6 +51,16 @@ class Mind:
     """Drives to its place."""
 
     def __init__(self, context: Context) -> None:
+        """Read the options.
+
+        Raises:
+            OptionError: numpy is missing, the robot has no encoders, or an option is wrong.
+        """
+        lacking = missing_extra("navigate")
+        if lacking is not None:
+            raise OptionError(f"mind seek: {lacking}")
+        from intellwheels_agents.navigation.collision_guard import CollisionGuard  # noqa: PLC0415 - an extra
+
         options = context.options
         self._cruise = options.number("speed", 0.6, 0.05, 5.0)
         self._clear = options.number("clear", 0.06, 0.0, 1.0)
@@ -64,7 +71,7 @@ class Mind:
         place = context.place(names[0], "to")
         self._goal = Goal(x=place.x, y=place.y)
         self._user_goals = Goals()
-        self._guard = Guard(context, by_itself=True)
+        self._guard = CollisionGuard(context, "seek", self._cruise, by_itself=True)
         self._body = outline(context.robot)
         self._last = 0.0
         self._arrived = False
@@ -114,9 +121,8 @@ class Mind:
         reach = self._body.front + min(self._cruise * self._cruise / (2.0 * BRAKING) + 0.8, distance)
         # Points behind the body, or beyond the reach of every strip, block no direction.
         far = reach + self._body.side + self._clear
-        x, y = self._guard.points.T
-        near = (x > -1.0) & (np.sqrt(x * x + y * y) < far)
-        free_lengths = self._free_lengths(x[near], y[near], reach)
+        lengths = self._guard.free_lengths(_STRIPS, self._body.side + self._clear, reach, far)
+        free_lengths = dict(zip(DIRECTIONS, lengths, strict=True))
         for share in REACH_SHARES:
             least = self._body.front + share * (reach - self._body.front)
             free = [direction for direction, length in free_lengths.items() if length >= least]
@@ -140,17 +146,3 @@ class Mind:
     def _cost(self, direction: float, bearing: float) -> float:
         off = abs(wrapped(direction - bearing))
         return GOAL_WEIGHT * off + HEADING_WEIGHT * abs(direction) + LAST_WEIGHT * abs(direction - self._last)
-
-    def _free_lengths(self, x: Floats, y: Floats, reach: float) -> dict[float, float]:
-        """Return how far the body's strip in each direction is free of points, in m from its centre, at most `reach`.
-
-        Args:
-            x: The points in the body's frame, m.
-            y: Their other coordinate, m.
-            reach: The farthest that matters, m.
-        """
-        along = _COSINES * x + _SINES * y
-        across = np.abs(_COSINES * y - _SINES * x)
-        blocks = (along > 0.0) & (across < self._body.side + self._clear)
-        lengths = np.min(np.where(blocks, along, reach), axis=1, initial=reach)
-        return dict(zip(DIRECTIONS, lengths.tolist(), strict=True))

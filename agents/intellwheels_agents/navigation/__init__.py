@@ -1,5 +1,5 @@
-"""The parts of the mind `navigate`: free space, cost to go, motion window, what the sensors see, the pose.
+"""The parts of the minds `navigate`, `aided` and `seek`: free space, cost to go, sight, collision checks.
 
-These files need numpy, which the extra `navigate` installs. The mind imports them when it is made, so that agents
+These files need numpy, which the extra `navigate` installs. The minds import them when they are made, so that agents
 without it stay importable.
 """

@@ -10,7 +10,6 @@ import itertools
 import math
 import random
 
-import msgspec
 import pytest
 
 from intellwheels_agents.minds.aided import Mind, equip
@@ -153,17 +152,6 @@ def test_full_speed_where_there_is_room() -> None:
     arena.join("chair1", "aided", "rear-wheel", "start")
     wish(arena, 0.5, 0.0, 2.0)
     assert arena.speed("chair1") == pytest.approx(0.4)
-
-
-def test_chair_that_brakes_over_more_than_it_sees_drives_slowly_and_says_so() -> None:
-    slow = msgspec.structs.replace(robot("rear-wheel"), acceleration_limit=0.3)
-    near = tuple(msgspec.structs.replace(one, max_range=0.6) for one in slow.proximity)
-    for body, mode in ((slow, "aided"), (msgspec.structs.replace(slow, proximity=near), "slow")):
-        mind = Mind(context(body))
-        mind.perceive(Measures(run=RUN, tick=0, time=0.0))
-        answer = mind.drive(0.8, 0.0, "aided")
-        assert answer.mode == mode
-        assert (answer.left_motor == pytest.approx(0.8)) is (mode == "aided")
 
 
 def test_chair_without_a_user_stands() -> None:

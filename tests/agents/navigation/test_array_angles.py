@@ -14,8 +14,10 @@ from intellwheels_agents.navigation.array_angles import sines, wrapped_all
 FOLDER = Path(array_angles.__file__).parent
 ROUNDED_RIGHT = {
     "abs", "absolute", "all", "any", "append", "arange", "argmax", "argmin", "argsort", "array", "asarray",
-    "broadcast_to", "clip", "concatenate", "cumsum", "flatnonzero", "float32", "float64", "floor", "full",
-    "full_like", "inf", "int64", "isfinite", "maximum", "minimum", "ones", "pad", "random", "roll", "searchsorted",
+    "broadcast_to", "clip", "column_stack", "concatenate", "cumsum", "empty", "flatnonzero", "float32",
+    "float64", "floor", "full",
+    "full_like", "inf", "int64", "isfinite", "maximum", "meshgrid", "min", "minimum", "ones",
+    "pad", "random", "roll", "searchsorted",
     "sort", "sqrt", "stack", "uint64", "unique", "where", "zeros", "zeros_like", "bool_", "floating",
 }  # fmt: skip
 """What of numpy gives the same bits on every processor: no elementary function, and no sum in an order of its own."""

@@ -8,7 +8,7 @@ import msgspec
 import pytest
 
 from intellwheels_agents.differential_drive import Odometry
-from intellwheels_agents.obstacle_memory import ObstacleMemory
+from intellwheels_agents.navigation.obstacle_memory import ObstacleMemory
 from intellwheels_maps import robot
 from intellwheels_schemas.messages import Actions, Measures, ProximityReading, Sensors
 from tests.agents.kinematics import RUN, Body, Segment, box

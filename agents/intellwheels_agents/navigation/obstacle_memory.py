@@ -22,7 +22,7 @@ from typing import Final, NamedTuple
 import numpy as np
 
 from intellwheels_agents.differential_drive import Odometry
-from intellwheels_agents.point_cells import NEIGHBOURS, Floats, Mask, PointCells, cells_at
+from intellwheels_agents.navigation.point_cells import NEIGHBOURS, Floats, Mask, PointCells, cells_at
 from intellwheels_agents.portable_math import cos, dist, hypot, sincos, tan
 from intellwheels_agents.pure_pursuit import Point
 from intellwheels_agents.range_scan import Outline, distance, outline

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from intellwheels_agents.point_cells import NEIGHBOURS, PointCells, cells_at
+from intellwheels_agents.navigation.point_cells import NEIGHBOURS, PointCells, cells_at
 
 
 def put(cells: PointCells, places: list[tuple[float, float]], travel: float = 0.0) -> None:

@@ -14,7 +14,7 @@ from typing import Final, NamedTuple
 import numpy as np
 
 from intellwheels_agents.footprint import STEP
-from intellwheels_agents.point_cells import Floats
+from intellwheels_agents.navigation.point_cells import Floats
 from intellwheels_agents.portable_math import hypot, sincos
 from intellwheels_agents.range_scan import Outline
 from intellwheels_agents.wheel_motors import STILL, Motors, Wheels

@@ -8,7 +8,7 @@ import msgspec
 import numpy as np
 import pytest
 
-from intellwheels_agents.motion_projection import CLEARANCE_SHARE, MotionProjection
+from intellwheels_agents.navigation.motion_projection import CLEARANCE_SHARE, MotionProjection
 from intellwheels_agents.range_scan import Outline, outline
 from intellwheels_agents.wheel_motors import Motors, Wheels
 from intellwheels_maps import robot
