@@ -127,7 +127,7 @@ class GatewayProcess:
                 raise OptionError("--localisation: expected start or none for a robot without truth sensor, got truth")
             return RosMind(
                 context, node, commands, localisation=self._given.localisation,
-                await_command=self._given.await_command, tell_clock=self._tell_clock,
+                await_command=self._given.await_command, tell_clock=self._tell_clock, stop=self._stop,
             )  # fmt: skip
 
         robot = self._body or Robot()

@@ -6,6 +6,7 @@ before; one without a stamp answers every tick that was published before it arri
 
 from __future__ import annotations
 
+import threading
 import time
 from collections.abc import Callable, Sequence
 from typing import Any, Final, Protocol
@@ -17,6 +18,7 @@ from intellwheels_agents.ros_gateway.ros_names import ros_name
 from intellwheels_agents.ros_gateway.velocity_command import VelocityCommand
 from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.messages import Actions, Measures
+from intellwheels_schemas.process import SLICE
 
 _HALF: Final = 0.5
 
@@ -61,6 +63,7 @@ class RosMind:
         localisation: Localisation,
         await_command: float,
         tell_clock: Callable[[str, float, float], None],
+        stop: threading.Event,
     ) -> None:
         """Begin a run: advertise the topics of the robot, and publish its fixed transforms.
 
@@ -71,12 +74,14 @@ class RosMind:
             localisation: Where the pose of `odom` on the map comes from.
             await_command: Wall seconds for which a tick of a lockstep waits for a velocity.
             tell_clock: Takes the run, its time and the monotonic clock at each tick, before the messages.
+            stop: Ends a wait.
         """
         chair, start = ros_name(context.agent), context.position
         self._run = context.run
         self._node = node
         self._commands = commands
         self._tell_clock = tell_clock
+        self._stop = stop
         self._period = context.parameters.period
         self._await = await_command if context.parameters.pace == "lockstep" else 0.0
         self._velocity = VelocityCommand(chair, context.robot)
@@ -102,10 +107,11 @@ class RosMind:
 
     def _wait(self, now: float) -> None:
         deadline = time.monotonic() + self._await
-        while (left := deadline - time.monotonic()) > 0.0 and self._commands.wait(left):
-            self._take(now)
-            if self._velocity.stamp > now - self._period * _HALF:
-                return
+        while (left := deadline - time.monotonic()) > 0.0 and not self._stop.is_set():
+            if self._commands.wait(min(left, SLICE)):
+                self._take(now)
+                if self._velocity.stamp > now - self._period * _HALF:
+                    return
 
     def _take(self, now: float) -> None:
         for kind, message in self._commands.take():

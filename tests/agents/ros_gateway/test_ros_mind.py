@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import threading
 from collections import deque
 from collections.abc import Callable, Sequence
 from typing import Any
@@ -26,6 +27,7 @@ class Node:
         self.answers: Callable[[], list[tuple[str, Any]]] = list
         self.refused: list[str] = []
         self.clocks: list[tuple[str, float]] = []
+        self.stop = threading.Event()
 
     def advertise(self, topics: Sequence[Topic]) -> None:
         self.topics += [topic.name for topic in topics]
@@ -52,8 +54,9 @@ class Node:
 
 def mind_of(node: Node, pace: str = "realtime", await_command: float = 0.0) -> RosMind:
     return RosMind(
-        context(pace=pace), node, node, localisation="start", await_command=await_command, tell_clock=node.tell
-    )
+        context(pace=pace), node, node, localisation="start", await_command=await_command, tell_clock=node.tell,
+        stop=node.stop,
+    )  # fmt: skip
 
 
 def test_a_run_begins_with_topics_and_fixed_frames() -> None:
@@ -97,6 +100,13 @@ def test_in_lockstep_a_tick_waits_for_the_velocity_of_its_stamp() -> None:
 def test_without_an_answer_a_tick_goes_on() -> None:
     node = Node()
     assert mind_of(node, "lockstep", 0.01).decide(measured(1)).left_motor == 0.0
+
+
+def test_the_end_of_the_process_ends_a_wait() -> None:
+    node = Node()
+    node.stop.set()
+    node.answers = lambda: pytest.fail("waited")
+    mind_of(node, "lockstep", 3600.0).decide(measured(1))
 
 
 def test_in_real_time_no_tick_waits() -> None:
