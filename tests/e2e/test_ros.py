@@ -74,7 +74,8 @@ def text(word: str, then: int = 4) -> bytes:
 
 def test_a_node_drives_the_ward_in_real_time_and_nothing_that_it_sends_stops_the_gateway(stage: Stage) -> None:
     stage.server("--map", "ward", "--pace", "realtime")
-    child = gateway(stage, "--name", "chair-1", "--robot", "lidar-chair")
+    stage.agent("chair-1", "drive", "--role", "body", robot="lidar-chair")
+    child = gateway(stage, "--name", "chair-1", "--role", "mind")
     with stage.peer() as peer, StandInNode(stage.endpoint) as node:
         events = peer.hear("event")
         odometry, scans = node.hear("/chair_1/odom", ODOMETRY), node.hear("/chair_1/scan", SCAN)

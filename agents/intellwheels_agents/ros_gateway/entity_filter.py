@@ -18,6 +18,7 @@ _CATEGORIES: Final = {
 SPHERE: Final = 3
 """The type of bounds that is supported; without points, bounds mean everything."""
 MATCH_ALL: Final = 1
+MOST_TAGS: Final = 64
 LONGEST_PATTERN: Final = 200
 MOST_REPEATS: Final = 3
 """Repeats of a pattern, such as `.*`. Names have 32 characters at most, so a match takes at most 32^3 steps."""
@@ -37,9 +38,15 @@ def tags_of(robot: Robot) -> list[str]:
 
 
 def tags_match(wanted: Any, tags: Sequence[str]) -> bool:
-    """Return whether tags pass a `TagsFilter`: any of the wanted ones or, with its mode, all of them; none pass all."""
+    """Return whether tags pass a `TagsFilter`: any of the wanted ones or, with its mode, all of them; none pass all.
+
+    Raises:
+        WireError: There are too many.
+    """
     if not wanted.tags:
         return True
+    if len(wanted.tags) > MOST_TAGS:
+        raise wrong_value("tags", f"at most {MOST_TAGS}", len(wanted.tags))
     found = [tag in tags for tag in wanted.tags]
     return all(found) if wanted.filter_mode == MATCH_ALL else any(found)
 

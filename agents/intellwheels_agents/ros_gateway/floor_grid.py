@@ -31,7 +31,11 @@ OVERHEAD: Final = 1.5
 """Solids from this height on are above a person in a wheelchair, m."""
 MOST_CELLS: Final = 1_000_000
 """Cells of a grid that a router with this project's limit of 1 MiB for a message lets pass."""
+MOST_WANTED: Final = 50_000_000
+"""Cells of a grid whose resolution somebody asked for."""
 OCCUPIED: Final = 100
+_BLOCK: Final = 1_000_000
+"""Crossings of rows and edges that are computed at once."""
 
 Point = tuple[float, float]
 
@@ -46,8 +50,12 @@ def floor_grid(document: Map, resolution: float, seconds: float) -> Any:
     """
     west, south, columns, rows = _extent(document, resolution)
     cells = np.zeros((rows, columns), dtype=np.int8)
+    changes = np.zeros((rows, columns + 1), dtype=np.int32)
     for ring in solids(document):
-        _fill(cells, [((x - west) / resolution, (y - south) / resolution) for x, y in ring])
+        in_cells = [((x - west) / resolution, (y - south) / resolution) for x, y in ring]
+        _mark_edges(cells, in_cells)
+        _count_inside(changes, in_cells)
+    cells[np.cumsum(changes, axis=1)[:, :-1] > 0] = OCCUPIED
     info = made_of("nav_msgs/msg/MapMetaData")(
         map_load_time=time_message(0.0),
         resolution=resolution,
@@ -62,10 +70,15 @@ def fitting_resolution(document: Map, wanted: float = RESOLUTION) -> float:
     """Return the smallest size of a cell, m, of `wanted` and its doubles, with which a map has at most `MOST_CELLS`."""
     resolution = wanted
     while True:
-        _, _, columns, rows = _extent(document, resolution)
-        if columns * rows <= MOST_CELLS:
+        if cells_of(document, resolution) <= MOST_CELLS:
             return resolution
         resolution *= 2.0
+
+
+def cells_of(document: Map, resolution: float) -> int:
+    """Return the number of cells of the grid of a map."""
+    _, _, columns, rows = _extent(document, resolution)
+    return columns * rows
 
 
 def solids(document: Map) -> Iterator[Sequence[Point]]:
@@ -90,22 +103,33 @@ def _extent(document: Map, resolution: float) -> tuple[float, float, int, int]:
     return west, south, columns, rows
 
 
-def _fill(cells: npt.NDArray[np.int8], ring: Sequence[Point]) -> None:
-    """Mark the cells of a polygon whose corners are in cells."""
-    xs, ys = np.array(ring).T
-    first_row, last_row = max(0, int(ys.min())), min(cells.shape[0], int(ys.max()) + 1)
-    first, last = max(0, int(xs.min())), min(cells.shape[1], int(xs.max()) + 1)
-    centres_x = np.arange(first, last)[None, :] + 0.5
-    centres_y = np.arange(first_row, last_row)[:, None] + 0.5
-    inside = np.zeros((last_row - first_row, last - first), dtype=bool)
+def _mark_edges(cells: npt.NDArray[np.int8], ring: Sequence[Point]) -> None:
+    """Mark the cells that the edges of a polygon pass; its corners are in cells."""
     for (ax, ay), (bx, by) in zip(ring, (*ring[1:], ring[0]), strict=True):
-        if ay != by:
-            crosses = (ay > centres_y) != (by > centres_y)
-            inside ^= crosses & (centres_x < ax + (centres_y - ay) / (by - ay) * (bx - ax))
         # Four points in each cell that the edge passes: it can only clip corners of less than a quarter of a cell.
         count = int(4.0 * math.hypot(bx - ax, by - ay)) + 1
         share = np.linspace(0.0, 1.0, count + 1)
         columns = (ax + share * (bx - ax)).astype(np.int64).clip(0, cells.shape[1] - 1)
         rows = (ay + share * (by - ay)).astype(np.int64).clip(0, cells.shape[0] - 1)
         cells[rows, columns] = OCCUPIED
-    cells[first_row:last_row, first:last][inside] = OCCUPIED
+
+
+def _count_inside(changes: npt.NDArray[np.int32], ring: Sequence[Point]) -> None:
+    """Add a polygon, whose corners are in cells, to the changes along each row of the number of solids.
+
+    From the left, a row enters a polygon at each odd crossing with an edge, and leaves it at each even one.
+    """
+    (ax, ay), (bx, by) = np.array(ring).T, np.array((*ring[1:], ring[0])).T
+    first, last = max(0, int(ay.min())), min(changes.shape[0], int(ay.max()) + 1)
+    step = max(1, _BLOCK // len(ring))
+    for begin in range(first, last, step):
+        rows = np.arange(begin, min(begin + step, last))
+        centres = rows[:, None] + 0.5
+        crosses = (ay > centres) != (by > centres)
+        slope = (bx - ax) / np.where(ay == by, 1.0, by - ay)
+        found = np.sort(np.where(crosses, ax + (centres - ay) * slope, np.inf), axis=1)
+        for pair in range(0, int(crosses.sum(axis=1).max(initial=0)), 2):
+            inside = np.isfinite(found[:, pair])
+            for crossing, change in ((found[inside, pair], 1), (found[inside, pair + 1], -1)):
+                columns = np.ceil(crossing - 0.5).astype(np.int64).clip(0, changes.shape[1] - 1)
+                np.add.at(changes, (rows[inside], columns), change)

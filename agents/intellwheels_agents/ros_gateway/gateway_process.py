@@ -116,7 +116,7 @@ class GatewayProcess:
         topics = WorldTopics(session, self._keys, world, node, resolution=self._given.resolution, log=_log)
         node.serve(SimulationControl(world).services())
         self._tell_clock = topics.clock.tell
-        return _Running(topics)
+        return _Running(topics, self._stop)
 
     def _drive(self, node: RosNode) -> int:
         chair = ros_name(self._agent or "")
@@ -155,9 +155,11 @@ class GatewayProcess:
 class _Running:
     """The thread of the world's topics, in a `with` statement."""
 
-    def __init__(self, topics: WorldTopics) -> None:
+    def __init__(self, topics: WorldTopics, stop: threading.Event) -> None:
         self._over = threading.Event()
-        self._thread = threading.Thread(target=topics.run, args=(self._over,), name="world", daemon=True)
+        self._topics = topics
+        self._stop = stop
+        self._thread = threading.Thread(target=self._run, name="world", daemon=True)
 
     def __enter__(self) -> None:
         self._thread.start()
@@ -165,6 +167,14 @@ class _Running:
     def __exit__(self, *_: object) -> None:
         self._over.set()
         self._thread.join(END_TIMEOUT)
+
+    def _run(self) -> None:
+        try:
+            self._topics.run(self._over)
+        except BaseException:
+            # A gateway without its clock must not look as if it ran.
+            self._stop.set()
+            raise
 
 
 def _ignore(_run: str, _seconds: float, _now: float) -> None:

@@ -43,8 +43,11 @@ ROOM: Final = 256
 """Messages that may wait for a reader."""
 LONGEST_MESSAGE: Final = 4096
 """Bytes of a velocity or a goal."""
-LONGEST_REQUEST: Final = 1 << 20
-"""Bytes of a request of a service: a map as text is the longest."""
+LONGEST_REQUEST: Final = 1 << 17
+"""Bytes of a request of a service: a robot as text has up to 64 KiB."""
+LONGEST_MAP: Final = 1 << 20
+"""Bytes of a request that may have a map as text."""
+_WITH_MAP: Final = "/LoadWorld"
 WORKERS: Final = 8
 """Requests that are answered at the same time: a request to make steps may take minutes."""
 WAITING: Final = 32
@@ -256,9 +259,10 @@ class RosSession:
 
     def _answer(self, query: zenoh.Query, key: str, kind: str, answer: Answer) -> None:
         payload, attached = query.payload, query.attachment
-        if payload is None or len(payload) > LONGEST_REQUEST:
+        longest = LONGEST_MAP if kind.endswith(_WITH_MAP) else LONGEST_REQUEST
+        if payload is None or len(payload) > longest:
             got = "none" if payload is None else f"{len(payload)} bytes"
-            raise wrong_value("request", f"at most {LONGEST_REQUEST} bytes", got)
+            raise wrong_value("request", f"at most {longest} bytes", got)
         request = read_attachment(None if attached is None else attached.to_bytes())
         response = answer(decode_message(f"{kind}_Request", payload.to_bytes()))
         reply = request._replace(time=time.time_ns())

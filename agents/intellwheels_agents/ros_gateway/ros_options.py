@@ -28,8 +28,9 @@ examples:
   the description of a robot, for robot_state_publisher
       iw-ros --urdf intellwheels
 
-A ROS node with rmw_zenoh connects to a router at tcp/localhost:7447: that of ROS (rmw_zenohd), or iw-router. The
-simulator and iw-ros connect to the same router, or iw-ros to both, with --connect and --ros-connect.
+A ROS node with rmw_zenoh connects to a router at tcp/localhost:7447: that of ROS (rmw_zenohd), or iw-router, through
+which nodes reach iw-ros but not each other. The simulator and iw-ros connect to the same router, or iw-ros to the
+simulator and the router, with --connect and --ros-connect.
 Nodes need the parameter use_sim_time. A `-` in a name becomes `_` in ROS.
 
 Standard output has the lines `ready domain=...`, `joined agent=...`, `run agent=...`, `watching agent=...`,

@@ -62,7 +62,7 @@ def laser_scan(frame: str, seconds: float, lidar: Lidar, reading: LidarReading, 
 
 
 def _ranges(reading: LidarReading) -> Iterable[float]:
-    for value, status in zip(reading.ranges, reading.statuses, strict=True):
+    for value, status in zip(reading.ranges, reading.statuses, strict=False):
         yield _NO_RANGE.get(status, math.nan) if value is None else value
 
 

@@ -9,7 +9,7 @@ from typing import Any, Final, Protocol, TypeVar
 
 from intellwheels_agents.ros_gateway.chair_messages import Topic
 from intellwheels_agents.ros_gateway.clock_topic import CLOCK, ClockTopic
-from intellwheels_agents.ros_gateway.floor_grid import RESOLUTION, fitting_resolution, floor_grid
+from intellwheels_agents.ros_gateway.floor_grid import MOST_WANTED, cells_of, fitting_resolution, floor_grid
 from intellwheels_agents.ros_gateway.rmw_wire import LATCHED
 from intellwheels_schemas import link
 from intellwheels_schemas.codec import decode, encode, encoding_of
@@ -120,6 +120,7 @@ class WorldTopics:
         self._resolution = resolution
         self._log = log
         self._map_due = -float("inf")
+        self._waiting = False
 
     def run(self, stop: threading.Event) -> None:
         """Publish until `stop` is set."""
@@ -151,10 +152,18 @@ class WorldTopics:
     def _publish_map(self) -> None:
         try:
             document = self._world.floor()
-        except ConnectionError:
+        except ConnectionError as error:
             self._map_due = time.monotonic() + TRY_EVERY
+            if not self._waiting:
+                self._waiting = True
+                self._log(f"waiting why={str(error)!r}")
             return
+        self._waiting = False
         self._map_due = float("inf")
-        resolution = self._resolution or fitting_resolution(document, RESOLUTION)
+        resolution = self._resolution or fitting_resolution(document)
+        if (cells := cells_of(document, resolution)) > MOST_WANTED:
+            resolution = fitting_resolution(document)
+            wrong = f"--resolution: expected at most {MOST_WANTED} cells of /map, got {cells}"
+            self._log(f"{wrong}: {resolution:g} is used")
         self._node.publish(MAP_TOPIC.name, floor_grid(document, resolution, self.clock.time))
         self._log(f"published topic=/map name={document.name} resolution={resolution:g}")

@@ -65,6 +65,8 @@ def test_tags_of_a_body_and_of_a_place() -> None:
     assert tags_match(tags(), ())
     assert tags_match(tags("goal"), ("goal", "x"))
     assert not tags_match(tags("goal"), ())
+    with pytest.raises(WireError, match="tags: expected at most 64, got 65"):
+        tags_match(tags(*["x"] * 65), ())
 
 
 def test_sphere_touches_the_outline() -> None:

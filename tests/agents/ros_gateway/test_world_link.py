@@ -126,9 +126,21 @@ def test_map_and_clock_are_published(simulator: Simulator, world: WorldQueries) 
 
 def test_without_a_simulator_the_map_is_asked_for_again(simulator: Simulator, world: WorldQueries) -> None:
     node = Node(threading.Event(), 1)
-    topics = WorldTopics(simulator, KEYS, world, node, resolution=0.1, log=lambda _: None)
-    topics._publish_map()
+    log: list[str] = []
+    topics = WorldTopics(simulator, KEYS, world, node, resolution=0.1, log=log.append)
+    for _ in range(3):
+        topics._publish_map()
     assert node.sent == []
+    assert log == [f"waiting why='no simulator at {KEYS.map}, or not allowed'"]
     simulator.put(KEYS.map, floor("room"))
     topics._publish_map()
     assert node.sent[0][1].info.resolution == 0.1
+
+
+def test_too_fine_a_map_is_made_coarser(simulator: Simulator, world: WorldQueries) -> None:
+    simulator.put(KEYS.map, floor("ward"))
+    log: list[str] = []
+    node = Node(threading.Event(), 1)
+    WorldTopics(simulator, KEYS, world, node, resolution=0.001, log=log.append)._publish_map()
+    assert node.sent[0][1].info.resolution == 0.05
+    assert "--resolution: expected at most 50000000 cells of /map, got" in log[0]
