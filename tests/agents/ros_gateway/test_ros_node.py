@@ -81,6 +81,12 @@ def test_other_bytes_are_dropped_with_a_reason(one: Any, text: str) -> None:
     assert text in log[0]
 
 
+def test_humble_has_no_hashes() -> None:
+    nothing: Any = None
+    graph = RosSession(nothing, 7, humble=True, log=list[str]().append)
+    assert graph.key_of("/c/cmd_vel", graph.type_of(TWIST)) == f"7/c/cmd_vel/{OF_TWIST.dds}/TypeHashNotSupported"
+
+
 def test_a_flood_is_told_ten_times_less_often_each_time() -> None:
     log: list[str] = []
     drops = DropLog(log.append)
