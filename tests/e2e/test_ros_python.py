@@ -76,7 +76,7 @@ def test_ros_reads_every_message_and_has_the_same_hashes() -> None:
     assert done.returncode == 0, done.stderr
     again, hashes = json.loads(done.stdout)
     for (name, data), back in zip(given, again, strict=True):
-        # ROS leaves what was in memory in padding bytes, and may add some at the end. Values are compared: written by ROS,
-        # read and written here.
+        # ROS leaves what was in memory in padding bytes, and may add some at the end. So what ROS wrote is read and
+        # written here.
         assert encode_message(decode_message(name, bytes.fromhex(back)[: len(data)])) == data, name
     assert hashes == {name: ros_type(name).hash for name in {name for name, _ in given}}

@@ -17,6 +17,7 @@ from intellwheels_agents.mind import Context
 from intellwheels_agents.options import OptionError
 from intellwheels_agents.robot_document import joining
 from intellwheels_agents.ros_gateway.chair_goal import POSE_STAMPED
+from intellwheels_agents.ros_gateway.chair_messages import has_odometry
 from intellwheels_agents.ros_gateway.ros_mind import RosMind
 from intellwheels_agents.ros_gateway.ros_names import ros_name
 from intellwheels_agents.ros_gateway.ros_node import RosNode, RosSession
@@ -125,6 +126,8 @@ class GatewayProcess:
         def make(context: Context) -> RosMind:
             if self._given.localisation == "truth" and not context.robot.truth:
                 raise OptionError("--localisation: expected start or none for a robot without truth sensor, got truth")
+            if not has_odometry(context.robot):
+                _log(f"no odom of agent={self._agent}: the robot has neither odometry nor encoders")
             return RosMind(
                 context, node, commands, localisation=self._given.localisation,
                 await_command=self._given.await_command, tell_clock=self._tell_clock, stop=self._stop,

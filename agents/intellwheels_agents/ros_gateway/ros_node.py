@@ -235,6 +235,9 @@ class RosSession:
                     self._answer(query, key, kind, answer)
             except WireError as error:
                 self.drops.dropped(f"service={service}", error.text)
+            except Exception as error:
+                # A fault in one answer must not end the thread that answers the others.
+                self.drops.dropped(f"service={service}", f"{type(error).__name__}: {error}")
             finally:
                 waiting.release()
 

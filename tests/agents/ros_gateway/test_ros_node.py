@@ -110,6 +110,8 @@ def test_a_node_sees_topics_and_services_gets_latched_messages_late_and_is_answe
         kind = "simulation_interfaces/srv/StepSimulation"
 
         def answer(request: Any) -> Any:
+            if request.steps == 13:
+                raise ValueError("a fault")
             response = blank(f"{kind}_Response")
             response.result.result = request.steps
             return response
@@ -133,6 +135,7 @@ def test_a_node_sees_topics_and_services_gets_latched_messages_late_and_is_answe
                 assert other.call("/step", request) == b"\0\1\0\0\7\0\0\0\1\0\0\0\0"
                 # Wrong requests get no answer, and the next one does.
                 assert other.call("/step", request[:-1], timeout=0.3) is None
+                assert other.call("/step", b"\0\1\0\0" + (13).to_bytes(8, "little"), timeout=0.3) is None
                 assert other.call("/step", request) is not None
                 other.put("/c/other", TWIST, twist(0.5, 0.0))
                 other.wait(lambda: inbox.wait(0.0), "the velocity")

@@ -7,6 +7,8 @@ from typing import Any
 
 import msgspec
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from intellwheels_agents.ros_gateway.plane_pose import PlanePose
 from intellwheels_agents.ros_gateway.ros_messages import pose_message
@@ -15,6 +17,7 @@ from intellwheels_agents.ros_gateway.simulation_control import FEATURES, Simulat
 from intellwheels_agents.ros_gateway.simulation_types import SERVICES
 from intellwheels_maps import floor, robot
 from intellwheels_schemas.codec import Encoding, encode
+from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.keys import Verb
 from intellwheels_schemas.messages import Body, Clock, Entity, Map, Record, Result, ResultCode, Robot
 from tests.agents.ros_gateway.made_up import RUN
@@ -219,6 +222,22 @@ def test_worlds(world: World) -> None:
     assert call(world, "LoadWorld").result.result == 102
     assert call(world, "LoadWorld", world_resource__uri="nowhere").result.result == 2
     assert call(world, "LoadWorld", world_resource__resource_string="<sdf/>").result.result == 103
+
+
+@pytest.mark.parametrize("service", SERVICES)
+@settings(max_examples=60, deadline=None, database=None)
+@given(st.data())
+def test_any_bytes_are_refused_or_answered(service: str, data: st.DataObject) -> None:
+    kind = f"simulation_interfaces/srv/{service}"
+    start = encode_message(blank(f"{kind}_Request"))
+    cut = data.draw(st.integers(0, len(start)))
+    raw = start[:cut] + data.draw(st.binary(max_size=80)) + data.draw(st.sampled_from([b"", start[cut:]]))
+    try:
+        request = decode_message(f"{kind}_Request", raw)
+    except WireError:
+        return
+    answers = dict(SimulationControl(World()).services().values())
+    assert encode_message(answers[kind](request))
 
 
 def test_world_that_is_gone_is_a_failed_operation(world: World) -> None:
