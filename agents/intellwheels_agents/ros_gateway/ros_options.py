@@ -74,7 +74,7 @@ def parser() -> argparse.ArgumentParser:
     )  # fmt: skip
     chair.add_argument(
         "--await", dest="await_command", type=number("seconds", 0.0, 3600.0), default=0.0, metavar="S",
-        help="in lockstep, wait at each tick up to S seconds, less than the --deadline of the simulator, for a velocity "
+        help="in lockstep, wait at each tick up to S seconds, less than the simulator's --deadline, for a velocity "
         "that answers it (default: 0)",
     )  # fmt: skip
     graph = result.add_argument_group("ROS")
