@@ -69,6 +69,15 @@ class GatewayProcess:
     def run(self) -> int:
         """Run until `stop` is set or the simulator refuses the chair, and return the exit code."""
         with ExitStack() as stack:
+            if self._where.listen:
+                # One session can listen at an endpoint. It connects the others, which are clients of it.
+                hub = self._open(self._where)
+                if hub is None:
+                    return 0
+                stack.enter_context(hub)
+                inner = link.Link(self._where.world, connect=self._where.listen)
+                self._ros = inner if self._ros == self._where else self._ros
+                self._where = inner
             opened = self._open(self._ros)
             if opened is None:
                 return 0

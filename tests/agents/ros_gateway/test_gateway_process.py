@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+from tests.agents.ros_gateway.stand_in_node import StandInNode
 from tests.e2e.stage import Stage, run
 
 pytestmark = pytest.mark.process
@@ -38,3 +39,21 @@ def test_second_gateway_of_a_world_or_a_chair_is_refused(tmp_path: Path) -> None
         assert "--name: expected a chair that no other iw-ros has, got /chair_1/intellwheels" in third.stderr
         stage.signal(first, signal.SIGTERM)
         assert stage.exit(first) == 0
+
+
+def test_simulator_and_nodes_may_meet_at_the_gateway(tmp_path: Path) -> None:
+    with Stage(tmp_path, "meet") as stage:
+        child = stage.start(
+            "ros", GATEWAY, "--name", "c", "--robot", "lidar-chair", "--listen", stage.endpoint, "--world", stage.world
+        )
+        stage.line(child, "ready")
+        stage.start(
+            "server", "intellwheels_server", "--connect", stage.endpoint, "--world", stage.world, "--map", "room"
+        )
+        stage.line(child, "joined")
+        with StandInNode(stage.endpoint) as node:
+            odometry = node.hear("/c/odom", "nav_msgs/msg/Odometry")
+            grid = node.hear("/map", "nav_msgs/msg/OccupancyGrid", latched=True)
+            node.wait(lambda: odometry and grid, "odometry and the map")
+        stage.signal(child, signal.SIGTERM)
+        assert stage.exit(child) == 0
