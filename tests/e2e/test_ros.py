@@ -95,7 +95,7 @@ def test_a_node_drives_the_ward_in_real_time_and_nothing_that_it_sends_stops_the
             return bool(len(scans) > began + 20 and moved(odometry[-1]) > 1.0)
 
         node.wait(drives, "a chair that has driven a metre")
-        stamps = [seconds_of(one.header.stamp) for one in odometry]
+        stamps = [seconds_of(one.header.stamp) for one in list(odometry)]
         assert all(round((later - earlier) / PERIOD, 6) >= 1.0 for earlier, later in pairwise(stamps))
         # Silence stops the chair, and so do velocities that are none.
         key = node.key("/chair_1/cmd_vel", TWIST)
@@ -189,7 +189,7 @@ def test_in_lockstep_the_clock_paces_a_node_and_the_run_can_be_repeated(stage: S
 
         def path(run: int) -> list[tuple[float, float, float]]:
             """Return time and place by the odometry of the first or the second run."""
-            places = [(seconds_of(one.header.stamp), one.pose.pose.position) for one in odometry]
+            places = [(seconds_of(one.header.stamp), one.pose.pose.position) for one in list(odometry)]
             (second,) = [index for index in range(1, len(places)) if places[index][0] < places[index - 1][0]]
             part = places[second:] if run == 2 else places[:second]
             return [(time, place.x, place.y) for time, place in part if time < 4.0]
@@ -197,7 +197,7 @@ def test_in_lockstep_the_clock_paces_a_node_and_the_run_can_be_repeated(stage: S
         node.wait(lambda: len(path(2)) == len(path(1)), "the odometry of both runs")
         assert path(2) == path(1)
         assert math.hypot(*path(1)[-1][1:]) > 1.0
-        times = [seconds_of(one.clock) for one in clock]
+        times = [seconds_of(one.clock) for one in list(clock)]
         steps = {round(b - a, 6) for a, b in pairwise(times)}
         assert {step for step in steps if step > 0.0} == {PERIOD}
 
