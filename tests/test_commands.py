@@ -67,6 +67,7 @@ LACKING: dict[str, tuple[list[str], str]] = {
     "iw-joystick": (["chair1", "--source", "keyboard"], "joystick"),
     "iw-bridge": (["serial", "--name", "chair1", "--port", "/dev/null"], "bridge"),
     "iw-agent": (["navigate"], "navigate"),
+    "iw-ros": (["--name", "chair1"], "ros"),
     "iw": (["server"], "server"),
 }
 """A use of each command that needs an extra, and the extra."""

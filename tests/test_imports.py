@@ -35,6 +35,7 @@ KNOWS_ZENOH = {
     "server/intellwheels_server/service/simulator_peer.py",
     "agents/intellwheels_agents/agent_peer.py",
     "agents/intellwheels_agents/joystick/joystick_peer.py",
+    "agents/intellwheels_agents/ros_gateway/ros_node.py",
     "agents/intellwheels_experiments/run/world_watch.py",
     "agents/intellwheels_experiments/conformance/scripted_simulator.py",
     "viewer/intellwheels_viewer/viewer_peer.py",
@@ -73,6 +74,9 @@ OPENERS = {
     "intellwheels_experiments.testing.rig",
     "intellwheels_viewer.viewer_service",
     "intellwheels_experiments.batch.run_worker",
+    "intellwheels_agents.ros_gateway.gateway_process",
+    "intellwheels_agents.ros_gateway.watched_chair",
+    "intellwheels_agents.ros_gateway.world_link",
 }
 """Files that do a command's work or read an inbox, beside those of the commands themselves."""
 

@@ -23,6 +23,7 @@ from intellwheels_agents.bridge import __main__ as bridge
 from intellwheels_agents.bridge import firmware_stand_in
 from intellwheels_agents.iw_command import main as iw
 from intellwheels_agents.joystick import __main__ as joystick
+from intellwheels_agents.ros_gateway import __main__ as ros
 from intellwheels_experiments import __main__ as run
 from intellwheels_experiments.conformance import __main__ as check_agent
 from intellwheels_maps import __main__ as maps
@@ -86,6 +87,7 @@ WITH: dict[str, Sequence[str]] = {
     "iw-run --part": ("--seeds", "1"), "iw-run --merge": ("--seeds", "1"),
     "iw-server --trace": ("--resimulate", "/dev/null"), "iw-server --reported": ("--play", "/dev/null"),
     "iw-joystick --script": ("--source", "script"),
+    "iw-ros --robot": ("--name", "c"), "iw-ros --option": ("--name", "c"), "iw-ros --place": ("--name", "c"),
 }  # fmt: skip
 """What else an option needs to be looked at."""
 
@@ -107,6 +109,7 @@ COMMANDS = {
     "iw-bridge": Command(bridge.main, bridge.parser, ["world", "--name", "chair1"]),
     "iw-joystick": Command(joystick.main, joystick.parser, ["chair1"]),
     "iw-viewer": Command(viewer.main, viewer.parser),
+    "iw-ros": Command(ros.main, ros.parser),
     "iw-router": Command(router.main, router.parser),
     "iw-check-agent": Command(check_agent.main, check_agent.parser, [], ["--", "true"]),
     "python -m intellwheels_maps": Command(maps.main, maps._parser),
@@ -143,7 +146,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     monkeypatch.setenv("TMPDIR", str(tmp_path))
     over = threading.Event()
     over.set()
-    for module in (agent, bridge, check_agent, firmware_stand_in, joystick, router, run, server, viewer):
+    for module in (agent, bridge, check_agent, firmware_stand_in, joystick, ros, router, run, server, viewer):
         # Signals are not what is tested, and each call would leave a thread behind.
         monkeypatch.setattr(module, "stop_on_signals", lambda *_: over)
     return tmp_path
@@ -257,6 +260,7 @@ SAMPLE = (
     ("iw-joystick", "chair1", "--source=script", "--script=none", "--script"),
     ("iw-viewer", "--host=192.0.2.1", "--host"),
     ("iw-router", "--listen=x", "--listen"),
+    ("iw-ros", "--ros-connect=x", "--ros-connect"),
     ("iw-check-agent", "--connect=x", "--", "true", "--connect"),
     ("iw", "list", "places", "nosuch", "MAP"),
 )
@@ -266,7 +270,7 @@ SAMPLE = (
 @pytest.mark.process
 def test_real_commands_end_by_themselves_with_one_line(folder: Path) -> None:
     before = tree(folder)
-    # One after the other: nine at once would need many times the time of one on a busy machine.
+    # One after the other: ten at once would need many times the time of one on a busy machine.
     for name, *words, option in SAMPLE:
         module, _, function = SCRIPTS[name].partition(":")
         program = f"import sys; from {module} import {function}; sys.exit({function}())"

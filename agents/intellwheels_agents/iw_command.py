@@ -32,6 +32,7 @@ COMMANDS = {
     "viewer": "the web page of a world",
     "joystick": "drive a chair by hand",
     "bridge": "put a real chair into a simulation",
+    "ros": "show a world to ROS 2 nodes, and let them drive a chair",
     "check-agent": "check a program in any language against the contract",
     "router": "the router where simulators and agents meet",
 }

@@ -1,0 +1,59 @@
+"""The process `iw-ros`: what it waits for, and what it refuses to be twice."""
+
+from __future__ import annotations
+
+import signal
+from pathlib import Path
+
+import pytest
+
+from tests.agents.ros_gateway.stand_in_node import StandInNode
+from tests.e2e.stage import Stage, run
+
+pytestmark = pytest.mark.process
+GATEWAY = "intellwheels_agents.ros_gateway"
+
+
+def test_without_a_router_it_gives_up_in_time() -> None:
+    done = run(GATEWAY, "--name", "c", "--connect", "tcp/127.0.0.1:1", "--retry-for", "0.5")
+    assert done.returncode == 1
+    assert done.stderr.splitlines() == [
+        "iw-ros: waiting why='nobody answers at tcp/127.0.0.1:1'", "iw-ros: nobody answers at tcp/127.0.0.1:1",
+    ]  # fmt: skip
+
+
+def test_second_gateway_of_a_world_or_a_chair_is_refused(tmp_path: Path) -> None:
+    with Stage(tmp_path, "twice") as stage:
+        stage.start("router", "intellwheels_server.service.router", "--listen", stage.endpoint)
+        stage.line("router", "ready")
+        where = ("--connect", stage.endpoint, "--world", stage.world)
+        first = stage.start("first", GATEWAY, "--name", "chair-1", *where)
+        stage.line(first, "ready")
+        second = run(GATEWAY, *where)
+        assert second.returncode == 1
+        assert (
+            second.stderr == "iw-ros: expected --no-world, as another iw-ros has the node /intellwheels, got a world\n"
+        )
+        third = run(GATEWAY, "--name", "chair_1", "--no-world", *where)
+        assert third.returncode == 1
+        assert "--name: expected a chair that no other iw-ros has, got /chair_1/intellwheels" in third.stderr
+        stage.signal(first, signal.SIGTERM)
+        assert stage.exit(first) == 0
+
+
+def test_simulator_and_nodes_may_meet_at_the_gateway(tmp_path: Path) -> None:
+    with Stage(tmp_path, "meet") as stage:
+        child = stage.start(
+            "ros", GATEWAY, "--name", "c", "--robot", "lidar-chair", "--listen", stage.endpoint, "--world", stage.world
+        )
+        stage.line(child, "ready")
+        stage.start(
+            "server", "intellwheels_server", "--connect", stage.endpoint, "--world", stage.world, "--map", "room"
+        )
+        stage.line(child, "joined")
+        with StandInNode(stage.endpoint) as node:
+            odometry = node.hear("/c/odom", "nav_msgs/msg/Odometry")
+            grid = node.hear("/map", "nav_msgs/msg/OccupancyGrid", latched=True)
+            node.wait(lambda: odometry and grid, "odometry and the map")
+        stage.signal(child, signal.SIGTERM)
+        assert stage.exit(child) == 0
