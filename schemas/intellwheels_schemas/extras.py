@@ -12,6 +12,8 @@ MODULES: Final = {
     "experiments": ("numpy", "scipy", "shapely", "matplotlib"),
     "bridge": ("serial",),
     "navigate": ("numpy",),
+    "floors": ("numpy", "shapely", "yaml", "PIL", "ezdxf"),
+    "ifc": ("ifcopenshell", "numpy", "shapely"),
 }
 """The modules that each extra installs, under the names that `import` takes."""
 

@@ -1,0 +1,46 @@
+"""Floors in the formats of other programs: pure functions from the bytes of a file to a `Map`.
+
+Nothing is invented. What a format has and a map cannot have, or what is not certain, is left out and listed with its
+place.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Final, NamedTuple
+
+from intellwheels_maps.importers.floor_source import FloorSource, Imported
+from intellwheels_maps.importers.ros_map import import_ros_map
+from intellwheels_schemas.extras import missing_extra
+
+__all__ = ["ENDINGS", "FORMATS", "FloorSource", "Imported", "import_floor"]
+
+
+class _Format(NamedTuple):
+    read: Callable[[FloorSource], Imported]
+    extras: tuple[str, ...]
+
+
+_FORMATS: Final[Mapping[str, _Format]] = {
+    ".yaml": _Format(import_ros_map, ("floors",)),
+}
+"""The formats by the ending of a file's name. The first ending that fits counts."""
+
+ENDINGS: Final = tuple(_FORMATS)
+"""What the names of files end in that `import_floor` reads."""
+
+FORMATS: Final = tuple(f"*{ending}" for ending in ENDINGS)
+"""The same, for help and errors."""
+
+
+def import_floor(source: FloorSource) -> Imported:
+    """Return the map in a file, and what was left out.
+
+    Raises:
+        WireError: The file is invalid, or an extra is not installed.
+    """
+    found = next(form for ending, form in _FORMATS.items() if source.name.endswith(ending))
+    lacking = missing_extra(*found.extras)
+    if lacking is not None:
+        raise source.error("", lacking)
+    return found.read(source)
