@@ -10,6 +10,7 @@ from collections.abc import Callable, Mapping
 from typing import Final, NamedTuple
 
 from intellwheels_maps.importers.floor_source import FloorSource, Imported
+from intellwheels_maps.importers.rmf_building import import_rmf_building
 from intellwheels_maps.importers.ros_map import import_ros_map
 from intellwheels_schemas.extras import missing_extra
 
@@ -22,6 +23,7 @@ class _Format(NamedTuple):
 
 
 _FORMATS: Final[Mapping[str, _Format]] = {
+    ".building.yaml": _Format(import_rmf_building, ("floors",)),
     ".yaml": _Format(import_ros_map, ("floors",)),
 }
 """The formats by the ending of a file's name. The first ending that fits counts."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from typing import Any, Final
 
 TOLERANCE: Final = 0.499
@@ -9,7 +10,7 @@ TOLERANCE: Final = 0.499
 
 
 def count_corners(walls: Any) -> int:
-    """Return how many corners the outlines of the walls have, before any is simplified. `walls` is bool[rows, columns]."""
+    """Return how many corners the outlines of the walls have before they are simplified, from bool[rows, columns]."""
     import numpy as np  # noqa: PLC0415 - of an extra
 
     padded = np.pad(walls, 1).astype(np.int8)
@@ -60,7 +61,7 @@ def simplified(area: Any) -> Any:
         ends = {0, len(ring) // 2} | {at for at, corner in enumerate(ring) if tuple(corner) in shared}
         cuts = [*sorted(ends), len(ring)]
         closed = [*ring, ring[0]]
-        lines += [closed[one : other + 1] for one, other in zip(cuts, cuts[1:], strict=False)]
+        lines += [closed[one : other + 1] for one, other in pairwise(cuts)]
         counts.append(len(cuts) - 1)
     joint = shapely.simplify(shapely.MultiLineString(lines), TOLERANCE, preserve_topology=True)
     parts = iter([shapely.get_coordinates(line)[:-1].tolist() for line in shapely.get_parts(joint)])

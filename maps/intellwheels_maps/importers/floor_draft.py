@@ -43,6 +43,9 @@ WIDEST: Final = 9000.0
 LEAF_TOLERANCE: Final = 0.3
 """Largest difference between a drawn door and its opening, as a share of the opening."""
 
+_FITS: Final = 5
+# How often a doorway is moved to the middle of its opening. Once is enough where walls end squarely.
+
 MAX_LISTED: Final = 20
 """Places that are listed one by one for one reason; the rest is counted."""
 
@@ -231,28 +234,42 @@ class FloorDraft:
     def _with_doorways(self, document: Map, shift: Point) -> Map:
         """Return the map with its doorways, each as wide as the gap between the walls where a door was drawn."""
         found = []
-        for name, (ax, ay), (bx, by), door, where in self._doors:
-            x, y = (ax + bx) / 2 - shift[0], (ay + by) / 2 - shift[1]
-            heading = math.atan2(ay - by, ax - bx) - math.pi / 2
-            probe = Doorway(name=name, x=x, y=y, heading_deg=_degrees(heading), width=1.0)
-            left, right = opening(document, probe)
-            drawn, width = math.hypot(ax - bx, ay - by), left + right
-            if left == 0.0 and right == 0.0:
-                self.leave_out(where, "doorway whose middle is inside a wall")
+        for name, left, right, drawn_door, where in self._doors:
+            door = drawn_door
+            doorway = self._fitted(document, name, left, right, shift, where)
+            if doorway is None:
                 continue
-            if math.isinf(width):
-                self.leave_out(where, "doorway without a wall on each side")
-                continue
-            if abs(width - drawn) > LEAF_TOLERANCE * width and door is not None:
+            if door is not None and abs(doorway.width - math.dist(left, right)) > LEAF_TOLERANCE * doorway.width:
                 self.leave_out(where, "door that does not fill its opening (the opening is kept)")
                 door = None
-            x -= math.sin(heading) * (left - right) / 2
-            y += math.cos(heading) * (left - right) / 2
-            doorway = msgspec.structs.replace(
-                probe, x=round(x, 4) + 0.0, y=round(y, 4) + 0.0, width=round(width, 4), door=door
-            )
-            found.append(doorway)
+            found.append(msgspec.structs.replace(doorway, door=door))
         return msgspec.structs.replace(document, doorway=tuple(found))
+
+    def _fitted(
+        self, document: Map, name: str, left: Point, right: Point, shift: Point, where: str
+    ) -> Doorway | None:
+        """Return the doorway in the gap between the walls at two jambs, or None if it is left out."""
+        x, y = (left[0] + right[0]) / 2 - shift[0], (left[1] + right[1]) / 2 - shift[1]
+        heading = math.atan2(left[1] - right[1], left[0] - right[0]) - math.pi / 2
+        width = 1.0
+        for _ in range(_FITS):
+            doorway = Doorway(
+                name=name, x=round(x, 4) + 0.0, y=round(y, 4) + 0.0, heading_deg=_degrees(heading), width=round(width, 4)
+            )
+            to_left, to_right = opening(document, doorway)
+            if to_left == 0.0 and to_right == 0.0:
+                self.leave_out(where, "doorway whose middle is inside a wall")
+                return None
+            if math.isinf(to_left + to_right):
+                self.leave_out(where, "doorway without a wall on each side")
+                return None
+            if abs(to_left - to_right) < 1e-3 and abs(to_left + to_right - width) < 1e-3:
+                return doorway
+            width = to_left + to_right
+            x -= math.sin(heading) * (to_left - to_right) / 2
+            y += math.cos(heading) * (to_left - to_right) / 2
+        self.leave_out(where, "doorway whose walls are not clear")
+        return None
 
     def _with_places(self, document: Map, shift: Point) -> Map:
         pieces = [piece for wall in document.wall for piece in wall_pieces(wall)]
