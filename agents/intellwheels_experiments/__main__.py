@@ -21,6 +21,7 @@ from intellwheels_experiments.batch.experiment_rows import Row, rows_of
 from intellwheels_experiments.batch.seed_variation import check_variation
 from intellwheels_experiments.run.cast_changes import with_changes
 from intellwheels_experiments.run.endpoints import free_endpoint
+from intellwheels_experiments.run.floor_scene import FLOOR_SECONDS, write_floor_scene
 from intellwheels_experiments.run.foreign_program import check_programs
 from intellwheels_experiments.run.launch_spec import WALL_LIMIT, LaunchSpec, resolved, wall_limit
 from intellwheels_experiments.run.progress import Progress
@@ -53,6 +54,7 @@ examples:
   iw-run figure6 --view                      three chairs, a table and a door, on a page in your browser
   iw-run figure6                             the same without a page, as fast as possible
   iw-run figure6 --seed 7 --json result.json
+  iw-run --floor clinic.building.yaml --doors --view   a building of Open-RMF, its doors as agents
   iw-run my/scene.xml --encoding xml --logs logs
   iw-run figure6 --command chair1="./mine {name} {endpoint}"
       your program drives chair1
@@ -83,8 +85,18 @@ def parser() -> argparse.ArgumentParser:
     )
     add_version_option(found)
     found.add_argument(
-        "scene", metavar="SCENE", help=f"an included scene ({', '.join(names('scenes'))}) or an XML file"
+        "scene",
+        metavar="SCENE",
+        nargs="?",
+        help=f"an included scene ({', '.join(names('scenes'))}) or an XML file; none with --floor",
     )
+    found.add_argument(
+        "--floor",
+        metavar="MAP",
+        help="run a floor in place of a scene: an included map, or a map file of any format; without --view for "
+        f"{FLOOR_SECONDS:g} s of simulated time",
+    )
+    found.add_argument("--doors", action="store_true", help="with --floor: start an agent for each leaf of its doors")
     found.add_argument(
         "--view", action="store_true",
         help="serve a page that shows and controls the run, until Ctrl-C; the default pace is then realtime",
@@ -166,19 +178,22 @@ def parser() -> argparse.ArgumentParser:
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command and return its exit code."""
     try:
-        return _run(arguments)
+        with tempfile.TemporaryDirectory(prefix="iw-floor-") as folder:
+            return _run(arguments, Path(folder))
     except KeyboardInterrupt:  # before anything was started: a run has its own handlers of signals
         print("iw-run: interrupted", file=sys.stderr)
         return INTERRUPTED
 
 
-def _run(arguments: Sequence[str] | None) -> int:
+def _run(arguments: Sequence[str] | None, floor_folder: Path) -> int:
     grammar = parser()
     options = grammar.parse_args(arguments)
     try:
         _check_together(grammar, options)
         _check_extras(options)
         check_connection(options)
+        if options.floor is not None:
+            options.scene = write_floor_scene(options.floor, floor_folder, doors=options.doors, forever=options.view)
         with naming("SCENE"):
             chosen = scene(options.scene)
             folder = folder_of(options.scene)
@@ -317,8 +332,8 @@ _BATCH_ONLY: Final = ("jobs", "row", "out", "part", "merge")
 _BRANCH_ONLY: Final = ("at",)
 _PAGE_ONLY: Final = ("view_port",)
 _SINGLE_ONLY: Final = (
-    "view", "view_port", "pace", "speed", "seed", "encoding", "json", "log", "logs", "world", "listen", "connect",
-    "config",
+    "floor", "view", "view_port", "pace", "speed", "seed", "encoding", "json", "log", "logs", "world", "listen",
+    "connect", "config",
 )  # fmt: skip
 
 
@@ -329,7 +344,12 @@ def _check_together(grammar: argparse.ArgumentParser, options: argparse.Namespac
         WireError: One is, or one cannot.
     """
     given = {name for name, value in vars(options).items() if value != grammar.get_default(name)}
+    if (options.scene is None) == (options.floor is None):
+        got = "none" if options.scene is None else "both"
+        raise WireError("value", f"SCENE: expected either a scene or --floor, got {got}", "SCENE")
     rules: list[tuple[tuple[str, ...], str]] = []
+    if options.floor is None:
+        rules += [(("doors",), "expected with --floor, got a scene")]
     if options.seeds is None and options.branch is None:
         rules += [(_BATCH_ONLY, "expected with --seeds or --branch, got a single run")]
     else:

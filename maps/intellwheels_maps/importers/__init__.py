@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Final, NamedTuple
 
+from intellwheels_maps.importers.dxf_plan import import_dxf
 from intellwheels_maps.importers.floor_source import FloorSource, Imported
 from intellwheels_maps.importers.rmf_building import import_rmf_building
 from intellwheels_maps.importers.ros_map import import_ros_map
@@ -25,6 +26,7 @@ class _Format(NamedTuple):
 _FORMATS: Final[Mapping[str, _Format]] = {
     ".building.yaml": _Format(import_rmf_building, ("floors",)),
     ".yaml": _Format(import_ros_map, ("floors",)),
+    ".dxf": _Format(import_dxf, ("floors",)),
 }
 """The formats by the ending of a file's name. The first ending that fits counts."""
 

@@ -40,6 +40,9 @@ NEAR: Final = 1000.0
 WIDEST: Final = 9000.0
 """Largest distance of a point from the west or south edge of a map, m: the contract ends at 10 km."""
 
+SMALLEST: Final = 0.5
+"""Size of the smallest map, m."""
+
 LEAF_TOLERANCE: Final = 0.3
 """Largest difference between a drawn door and its opening, as a share of the opening."""
 
@@ -50,11 +53,23 @@ MAX_LISTED: Final = 20
 """Places that are listed one by one for one reason; the rest is counted."""
 
 
-class _DraftDoor(NamedTuple):
-    name: str
+class Leaf(NamedTuple):
+    """A door as it may be meant.
+
+    Attributes:
+        left: The jamb on the left, seen along the heading of the doorway.
+        right: The other jamb.
+        door: What is known of the door, or None.
+    """
+
     left: Point
     right: Point
     door: Door | None
+
+
+class _DraftDoor(NamedTuple):
+    name: str
+    leaves: tuple[Leaf, ...]
     where: str
 
 
@@ -101,10 +116,11 @@ class FloorDraft:
         self._check(ring, where)
         self._zones.append((self.unique("zone", name), title[:200], list(ring), where))
 
-    def door(self, name: str, left: Point, right: Point, door: Door | None, where: str) -> None:
-        """Add a doorway between two jambs, left and right as seen along its heading."""
-        self._check((left, right), where)
-        self._doors.append(_DraftDoor(self.unique("doorway", name), left, right, door, where))
+    def door(self, name: str, where: str, *leaves: Leaf) -> None:
+        """Add a doorway. Of several ways to read the drawing, the first one counts that fills an opening."""
+        for leaf in leaves:
+            self._check((leaf.left, leaf.right), where)
+        self._doors.append(_DraftDoor(self.unique("doorway", name), leaves, where))
 
     def place(self, name: str, at: Point, where: str, heading_deg: float = 0.0, kinds: tuple[str, ...] = ()) -> str:
         """Add a place, and return its name in the map."""
@@ -157,6 +173,9 @@ class FloorDraft:
         shift = (0.0, 0.0)
         if offset is None and max(abs(west), abs(south), abs(east), abs(north)) > NEAR:
             shift = offset = float(math.floor(west)), float(math.floor(south))
+        if max(east - west, north - south) < SMALLEST:
+            size = f"{east - west:g} x {north - south:g} m"
+            raise self._source.error("", f"expected at least {SMALLEST:g} m across, got {size}; are the units right?")
         walls = self._made_walls(shift)
         file = PurePath(self._source.name).name
         stem = file.partition(".")[0]
@@ -234,21 +253,25 @@ class FloorDraft:
     def _with_doorways(self, document: Map, shift: Point) -> Map:
         """Return the map with its doorways, each as wide as the gap between the walls where a door was drawn."""
         found = []
-        for name, left, right, drawn_door, where in self._doors:
-            door = drawn_door
-            doorway = self._fitted(document, name, left, right, shift, where)
-            if doorway is None:
+        for name, leaves, where in self._doors:
+            fits = [(self._fitted(document, name, leaf, shift), leaf) for leaf in leaves]
+            openings = [(fit, leaf) for fit, leaf in fits if isinstance(fit, Doorway)]
+            if not openings:
+                self.leave_out(where, f"doorway {fits[0][0]}")
                 continue
-            if door is not None and abs(doorway.width - math.dist(left, right)) > LEAF_TOLERANCE * doorway.width:
-                self.leave_out(where, "door that does not fill its opening (the opening is kept)")
-                door = None
-            found.append(msgspec.structs.replace(doorway, door=door))
+            for fit, leaf in openings:
+                if abs(fit.width - math.dist(leaf.left, leaf.right)) <= LEAF_TOLERANCE * fit.width:
+                    found.append(msgspec.structs.replace(fit, door=leaf.door))
+                    break
+            else:
+                found.append(openings[0][0])
+                if openings[0][1].door is not None:
+                    self.leave_out(where, "door that does not fill its opening (the opening is kept)")
         return msgspec.structs.replace(document, doorway=tuple(found))
 
-    def _fitted(
-        self, document: Map, name: str, left: Point, right: Point, shift: Point, where: str
-    ) -> Doorway | None:
-        """Return the doorway in the gap between the walls at two jambs, or None if it is left out."""
+    def _fitted(self, document: Map, name: str, leaf: Leaf, shift: Point) -> Doorway | str:
+        """Return the doorway in the gap between the walls at two jambs, or why there is none."""
+        left, right = leaf.left, leaf.right
         x, y = (left[0] + right[0]) / 2 - shift[0], (left[1] + right[1]) / 2 - shift[1]
         heading = math.atan2(left[1] - right[1], left[0] - right[0]) - math.pi / 2
         width = 1.0
@@ -258,18 +281,15 @@ class FloorDraft:
             )
             to_left, to_right = opening(document, doorway)
             if to_left == 0.0 and to_right == 0.0:
-                self.leave_out(where, "doorway whose middle is inside a wall")
-                return None
+                return "whose middle is inside a wall"
             if math.isinf(to_left + to_right):
-                self.leave_out(where, "doorway without a wall on each side")
-                return None
+                return "without a wall on each side"
             if abs(to_left - to_right) < 1e-3 and abs(to_left + to_right - width) < 1e-3:
                 return doorway
-            width = to_left + to_right
+            width = max(to_left + to_right, 1e-3)
             x -= math.sin(heading) * (to_left - to_right) / 2
             y += math.cos(heading) * (to_left - to_right) / 2
-        self.leave_out(where, "doorway whose walls are not clear")
-        return None
+        return "whose walls are not clear"
 
     def _with_places(self, document: Map, shift: Point) -> Map:
         pieces = [piece for wall in document.wall for piece in wall_pieces(wall)]
@@ -282,7 +302,7 @@ class FloorDraft:
                 continue
             found.append(Place(name=name, x=at[0], y=at[1], heading_deg=round(heading, 4) + 0.0, kinds=kinds))
         kept = {place.name for place in found}
-        routes = []
+        routes: list[Route] = []
         for places, one_way in self._routes:
             if kept.issuperset(places):
                 routes.append(Route(name=f"route{len(routes) + 1}", places=tuple(places), one_way=one_way))

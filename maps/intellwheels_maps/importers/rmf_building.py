@@ -19,7 +19,7 @@ from collections.abc import Iterator
 from typing import Any, Final, cast
 
 from intellwheels_maps.crossing import Point
-from intellwheels_maps.importers.floor_draft import FloorDraft
+from intellwheels_maps.importers.floor_draft import FloorDraft, Leaf
 from intellwheels_maps.importers.floor_source import FloorSource, Imported, chosen_level
 from intellwheels_maps.importers.safe_yaml import read_yaml
 from intellwheels_schemas.explain import shown
@@ -134,7 +134,7 @@ class _Building:
             door = Door(kind=cast(DoorKind, KINDS[kind]), side="left", swing_deg=-turn)
         else:
             self._draft.leave_out(where, f"door of the kind {shown(kind)} (its opening is kept)")
-        self._draft.door(name, self._point(start), self._point(end), door, where)
+        self._draft.door(name, where, Leaf(self._point(start), self._point(end), door))
 
     def _places_and_routes(self) -> None:
         lanes = list(self._edges("lanes"))

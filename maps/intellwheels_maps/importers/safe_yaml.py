@@ -30,9 +30,9 @@ def read_yaml(source: FloorSource) -> dict[Any, Any]:
     try:
         # The parser is flat, unlike the composer: it finds what is too deep without recursion.
         for event in yaml.parse(source.data, Loader=loader):
-            line = f"line {event.start_mark.line + 1}"
+            line = f"line {event.start_mark.line + 1}" if event.start_mark is not None else ""
             if isinstance(event, yaml.AliasEvent):
-                raise source.error(line, f"expected no aliases, got *{event.anchor[:40]}", "malformed")
+                raise source.error(line, f"expected no aliases, got {shown(event.anchor)}", "malformed")
             if isinstance(event, yaml.CollectionStartEvent):
                 depth += 1
                 if depth > MAX_DEPTH:
