@@ -264,9 +264,8 @@ class FloorDraft:
                     found.append(msgspec.structs.replace(fit, door=leaf.door))
                     break
             else:
-                found.append(openings[0][0])
-                if openings[0][1].door is not None:
-                    self.leave_out(where, "door that does not fill its opening (the opening is kept)")
+                drawn = math.dist(leaves[0].left, leaves[0].right)
+                self.leave_out(where, f"door of {drawn:.2f} m in an opening of {openings[0][0].width:.2f} m")
         return msgspec.structs.replace(document, doorway=tuple(found))
 
     def _fitted(self, document: Map, name: str, leaf: Leaf, shift: Point) -> Doorway | str:
@@ -277,7 +276,11 @@ class FloorDraft:
         width = 1.0
         for _ in range(_FITS):
             doorway = Doorway(
-                name=name, x=round(x, 4) + 0.0, y=round(y, 4) + 0.0, heading_deg=_degrees(heading), width=round(width, 4)
+                name=name,
+                x=round(x, 4) + 0.0,
+                y=round(y, 4) + 0.0,
+                heading_deg=_degrees(heading),
+                width=round(width, 4),
             )
             to_left, to_right = opening(document, doorway)
             if to_left == 0.0 and to_right == 0.0:
