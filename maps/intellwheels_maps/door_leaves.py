@@ -72,11 +72,12 @@ def door_leaves(floor: Map, model: Robot) -> Leaves:
             continue
         try:
             leaves = list(_leaves(doorway, model, walls))
-            boxes = [_closed(leaf) for leaf in leaves]
-            if any(overlap(box, other) for box in boxes for other in (*walls, *closed)):
-                raise ValueError("expected room for its leaves, got a wall or another leaf in the way")
         except ValueError as error:
             left_out.append(f"doorway {doorway.name!r}: {error}")
+            continue
+        boxes = [_closed(leaf) for leaf in leaves]
+        if any(overlap(box, other) for box in boxes for other in (*walls, *closed)):
+            left_out.append(f"doorway {doorway.name!r}: expected room for its leaves, got a wall or another leaf there")
             continue
         closed += boxes
         for leaf in leaves:

@@ -97,7 +97,17 @@ def imported(file: Path) -> Imported:
 
 def is_foreign(file: Path) -> bool:
     """Return whether a file is a floor of another program, which `imported` reads."""
-    return _split(str(file))[0].endswith(importers.ENDINGS)
+    path = _split(str(file))[0]
+    return path.endswith(importers.ENDINGS) or (path.endswith(".xml") and importers.is_lab(_start(Path(path))))
+
+
+def _start(path: Path) -> bytes:
+    """Return the first bytes of a file; none if it cannot be read."""
+    try:
+        with path.open("rb") as file:
+            return file.read(1 << 16)
+    except OSError:
+        return b""
 
 
 def _split(path: str) -> tuple[str, str | None]:

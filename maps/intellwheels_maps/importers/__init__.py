@@ -9,13 +9,15 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Final, NamedTuple
 
+from intellwheels_maps.importers.ciber_lab import import_lab, is_lab
 from intellwheels_maps.importers.dxf_plan import import_dxf
 from intellwheels_maps.importers.floor_source import FloorSource, Imported
+from intellwheels_maps.importers.geojson_floor import import_geojson
 from intellwheels_maps.importers.rmf_building import import_rmf_building
 from intellwheels_maps.importers.ros_map import import_ros_map
 from intellwheels_schemas.extras import missing_extra
 
-__all__ = ["ENDINGS", "FORMATS", "FloorSource", "Imported", "import_floor"]
+__all__ = ["ENDINGS", "FORMATS", "FloorSource", "Imported", "import_floor", "is_lab"]
 
 
 class _Format(NamedTuple):
@@ -27,6 +29,7 @@ _FORMATS: Final[Mapping[str, _Format]] = {
     ".building.yaml": _Format(import_rmf_building, ("floors",)),
     ".yaml": _Format(import_ros_map, ("floors",)),
     ".dxf": _Format(import_dxf, ("floors",)),
+    ".geojson": _Format(import_geojson, ("floors",)),
 }
 """The formats by the ending of a file's name. The first ending that fits counts."""
 
@@ -43,7 +46,9 @@ def import_floor(source: FloorSource) -> Imported:
     Raises:
         WireError: The file is invalid, or an extra is not installed.
     """
-    found = next(form for ending, form in _FORMATS.items() if source.name.endswith(ending))
+    found = next((form for ending, form in _FORMATS.items() if source.name.endswith(ending)), None)
+    if found is None:
+        return import_lab(source)  # the only format whose name ends as that of a map
     lacking = missing_extra(*found.extras)
     if lacking is not None:
         raise source.error("", lacking)

@@ -104,8 +104,8 @@ def import_dxf(source: FloorSource) -> Imported:
 
 
 def _document(source: FloorSource) -> Any:
-    import ezdxf  # noqa: PLC0415 - of an extra
-    from ezdxf import recover  # noqa: PLC0415
+    from ezdxf import recover  # noqa: PLC0415 - of an extra
+    from ezdxf.lldxf.const import DXFError  # noqa: PLC0415
 
     if source.data.startswith(b"AutoCAD Binary DXF"):
         raise source.error("", "expected DXF as text, got a binary one; save it as ASCII", "malformed")
@@ -115,7 +115,7 @@ def _document(source: FloorSource) -> Any:
         )
     try:
         document, _ = recover.read(io.BytesIO(source.data))
-    except (ezdxf.DXFError, OSError, ValueError, TypeError, KeyError, AttributeError, IndexError) as error:
+    except (DXFError, OSError, ValueError, TypeError, KeyError, AttributeError, IndexError) as error:
         # A drawing that is damaged enough also fails in places where the library expects none of it.
         text = f"expected a drawing in DXF, got {type(error).__name__}: {shown(str(error))}"
         raise source.error("", text, "malformed") from None
@@ -123,13 +123,14 @@ def _document(source: FloorSource) -> Any:
 
 
 def _metres_a_unit(source: FloorSource, document: Any) -> float:
-    from ezdxf import units  # noqa: PLC0415 - of an extra
+    from ezdxf.enums import InsertUnits  # noqa: PLC0415 - of an extra
+    from ezdxf.units import conversion_factor  # noqa: PLC0415
 
     unit = document.header.get("$INSUNITS", 0)
     if not unit:
         raise source.error("$INSUNITS", "expected the unit of the drawing, got none; set it in the drawing")
     try:
-        return float(units.conversion_factor(unit, units.M))
+        return float(conversion_factor(InsertUnits(unit), InsertUnits.Meters))
     except (KeyError, TypeError, ValueError, IndexError):
         raise source.error("$INSUNITS", f"expected the number of a unit of length, got {shown(unit)}") from None
 
