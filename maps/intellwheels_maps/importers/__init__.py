@@ -13,6 +13,7 @@ from intellwheels_maps.importers.ciber_lab import import_lab, is_lab
 from intellwheels_maps.importers.dxf_plan import import_dxf
 from intellwheels_maps.importers.floor_source import FloorSource, Imported
 from intellwheels_maps.importers.geojson_floor import import_geojson
+from intellwheels_maps.importers.ifc_storey import import_ifc
 from intellwheels_maps.importers.rmf_building import import_rmf_building
 from intellwheels_maps.importers.ros_map import import_ros_map
 from intellwheels_schemas.extras import missing_extra
@@ -29,6 +30,7 @@ _FORMATS: Final[Mapping[str, _Format]] = {
     ".building.yaml": _Format(import_rmf_building, ("floors",)),
     ".yaml": _Format(import_ros_map, ("floors",)),
     ".dxf": _Format(import_dxf, ("floors",)),
+    ".ifc": _Format(import_ifc, ("ifc",)),
     ".geojson": _Format(import_geojson, ("floors",)),
 }
 """The formats by the ending of a file's name. The first ending that fits counts."""
