@@ -12,7 +12,7 @@ from typing import Final, NamedTuple
 
 from intellwheels_maps.check import ring_of, wall_pieces
 from intellwheels_maps.crossing import Point
-from intellwheels_maps.site_frame import to_site
+from intellwheels_maps.site_frame import DEGREES, to_site
 from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.messages import Map
 
@@ -60,6 +60,8 @@ def export_ros(document: Map, resolution: float, image: str) -> RosFloor:
     import numpy as np  # noqa: PLC0415 - of an extra
     import shapely  # noqa: PLC0415
 
+    if document.offset is not None and document.offset.epsg == DEGREES:
+        raise WireError("value", f"{document.name}: expected a map in metres, got one whose site is in degrees")
     pieces = [piece for wall in document.wall for piece in wall_pieces(wall)]
     pieces += [ring_of(obstacle.corner) for obstacle in document.obstacle]
     if not pieces:

@@ -114,12 +114,29 @@ def _document(source: FloorSource) -> Any:
             "", "expected a drawing in DXF that ends in EOF, got another or a truncated file", "malformed"
         )
     try:
-        document, _ = recover.read(io.BytesIO(source.data))
+        return _read_quickly(source.data) or recover.read(io.BytesIO(source.data))[0]
     except (DXFError, OSError, ValueError, TypeError, KeyError, AttributeError, IndexError) as error:
         # A drawing that is damaged enough also fails in places where the library expects none of it.
         text = f"expected a drawing in DXF, got {type(error).__name__}: {shown(str(error))}"
         raise source.error("", text, "malformed") from None
-    return document
+
+
+def _read_quickly(data: bytes) -> Any:
+    """Return a drawing of a recent version without damage, or None for one that needs a slower reader."""
+    import ezdxf  # noqa: PLC0415 - of an extra
+    from ezdxf.lldxf.const import DXFError  # noqa: PLC0415
+
+    try:
+        # From this version on, drawings are UTF-8.
+        return ezdxf.read(io.StringIO(data.decode())) if _version(data) >= b"AC1021" else None  # type: ignore[attr-defined]
+    except (DXFError, ValueError, TypeError, KeyError, AttributeError, IndexError):
+        return None
+
+
+def _version(data: bytes) -> bytes:
+    _, found, rest = data[:4096].partition(b"$ACADVER")
+    words = rest.split(maxsplit=2)
+    return words[1] if found and len(words) > 1 else b""
 
 
 def _metres_a_unit(source: FloorSource, document: Any) -> float:

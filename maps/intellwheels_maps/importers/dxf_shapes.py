@@ -13,7 +13,7 @@ from intellwheels_schemas.explain import shown
 SAGITTA: Final = 0.005
 """Farthest that a line is from the curve that it stands for, m."""
 
-MAX_SHAPES: Final = 200_000
+MAX_SHAPES: Final = 50_000
 """Most entities of a drawing after its blocks are expanded."""
 
 MAX_DEPTH: Final = 16

@@ -22,6 +22,7 @@ from intellwheels_maps.crossing import Point
 from intellwheels_maps.importers.floor_draft import FloorDraft, Leaf
 from intellwheels_maps.importers.floor_source import FloorSource, Imported, chosen_level
 from intellwheels_maps.importers.wall_outlines import outlines
+from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.explain import shown
 from intellwheels_schemas.messages import Door, DoorKind, Side
 
@@ -60,7 +61,14 @@ def import_ifc(source: FloorSource) -> Imported:
     Raises:
         WireError: The file is no model, or has no such storey.
     """
-    return _Model(source).imported()
+    try:
+        return _Model(source).imported()
+    except WireError:
+        raise
+    except (RuntimeError, ValueError, TypeError, AttributeError, KeyError) as error:
+        # A model may say anything, also what its schema forbids.
+        text = f"expected a model in IFC, got {type(error).__name__}: {shown(str(error))}"
+        raise source.error("", text, "malformed") from None
 
 
 class _Model:

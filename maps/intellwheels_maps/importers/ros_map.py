@@ -57,7 +57,7 @@ def import_ros_map(source: FloorSource) -> Imported:
     if corners > MAX_CELL_CORNERS:
         text = f"expected walls with at most {MAX_CELL_CORNERS:,} corners, got {corners:,}; is it a map, without noise?"
         raise source.error(head.image, text, "too-long")
-    draft = FloorDraft(source, digits=6)
+    draft = FloorDraft(source, digits=9)
     rows = walls.shape[0]
     cos, sin = math.cos(head.origin[2]), math.sin(head.origin[2])
     for ring in outlines(simplified(cell_area(walls))):
@@ -148,7 +148,10 @@ def _shades(source: FloorSource, head: _Head, file: FloorSource) -> tuple[Any, A
                 pixels = np.asarray(image.convert("RGBA" if alpha else "L" if image.mode in "1L" else "RGB"))
     except WireError:
         raise
-    except (OSError, ValueError, SyntaxError, Image.DecompressionBombError) as error:
+    except Image.DecompressionBombError:
+        text = f"expected at most {MAX_PIXELS:,} pixels, got an image of far more"
+        raise source.error(head.image, text, "too-long") from None
+    except (OSError, ValueError, SyntaxError) as error:
         text = f"expected an image in PGM or PNG, got {shown(str(error))}"
         raise source.error(head.image, text, "malformed") from None
     opaque = pixels[..., 3] == 255 if alpha else np.ones(pixels.shape[:2], dtype=bool)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any, Final
 
 from intellwheels_maps.importers.floor_source import FloorSource
+from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.explain import shown
 
 MAX_YAML_BYTES: Final = 16 << 20
@@ -40,6 +41,8 @@ def read_yaml(source: FloorSource) -> dict[Any, Any]:
             elif isinstance(event, yaml.CollectionEndEvent):
                 depth -= 1
         document = yaml.load(source.data, Loader=loader)  # noqa: S506 - a safe loader
+    except WireError:
+        raise
     except yaml.MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
         line = f"line {mark.line + 1}" if mark is not None else ""
