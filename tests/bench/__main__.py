@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from tests.bench import bystanders, loads, network, tick, viewer
+from tests.bench import bystanders, imports, loads, network, tick, viewer
 from tests.bench.rows import append, show
 
 
@@ -16,7 +16,7 @@ def main() -> None:
         "benches",
         nargs="*",
         metavar="BENCH",
-        help="tick, network, viewer, loads or bystanders (default: all but the last)",
+        help="tick, network, viewer, loads, imports or bystanders (default: all but the last)",
     )
     parser.add_argument("--quick", action="store_true", help="run short versions, to check that the benchmarks work")
     parser.add_argument(
@@ -24,7 +24,7 @@ def main() -> None:
         help="the CSV file (default: tests/bench/results.csv)",
     )  # fmt: skip
     options = parser.parse_args()
-    wanted = options.benches or ["tick", "network", "viewer", "loads"]
+    wanted = options.benches or ["tick", "network", "viewer", "loads", "imports"]
     rows = []
     if "tick" in wanted:
         rows += tick.bench((1, 10) if options.quick else (1, 10, 100, 1000), quick=options.quick)
@@ -34,6 +34,8 @@ def main() -> None:
         rows += viewer.bench((2,), seconds=1.0, settle=2.0) if options.quick else viewer.bench()
     if "loads" in wanted:
         rows += loads.bench(corners=500, shapes=("circle",), settle=0.3) if options.quick else loads.bench()
+    if "imports" in wanted:
+        rows += imports.bench(side=200) if options.quick else imports.bench()
     if "bystanders" in wanted:
         quick = {"chairs": 2, "count": 1, "pages": 2}
         rows += bystanders.bench(**quick, seconds=1.0, settle=0.3) if options.quick else bystanders.bench()

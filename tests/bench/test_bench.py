@@ -32,6 +32,7 @@ def test_benchmarks_run_and_say_every_share_of_a_tick(tmp_path: Path) -> None:
             "network",
             "viewer",
             "loads",
+            "imports",
             "bystanders",
             "--quick",
             "--csv",
