@@ -21,7 +21,7 @@ from intellwheels_experiments.batch.experiment_rows import Row, rows_of
 from intellwheels_experiments.batch.seed_variation import check_variation
 from intellwheels_experiments.run.cast_changes import with_changes
 from intellwheels_experiments.run.endpoints import free_endpoint
-from intellwheels_experiments.run.floor_scene import FLOOR_SECONDS, write_floor_scene
+from intellwheels_experiments.run.floor_scene import add_scene_options, check_scene_options, write_floor_scene
 from intellwheels_experiments.run.foreign_program import check_programs
 from intellwheels_experiments.run.launch_spec import WALL_LIMIT, LaunchSpec, resolved, wall_limit
 from intellwheels_experiments.run.progress import Progress
@@ -36,7 +36,7 @@ from intellwheels_experiments.run.usage_checks import (
     narrow_warnings,
 )
 from intellwheels_experiments.run.world_watch import watching
-from intellwheels_maps import floor, names, scene
+from intellwheels_maps import floor, scene
 from intellwheels_maps.library import folder_of
 from intellwheels_schemas import command_parser, defaults, messages
 from intellwheels_schemas.command_parser import CommandParser, like_field, naming, readable_file
@@ -84,19 +84,7 @@ def parser() -> argparse.ArgumentParser:
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     add_version_option(found)
-    found.add_argument(
-        "scene",
-        metavar="SCENE",
-        nargs="?",
-        help=f"an included scene ({', '.join(names('scenes'))}) or an XML file; none with --floor",
-    )
-    found.add_argument(
-        "--floor",
-        metavar="MAP",
-        help="run a floor in place of a scene: an included map, or a map file of any format; without --view for "
-        f"{FLOOR_SECONDS:g} s of simulated time",
-    )
-    found.add_argument("--doors", action="store_true", help="with --floor: start an agent for each leaf of its doors")
+    add_scene_options(found)
     found.add_argument(
         "--view", action="store_true",
         help="serve a page that shows and controls the run, until Ctrl-C; the default pace is then realtime",
@@ -344,12 +332,8 @@ def _check_together(grammar: argparse.ArgumentParser, options: argparse.Namespac
         WireError: One is, or one cannot.
     """
     given = {name for name, value in vars(options).items() if value != grammar.get_default(name)}
-    if (options.scene is None) == (options.floor is None):
-        got = "none" if options.scene is None else "both"
-        raise WireError("value", f"SCENE: expected either a scene or --floor, got {got}", "SCENE")
+    check_scene_options(options)
     rules: list[tuple[tuple[str, ...], str]] = []
-    if options.floor is None:
-        rules += [(("doors",), "expected with --floor, got a scene")]
     if options.seeds is None and options.branch is None:
         rules += [(_BATCH_ONLY, "expected with --seeds or --branch, got a single run")]
     else:

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import argparse
 import sys
 from pathlib import Path
 from typing import Final
 
 import msgspec
 
-from intellwheels_maps import floor, robot
+from intellwheels_maps import floor, names, robot
 from intellwheels_maps.door_leaves import door_leaves
 from intellwheels_schemas.codec import VERSION
 from intellwheels_schemas.command_parser import naming
@@ -18,6 +19,33 @@ from intellwheels_schemas.messages import Cast, End, Map, Scene, Timeout
 
 FLOOR_SECONDS: Final = 60.0
 """Simulated time after which a run without a page ends."""
+
+
+def add_scene_options(parser: argparse.ArgumentParser) -> None:
+    """Add the argument and the options that say what is run."""
+    parser.add_argument(
+        "scene", metavar="SCENE", nargs="?",
+        help=f"an included scene ({', '.join(names('scenes'))}) or an XML file; none with --floor",
+    )  # fmt: skip
+    parser.add_argument(
+        "--floor", metavar="MAP",
+        help="run a floor in place of a scene: an included map, or a map file of any format; without --view for "
+        f"{FLOOR_SECONDS:g} s of simulated time",
+    )  # fmt: skip
+    parser.add_argument("--doors", action="store_true", help="with --floor: start an agent for each leaf of its doors")
+
+
+def check_scene_options(options: argparse.Namespace) -> None:
+    """Check that there is either a scene or a floor.
+
+    Raises:
+        WireError: There is none or both, or doors without a floor.
+    """
+    if (options.scene is None) == (options.floor is None):
+        got = "none" if options.scene is None else "both"
+        raise WireError("value", f"SCENE: expected either a scene or --floor, got {got}", "SCENE")
+    if options.doors and options.floor is None:
+        raise WireError("value", "--doors: expected with --floor, got a scene", "--doors")
 
 
 def write_floor_scene(name_or_path: str, folder: Path, *, doors: bool, forever: bool) -> str:
