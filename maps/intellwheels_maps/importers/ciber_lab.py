@@ -25,6 +25,9 @@ BORDER: Final = 0.1
 CORNERS: Final = 32
 """Corners of a target, whose outline is a circle."""
 
+MAX_BYTES: Final = 4 << 20
+"""Longest file, 4 MiB."""
+
 MAX_ELEMENTS: Final = 50_000
 """Most elements of a file."""
 
@@ -93,6 +96,8 @@ def _add_grid(source: FloorSource, draft: FloorDraft) -> None:
 
 
 def _root(source: FloorSource, tag: str) -> Any:
+    if len(source.data) > MAX_BYTES:
+        raise source.error("", f"expected at most {MAX_BYTES:,} bytes, got {len(source.data):,}", "too-long")
     try:
         root = elements.parse(source.data, tag)
     except WireError as error:

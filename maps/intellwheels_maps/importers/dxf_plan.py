@@ -16,6 +16,7 @@ import io
 import math
 from collections import Counter
 from collections.abc import Iterable, Sequence
+from itertools import pairwise
 from typing import Any, Final, NamedTuple
 
 from intellwheels_maps.crossing import Point
@@ -42,6 +43,12 @@ LEAVES: Final = (0.4, 2.0)
 MAX_LINES: Final = 100_000
 """Most pieces of lines on wall layers."""
 
+
+MAX_CROSSINGS: Final = 300_000
+"""Most pairs of pieces of lines on wall layers that touch or cross, beside neighbours."""
+
+MAX_BYTES: Final = 32 << 20
+"""Longest drawing, 32 MiB."""
 
 MEETING: Final = 0.2
 """Farthest that the ends of two leaves of one door are apart, and a door from the line that it opens, m."""
@@ -107,6 +114,8 @@ def _document(source: FloorSource) -> Any:
     from ezdxf import recover  # noqa: PLC0415 - of an extra
     from ezdxf.lldxf.const import DXFError  # noqa: PLC0415
 
+    if len(source.data) > MAX_BYTES:
+        raise source.error("", f"expected at most {MAX_BYTES:,} bytes, got {len(source.data):,}", "too-long")
     if source.data.startswith(b"AutoCAD Binary DXF"):
         raise source.error("", "expected DXF as text, got a binary one; save it as ASCII", "malformed")
     if not source.data.rstrip().endswith(b"EOF"):
@@ -179,10 +188,9 @@ def _add_faces(source: FloorSource, draft: FloorDraft, faces: Sequence[_Face], d
     """Add the walls between lines, and the lines that are no face of one, open where doors are drawn on them."""
     import shapely  # noqa: PLC0415 - of an extra
 
-    if sum(len(face.points) for face in faces) > MAX_LINES:
-        raise source.error("", f"expected at most {MAX_LINES:,} pieces of lines on wall layers, got more", "too-many")
     if not faces:
         return
+    _check_crossings(source, faces)
     lines = [shapely.LineString(face.points) for face in faces if not face.solid]
     areas = shapely.get_parts(shapely.polygonize([*shapely.get_parts(shapely.node(shapely.union_all(lines)))]))
     solid = shapely.union_all([area for area in areas if thickness(area) <= THICKEST])
@@ -201,6 +209,27 @@ def _add_faces(source: FloorSource, draft: FloorDraft, faces: Sequence[_Face], d
         for part in shapely.get_parts(left):
             if part.geom_type == "LineString" and part.length > 1e-3:
                 draft.wall([(float(x), float(y)) for x, y in part.coords], face.where, thickness=LINE)
+
+
+def _check_crossings(source: FloorSource, faces: Sequence[_Face]) -> None:
+    """Check that lines can be cut at one another: each crossing makes new pieces.
+
+    Raises:
+        WireError: There are too many lines or crossings.
+    """
+    import shapely  # noqa: PLC0415 - of an extra
+
+    pieces = [pair for face in faces for pair in pairwise(face.points)]
+    if len(pieces) > MAX_LINES:
+        raise source.error("", f"expected at most {MAX_LINES:,} pieces of lines on wall layers, got more", "too-many")
+    segments = shapely.linestrings(pieces)
+    tree = shapely.STRtree(segments)
+    left = MAX_CROSSINGS + 3 * len(pieces)  # a piece touches itself and its neighbours
+    for first in range(0, len(pieces), 200):
+        left -= len(tree.query(segments[first : first + 200], predicate="intersects")[0])
+        if left < 0:
+            text = f"expected at most {MAX_CROSSINGS:,} crossings of lines on wall layers, got more"
+            raise source.error("", text, "too-many")
 
 
 def _gaps(door: _DrawnDoor, walls: Any) -> list[Any]:

@@ -49,6 +49,12 @@ LEAF_TOLERANCE: Final = 0.3
 _FITS: Final = 5
 # How often a doorway is moved to the middle of its opening. Once is enough where walls end squarely.
 
+MAX_CORNERS: Final = 60_000
+"""Most corners of walls and obstacles; the message with the map holds some 30,000."""
+
+MAX_TESTS: Final = 5_000_000
+"""Most pairs of a wall and a doorway or place: each is tested against each."""
+
 MAX_LISTED: Final = 20
 """Places that are listed one by one for one reason; the rest is counted."""
 
@@ -91,7 +97,7 @@ class FloorDraft:
         self._places: list[tuple[str, Point, float, tuple[str, ...], str]] = []
         self._routes: list[tuple[list[str], bool]] = []
         self._left_out: dict[str, list[str]] = {}
-        self._names: dict[str, set[str]] = {}
+        self._names: dict[str, dict[str, int]] = {}
 
     def wall(
         self,
@@ -140,13 +146,14 @@ class FloorDraft:
 
     def unique(self, kind: str, name: str) -> str:
         """Return a word like a name that nothing else of its kind has."""
-        taken = self._names.setdefault(kind, set())
+        taken = self._names.setdefault(kind, {})
         base = word(name) or kind
-        found, number = base, 1
+        found = base
         while found in taken:
-            number += 1
-            found = f"{base[:58]}-{number}"
-        taken.add(found)
+            # Numbers go on where they ended, so that many equal names take no longer than others.
+            taken[base] += 1
+            found = f"{base[:56]}-{taken[base]}"
+        taken[found] = 1
         return found
 
     def finish(self, title: str = "", epsg: str | None = None, offset: Point | None = None) -> Imported:
@@ -176,6 +183,14 @@ class FloorDraft:
         if max(east - west, north - south) < SMALLEST:
             size = f"{east - west:g} x {north - south:g} m"
             raise self._source.error("", f"expected at least {SMALLEST:g} m across, got {size}; are the units right?")
+        sides = sum(len(line) for line, *_ in self._walls) + sum(len(ring) for _, ring, *_ in self._solids)
+        if sides > MAX_CORNERS:
+            text = f"expected walls and obstacles of at most {MAX_CORNERS:,} corners, got {sides:,}"
+            raise self._source.error("", text, "too-many")
+        things = len(self._places) + 5 * sum(len(door.leaves) for door in self._doors)
+        if sides * things > MAX_TESTS:
+            text = f"{len(self._doors):,} doors and {len(self._places):,} places among walls of {sides:,} corners"
+            raise self._source.error("", f"expected fewer doors and places, got {text}", "too-many")
         walls = self._made_walls(shift)
         file = PurePath(self._source.name).name
         stem = file.partition(".")[0]

@@ -33,8 +33,8 @@ LINE: Final = 0.02
 MAX_POINTS: Final = 200_000
 """Most points of a file."""
 
-MAX_BYTES: Final = 32 << 20
-"""Longest file, 32 MiB."""
+MAX_BYTES: Final = 16 << 20
+"""Longest file, 16 MiB."""
 
 _ZONES: Final = re.compile(r"room|corridor|area|stair|elevator|lift|unit|zone|level|outline|floor|ramp", re.IGNORECASE)
 _SOLIDS: Final = re.compile(r"furniture|obstacle|fixture|kiosk|table|desk", re.IGNORECASE)

@@ -11,6 +11,9 @@ from intellwheels_schemas.explain import shown
 MAX_YAML_BYTES: Final = 16 << 20
 """Longest document, 16 MiB."""
 
+MAX_NODES: Final = 250_000
+"""Most lists, maps, keys and values; each takes more memory than text."""
+
 MAX_DEPTH: Final = 40
 """Deepest nesting of lists and maps."""
 
@@ -27,11 +30,14 @@ def read_yaml(source: FloorSource) -> dict[Any, Any]:
     if len(source.data) > MAX_YAML_BYTES:
         raise source.error("", f"expected at most {MAX_YAML_BYTES:,} bytes, got {len(source.data):,}", "too-long")
     loader = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
-    depth = 0
+    depth = nodes = 0
     try:
         # The parser is flat, unlike the composer: it finds what is too deep without recursion.
         for event in yaml.parse(source.data, Loader=loader):
             line = f"line {event.start_mark.line + 1}" if event.start_mark is not None else ""
+            nodes += isinstance(event, yaml.NodeEvent)
+            if nodes > MAX_NODES:
+                raise source.error(line, f"expected at most {MAX_NODES:,} keys and values, got more", "too-many")
             if isinstance(event, yaml.AliasEvent):
                 raise source.error(line, f"expected no aliases, got {shown(event.anchor)}", "malformed")
             if isinstance(event, yaml.CollectionStartEvent):

@@ -152,3 +152,13 @@ def test_binary_and_damaged_drawings_are_refused() -> None:
         damaged = data[:at] + b"\xff\x00ZZ\n" + data[at + 40 :]
         error = refusal({"plan.dxf": damaged})
         assert error is None or error.startswith("plan.dxf: ")
+
+
+def test_lines_that_all_cross_are_refused_before_they_are_cut() -> None:
+    document = drawing()
+    space = document.modelspace()
+    for number in range(700):
+        space.add_line((number / 10, 0), (number / 10, 70), dxfattribs=WALL)
+        space.add_line((0, number / 10), (70, number / 10), dxfattribs=WALL)
+    with pytest.raises(WireError, match="expected at most 300,000 crossings of lines on wall layers, got more"):
+        imported(document)

@@ -99,3 +99,19 @@ def test_a_map_of_the_wrong_size_is_refused() -> None:
             found.finish()
     with pytest.raises(WireError, match="w: expected coordinates within 100,000 km, got inf 0"):
         FloorDraft(SOURCE).wall([(float("inf"), 0.0)], "w")
+
+
+def test_more_corners_than_a_map_can_have_are_refused() -> None:
+    found = draft()
+    found.wall([(number / 100, 5.0 + number % 2) for number in range(60_000)], "w", thickness=0.1)
+    with pytest.raises(WireError, match="expected walls and obstacles of at most 60,000 corners, got 60,004"):
+        found.finish()
+
+
+def test_doors_and_places_among_many_walls_are_refused_before_they_are_fitted() -> None:
+    found = draft()
+    for number in range(2000):
+        found.wall([(float(number), 5.0), (number + 0.5, 5.0)], "w", thickness=0.1)
+        found.door("d", f"door {number}", Leaf((number + 0.5, 5.0), (number + 1.0, 5.0), None))
+    with pytest.raises(WireError, match="expected fewer doors and places, got 2,000 doors and 0 places among walls"):
+        found.finish()

@@ -32,8 +32,9 @@ def test_plain_data_is_read() -> None:
         (b"- 1", r"f\.yaml: expected keys and values, got a list"),
         (b"\x80", r"f\.yaml: expected YAML"),
         (b"a: " + b"x" * MAX_YAML_BYTES, r"f\.yaml: expected at most 16,777,216 bytes"),
+        (b"a: [" + b"1," * 300_000 + b"1]", r"f\.yaml: line 1: expected at most 250,000 keys and values"),
     ],
-    ids=["laughs", "lists", "maps", "open", "object", "date", "key", "list", "bytes", "long"],
+    ids=["laughs", "lists", "maps", "open", "object", "date", "key", "list", "bytes", "long", "many"],
 )
 def test_what_is_no_plain_data_is_refused_with_its_line(data: bytes, text: str) -> None:
     with pytest.raises(WireError, match=text):
