@@ -24,6 +24,7 @@ from functools import cached_property
 from typing import Protocol
 
 from intellwheels_agents.options import OptionError, Options
+from intellwheels_maps.site_frame import from_site
 from intellwheels_schemas.explain import did_you_mean
 from intellwheels_schemas.messages import Actions, Map, Measures, Parameters, Pose, Position, Robot
 
@@ -96,13 +97,22 @@ class Context:
             raise OptionError(f"option {option}: expected a place of the map ({known}), got {name!r}{hint}")
         return self.places[name]
 
+    def points(self, option: str) -> list[tuple[float, float]]:
+        """Return the points of an option in the map frame, m. The user gives them in the coordinates of the site.
+
+        Raises:
+            OptionError: The option does not hold pairs of numbers.
+        """
+        given = self.options.points(option)
+        return [from_site(self.map, point) for point in given]
+
     def route(self) -> list[tuple[float, float]]:
         """Return the points named by the options `points`, `via` and `to`, in this order, without the start; m.
 
         Raises:
             OptionError: The map has no such place, or `points` does not hold pairs of numbers.
         """
-        points = list(self.options.points("points"))
+        points = self.points("points")
         for option in ("via", "to"):
             places = [self.place(name, option) for name in self.options.words(option)]
             points += [(place.x, place.y) for place in places]

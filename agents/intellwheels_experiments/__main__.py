@@ -21,6 +21,7 @@ from intellwheels_experiments.batch.experiment_rows import Row, rows_of
 from intellwheels_experiments.batch.seed_variation import check_variation
 from intellwheels_experiments.run.cast_changes import with_changes
 from intellwheels_experiments.run.endpoints import free_endpoint
+from intellwheels_experiments.run.floor_scene import add_scene_options, check_scene_options, write_floor_scene
 from intellwheels_experiments.run.foreign_program import check_programs
 from intellwheels_experiments.run.launch_spec import WALL_LIMIT, LaunchSpec, resolved, wall_limit
 from intellwheels_experiments.run.progress import Progress
@@ -35,7 +36,7 @@ from intellwheels_experiments.run.usage_checks import (
     narrow_warnings,
 )
 from intellwheels_experiments.run.world_watch import watching
-from intellwheels_maps import floor, names, scene
+from intellwheels_maps import floor, scene
 from intellwheels_maps.library import folder_of
 from intellwheels_schemas import command_parser, defaults, messages
 from intellwheels_schemas.command_parser import CommandParser, like_field, naming, readable_file
@@ -53,6 +54,7 @@ examples:
   iw-run figure6 --view                      three chairs, a table and a door, on a page in your browser
   iw-run figure6                             the same without a page, as fast as possible
   iw-run figure6 --seed 7 --json result.json
+  iw-run --floor clinic.building.yaml --doors --view   a building of Open-RMF, its doors as agents
   iw-run my/scene.xml --encoding xml --logs logs
   iw-run figure6 --command chair1="./mine {name} {endpoint}"
       your program drives chair1
@@ -82,9 +84,7 @@ def parser() -> argparse.ArgumentParser:
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     add_version_option(found)
-    found.add_argument(
-        "scene", metavar="SCENE", help=f"an included scene ({', '.join(names('scenes'))}) or an XML file"
-    )
+    add_scene_options(found)
     found.add_argument(
         "--view", action="store_true",
         help="serve a page that shows and controls the run, until Ctrl-C",
@@ -169,19 +169,22 @@ def parser() -> argparse.ArgumentParser:
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command and return its exit code."""
     try:
-        return _run(arguments)
+        with tempfile.TemporaryDirectory(prefix="iw-floor-") as folder:
+            return _run(arguments, Path(folder))
     except KeyboardInterrupt:  # before anything was started: a run has its own handlers of signals
         print("iw-run: interrupted", file=sys.stderr)
         return INTERRUPTED
 
 
-def _run(arguments: Sequence[str] | None) -> int:
+def _run(arguments: Sequence[str] | None, floor_folder: Path) -> int:
     grammar = parser()
     options = grammar.parse_args(arguments)
     try:
         _check_together(grammar, options)
         _check_extras(options)
         check_connection(options)
+        if options.floor is not None:
+            options.scene = write_floor_scene(options.floor, floor_folder, doors=options.doors, forever=options.view)
         with naming("SCENE"):
             chosen = scene(options.scene)
             folder = folder_of(options.scene)
@@ -320,8 +323,8 @@ _BATCH_ONLY: Final = ("jobs", "row", "out", "part", "merge")
 _BRANCH_ONLY: Final = ("at",)
 _PAGE_ONLY: Final = ("view_port",)
 _SINGLE_ONLY: Final = (
-    "view", "view_port", "pace", "speed", "seed", "encoding", "json", "log", "logs", "world", "listen", "connect",
-    "config",
+    "floor", "view", "view_port", "pace", "speed", "seed", "encoding", "json", "log", "logs", "world", "listen",
+    "connect", "config",
 )  # fmt: skip
 
 
@@ -332,6 +335,7 @@ def _check_together(grammar: argparse.ArgumentParser, options: argparse.Namespac
         WireError: One is, or one cannot.
     """
     given = {name for name, value in vars(options).items() if value != grammar.get_default(name)}
+    check_scene_options(options)
     rules: list[tuple[tuple[str, ...], str]] = []
     if options.seeds is None and options.branch is None:
         rules += [(_BATCH_ONLY, "expected with --seeds or --branch, got a single run")]

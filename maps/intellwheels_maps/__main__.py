@@ -1,4 +1,4 @@
-"""List the included maps, robots and scenes, check files, and draw maps."""
+"""List the included maps, robots and scenes, check files, draw maps, and import and export floors."""
 
 from __future__ import annotations
 
@@ -7,15 +7,17 @@ import sys
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
-from intellwheels_maps import floor, names, robot, scene
+from intellwheels_maps import floor, importers, names, robot, scene
 from intellwheels_maps.check import Finding
 from intellwheels_maps.draw import draw
 from intellwheels_maps.hospital import hospital
-from intellwheels_maps.library import folder_of, is_path
+from intellwheels_maps.library import folder_of, imported, is_foreign, is_path
+from intellwheels_maps.ros_export import export_ros
 from intellwheels_maps.turning import narrow_places, narrow_starts
-from intellwheels_schemas.command_parser import CommandParser, naming, readable_file, whole
+from intellwheels_schemas.command_parser import CommandParser, naming, number, readable_file, whole
 from intellwheels_schemas.elements import parse
 from intellwheels_schemas.errors import WireError
+from intellwheels_schemas.extras import missing_extra
 from intellwheels_schemas.files import write_file
 from intellwheels_schemas.messages import Robot
 from intellwheels_schemas.output_paths import check_output_file
@@ -54,6 +56,29 @@ def _parser() -> argparse.ArgumentParser:
     checking.add_argument("file", metavar="FILE", type=readable_file, help="a map, robot or scene file")
     checking.set_defaults(run=_check)
 
+    importing = commands.add_parser(
+        "import", help="make a map of a floor of another program, and list what was left out"
+    )
+    importing.add_argument(
+        "file", metavar="FILE[#LEVEL]", type=Path, help=f"the floor ({', '.join(importers.FORMATS)})"
+    )
+    importing.add_argument(
+        "-o", "--output", metavar="FILE.xml", type=Path, required=True, help="where to write the map"
+    )
+    importing.set_defaults(run=_import)
+
+    exporting = commands.add_parser("export", help="write a map for the ROS map server: image, YAML, places and doors")
+    exporting.add_argument("floor", metavar="MAP", help="an included map, or a map file")
+    exporting.add_argument(
+        "-o", "--output", metavar="FILE.yaml", type=Path, required=True,
+        help="where to write; the image is FILE.pgm, and the places and doors are FILE.places.yaml",
+    )  # fmt: skip
+    exporting.add_argument(
+        "--resolution", metavar="M", type=number("metres", 0.001, 10.0), default=0.05,
+        help="length of a cell (default: %(default)s)",
+    )  # fmt: skip
+    exporting.set_defaults(run=_export)
+
     drawing = commands.add_parser("draw", help="draw the plan of a map as SVG")
     drawing.add_argument("floor", metavar="MAP", help="an included map, a map file, or `hospital` for a generated one")
     drawing.add_argument("file", metavar="FILE.svg", type=Path, help="where to write the plan")
@@ -74,7 +99,7 @@ def _list(_: argparse.Namespace) -> int:
 
 
 def _check(parsed: argparse.Namespace) -> int:
-    root = _root(parsed.file)
+    root = "Map" if is_foreign(parsed.file) else _root(parsed.file)
     if root == "Map":
         _warn(narrow_places(floor(parsed.file), _chairs()))
     elif root == "Robot":
@@ -88,6 +113,49 @@ def _check(parsed: argparse.Namespace) -> int:
         raise WireError("field", f"{parsed.file}: expected the root Map, Robot or Scene, got {root}", str(parsed.file))
     print(f"{parsed.file}: a valid {root}")
     return 0
+
+
+def _import(parsed: argparse.Namespace) -> int:
+    _check_output(parsed.output, ".xml")
+    if not is_foreign(parsed.file):
+        raise _UsageError(f"FILE: expected a name that ends in {', '.join(importers.FORMATS)}, got {parsed.file}")
+    found = imported(parsed.file)
+    parsed.output.write_text(write_file(found.map), encoding="utf-8")
+    for line in found.left_out:
+        print(f"left out: {line}", file=sys.stderr)
+    document = found.map
+    places = len(document.grid.position) if document.grid else 0
+    print(
+        f"{parsed.output}: walls={len(document.wall)} obstacles={len(document.obstacle)} zones={len(document.zone)} "
+        f"doorways={len(document.doorway)} doors={sum(doorway.door is not None for doorway in document.doorway)} "
+        f"places={places} routes={len(document.route)} left-out={len(found.left_out)}"
+    )
+    return 0
+
+
+def _export(parsed: argparse.Namespace) -> int:
+    _check_output(parsed.output, ".yaml")
+    lacking = missing_extra("floors")
+    if lacking is not None:
+        raise _UsageError(lacking)
+    with naming("MAP"):
+        document = floor(parsed.floor)
+    stem = parsed.output.name.removesuffix(".yaml")
+    exported = export_ros(document, parsed.resolution, f"{stem}.pgm")
+    parsed.output.write_text(exported.head, encoding="utf-8")
+    parsed.output.with_name(f"{stem}.pgm").write_bytes(exported.image)
+    parsed.output.with_name(f"{stem}.places.yaml").write_text(exported.places, encoding="utf-8")
+    print(f"{parsed.output}: {exported.columns} x {exported.rows} cells of {parsed.resolution:g} m")
+    return 0
+
+
+def _check_output(file: Path, ending: str) -> None:
+    try:
+        check_output_file(file, "--output")
+    except WireError as error:
+        raise _UsageError(error.text) from None
+    if not file.name.endswith(ending):
+        raise _UsageError(f"--output: expected a name that ends in {ending}, got {file}")
 
 
 def _chairs() -> dict[str, Robot]:

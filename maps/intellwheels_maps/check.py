@@ -52,6 +52,8 @@ def check_map(document: Map) -> list[Finding]:
     findings += _duplicates("Map.Zone", "zone", [zone.name for zone in document.zone])
     places = document.grid.position if document.grid else ()
     findings += _duplicates("Map.Grid.Position", "place", [place.name for place in places])
+    findings += _duplicates("Map.Route", "route", [route.name for route in document.route])
+    findings += _check_routes(document)
     findings += _check_size(document)
     if not findings:
         # The geometry below relies on valid shapes.
@@ -194,6 +196,18 @@ def _duplicates(element: str, what: str, names: Sequence[str]) -> list[Finding]:
             findings.append(Finding(f"{element}[{index}]", f"{what} {name!r} exists twice, expected different names"))
         seen.add(name)
     return findings
+
+
+def _check_routes(document: Map) -> Iterator[Finding]:
+    known = {place.name for place in document.grid.position} if document.grid else set[str]()
+    for index, route in enumerate(document.route):
+        element = f"Map.Route[{index}]"
+        if len(route.places) < 2:
+            yield Finding(element, f"route {route.name!r}: expected at least 2 places, got {len(route.places)}")
+        for place in dict.fromkeys(route.places):
+            if place not in known:
+                text = f"route {route.name!r}: expected places of the map, got {place!r}{did_you_mean(place, known)}"
+                yield Finding(element, text)
 
 
 def _check_doorways(document: Map) -> Iterator[Finding]:

@@ -12,7 +12,7 @@ from xml.sax.saxutils import escape
 
 from intellwheels_maps.check import points_of, wall_pieces
 from intellwheels_maps.crossing import Point
-from intellwheels_schemas.messages import Doorway, Map, Place, Wall, Zone
+from intellwheels_schemas.messages import Doorway, Map, Place, Route, Wall, Zone
 
 _MARGIN = 0.6  # m: margin around the walls
 _PIXELS_A_METRE = 40
@@ -29,6 +29,7 @@ _STYLE = """
 .place{stroke:#c0392b;stroke-width:3;fill:#ffffff}
 .other{stroke:#3a5fc0;stroke-width:3;fill:#ffffff}
 .name{fill:#30363d;font-size:18px}
+.route{stroke:#8fb8c9;stroke-width:3;fill:none;stroke-dasharray:10 6}
 .scale{stroke:#30363d;stroke-width:3}
 """
 
@@ -38,7 +39,7 @@ def draw(document: Map) -> str:
 
     Zones and titles are drawn below obstacles, walls and doorways. A doorway is a line across the opening, with a short
     line in its heading. A place is a ring with a short line in its heading. It is red if a wheelchair may start there,
-    and blue otherwise. Obstacles that do not reach down to the floor are dashed.
+    and blue otherwise. Routes, and obstacles that do not reach down to the floor, are dashed.
     """
     obstacles = [(obstacle, points_of(obstacle.corner)) for obstacle in document.obstacle]
     zones = [(zone, points_of(zone.corner)) for zone in document.zone]
@@ -63,6 +64,7 @@ def draw(document: Map) -> str:
         *(_wall(wall) for wall in document.wall),
         *(_zone_title(zone, ring) for zone, ring in zones),
         *(_doorway(doorway) for doorway in document.doorway),
+        *(_route(route, places) for route in document.route),
         *(_place(place) for place in places),
         _metre(west + _MARGIN, south + 0.3),
         "</svg>",
@@ -135,6 +137,12 @@ def _place(place: Place) -> str:
     ring = f'<circle class="{kind}" cx="{_x(place.x)}" cy="{_y(place.y)}" r="12"/>'
     stroke = _line(kind, place.x, place.y, place.x + 0.35 * math.cos(heading), place.y + 0.35 * math.sin(heading))
     return ring + stroke + _text("name", place.x + 0.16, place.y + 0.14, place.name)
+
+
+def _route(route: Route, places: Sequence[Place]) -> str:
+    at = {place.name: (place.x, place.y) for place in places}
+    points = _list([at[name] for name in route.places if name in at])
+    return f'<polyline class="route" points="{points}"><title>{escape(route.name)}</title></polyline>'
 
 
 def _metre(x: float, y: float) -> str:

@@ -1,7 +1,8 @@
 """Reads maps, robots and scenes by name or by path. Only this file of the package reads files.
 
-A plain word is the name of an included file. Text that contains `/` or ends in `.xml` is a path. A returned document
-has passed its schema and its checks. Otherwise a `WireError` gives the file, the line and what was expected.
+A plain word is the name of an included file. Text that contains `/` or ends as the name of a file does is a path. A map
+may be in a format of `importers`; `#LEVEL` after the path chooses a level of a building. A returned document has passed
+its schema and its checks. Otherwise a `WireError` gives the file, the line and what was expected.
 """
 
 from __future__ import annotations
@@ -12,10 +13,13 @@ from importlib.resources.abc import Traversable
 from pathlib import Path
 from typing import Final, Literal, TypeAlias, TypeVar, get_args
 
+from intellwheels_maps import importers
 from intellwheels_maps.check import Finding, check_map, check_robot, check_scene
+from intellwheels_maps.importers import Imported
+from intellwheels_maps.importers.floor_source import MAX_SOURCE_BYTES, FloorSource
 from intellwheels_maps.starts import check_starts
 from intellwheels_schemas.errors import WireError
-from intellwheels_schemas.explain import did_you_mean
+from intellwheels_schemas.explain import did_you_mean, too_long
 from intellwheels_schemas.files import read_with_lines
 from intellwheels_schemas.messages import Bridge, Map, Record, Robot, Scene
 
@@ -23,8 +27,8 @@ Shelf: TypeAlias = Literal["floors", "robots", "scenes"]
 
 _Document = TypeVar("_Document", bound=Record)
 
-ENDINGS: Final = (".xml", ".py")
-"""What the name of a file ends in: a map, a robot or a scene, and a mind."""
+ENDINGS: Final = (".xml", ".py", *importers.ENDINGS)
+"""What the name of a file ends in: a map, a robot or a scene, a mind, and a map of another program."""
 
 
 def is_path(name_or_path: str | Path) -> bool:
@@ -32,7 +36,9 @@ def is_path(name_or_path: str | Path) -> bool:
 
     A path has a `/`, or ends as the name of a file does. Whatever takes a name or a path asks here.
     """
-    return isinstance(name_or_path, Path) or "/" in name_or_path or name_or_path.endswith(ENDINGS)
+    if isinstance(name_or_path, Path) or "/" in name_or_path:
+        return True
+    return name_or_path.endswith(ENDINGS) or _split(name_or_path)[0].endswith(importers.ENDINGS)
 
 
 def folder_of(name_or_path: str | Path) -> Path | None:
@@ -61,7 +67,65 @@ def floor(name_or_path: str | Path, *, beside: Path | None = None) -> Map:
     Raises:
         WireError: There is no such map, or its file is invalid.
     """
-    return _load(Map, _find("floors", name_or_path, beside), check_map)
+    file = _find("floors", name_or_path, beside)
+    if isinstance(file, Path) and is_foreign(file):
+        return imported(file).map
+    return _load(Map, file, check_map)
+
+
+def imported(file: Path) -> Imported:
+    """Return the map in a file of another program, and what was left out.
+
+    Args:
+        file: Its path; `#LEVEL` at the end chooses a level of a building.
+
+    Raises:
+        WireError: The file is invalid, or what it describes is no valid map.
+    """
+    path, level = _split(str(file))
+
+    def beside(name: str) -> bytes:
+        return _read(Path(path).parent / name)
+
+    found = importers.import_floor(FloorSource(path, _read(Path(path)), beside, level))
+    findings = check_map(found.map)
+    if findings:
+        texts = [f"{path}: {finding.element}: {finding.text}" for finding in findings]
+        raise WireError("value", "\n".join(texts), path)
+    return found
+
+
+def is_foreign(file: Path) -> bool:
+    """Return whether a file is a floor of another program, which `imported` reads."""
+    path = _split(str(file))[0]
+    return path.endswith(importers.ENDINGS) or (path.endswith(".xml") and importers.is_lab(_start(Path(path))))
+
+
+def _start(path: Path) -> bytes:
+    """Return the first bytes of a file; none if it cannot be read."""
+    try:
+        with path.open("rb") as file:
+            return file.read(1 << 16)
+    except OSError:
+        return b""
+
+
+def _split(path: str) -> tuple[str, str | None]:
+    """Return a path without `#LEVEL`, and the level."""
+    name, mark, level = path.rpartition("#")
+    return (name, level) if mark and name.endswith(importers.ENDINGS) and "/" not in level else (path, None)
+
+
+def _read(path: Path) -> bytes:
+    try:
+        with path.open("rb") as file:
+            data = file.read(MAX_SOURCE_BYTES + 1)
+    except (OSError, ValueError) as error:
+        got = error.strerror if isinstance(error, OSError) else "no path"
+        raise WireError("value", f"{path}: expected a file, got {got}", str(path)) from None
+    if len(data) > MAX_SOURCE_BYTES:
+        raise too_long(str(path), MAX_SOURCE_BYTES, "bytes", path.stat().st_size)
+    return data
 
 
 def robot(name_or_path: str | Path, *, beside: Path | None = None) -> Robot:

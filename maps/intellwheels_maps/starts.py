@@ -38,15 +38,15 @@ def check_starts(scene: Scene, floor: Map, robots: Mapping[str, Robot]) -> list[
         if cast.name in robots and cast.place in places
     ]
     findings = []
-    walls = list(_walls(floor))
+    walls = list(wall_boxes(floor))
     for index, name, boxes in bodies:
-        inside = next((what for what, wall in walls if any(_overlap(box, wall) for box in boxes)), None)
+        inside = next((what for what, wall in walls if any(overlap(box, wall) for box in boxes)), None)
         if inside is not None:
             findings.append(
                 Finding(f"Scene.Cast[{index}]", f"agent {name!r}: expected a free place, got one in {inside}")
             )
     for (_, first, some), (index, second, others) in combinations(bodies, 2):
-        if any(_overlap(one, other) for one in some for other in others):
+        if any(overlap(one, other) for one in some for other in others):
             text = f"agent {second!r}: expected a free place, got one that overlaps agent {first!r}"
             findings.append(Finding(f"Scene.Cast[{index}]", text))
     return findings
@@ -67,7 +67,8 @@ def boxes_at(robot: Robot, place: Place) -> list[Box]:
     return boxes
 
 
-def _walls(floor: Map) -> Iterator[tuple[str, Box]]:
+def wall_boxes(floor: Map) -> Iterator[tuple[str, Box]]:
+    """Yield the name and the shape of each piece of the walls of a map, then of its obstacles."""
     for index, wall in enumerate(floor.wall):
         for piece in wall_pieces(wall):
             yield f"Wall[{index}]", (piece, wall.bottom, wall.height)
@@ -75,7 +76,8 @@ def _walls(floor: Map) -> Iterator[tuple[str, Box]]:
         yield f"obstacle {obstacle.name!r}", (ring_of(obstacle.corner), obstacle.bottom, obstacle.top)
 
 
-def _overlap(one: Box, other: Box) -> bool:
+def overlap(one: Box, other: Box) -> bool:
+    """Return whether two boxes, or a box and a wall, have a common inside."""
     (corners, bottom, top), (others, low, high) = one, other
     if top <= low or high <= bottom:
         return False

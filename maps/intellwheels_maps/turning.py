@@ -47,13 +47,13 @@ def narrow_starts(scene: Scene, floor: Map, robots: Mapping[str, Robot]) -> list
     Args:
         scene: The scene.
         floor: Its map.
-        robots: The body of each agent, by name. Others are not checked.
+        robots: The body of each agent, by name. Others are not checked, nor are the leaves of doors.
     """
     places: dict[str | None, Place] = {place.name: place for place in floor.grid.position} if floor.grid else {}
     findings = []
     check = TurningCheck(floor)
     for index, cast in enumerate(scene.cast):
-        if cast.name in robots and cast.place in places:
+        if cast.name in robots and robots[cast.name].kind != "door" and cast.place in places:
             place = places[cast.place]
             why = check.narrowness(robots[cast.name], place.x, place.y)
             if why is not None:

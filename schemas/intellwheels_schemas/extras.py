@@ -13,6 +13,8 @@ MODULES: Final = {
     "bridge": ("serial",),
     "navigate": ("numpy",),
     "ros": ("rosbags",),
+    "floors": ("numpy", "shapely", "yaml", "PIL", "ezdxf"),
+    "ifc": ("ifcopenshell", "numpy", "shapely"),
 }
 """The modules that each extra installs, under the names that `import` takes."""
 

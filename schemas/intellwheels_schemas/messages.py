@@ -196,6 +196,8 @@ Source = Literal["simulated", "real"]
 Model = Literal["ideal", "infrared", "sonar"]
 SonarName = Literal["srf04", "srf08", "srf10", "srf485", "srf235", "hc-sr04", "polaroid-6500"]
 Status = Literal["ok", "none", "near", "fault"]
+DoorKind = Literal["hinged", "double-hinged", "sliding", "double-sliding"]
+Side = Literal["left", "right"]
 InputWord = Literal["drive", "words", "goal"]
 MotorState = Literal["drive", "timeout", "rested", "paused", "taken", "stale"]
 ClockState = Literal["waiting", "running", "paused", "ended"]
@@ -234,6 +236,9 @@ StateTick = Annotated[Tick, Meta(description="Number of steps since the start of
 Time = Annotated[Seconds, Meta(description="Simulated time since the start of the run: Tick times Period.")]
 PartNumber = Annotated[Count, Meta(description="Index of this part of a split message, counted from 0.")]
 PartCount = Annotated[Count, Meta(description="Number of parts of the split message.")]
+SiteCoordinate = Annotated[
+    float, Meta(ge=-100_000_000.0, le=100_000_000.0, description="a coordinate of the site, in m or degrees")
+]
 MapX = Annotated[Coordinate, Meta(description="X coordinate in the map frame.")]
 MapY = Annotated[Coordinate, Meta(description="Y coordinate in the map frame.")]
 MapHeading = Annotated[
@@ -1309,6 +1314,17 @@ class Wall(Record, frozen=True, kw_only=True):
     """Corners in order: at least 3 for a polygon, whose last corner is connected to the first, or 2 for a line."""
 
 
+class Door(Record, frozen=True, kw_only=True):
+    """The door of a doorway. Left and right are as seen along the heading of the doorway."""
+
+    kind: DoorKind = "hinged"
+    """How it opens: one leaf on a hinge, two leaves on hinges, one sliding leaf, or two sliding leaves."""
+    side: Side = "left"
+    """Jamb at which the hinge of a single leaf is, or to which a single leaf slides."""
+    swing_deg: Degrees = 90.0
+    """Angle of a full opening; positive opens along the heading of the doorway, negative against it."""
+
+
 class Doorway(Record, frozen=True, kw_only=True):
     """An opening between walls that bodies can pass."""
 
@@ -1320,6 +1336,8 @@ class Doorway(Record, frozen=True, kw_only=True):
     """Direction of passage in the map frame: 0 along x, positive anticlockwise."""
     width: Size
     """Clear width of the opening."""
+    door: Door | None = None
+    """Door in the opening; absent means that it is not known or that there is none."""
 
 
 class Obstacle(Record, frozen=True, kw_only=True):
@@ -1366,6 +1384,28 @@ class Grid(Record, frozen=True, kw_only=True):
     """Places, in the order in which they are assigned to robots that name no place."""
 
 
+class Route(Record, frozen=True, kw_only=True):
+    """A way between named places that the author of the map drew, such as a lane for robots."""
+
+    name: Word
+    """Name of the route, unique in the map."""
+    places: tuple[Word, ...] = ()
+    """Names of the places along it in order, at least 2."""
+    one_way: bool = False
+    """Whether the route is for one direction only, that of its places."""
+
+
+class SiteOffset(Record, frozen=True, kw_only=True):
+    """The origin of the map frame in the coordinates of the site. The axes of both are parallel."""
+
+    x: SiteCoordinate
+    """Easting of the origin in metres; its longitude in degrees if Epsg is EPSG:4326."""
+    y: SiteCoordinate
+    """Northing of the origin in metres; its latitude in degrees if Epsg is EPSG:4326."""
+    epsg: Title | None = None
+    """Coordinate reference system of X and Y as text, such as EPSG:3763; absent means that it is not known."""
+
+
 class Map(Record, frozen=True, kw_only=True):
     """A map: walls, doorways, obstacles, zones and named places."""
 
@@ -1386,6 +1426,10 @@ class Map(Record, frozen=True, kw_only=True):
     """Areas for ground sensors; where two overlap the first one counts."""
     grid: Grid | None = None
     """Named places to start at, to reach or to sense."""
+    route: tuple[Route, ...] = ()
+    """Ways between the places, as the author of the map drew them."""
+    offset: SiteOffset | None = None
+    """Origin of the map frame in the coordinates of the site; absent means that the two frames are the same."""
 
 
 class Load(Record, frozen=True, kw_only=True):

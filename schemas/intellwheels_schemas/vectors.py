@@ -30,6 +30,7 @@ from intellwheels_schemas.messages import (
     CrewActions,
     CrewMeasures,
     Delete,
+    Door,
     Doorway,
     Encoders,
     EncodersReading,
@@ -79,12 +80,14 @@ from intellwheels_schemas.messages import (
     Result,
     Resume,
     Robot,
+    Route,
     Save,
     Say,
     Scene,
     Seek,
     Sensors,
     Setting,
+    SiteOffset,
     Spawn,
     Speed,
     Step,
@@ -226,7 +229,12 @@ ROOM: Final = Map(
         Wall(height=2.0, corner=(Corner(x=0.0, y=0.0), Corner(x=1.0, y=0.0), Corner(x=1.0, y=1.0))),
         Wall(bottom=0.1, thickness=0.1, corner=(Corner(x=6.0, y=-2.0), Corner(x=6.0, y=-0.5))),
     ),
-    doorway=(Doorway(name="d1", x=6.0, y=0.0, heading_deg=0.0, width=1.0),),
+    doorway=(
+        Doorway(name="d1", x=6.0, y=0.0, heading_deg=0.0, width=1.0),
+        Doorway(
+            name="d2", x=6.0, y=3.0, heading_deg=0.0, width=1.0, door=Door(kind="hinged", side="right", swing_deg=-90.0)
+        ),
+    ),
     obstacle=(
         Obstacle(name="bed", top=0.6, corner=(Corner(x=2.0, y=2.0), Corner(x=4.0, y=2.0), Corner(x=4.0, y=3.0))),
     ),
@@ -242,6 +250,8 @@ ROOM: Final = Map(
             Place(name="goal1", x=5.0, y=1.0),
         )
     ),
+    route=(Route(name="lane1", places=("bed1", "goal1"), one_way=True),),
+    offset=SiteOffset(x=489123.0, y=4412345.5, epsg="EPSG:32629"),
 )  # fmt: skip
 
 _END = End(reach=(Reach(agent="chair1", place="goal1", within=0.3),), timeout=Timeout(seconds=120.0))

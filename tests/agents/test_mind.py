@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import dataclasses
+
+import msgspec
 import pytest
 
 from intellwheels_agents.mind import Context
 from intellwheels_agents.options import OptionError, Options
 from intellwheels_agents.pure_pursuit import path_of
 from intellwheels_maps import floor, robot
-from intellwheels_schemas.messages import Parameters, Position
+from intellwheels_schemas.messages import Parameters, Position, SiteOffset
 
 
 def context(**options: str) -> Context:
@@ -44,3 +47,9 @@ def test_path_to_the_start_is_none_and_no_points_are_refused() -> None:
     assert path_of(context(points="1 1")) is None
     with pytest.raises(OptionError, match="option points: expected points, via or to, got none"):
         path_of(context())
+
+
+def test_points_are_in_the_coordinates_of_the_site() -> None:
+    moved = msgspec.structs.replace(floor("crossing"), offset=SiteOffset(x=489000.0, y=4412000.0))
+    there = dataclasses.replace(context(points="489001 4412002 489003 4412004"), fetch_map=lambda: moved)
+    assert there.route() == [(1.0, 2.0), (3.0, 4.0)]

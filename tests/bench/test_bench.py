@@ -33,6 +33,7 @@ def test_benchmarks_run_and_say_every_share_of_a_tick(tmp_path: Path) -> None:
             "viewer",
             "loads",
             "ros",
+            "imports",
             "bystanders",
             "--quick",
             "--csv",

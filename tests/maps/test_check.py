@@ -17,6 +17,7 @@ from intellwheels_schemas.messages import (
     Position,
     Reach,
     Robot,
+    Route,
     Scene,
     Wall,
     Zone,
@@ -207,3 +208,20 @@ def test_map_that_no_message_holds_is_found() -> None:
     (finding,) = check_map(floor(wall=(long,)))
     assert finding.element == "Map"
     assert finding.text.startswith("expected a map of at most 1,044,480 bytes as one message in JSON, got ")
+
+
+@pytest.mark.parametrize(
+    ("places", "text"),
+    [
+        (("a",), "route 'r': expected at least 2 places, got 1"),
+        (("a", "x"), "route 'r': expected places of the map, got 'x'"),
+        (("a", "bed"), "route 'r': expected places of the map, got 'bed'; did you mean 'bed1'?"),
+        (("a", "bed1"), None),
+    ],
+)
+def test_a_route_goes_between_places_of_the_map(places: tuple[str, ...], text: str | None) -> None:
+    grid = Grid(position=(Place(name="a", x=0.0, y=0.0), Place(name="bed1", x=1.0, y=0.0)))
+    document = Map(format="iw.v1", name="m", grid=grid, route=(Route(name="r", places=places),))
+    assert [(finding.element, finding.text) for finding in check_map(document)] == (
+        [] if text is None else [("Map.Route[0]", text)]
+    )

@@ -6,7 +6,7 @@ import pytest
 
 from intellwheels_maps import floor, names
 from intellwheels_maps.draw import draw
-from intellwheels_schemas.messages import Corner, Grid, Map, Place, Wall, Zone
+from intellwheels_schemas.messages import Corner, Grid, Map, Place, Route, Wall, Zone
 
 SVG = "{http://www.w3.org/2000/svg}"
 
@@ -56,3 +56,9 @@ def test_titles_with_special_characters_are_escaped() -> None:
 
 def test_empty_floor_can_be_drawn() -> None:
     assert ElementTree.fromstring(draw(Map(format="iw.v1", name="empty"))).tag == f"{SVG}svg"
+
+
+def test_route_is_a_line_between_its_places() -> None:
+    places = tuple(Place(name=name, x=x, y=1.0) for name, x in (("a", 0.0), ("b", 2.0)))
+    document = Map(format="iw.v1", name="m", grid=Grid(position=places), route=(Route(name="r", places=("a", "b")),))
+    assert '<polyline class="route" points="0,-100 200,-100"><title>r</title></polyline>' in draw(document)

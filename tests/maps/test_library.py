@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from intellwheels_maps import floor, names, robot, scene
-from intellwheels_maps.library import folder_of, is_path
+from intellwheels_maps.library import folder_of, imported, is_foreign, is_path
 from intellwheels_schemas.errors import WireError
 
 MAP = """<Map Format="iw.v1" Name="mine">
@@ -35,7 +35,20 @@ def test_names_are_sorted_and_have_no_ending() -> None:
         assert not any("." in name for name in known)
 
 
-@pytest.mark.parametrize("text", ["ward.xml", "./ward", "maps/ward", "/maps/ward", "mind.py", "a/mind"])
+@pytest.mark.parametrize(
+    "text",
+    [
+        "ward.xml",
+        "./ward",
+        "maps/ward",
+        "/maps/ward",
+        "mind.py",
+        "a/mind",
+        "ward.yaml",
+        "b.building.yaml#L2",
+        "a.ifc#g",
+    ],
+)
 def test_text_with_a_slash_or_an_ending_is_a_path(text: str) -> None:
     assert is_path(text)
     assert folder_of(text) == Path(text).absolute().parent
@@ -161,3 +174,35 @@ def test_scene_with_an_unknown_place_or_robot_is_refused_with_its_line(tmp_path:
     assert place == f"{path}:3: expected one of the places of 'mine' (goal, start), got 'bed'"
     assert body.startswith(f"{path}:3: agent 'b': expected one of the robots (")
     assert body.endswith("got 'create'; did you mean 'crate'?")
+
+
+ROS = "image: m.pgm\nresolution: 0.5\norigin: [0, 0, 0]\n"
+
+
+def test_a_floor_of_another_program_is_a_map(tmp_path: Path) -> None:
+    path = write(tmp_path, "m.yaml", ROS)
+    (tmp_path / "m.pgm").write_bytes(b"P5\n3 3\n255\n" + bytes([255] * 4 + [0] + [255] * 4))
+    assert len(floor(path).wall) == len(floor("m.yaml", beside=tmp_path).wall) == 1
+    assert is_foreign(path)
+    (tmp_path / "m.pgm").unlink()
+    with pytest.raises(WireError, match=r"m\.pgm: expected a file, got No such file"):
+        floor(path)
+    with pytest.raises(WireError, match=r"m\.yaml: expected no '#' after the name"):
+        floor(f"{path}#L1")
+    with pytest.raises(WireError, match=r"none\.dxf: expected a file, got No such file"):
+        imported(tmp_path / "none.dxf")
+
+
+def test_a_lab_is_told_by_its_root(tmp_path: Path) -> None:
+    lab = write(tmp_path, "MyLab.xml", '<Lab Name="l" Height="5" Width="6"/>')
+    assert is_foreign(lab)
+    assert floor(lab).title == "l"
+    assert not is_foreign(write(tmp_path, "map.xml", MAP))
+
+
+def test_a_file_that_is_too_long_is_not_read(tmp_path: Path) -> None:
+    path = tmp_path / "m.yaml"
+    with path.open("wb") as file:
+        file.truncate((64 << 20) + 1)  # a file of holes: no bytes are written
+    with pytest.raises(WireError, match=r"m\.yaml.* at most 67,?108,?864 bytes"):
+        floor(path)

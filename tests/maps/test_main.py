@@ -95,3 +95,47 @@ def test_wrong_usage_exits_with_2(capsys: pytest.CaptureFixture[str]) -> None:
         main(["dance"])
     assert caught.value.code == 2
     capsys.readouterr()
+
+
+LAB = (
+    '<Lab Name="l" Height="5" Width="6">'
+    '<Wall Height="1"><Corner X="1" Y="1"/><Corner X="2" Y="1"/><Corner X="1" Y="2"/></Wall></Lab>'
+)
+
+
+def test_import_writes_a_map_and_lists_what_was_left_out(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    lab, map_file = tmp_path / "MyLab.xml", tmp_path / "map.xml"
+    lab.write_text(LAB)
+    assert main(["import", str(lab), "-o", str(map_file)]) == 0
+    printed = capsys.readouterr()
+    assert printed.err == "left out: MyLab.xml: start grid: there is no file of its name with Grid for Lab\n"
+    assert printed.out == (f"{map_file}: walls=2 obstacles=0 zones=0 doorways=0 doors=0 places=0 routes=0 left-out=1\n")
+    assert floor(map_file) == floor(lab)
+    assert main(["check", str(lab)]) == 0
+
+
+def test_export_writes_image_head_and_places(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    out = tmp_path / "ward.yaml"
+    assert main(["export", "ward", "-o", str(out), "--resolution", "0.1"]) == 0
+    assert capsys.readouterr().out.startswith(f"{out}: ")
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["ward.pgm", "ward.places.yaml", "ward.yaml"]
+    assert len(floor(out).wall) > 5
+
+
+@pytest.mark.parametrize(
+    ("words", "code", "text"),
+    [
+        (["import", "none.dxf", "-o", "x.xml"], 1, "none.dxf: expected a file"),
+        (["import", "map.txt", "-o", "x.xml"], 2, "FILE: expected a name that ends in"),
+        (["import", "none.dxf", "-o", "x.svg"], 2, "--output: expected a name that ends in .xml"),
+        (["export", "ward", "-o", "x.pgm"], 2, "--output: expected a name that ends in .yaml"),
+        (["export", "wart", "-o", "x.yaml"], 1, "MAP: expected one of the maps"),
+    ],
+)
+def test_wrong_imports_and_exports(
+    words: list[str], code: int, text: str, tmp_path: Path, capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:  # fmt: skip
+    monkeypatch.chdir(tmp_path)
+    assert main(words) == code
+    assert text in capsys.readouterr().err

@@ -1,10 +1,11 @@
-"""An automatic door: a leaf that turns on its hinge.
+"""An automatic door: a leaf that turns on its hinge, or slides.
 
     swing    left or right: the side to which the leaf opens, seen along its heading (default left)
     hold     seconds that it stays open after it last detected somebody (default 5)
     range    distance within which it obeys the message "open", m (default 3)
     time     seconds that a full opening takes (default 4)
     angle    angle of a full opening, degrees (default 90)
+    slide    distance of a full opening of a leaf that slides forward, m; 0 for one that turns (default 0)
 
 It opens when a sensor on its frame sees something nearer than the background, or when an agent nearby says "open". It
 closes when the hold time has passed and nothing is detected. If it detects or touches something while it closes, it
@@ -18,6 +19,7 @@ from enum import Enum
 
 from intellwheels_agents.differential_drive import Odometry, powers, wrapped
 from intellwheels_agents.mind import Context
+from intellwheels_agents.portable_math import cos, sin
 from intellwheels_agents.range_scan import distance
 from intellwheels_schemas.messages import Actions, Measures, Proximity
 
@@ -31,6 +33,10 @@ ARRIVED = math.radians(0.5)
 """Angle to the target at which the moving leaf has arrived."""
 STAYS = math.radians(1.5)
 """Angle to the target up to which a resting leaf stays: noise must not make it rattle."""
+SLID = 0.005
+"""Distance to the target at which a sliding leaf has arrived, m."""
+SLID_STAYS = 0.015
+"""Distance to the target up to which a resting leaf that slides stays, m."""
 COMPASS_SHARE = 0.005
 """Gain of the compass. It keeps a twentieth of the noise; a hinge does not slip, so the encoders hardly drift."""
 
@@ -85,12 +91,14 @@ class Mind:
         self._hold = options.number("hold", 5.0, 0.0, 3600.0)
         self._range = options.number("range", 3.0, 0.0, 1000.0)
         self._angle = math.radians(options.number("angle", 90.0, 10.0, 180.0))
-        self._rate = self._angle / options.number("time", 4.0, 0.5, 60.0)
+        self._slide = options.number("slide", 0.0, 0.0, 10.0)
+        self._full = self._slide or self._angle
+        self._rate = self._full / options.number("time", 4.0, 0.5, 60.0)
         self._detectors = {
             sensor.id: (sensor, Detector(sensor)) for sensor in robot.proximity if sensor.mount == "start"
         }
         self._pose = Odometry(robot, context.position, COMPASS_SHARE if robot.encoders else 1.0)
-        self._closed = context.position.heading
+        self._closed = context.position
         self._state = State.CLOSED
         self._announced: State | None = None
         self._detected_at = -math.inf
@@ -99,11 +107,11 @@ class Mind:
     def decide(self, measures: Measures) -> Actions:
         """Return the powers that turn the leaf, and the door's state as a message whenever it changes."""
         self._pose.update(measures.sensors)
-        opened = self._sign * wrapped(self._pose.heading - self._closed)
         wanted = self._wanted(measures)
-        error = (self._angle if wanted else 0.0) - opened
+        error = (self._full if wanted else 0.0) - self._opened()
         resting = self._state is (State.OPEN if wanted else State.CLOSED)
-        there = abs(error) < (STAYS if resting else ARRIVED)
+        stays, arrived = (SLID_STAYS, SLID) if self._slide else (STAYS, ARRIVED)
+        there = abs(error) < (stays if resting else arrived)
         if wanted:
             self._state = State.OPEN if there or self._state is State.OPEN else State.OPENING
         else:
@@ -112,10 +120,18 @@ class Mind:
         rate = min(self._rate, abs(error) / (3.0 * self._period))
         if there:
             rate = 0.0
-        left, right = powers(self._robot, 0.0, math.copysign(rate, error) * self._sign)
+        signed = math.copysign(rate, error)
+        left, right = powers(self._robot, signed if self._slide else 0.0, 0.0 if self._slide else signed * self._sign)
         say = self._state.value if self._state is not self._announced else None
         self._announced = self._state
         return Actions(left_motor=left, right_motor=right, mode=self._state.name.lower(), say=say)
+
+    def _opened(self) -> float:
+        """Return how far the leaf is open, in radians, or in m if it slides."""
+        if not self._slide:
+            return self._sign * wrapped(self._pose.heading - self._closed.heading)
+        heading = self._closed.heading
+        return (self._pose.x - self._closed.x) * cos(heading) + (self._pose.y - self._closed.y) * sin(heading)
 
     def _wanted(self, measures: Measures) -> bool:
         """Return whether the door should be open."""

@@ -59,7 +59,7 @@ class Mind:
         self._hand: deque[tuple[float, float]] = deque([(0.0, 0.0)] * delay)
         tremor, frequency = options.number("tremor", 0.05, 0.0, 1.0), options.number("tremor_hz", 5.0, 0.1, 20.0)
         self._forward, self._turn = (Tremor(tremor, frequency, period) for _ in range(2))
-        points: list[Point] = [(context.position.x, context.position.y), *options.points("points")]
+        points: list[Point] = [(context.position.x, context.position.y), *context.points("points")]
         points += [(place.x, place.y) for place in (context.place(name, "to") for name in options.words("to"))]
         if len(points) == 1:
             raise OptionError("option points: expected points or to, got none")

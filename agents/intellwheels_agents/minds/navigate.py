@@ -1,7 +1,7 @@
 """Drives to places on the map, around what is in the way, and touches nothing.
 
     to, via  places of the map; the chair drives to all of `via`, then to `to`
-    points   "x y x y": points of the map, before those places, m
+    points   "x y x y": points before those places, in the coordinates of the map's site, m
     speed    highest speed, m/s (default 0.8)
     within   distance from the goal that counts as arrived, m (default 0.15)
     truth    true: use the true pose from a truth sensor, which the simulation must allow (default false)

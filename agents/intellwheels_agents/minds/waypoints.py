@@ -1,6 +1,6 @@
 """Drives along a path of points and stops at its end.
 
-    points   "x y x y": corners of the path after the start, m
+    points   "x y x y": corners of the path after the start, in the coordinates of the map's site, m
     via, to  places of the map; the path goes through points, then via in their order, then to; at least one of the
              three options is required
     speed    speed on straight stretches, m/s (default 0.6)

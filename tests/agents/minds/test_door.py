@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+import msgspec
 import pytest
 
 from intellwheels_agents.minds.door import Mind
@@ -141,3 +142,15 @@ def test_noise_neither_opens_the_door_nor_makes_it_rattle() -> None:
     # With noise of 2 cm only what is clearly nearer counts, and still it counts.
     assert doorway.run(6.0, CHAIR) == pytest.approx(90.0, abs=1.5)
     assert doorway.run(15.0) == pytest.approx(0.0, abs=1.5)
+
+
+def test_leaf_slides_forward_and_back() -> None:
+    leaf = msgspec.structs.replace(robot("door"), anchored=False)
+    body = Body(leaf, heading=-math.pi / 2.0)
+    doorway = Doorway(body, slide="0.9")
+    doorway.run(1.0)
+    doorway.run(5.0, CHAIR)
+    assert (body.x, body.y) == pytest.approx((0.0, -0.9), abs=0.02)
+    doorway.run(11.0)
+    assert (body.x, body.y) == pytest.approx((0.0, 0.0), abs=0.02)
+    assert doorway.said == ["door closed", "door opening", "door open", "door closing", "door closed"]
