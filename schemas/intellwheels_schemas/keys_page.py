@@ -13,6 +13,7 @@ from intellwheels_schemas.codec import LIMITS, MAX_BYTES, Encoding, encode
 from intellwheels_schemas.explain import expected
 from intellwheels_schemas.field_docs import field_docs
 from intellwheels_schemas.file_records import LINES, FileRecord
+from intellwheels_schemas.keys import AGENT_VERBS
 from intellwheels_schemas.messages import (
     LidarReading,
     Load,
@@ -82,6 +83,8 @@ _NOTES = """
   simulator drops the `Say` and the sender gets an Error `too-many`.
 - `ctl/load` may take some seconds, and the world goes on meanwhile. `ctl/reset`, `restore`, `save`, `spawn`, `delete`
   and `teleport` that arrive after it wait until it is answered. All other requests are answered at once.
+- The key of `ctl/delete`, `teleport` and `take` ends with the agent, so that a router can grant them for one agent. A
+  query without it, and one whose payload names another agent, is refused.
 - `event` takes `?since=N`, and replies with the events from number N on. `Oldest` in the reply is the number of the
   oldest event that is kept. A `since` that is no number gets an error reply.
 - A message on an unknown key below `in/<agent>/` or `user/<agent>` is dropped, and `out/<agent>/error` gets an Error
@@ -94,7 +97,6 @@ _NOTES = """
 - A simulator also claims its world with the token `alive/<since>/<instance>`. `since` is when the claim began, in
   nanoseconds of Unix time, as 16 hex digits. If two simulators start together, the earlier claim wins and the other
   simulator ends.
-- A `Say` may also be put as `text/plain`.
 
 ## Encodings
 
@@ -102,7 +104,6 @@ _NOTES = """
 |---|---|
 | `application/json` | a JSON object with the fields of the message |
 | `application/xml` | an element with the name of the message |
-| `text/plain` | the text, on `in/<agent>/say` only |
 | none, `zenoh/bytes`, `zenoh/string` | JSON if the first byte is `{`, XML if it is `<` |
 
 The key has the version, so the encoding needs none. A reader also accepts the suffix `;iw.v1`, and refuses that of
@@ -246,7 +247,14 @@ def _verbs() -> str:
     rows = []
     for verb, cls in VERB_CLASSES.items():
         ros = codes.ROS_VERB[verb]
-        rows.append((f"`ctl/{verb}`", _linked((cls,)), f"`{ros.service}`" if ros.service else "", ros.how))
+        rows.append(
+            (
+                f"`ctl/{verb}{'/<agent>' if verb in AGENT_VERBS else ''}`",
+                _linked((cls,)),
+                f"`{ros.service}`" if ros.service else "",
+                ros.how,
+            )
+        )
     for key, ros in codes.ROS_KEY.items():
         rows.append((f"`{CHANNELS[key].key}`", "", f"`{ros.service}`", ros.how))
     return _table(("Key", "Message", "ROS service", "How"), rows)

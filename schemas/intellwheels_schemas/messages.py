@@ -223,8 +223,13 @@ Run = Annotated[
     Meta(description="Id of the run. A start, reset, load or restore gives a new id; older state is then invalid."),
 ]
 SentRun = Annotated[Hex, Meta(description="Run that the message is for; absent means the current run.")]
-Session = Annotated[
-    Hex, Meta(description="Session from Joined; a message with another session is dropped. Real robots must send it.")
+# A mind leaves it out; the harness fills it in. On the wire it is always there, so `shape_of` counts it as required.
+SentSession = Annotated[
+    Hex,
+    Meta(
+        description="Session from Joined; a message without it, or with another one, is dropped.",
+        extra={"sent": "always"},
+    ),
 ]
 SentTick = Annotated[Tick, Meta(description="Tick of the Measures that this answers; absent means the current tick.")]
 SentSeq = Annotated[
@@ -666,10 +671,10 @@ class Refused(Record, frozen=True, kw_only=True):
 
 
 class Leave(Record, frozen=True, kw_only=True):
-    """A request to leave. Without a Session it applies to all processes of the agent in the key."""
+    """A request to leave, from the process that has the Session."""
 
     run: SentRun | None = None
-    session: Session | None = None
+    session: SentSession | None = None
 
 
 # ---------------------------------------------------------------- every tick
@@ -679,7 +684,7 @@ class Actions(Record, frozen=True, kw_only=True):
     """The commands of an agent for one tick. An absent motor keeps its last command."""
 
     run: SentRun | None = None
-    session: Session | None = None
+    session: SentSession | None = None
     tick: SentTick | None = None
     seq: SentSeq | None = None
     left_motor: Power | None = None
@@ -718,7 +723,7 @@ class Say(Record, frozen=True, kw_only=True):
     """A message to other agents, sent separately from `Actions`."""
 
     run: SentRun | None = None
-    session: Session | None = None
+    session: SentSession | None = None
     tick: SentTick | None = None
     seq: SentSeq | None = None
     text: ContentText
@@ -956,7 +961,7 @@ class Pose(Record, frozen=True, kw_only=True):
     """The pose of a real robot, reported by its bridge."""
 
     run: SentRun | None = None
-    session: Session | None = None
+    session: SentSession | None = None
     tick: SentTick | None = None
     seq: SentSeq | None = None
     x: MapX
@@ -1211,15 +1216,15 @@ class Speed(Record, frozen=True, kw_only=True):
 class Delete(Record, frozen=True, kw_only=True):
     """Remove a body."""
 
-    agent: Name
-    """Agent whose body is removed."""
+    agent: Name | None = None
+    """Agent whose body is removed, as in the key; absent means that of the key."""
 
 
 class Take(Record, frozen=True, kw_only=True):
     """Take control of a body: the simulator obeys `user/<agent>` instead of the mind until the lease ends."""
 
-    agent: Name
-    """Agent whose body is taken."""
+    agent: Name | None = None
+    """Agent whose body is taken, as in the key; absent means that of the key."""
     lease: Hex | None = None
     """Lease to renew or to end, from the Result of the first take; absent requests a new lease."""
     seconds: Annotated[float, Meta(ge=0.0, le=60.0, extra=_unit("s"))] = 2.0
@@ -1271,8 +1276,8 @@ class Spawn(Record, frozen=True, kw_only=True):
 class Teleport(Record, frozen=True, kw_only=True):
     """Move a body to another pose."""
 
-    agent: Name
-    """Agent whose body is moved."""
+    agent: Name | None = None
+    """Agent whose body is moved, as in the key; absent means that of the key."""
     position: Position
     """New pose of the body."""
 

@@ -5,6 +5,7 @@
 
 from __future__ import annotations
 
+import re
 from typing import Any, Final, NamedTuple
 
 from intellwheels_schemas.codec import Encoding
@@ -284,14 +285,15 @@ VALID: Final[dict[str, Record]] = {
         run=RUN, session=SESSION, tick=41, seq=41, left_motor=0.5, right_motor=0.4, mode="autonomous",
         goal=Goal(x=5.0, y=1.0), say="follow me",
     ),
-    "Actions-paper": Actions(left_motor=0.5, right_motor=0.4, say="follow me"),
-    "Actions-answer": Actions(tick=5),
-    "Actions-empty": Actions(),
-    "Actions-leave": Actions(tick=9, leave=True, goal=Goal(x=0.0, y=0.0, heading=-1.5), say=""),
-    "Actions-text": Actions(say="]]> <b>&amp; \"'\n\té 漢 😀 null NaN {\"Tick\":1}"),
-    "Actions-floats": Actions(left_motor=0.00001, right_motor=-1e-7),
+    "Actions-paper": Actions(session=SESSION, left_motor=0.5, right_motor=0.4, say="follow me"),
+    "Actions-answer": Actions(session=SESSION, tick=5),
+    "Actions-empty": Actions(session=SESSION),
+    "Actions-leave": Actions(session=SESSION, tick=9, leave=True, goal=Goal(x=0.0, y=0.0, heading=-1.5), say=""),
+    "Actions-text": Actions(session=SESSION, say="]]> <b>&amp; \"'\n\té 漢 😀 null NaN {\"Tick\":1}"),
+    "Actions-floats": Actions(session=SESSION, left_motor=0.00001, right_motor=-1e-7),
     "CrewActions": CrewActions(
-        crew="crew1", parts=2, actions=(AgentActions(agent="a1", tick=3, left_motor=1.0, right_motor=-1.0),)
+        crew="crew1", parts=2,
+        actions=(AgentActions(agent="a1", session=SESSION, tick=3, left_motor=1.0, right_motor=-1.0),),
     ),
     "CrewMeasures": CrewMeasures(
         crew="crew1", part=1, parts=2,
@@ -302,7 +304,7 @@ VALID: Final[dict[str, Record]] = {
         ),
     ),
     "Say": Say(run=RUN, session=SESSION, tick=41, seq=2, text="open"),
-    "Say-paper": Say(text="open"),
+    "Say-paper": Say(session=SESSION, text="open"),
     "Measures": Measures(
         run=RUN, tick=42, time=2.1, collision=True, sensors=_PERCEIVED,
         message=(Heard(sender="chair2", tick=41, seq=7, distance=3.2, text="here"),),
@@ -334,7 +336,7 @@ VALID: Final[dict[str, Record]] = {
         covariance=(0.01, 0.0, 0.0, 0.02, 0.001, 0.005),
         sensors=Sensors(proximity=(ProximityReading(id="sonar", value=0.75),)),
     ),
-    "Pose-bare": Pose(x=0.0, y=0.0, heading=0.0),
+    "Pose-bare": Pose(session=SESSION, x=0.0, y=0.0, heading=0.0),
     "Power": PowerInForce(run=RUN, tick=41, left_motor=0.5, right_motor=-0.5),
     "Power-paused": PowerInForce(run=RUN, tick=41, left_motor=0.0, right_motor=0.0, state="paused"),
     "UserInput-stick": UserInput(lease=SESSION, seq=3, forward=1.0, turn=-1.0, buttons=(0, 7)),
@@ -516,8 +518,9 @@ def _experiment(inside: str) -> bytes:
 
 
 _CORNER = '<Corner X="0.0" Y="0.0"/>'
+_CREW_MEMBER = b'{"Agent":"a","Session":"%s"}' % SESSION.encode()
 
-REFUSED: Final = (
+_REFUSED: Final = (
     # Bytes that are not a document.
     Wrong("Actions-nothing.json", b"", "malformed", "Actions"),
     Wrong("Actions-nothing.xml", b"", "malformed", "Actions"),
@@ -593,6 +596,12 @@ REFUSED: Final = (
     Wrong("Actions-stray-text.xml", b"<Actions>hello</Actions>", "field", "Actions"),
     Wrong("Actions-goal-half.json", b'{"Goal":{"X":5.0}}', "field", "Actions.Goal.Y"),
     Wrong("Actions-goal-half.xml", b'<Actions><Goal X="5.0"/></Actions>', "field", "Actions.Goal.Y"),
+    Wrong("Actions-no-session.json", b'{"Tick":1}', "field", "Actions.Session"),
+    Wrong("Actions-no-session.xml", b'<Actions Tick="1"/>', "field", "Actions.Session"),
+    Wrong("Say-no-session.xml", b"<Say><![CDATA[hi]]></Say>", "field", "Say.Session"),
+    Wrong("Pose-no-session.json", b'{"X":0.0,"Y":0.0,"Heading":0.0}', "field", "Pose.Session"),
+    Wrong("Leave-no-session.json", b"{}", "field", "Leave.Session"),
+    Wrong("Leave-no-session.xml", b"<Leave/>", "field", "Leave.Session"),
     Wrong("Say-no-text.json", b'{"Tick":1}', "field", "Say.Text"),
     # Limits.
     Wrong("Actions-say-long.json", b'{"Say":"' + b"x" * 1001 + b'"}', "too-long", "Actions.Say"),
@@ -736,8 +745,8 @@ REFUSED: Final = (
           b'{"X":0.0,"Y":0.0,"Heading":0.0,"Covariance":[1.0,0.0,0.0,-1.0,0.0,1.0]}', "value", "Pose.Covariance"),
     Wrong("Pose-covariance-negative.xml", b'<Pose X="0" Y="0" Heading="0" Covariance="1 0 0 -1 0 1"/>', "value",
           "Pose.Covariance"),
-    Wrong("CrewActions-twice.json", b'{"Crew":"c","Parts":1,"Actions":[{"Agent":"a"},{"Agent":"a"}]}', "value",
-          "CrewActions.Actions[1].Agent"),
+    Wrong("CrewActions-twice.json", b'{"Crew":"c","Parts":1,"Actions":[%s,%s]}' % ((_CREW_MEMBER,) * 2),
+          "value", "CrewActions.Actions[1].Agent"),
     Wrong("CrewActions-part.json", b'{"Crew":"c","Part":1,"Parts":1}', "value", "CrewActions.Part"),
     Wrong("CrewActions-part.xml", b'<CrewActions Crew="c" Part="1" Parts="1"/>', "value", "CrewActions.Part"),
     Wrong("Load-both.xml", b'<Load Name="ward"><Map Format="iw.v1" Name="m"/></Load>', "field", "Load"),
@@ -791,7 +800,6 @@ REFUSED: Final = (
           _experiment('<Uniform Place="p" Name="X" Low="0" High="1"/><Uniform Place="p" Name="X" Low="0" High="2"/>'),
           "value", "Scene.Experiment.Uniform[1].Name"),
 )  # fmt: skip
-"""Documents that must be refused, each for one reason."""
 
 
 def class_of(file: str) -> type[Record]:
@@ -809,6 +817,22 @@ def class_of(file: str) -> type[Record]:
 def encoding_of_file(file: str) -> Encoding:
     """Return the encoding of a vector from the end of its file name."""
     return Encoding.XML if file.endswith(".xml") else Encoding.JSON
+
+
+def _with_session(wrong: Wrong) -> Wrong:
+    """Return a wrong document with the Session that its class needs, so that it is refused for its own reason only."""
+    if class_of(wrong.name) not in {Actions, Say, Pose} or "no-session" in wrong.name:
+        return wrong
+    root = ROOTS[class_of(wrong.name)].encode()
+    session = SESSION.encode()
+    if wrong.data.startswith(b'{"'):
+        return wrong._replace(data=b'{"Session":"%s",%s' % (session, wrong.data[1:]))
+    data = re.sub(rb"<%s(?=[ />])" % root, b'<%s Session="%s"' % (root, session), wrong.data, count=1)
+    return wrong._replace(data=data)
+
+
+REFUSED: Final = tuple(map(_with_session, _REFUSED))
+"""Documents that must be refused, each for one reason."""
 
 
 def index_of(wrong: Wrong, text: str) -> dict[str, Any]:

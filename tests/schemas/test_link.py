@@ -290,7 +290,7 @@ def test_query_that_nobody_answers_says_so(pair: tuple[zenoh.Session, zenoh.Sess
 def test_query_that_is_never_finished_ends_with_its_time(pair: tuple[zenoh.Session, zenoh.Session]) -> None:
     server, client = pair
     inbox = Inbox()
-    server.declare_queryable(KEYS.every_ctl, inbox.on_query)
+    server.declare_queryable(KEYS.every_ctl[0], inbox.on_query)
     _token = joined(server, client, inbox)
     with pytest.raises(ConnectionError, match="no simulator at"):
         query(client, KEYS.ctl("pause"), b"{}", timeout=0.3)

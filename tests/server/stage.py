@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 from typing import Any
 
@@ -10,6 +11,7 @@ import msgspec
 from intellwheels_maps import floor, robot
 from intellwheels_schemas.codec import Encoding, encode
 from intellwheels_schemas.file_records import Inputs
+from intellwheels_schemas.keys import AGENT_VERBS
 from intellwheels_schemas.messages import (
     Actions,
     Body,
@@ -25,6 +27,7 @@ from intellwheels_schemas.messages import (
     Result,
     Robot,
     Role,
+    Say,
     WorldState,
 )
 from intellwheels_server import world
@@ -37,6 +40,8 @@ from intellwheels_server.service.side_process import Outcome
 
 RUN = "0123456789abcdef"
 JSON = Encoding.JSON
+NOBODY = "0" * 16
+"""A session that no join gave."""
 
 
 class FloorsAtOnce:
@@ -158,6 +163,8 @@ class Stage:
         replies: list[tuple[Record, bool]] = []
         encoding = more.pop("encoding", JSON)
         data = message if isinstance(message, bytes) else encode(message, encoding)
+        if topic == "ctl" and name in AGENT_VERBS and "agent" not in more:
+            more["agent"] = json.loads(data)["Agent"]
 
         def send(reply: Record, reply_encoding: Encoding, ok: bool, _name: str | None) -> None:
             encode(reply, reply_encoding)
@@ -202,6 +209,9 @@ class Stage:
         return replies[0]
 
     def put(self, agent: str, message: Record | bytes, kind: PutKind = "actions", encoding: str = JSON.value) -> None:
+        """Put a message of an agent, with the session of its last join unless it names one."""
+        if isinstance(message, Actions | Pose | Say) and message.session is None:
+            message = msgspec.structs.replace(message, session=self.sessions.get(agent, NOBODY))
         data = message if isinstance(message, bytes) else encode(message)
         self.live_run.take(Put(agent, kind, data, encoding), self.now)
         self.work()

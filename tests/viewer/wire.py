@@ -101,7 +101,7 @@ class Simulator:
         self.fetched: list[str] = []
         keys = self.keys
         self._held: list[Any] = [
-            session.declare_queryable(keys.every_ctl, self._control),
+            *(session.declare_queryable(key, self._control) for key in keys.every_ctl),
             session.declare_queryable(keys.clock, lambda query: self._reply(query, self.clock)),
             session.declare_queryable(keys.map, lambda query: self._reply(query, self.floor)),
             session.declare_queryable(keys.every_body, self._all_bodies),

@@ -304,7 +304,7 @@ class Network:
         except ValueError:
             raise Refusal(f"{verb}: expected finite numbers, got NaN or infinity") from None
         try:
-            answer = query(session, world.keys.ctl(verb), data, timeout=ANSWER_LIMIT, stop=self._stop)[0]
+            answer = query(session, world.keys.ctl_of(verb, request), data, timeout=ANSWER_LIMIT, stop=self._stop)[0]
         except (ConnectionError, zenoh.ZError):
             there = world.name in self._alive
             words = f"{VIEW_ONLY}: the simulator did not get this request" if there else "The simulator is not running"

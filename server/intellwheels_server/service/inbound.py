@@ -122,7 +122,7 @@ def _check_session(
 ) -> Fault | None:
     """Return what is wrong with the session of a message, or None. An agent that was deleted is told so."""
     fault = check_session(member, service.agents.roster.members(agent), session, where)
-    if fault is not None and session is not None and service.agents.deleted.get(agent) == session:
+    if fault is not None and service.agents.deleted.get(agent) == session:
         return DELETED
     return fault
 
@@ -141,7 +141,7 @@ def _take_say(service: ServiceState, agent: str, say: Say) -> Fault | None:
     fault: Fault | None = None
     if not members:
         fault = Fault("not-joined", "Say: expected an agent that has joined, got one that has not", "Say")
-    elif say.session is not None and all(say.session != member.session for member in members):
+    elif all(say.session != member.session for member in members):
         fault = Fault("session", "Say.Session: expected the session of the last join, got another", "Say.Session")
     elif say.run is not None and say.run != state.run:
         fault = Fault("late", f"Say.Run: expected {state.run}, got {say.run}", "Say.Run")

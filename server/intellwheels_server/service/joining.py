@@ -317,20 +317,19 @@ def handle_leave(service: ServiceState, query: Query) -> None:
             query.close()
         return
     try:
-        leave = decode(Leave, query.data, encoding_of(query.encoding, query.data)) if query.data else Leave()
+        # A query without bytes gets the same words as one without a Session.
+        data = query.data or b"{}"
+        leave = decode(Leave, data, encoding_of(query.encoding, data) if query.data else Encoding.JSON)
     except WireError as error:
         query.refuse(service.result("failed", error.text))
         return
     members = service.agents.roster.members(query.name)
-    leaving = [member for member in members if leave.session in (None, member.session)]
-    if not leaving:
+    leaving = next((member for member in members if member.session == leave.session), None)
+    if leaving is None:
         why = "no such agent here" if not members else "expected the session of the last join, got another"
         query.reply(service.result("not-found", f"agent '{query.name}': {why}"))
         return
-    # The body goes last, as removing it removes its mind too.
-    leaving.sort(key=lambda member: member.has_body)
-    for member in leaving:
-        queue_leave(service, member, query if member is leaving[-1] else None)
+    queue_leave(service, leaving, query)
 
 
 def queue_leave(service: ServiceState, member: Member, query: Query | None = None) -> None:

@@ -260,19 +260,13 @@ def check_session(
     Args:
         member: The member that may send this message, or None if there is none.
         all_roles: All members of the agent.
-        session: The session in the message. Only real chairs must send one.
+        session: The session in the message.
         where: The message's class.
     """
     if member is None:
         if not all_roles:
             return Fault("not-joined", f"{where}: expected an agent that has joined, got one that has not", where)
         return Fault("role", f"{where}: not for the role {all_roles[0].role}", where)
-    if session is None:
-        if member.real:
-            return Fault(
-                "session", f"{where}.Session: expected one, as the robot is real; got none", f"{where}.Session"
-            )
-        return None
     if session == member.session:
         return None
     if any(other.session == session for other in all_roles):

@@ -332,7 +332,7 @@ def _serve(
         for key in keys.every_put:
             stack.enter_context(session.declare_subscriber(key, inbox.on_sample))
         stack.enter_context(link.watch_tokens(session, keys.every_token, inbox))
-        for key in (keys.every_join, keys.every_leave, keys.every_ctl, keys.every_body, keys.every_state, keys.map,
+        for key in (keys.every_join, keys.every_leave, *keys.every_ctl, keys.every_body, keys.every_state, keys.map,
                     keys.event, keys.clock):  # fmt: skip
             stack.enter_context(session.declare_queryable(key, inbox.queries_of(key)))
         token: Any = link.declare_token(session, keys.alive)

@@ -301,14 +301,25 @@ def test_lease_ends_with_its_body() -> None:
     assert stage.result("take", Take(agent="chair1", lease=lease, seconds=10.0)).code == "incorrect-state"
 
 
-def test_leave_of_both_roles_is_answered_when_both_are_gone() -> None:
+def test_leave_of_a_body_is_answered_when_its_mind_is_gone_too() -> None:
     stage = Stage(strict=False, pace="realtime")
-    stage.join("chair1", role="body")
+    body = stage.join("chair1", role="body").session
     stage.join("chair1", Robot(role="mind"), "b" * 16)
-    result = stage.ask("leave", "chair1")[0][0]
+    result = stage.ask("leave", "chair1", Leave(session=body))[0][0]
     assert isinstance(result, Result)
     assert stage.live_run.state.names == ()
     assert result.hash == stage.live_run.digest()
+
+
+@pytest.mark.parametrize("data", [b"", b"{}", b'{"Session":"ffffffffffffffff"}'])
+def test_nobody_leaves_for_a_stranger(data: bytes) -> None:
+    stage = Stage()
+    stage.join("chair1")
+    reply, ok = stage.ask("leave", "chair1", data)[0]
+    assert not ok
+    assert isinstance(reply, Result)
+    assert "ession" in (reply.text or "")
+    assert stage.live_run.state.names == ("chair1",)
 
 
 def test_joins_without_token_are_refused_while_a_barrier_is_open() -> None:
