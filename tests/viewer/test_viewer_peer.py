@@ -157,7 +157,7 @@ def test_a_world_that_comes_alone_is_taken_and_kept_when_another_comes() -> None
 
 def test_reported_poses_are_heard_in_a_log_that_is_played(world: tuple[Simulator, Network]) -> None:
     made, network = world
-    pose = Pose(run=RUN, tick=3, x=1.5, y=0.0, heading=0.0)
+    pose = Pose(run=RUN, session=RUN, tick=3, x=1.5, y=0.0, heading=0.0)
 
     def report(last: int | None) -> None:
         made.clock = msgspec.structs.replace(clock(3, stamp=time.time()), last=last)
