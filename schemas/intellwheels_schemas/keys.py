@@ -65,7 +65,7 @@ class Claim(NamedTuple):
 
     Attributes:
         since: When the claim began, in nanoseconds of Unix time; 16 hex digits in the key. The smaller of two wins.
-        instance: 16 hex digits, new in each process.
+        instance: The first 16 of the 32 hex digits of its Zenoh id.
     """
 
     since: int

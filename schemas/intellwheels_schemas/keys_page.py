@@ -35,7 +35,6 @@ from intellwheels_schemas.schema_gaps import GAPS
 from intellwheels_schemas.shapes import Form, Member, number_text, scalar_of, shape_of
 from intellwheels_schemas.vectors import NAMES, REFUSED, RUN
 
-
 # A run of a day and a half at 20 ticks a second.
 _MANY_TICKS = 2_000_000
 

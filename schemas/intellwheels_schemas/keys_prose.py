@@ -65,8 +65,11 @@ NOTES: Final = """
   you have.
 - To find worlds, query the liveliness tokens `iw/v1/*/alive`.
 - A simulator also claims its world with the token `alive/<since>/<instance>`. `since` is when the claim began, in
-  nanoseconds of Unix time, as 16 hex digits. If two simulators start together, the earlier claim wins and the other
-  simulator ends.
+  nanoseconds of Unix time, as 16 hex digits. `instance` is the first half of its Zenoh id, of 32 hex digits: if several
+  sessions answer a query, only the answer of that id is the simulator's. If two simulators start together, the earlier
+  claim wins and the other simulator ends.
+- In a world without access rules anybody can put `Measures`. A careful agent takes those of another `Run`, or of a tick
+  far ahead, only after a `get` of `clock` has the same `Run` and about the same `Tick`.
 
 ## Encodings
 

@@ -280,12 +280,14 @@ class Answer(NamedTuple):
         data: The payload.
         encoding: Its encoding, as text.
         ok: False for an error reply.
+        replier: Zenoh's id of the session that replied; empty if Zenoh does not tell.
     """
 
     key: str
     data: bytes
     encoding: str
     ok: bool
+    replier: str = ""
 
 
 def query(
@@ -314,10 +316,12 @@ def query(
     done = threading.Event()
 
     def on_reply(reply: zenoh.Reply) -> None:
+        replier = "" if reply.replier_id is None else str(reply.replier_id.zid)
         if (sample := reply.ok) is not None:
-            answers.append(Answer(str(sample.key_expr), sample.payload.to_bytes(), str(sample.encoding), True))
+            data = sample.payload.to_bytes()
+            answers.append(Answer(str(sample.key_expr), data, str(sample.encoding), True, replier))
         elif (error := reply.err) is not None and is_known(str(error.encoding)):
-            answers.append(Answer("", error.payload.to_bytes(), str(error.encoding), False))
+            answers.append(Answer("", error.payload.to_bytes(), str(error.encoding), False, replier))
 
     session.get(
         selector,

@@ -22,6 +22,7 @@ from intellwheels_schemas.codec import Encoding, encode
 from intellwheels_schemas.keys import Claim, Keys, OutKind
 from intellwheels_schemas.messages import Body, Clock, Event, MapInfo, Pose, Record, WorldState
 from intellwheels_schemas.process import SLICE
+from intellwheels_schemas.repliers import mark_of
 from intellwheels_server.log.input_log import Log
 from intellwheels_server.log.reported_poses import ReportedPoses
 from intellwheels_server.log.run_files import RunFiles
@@ -247,7 +248,7 @@ class ClaimWatch:
     def __init__(self, session: zenoh.Session, keys: Keys) -> None:
         self._session, self._keys = session, keys
         self._inbox = zenoh_inbox.Inbox()
-        own = Claim(time.time_ns(), new_hex())
+        own = Claim(time.time_ns(), mark_of(str(session.info.zid())))
         self._token: Any = link.declare_token(session, keys.claim(own))
         self._watch = link.watch_tokens(session, keys.every_claim, self._inbox)
         self._claim = WorldClaim(own, _boot_time())
