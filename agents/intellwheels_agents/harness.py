@@ -42,10 +42,11 @@ from intellwheels_agents.mind import Context, Make
 from intellwheels_agents.mind_error import USER_ERRORS, failed
 from intellwheels_agents.mind_run import MindRun
 from intellwheels_agents.options import Options
-from intellwheels_agents.tick_guard import TickGuard, confirms
+from intellwheels_agents.power_gate import PowerGate
+from intellwheels_agents.tick_guard import TickGuard, contradiction
 from intellwheels_schemas.codec import Encoding, decode, encode
 from intellwheels_schemas.errors import WireError
-from intellwheels_schemas.messages import Clock, Error, Joined, Leave, Map, Measures, PowerInForce, Refused, Robot
+from intellwheels_schemas.messages import Clock, Error, Joined, Leave, Map, Measures, Refused, Robot
 from intellwheels_schemas.rules import joins_barrier
 
 RETRY: Final = 1.0
@@ -129,6 +130,7 @@ class Harness:
         self._past_runs: set[str] = set()
         self._early: Payload | None = None
         self._guard = TickGuard()
+        self._power_gate = PowerGate()
         self._deleted_text: str | None = None
 
     # ------------------------------------------------------------ joining
@@ -160,6 +162,7 @@ class Harness:
         same = self._joined is not None and (joined.run, joined.session) == (self._run, self._joined.session)
         self._joined = joined
         self._guard.begin(joined.run, joined.tick)
+        self._power_gate.joined(joined)
         outputs: list[Output] = [Print(f"joined agent={self._agent} run={joined.run} tick={joined.tick}")]
         if not same:
             self._begin(joined, joined.run)
@@ -280,10 +283,8 @@ class Harness:
         except WireError as error:
             return [Log(f"dropped message=Clock why={error.text!r}")]
         measures, payload = doubted
-        if not confirms(clocks, measures):
+        if why := contradiction(clocks, measures):
             self.errors += 1
-            said = ", ".join(f"run {clock.run} tick {clock.tick}" for clock in clocks) or "nothing"
-            why = f"the simulator said {said}, these measures run {measures.run} tick {measures.tick}"
             return [Log(f"dropped message=Measures why={why!r}")] if self._is_worth_a_line("measures") else []
         outputs: list[Output] = []
         if measures.run != self._run:
@@ -318,6 +319,7 @@ class Harness:
             say_limit=joined.parameters.say_limit,
             publishes_actions=self._publishes_actions,
             awaited=self._awaited,
+            key=self._power_gate.key,
         )
         options.check_all_read()
         return self._current
@@ -335,9 +337,8 @@ class Harness:
             return []
         self.errors += 1
         if error.code == "deleted" and error.run == self._run and self._publishes_actions:
-            asks = self._deleted_text is None and self.phase not in (Phase.REMOVED, Phase.OVER)
-            self._deleted_text = error.text
-            return [AskBody()] if asks else []
+            asked, self._deleted_text = self._deleted_text is not None, error.text
+            return [] if asked or self.phase in (Phase.REMOVED, Phase.OVER) else [AskBody()]
         if error.code in ("not-joined", "session") and self.phase is Phase.JOINED:
             self._seeking_since = now
             self.phase = Phase.SEEKING
@@ -371,12 +372,12 @@ class Harness:
     def powered(self, payload: Payload) -> list[Output]:
         """Handle the `Power` that a real chair must apply."""
         obey = getattr(self._current.mind, "obey", None) if self._current is not None else None
-        if obey is not None:
-            try:
-                obey(decode(PowerInForce, *payload, strict=False))
-            except WireError as error:
-                self.errors += 1
-                return [Log(f"dropped message=Power why={error.text!r}")]
+        found = self._power_gate.read(payload) if obey is not None else ""
+        if obey is not None and not isinstance(found, str):
+            obey(found)
+        elif found:
+            self.errors += 1
+            return [Log(f"dropped message=Power why={found!r}")] if self._is_worth_a_line("power") else []
         return []
 
     def stop(self) -> list[Output]:

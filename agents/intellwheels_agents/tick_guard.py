@@ -61,6 +61,9 @@ class TickGuard:
         return doubted
 
 
-def confirms(clocks: Sequence[Clock], measures: Measures) -> bool:
-    """Return whether all clocks that answered are in the run of these measures, and at their tick or about to be."""
-    return bool(clocks) and all(clock.run == measures.run and measures.tick <= clock.tick + AHEAD for clock in clocks)
+def contradiction(clocks: Sequence[Clock], measures: Measures) -> str:
+    """Return in words why measures do not count; empty if all clocks that answered are in their run, at their tick."""
+    if clocks and all(clock.run == measures.run and measures.tick <= clock.tick + AHEAD for clock in clocks):
+        return ""
+    said = ", ".join(f"run {clock.run} tick {clock.tick}" for clock in clocks) or "nothing"
+    return f"the simulator said {said}, these measures run {measures.run} tick {measures.tick}"

@@ -39,6 +39,7 @@ ERROR: Final[dict[ErrorCode, str]] = {
     "not-joined": "the sender has not joined; the message was dropped",
     "role": "this role may not send that; the message was dropped",
     "deleted": "an operator deleted the body of the agent, which must not join again by itself",
+    "forged": "the Code of a Pose was not made with the key of the bridge; the message was dropped",
 }
 
 EVENT: Final[dict[EventCode, str]] = {

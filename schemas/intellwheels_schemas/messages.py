@@ -32,6 +32,8 @@ NAME_PATTERN: Final = r"^[a-z][a-z0-9_-]{0,31}\Z"
 ID_PATTERN: Final = r"^[A-Za-z][A-Za-z0-9_.-]{0,31}\Z"
 WORD_PATTERN: Final = r"^[A-Za-z0-9][A-Za-z0-9_.-]{0,63}\Z"
 HEX_PATTERN: Final = r"^[0-9a-f]{16}\Z"
+CODE_PATTERN: Final = r"^[0-9a-f]{32}\Z"
+KEY_PATTERN: Final = r"^[0-9a-f]{64}\Z"
 
 _ELEMENT = {"xml": "element"}
 _CONTENT = {"xml": "text"}
@@ -83,6 +85,24 @@ Hex = Annotated[
         description="16 lower-case hex digits",
         max_length=16,
         extra=_expected("16 lower-case hex digits"),
+    ),
+]
+Code = Annotated[
+    str,
+    Meta(
+        pattern=CODE_PATTERN,
+        description="Code over the message, made with the Key from Joined; a message with another code is dropped.",
+        max_length=32,
+        extra=_expected("32 lower-case hex digits"),
+    ),
+]
+SecretKey = Annotated[
+    str,
+    Meta(
+        pattern=KEY_PATTERN,
+        description="64 lower-case hex digits",
+        max_length=64,
+        extra=_expected("64 lower-case hex digits"),
     ),
 ]
 Seed = Annotated[str, Meta(pattern=TEXT_PATTERN, description="a seed, any text", max_length=64)]
@@ -209,7 +229,7 @@ RefusedCode = Literal[
 ]  # fmt: skip
 ErrorCode = Literal[
     "malformed", "encoding", "version", "field", "value", "too-long", "too-many", "late", "early", "answered",
-    "session", "lease", "not-joined", "role", "deleted",
+    "session", "lease", "not-joined", "role", "deleted", "forged",
 ]  # fmt: skip
 EventCode = Literal[
     "joined", "left", "lost", "returned", "contact", "parted", "stale", "fresh", "late", "rested", "back", "timeout",
@@ -659,6 +679,8 @@ class Joined(Record, frozen=True, kw_only=True):
     """Start pose of the body."""
     robot: Robot
     """Robot as the simulator accepted it."""
+    key: SecretKey | None = None
+    """Key for the codes of Pose and Power, 32 bytes in hex; only for the body of a real robot, in its first Joined."""
 
 
 class Refused(Record, frozen=True, kw_only=True):
@@ -973,6 +995,7 @@ class Pose(Record, frozen=True, kw_only=True):
     """Covariance of X, Y and Heading (h): xx xy xh yy yh hh, in m2, m rad and rad2; 6 numbers or none."""
     sensors: Sensors | None = None
     """Readings of the robot's sensors that are declared with Source real."""
+    code: Code | None = None
 
 
 class PowerInForce(Record, frozen=True, kw_only=True):
@@ -986,6 +1009,9 @@ class PowerInForce(Record, frozen=True, kw_only=True):
     """Power of the right motor to apply, positive forward."""
     state: MotorState = "drive"
     """Source of the power: drive (the mind) or taken (an operator). In any other state the power is 0."""
+    seq: Count | None = None
+    """Counter of the powers for this key. A bridge drops a power whose Seq is not higher than the last one."""
+    code: Code | None = None
 
 
 class Error(Record, frozen=True, kw_only=True):

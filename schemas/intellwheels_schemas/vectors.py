@@ -6,7 +6,9 @@
 from __future__ import annotations
 
 import re
-from typing import Any, Final, NamedTuple
+from typing import Any, Final, NamedTuple, TypeVar
+
+import msgspec
 
 from intellwheels_schemas.codec import Encoding
 from intellwheels_schemas.messages import (
@@ -102,6 +104,7 @@ from intellwheels_schemas.messages import (
     WorldState,
     Zone,
 )
+from intellwheels_schemas.metal_codes import code_of, pose_line, power_line
 
 NAMES: Final[dict[str, type[Record]]] = {
     ("OperatorSay" if cls is OperatorSay else root): cls for cls, root in ROOTS.items()
@@ -111,6 +114,7 @@ NAMES: Final[dict[str, type[Record]]] = {
 RUN: Final = "9f3c21d4a0b1c2d3"
 SESSION: Final = "c0ffee0012345678"
 INSTANCE: Final = "5f0c2a9be1d84377"
+KEY: Final = "000102030405060708090a0b0c0d0e0f101112131415161718191a1b1c1d1e1f"
 HASH: Final = "00d1ce0ff1ce0ff1"
 
 CHAIR: Final = Robot(
@@ -245,6 +249,14 @@ ROOM: Final = Map(
     ),
 )  # fmt: skip
 
+_P = TypeVar("_P", Pose, PowerInForce)
+
+
+def _coded(message: _P) -> _P:
+    line = pose_line(message) if isinstance(message, Pose) else power_line(message)
+    return msgspec.structs.replace(message, code=code_of(KEY, line))
+
+
 _END = End(reach=(Reach(agent="chair1", place="goal1", within=0.3),), timeout=Timeout(seconds=120.0))
 
 _PERCEIVED = Sensors(
@@ -278,6 +290,17 @@ VALID: Final[dict[str, Record]] = {
         ),
         position=Position(x=1.0, y=2.0, heading=0.0),
         robot=CHAIR,
+    ),
+    "Joined-bridge": Joined(
+        run=RUN,
+        tick=12,
+        session=SESSION,
+        parameters=Parameters(
+            world="main", period=0.05, pace="realtime", say_limit=100, say_range=8.0, command_timeout=0.5, grace=3.0
+        ),
+        position=Position(x=1.0, y=2.0, heading=0.0),
+        robot=msgspec.structs.replace(CHAIR, type="real", role="body"),
+        key=KEY,
     ),
     "Refused": Refused(code="already-here", text="agent 'chair1' is already here"),
     "Leave": Leave(run=RUN, session=SESSION),
@@ -336,8 +359,12 @@ VALID: Final[dict[str, Record]] = {
         covariance=(0.01, 0.0, 0.0, 0.02, 0.001, 0.005),
         sensors=Sensors(proximity=(ProximityReading(id="sonar", value=0.75),)),
     ),
+    "Pose-coded": _coded(
+        Pose(run=RUN, session=SESSION, tick=41, seq=41, x=1.25, y=-2.0, heading=0.1, stamp=1800000000.5)
+    ),
     "Pose-bare": Pose(session=SESSION, x=0.0, y=0.0, heading=0.0),
     "Power": PowerInForce(run=RUN, tick=41, left_motor=0.5, right_motor=-0.5),
+    "Power-coded": _coded(PowerInForce(run=RUN, tick=41, seq=7, left_motor=0.5, right_motor=-0.25)),
     "Power-paused": PowerInForce(run=RUN, tick=41, left_motor=0.0, right_motor=0.0, state="paused"),
     "UserInput-stick": UserInput(lease=SESSION, seq=3, forward=1.0, turn=-1.0, buttons=(0, 7)),
     "UserInput-word": UserInput(word="left"),

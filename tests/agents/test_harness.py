@@ -43,6 +43,7 @@ from intellwheels_schemas.messages import (
     Robot,
     Role,
 )
+from intellwheels_schemas.metal_codes import code_of, pose_line, power_line
 
 RUN, OTHER_RUN = "a" * 16, "b" * 16
 SESSION, OTHER_SESSION = "c" * 16, "d" * 16
@@ -79,7 +80,10 @@ def measures(tick: int, run: str = RUN, **fields: object) -> tuple[bytes, Encodi
     return bytes_of(Measures(run=run, tick=tick, time=tick * 0.05, **fields))  # type: ignore[arg-type]
 
 
-def joined(run: str = RUN, session: str = SESSION) -> tuple[bytes, Encoding]:
+KEY = "0f" * 32
+
+
+def joined(run: str = RUN, session: str = SESSION, key: str | None = None) -> tuple[bytes, Encoding]:
     parameters = Parameters(
         world="main", period=0.05, pace="lockstep", say_limit=5, say_range=8.0, command_timeout=0.5, grace=3.0
     )
@@ -91,8 +95,14 @@ def joined(run: str = RUN, session: str = SESSION) -> tuple[bytes, Encoding]:
             parameters=parameters,
             position=Position(x=1.0, y=2.0, heading=0.0),
             robot=ROBOT,
+            key=key,
         )
     )
+
+
+def coded(seq: int, left: float = 0.1, key: str = KEY) -> tuple[bytes, Encoding]:
+    power = PowerInForce(run=RUN, tick=3, seq=seq, left_motor=left, right_motor=0.2)
+    return bytes_of(msgspec.structs.replace(power, code=code_of(key, power_line(power))))
 
 
 def clock(tick: int, run: str = RUN) -> tuple[bytes, Encoding]:
@@ -476,8 +486,29 @@ def test_body_answers_with_its_pose_and_obeys_power() -> None:
     assert isinstance(output, Publish)
     pose = decode(Pose, output.payload, JSON)
     assert (pose.x, pose.tick, pose.session) == (3.0, 3, SESSION)
-    harness.powered(bytes_of(PowerInForce(run=RUN, tick=3, left_motor=0.1, right_motor=0.2)))
-    assert body.powers[0].left_motor == 0.1
+    assert kinds(harness.powered(coded(1))) == ["Log"], "without a key no power counts"
+    harness.accepted(joined())
+    assert body.powers == []
+
+
+def test_bridge_codes_its_poses_and_obeys_only_coded_powers() -> None:
+    body = Recorder(Pose(x=3.0, y=4.0, heading=0.5))
+    harness = Harness(ROBOT, body.make)
+    harness.start(0.0)
+    harness.accepted(joined(key=KEY))
+    (output,) = harness.measured([measures(0)])
+    assert isinstance(output, Publish)
+    pose = decode(Pose, output.payload, JSON)
+    assert pose.code == code_of(KEY, pose_line(pose))
+    harness.powered(coded(1))
+    for forged in (
+        coded(2, key="00" * 32),
+        coded(1),
+        bytes_of(PowerInForce(run=RUN, tick=3, left_motor=1.0, right_motor=1.0)),
+    ):
+        harness.powered(forged)
+    harness.powered(coded(2, 0.3))
+    assert [power.left_motor for power in body.powers] == [0.1, 0.3]
 
 
 def test_body_without_a_mind_publishes_no_actions(mind: Recorder) -> None:

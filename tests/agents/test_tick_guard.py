@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import pytest
 
-from intellwheels_agents.tick_guard import AHEAD, TickGuard, confirms
+from intellwheels_agents.tick_guard import AHEAD, TickGuard, contradiction
 from intellwheels_schemas.codec import Encoding
 from intellwheels_schemas.messages import Clock, Measures
 
@@ -41,8 +41,8 @@ def test_ticks_that_follow_each_other_are_never_far_ahead() -> None:
 
 
 def test_clocks_confirm_when_all_of_them_agree() -> None:
-    assert confirms([clock(9)], measures(9 + AHEAD))
-    assert not confirms([], measures(9))
-    assert not confirms([clock(9)], measures(10 + AHEAD))
-    assert not confirms([clock(9, OTHER)], measures(9))
-    assert not confirms([clock(9), clock(9, OTHER)], measures(9))
+    assert contradiction([clock(9)], measures(9 + AHEAD)) == ""
+    assert contradiction([], measures(9))
+    assert contradiction([clock(9)], measures(10 + AHEAD))
+    assert contradiction([clock(9, OTHER)], measures(9))
+    assert contradiction([clock(9), clock(9, OTHER)], measures(9))

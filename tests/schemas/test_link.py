@@ -239,11 +239,11 @@ def test_query_brings_the_reply_or_the_error_reply(pair: tuple[zenoh.Session, ze
     thread = serve(inbox, lambda ask: ask.reply(ask.data, Encoding.XML))
     (answer,) = query(client, key, b"<Robot/>", Encoding.XML)
     thread.join()
-    assert answer == (key, b"<Robot/>", "application/xml", True)
+    assert answer[:4] == (key, b"<Robot/>", "application/xml", True)
     thread = serve(inbox, lambda ask: ask.refuse(b"{}", Encoding.JSON))
     (answer,) = query(client, key, b"{}")
     thread.join()
-    assert answer == ("", b"{}", "application/json", False)
+    assert answer[:4] == ("", b"{}", "application/json", False)
 
 
 @pytest.mark.process
@@ -259,7 +259,7 @@ def test_error_reply_of_another_simulator_may_have_the_version(
     thread = serve(inbox, lambda ask: ask.query.reply_err(b"{}", encoding=zenoh.Encoding(encoding)))
     (answer,) = query(client, KEYS.join("chair1"), b"{}")
     thread.join()
-    assert answer == ("", b"{}", encoding, False)
+    assert answer[:4] == ("", b"{}", encoding, False)
 
 
 @pytest.mark.process

@@ -30,6 +30,7 @@ from intellwheels_schemas.messages import (
     Say,
     WorldState,
 )
+from intellwheels_schemas.metal_codes import code_of, pose_line
 from intellwheels_server import world
 from intellwheels_server.log.input_log import Line, Log
 from intellwheels_server.service.arrival import Put, PutKind, Query, Token, Topic
@@ -80,6 +81,7 @@ class Stage:
         self.lines: list[str] = []
         self.notes: list[str] = []
         self.sessions: dict[str, str] = {}
+        self.keys: dict[str, str] = {}
         self.log = Log(log, setup, RUN) if log else None
         self.floors = FloorsAtOnce()
         self.live_run = LiveRun(
@@ -186,6 +188,8 @@ class Stage:
         assert ok, reply
         assert isinstance(reply, Joined)
         self.sessions[agent] = reply.session
+        if reply.key is not None:
+            self.keys[agent] = reply.key
         return reply
 
     def join_two(self, **more: Any) -> None:
@@ -209,9 +213,11 @@ class Stage:
         return replies[0]
 
     def put(self, agent: str, message: Record | bytes, kind: PutKind = "actions", encoding: str = JSON.value) -> None:
-        """Put a message of an agent, with the session of its last join unless it names one."""
+        """Put a message of an agent, with the session and the code of its last join unless it has others."""
         if isinstance(message, Actions | Pose | Say) and message.session is None:
             message = msgspec.structs.replace(message, session=self.sessions.get(agent, NOBODY))
+        if isinstance(message, Pose) and message.code is None and agent in self.keys:
+            message = msgspec.structs.replace(message, code=code_of(self.keys[agent], pose_line(message)))
         data = message if isinstance(message, bytes) else encode(message)
         self.live_run.take(Put(agent, kind, data, encoding), self.now)
         self.work()

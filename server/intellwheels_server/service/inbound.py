@@ -16,6 +16,7 @@ from intellwheels_schemas.messages import (
     Say,
     UserInput,
 )
+from intellwheels_schemas.metal_codes import is_genuine, pose_line
 from intellwheels_server.service import joining
 from intellwheels_server.service.arrival import Put
 from intellwheels_server.service.barrier import AnswerKind
@@ -96,6 +97,9 @@ def _take_pose(service: ServiceState, agent: str, pose: Pose, data: bytes, now: 
     fault = _check_session(service, agent, member, pose.session, "Pose")
     if fault is None and member is not None and not member.real:
         fault = Fault("role", "Pose: expected a robot of Type real, got a simulated one", "Pose")
+    if fault is None and member is not None and not is_genuine(member.key, pose_line(pose), pose.code):
+        text = f"Pose.Code: expected the code that the key of the bridge makes, got {pose.code or 'none'}"
+        fault = Fault("forged", text, "Pose.Code")
     if fault is None:
         fault = check_time(pose.run, pose.tick, state.run, state.tick, "Pose")
         if fault is not None and fault.code == "late" and pose.run in (None, state.run):

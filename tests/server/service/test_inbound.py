@@ -9,6 +9,7 @@ from intellwheels_schemas.messages import (
     Take,
     UserInput,
 )
+from intellwheels_schemas.metal_codes import code_of, pose_line
 from intellwheels_server.service.arrival import Put
 from tests.server.stage import Stage, real
 
@@ -144,10 +145,21 @@ def test_message_counts_only_with_the_session_of_the_join(session: bytes | None,
     stage = Stage(pace="realtime", strict=False)
     stage.join("chair1", real())
     shown = b'"Session":"%s",' % stage.sessions["chair1"].encode() if session is None else session
-    stage.put("chair1", b'{%s"X":2.0,"Y":2.0,"Heading":0.0}' % shown, "pose")
+    code_of_pose = code_of(stage.keys["chair1"], pose_line(Pose(x=2.0, y=2.0, heading=0.0))).encode()
+    stage.put("chair1", b'{%s"X":2.0,"Y":2.0,"Heading":0.0,"Code":"%s"}' % (shown, code_of_pose), "pose")
     stage.put("chair1", b'{%s"LeftMotor":1.0}' % shown)
     stage.put("chair1", b'{%s"Text":"hello"}' % shown, "say")
     assert [e.code for e in stage.errors("chair1")] == ([code] * 3 if code else [])
+
+
+@pytest.mark.parametrize("code", [None, "0" * 32])
+def test_pose_without_the_code_of_the_bridge_is_forged(code: str | None) -> None:
+    stage = Stage(pace="realtime", strict=False)
+    stage.join("chair1", real())
+    del stage.keys["chair1"]
+    stage.put("chair1", Pose(x=9.0, y=2.0, heading=0.0, code=code), "pose")
+    (error,) = stage.errors("chair1")
+    assert (error.code, error.where) == ("forged", "Pose.Code")
 
 
 def test_pose_of_a_simulated_chair_gives_an_error() -> None:
