@@ -68,6 +68,8 @@ NOTES: Final = """
   nanoseconds of Unix time, as 16 hex digits. `instance` is the first half of its Zenoh id, of 32 hex digits: if several
   sessions answer a query, only the answer of that id is the simulator's. If two simulators start together, the earlier
   claim wins and the other simulator ends.
+- `Pose` and `Power` of a real robot carry a `Code`, which the bridge and the simulator make with the `Key` of the
+  `Joined`. [PROTOCOL.md](../agents/intellwheels_agents/bridge/PROTOCOL.md) says how.
 - In a world without access rules anybody can put `Measures`. A careful agent takes those of another `Run`, or of a tick
   far ahead, only after a `get` of `clock` has the same `Run` and about the same `Tick`.
 

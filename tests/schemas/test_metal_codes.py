@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import hashlib
 import hmac
+from pathlib import Path
 
 import msgspec
 
@@ -20,6 +21,15 @@ def test_line_of_the_vectors_is_as_the_protocol_says() -> None:
         full = hmac.digest(bytes(range(32)), line.encode(), hashlib.sha256).hex()
         assert message.code == full[:32] == code_of(KEY, line)
         assert is_genuine(KEY, line, message.code)
+
+
+def test_page_of_the_protocol_has_the_lines_and_codes_of_the_vectors() -> None:
+    page = (Path(__file__).parents[2] / "agents/intellwheels_agents/bridge/PROTOCOL.md").read_text(encoding="utf-8")
+    power, pose = VALID["Power-coded"], VALID["Pose-coded"]
+    assert isinstance(power, PowerInForce)
+    assert isinstance(pose, Pose)
+    assert f"{power_line(power)}\n{power.code}\n{pose_line(pose)}\n{pose.code}\n" in page
+    assert KEY in page
 
 
 def test_absent_fields_are_dashes() -> None:
