@@ -31,7 +31,7 @@ from intellwheels_schemas import present
 from intellwheels_schemas.command_parser import CommandParser
 from intellwheels_server import __main__ as server
 from intellwheels_server import server_options
-from intellwheels_server.service import router
+from intellwheels_server.service import lab_keys, router
 from intellwheels_viewer import __main__ as viewer
 from tests.commands import SCRIPTS
 
@@ -108,6 +108,7 @@ COMMANDS = {
     "iw-joystick": Command(joystick.main, joystick.parser, ["chair1"]),
     "iw-viewer": Command(viewer.main, viewer.parser),
     "iw-router": Command(router.main, router.parser),
+    "iw-lab": Command(lab_keys.main, lab_keys.parser, ["keys"]),
     "iw-check-agent": Command(check_agent.main, check_agent.parser, [], ["--", "true"]),
     "python -m intellwheels_maps": Command(maps.main, maps._parser),
     "python -m intellwheels_schemas": Command(schemas.main, schemas._parser),

@@ -34,6 +34,7 @@ COMMANDS = {
     "bridge": "put a real chair into a simulation",
     "check-agent": "check a program in any language against the contract",
     "router": "the router where simulators and agents meet",
+    "lab": "passwords and identity files for those who share a router",
 }
 """The commands and what they do; `iw NAME` is `iw-NAME`."""
 

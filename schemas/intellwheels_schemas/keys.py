@@ -9,7 +9,7 @@ from __future__ import annotations
 from typing import Final, Literal, NamedTuple, get_args
 
 from intellwheels_schemas import defaults
-from intellwheels_schemas.messages import Record, Role
+from intellwheels_schemas.messages import ControlVerb, Record, Role
 from intellwheels_schemas.names import check_name, is_hex, is_name
 
 ROOT: Final = "iw/v1"
@@ -18,10 +18,7 @@ EVERY_ALIVE: Final = f"{ROOT}/*/alive"
 
 InKind = Literal["actions", "say", "pose"]
 OutKind = Literal["measures", "power", "error"]
-Verb = Literal[
-    "pause", "resume", "step", "reset", "load", "speed", "spawn", "delete", "teleport", "take", "say", "save",
-    "restore", "seek", "quit",
-]  # fmt: skip
+Verb = ControlVerb
 
 IN_KINDS: Final[dict[str, InKind]] = {kind: kind for kind in get_args(InKind)}
 OUT_KINDS: Final[dict[str, OutKind]] = {kind: kind for kind in get_args(OutKind)}

@@ -9,13 +9,16 @@ from msgspec import NODEFAULT, inspect
 
 from intellwheels_schemas import codes, defaults, file_records, rules
 from intellwheels_schemas import keys_prose as prose
+from intellwheels_schemas.access_rules import ACCESS
 from intellwheels_schemas.channels import CHANNELS, VERB_CLASSES, Channel
 from intellwheels_schemas.codec import LIMITS, MAX_BYTES, Encoding, encode
 from intellwheels_schemas.explain import expected
 from intellwheels_schemas.field_docs import field_docs
 from intellwheels_schemas.file_records import LINES, FileRecord
 from intellwheels_schemas.keys import AGENT_VERBS
+from intellwheels_schemas.lab_rules import LAB_ROLES
 from intellwheels_schemas.messages import (
+    Lab,
     LidarReading,
     Load,
     Map,
@@ -109,6 +112,11 @@ def _limits() -> str:
         ("whole numbers", "2^53 - 1"),
     ]
     return _table(("What", "Maximum"), rows)
+
+
+def _access() -> str:
+    rows = ((f"`{CHANNELS[name].key}`", *(roles.get(role, "") for role in LAB_ROLES)) for name, roles in ACCESS.items())
+    return _table(("Key", *LAB_ROLES), rows)
 
 
 def _codes(meanings: Mapping[str, str]) -> str:
@@ -252,7 +260,7 @@ def keys_page() -> str:
         map(_row, CHANNELS.values()),
     )
     parts = [
-        head, "\n", keys, _notes(), "\n", _schemas(), "## Limits\n\n", _limits(),
+        head, "\n", keys, _notes(), "\n", prose.ACCESS, _access(), "\n", _schemas(), "## Limits\n\n", _limits(),
         "\n## Codes\n\n### Codes of Refused\n\n", _codes({str(code): text for code, text in codes.REFUSED.items()}),
         "\n### Codes of Error\n\n", _codes({str(code): text for code, text in codes.ERROR.items()}),
         "\n### Codes of Event\n\n", _codes({str(code): text for code, text in codes.EVENT.items()}),
@@ -265,10 +273,10 @@ def keys_page() -> str:
         ),
         "\n## Control verbs and their ROS `simulation_interfaces` counterparts\n\n", _verbs(),
         "\n## Messages\n\n",
-        *(_message(cls, name) for name, cls in NAMES.items() if cls not in {Map, Scene}),
+        *(_message(cls, name) for name, cls in NAMES.items() if cls not in {Lab, Map, Scene}),
         "## Files for people\n\nMaps, robots and scenes are XML files, in which comments and indentation ",
         "are allowed. A robot file is a [Robot](#robot) with `Format`.\n\n",
-        *(_message(cls, _name(cls)) for cls in (Map, Scene)),
+        *(_message(cls, _name(cls)) for cls in (Map, Scene, Lab)),
         prose.LOGS, *(_message_of_a_file(cls) for cls in _file_records()),
         "## Records used in messages and files\n\n", *(_message(cls, cls.__name__) for cls in _records()),
     ]  # fmt: skip

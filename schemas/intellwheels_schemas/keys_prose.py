@@ -105,6 +105,14 @@ another version. The simulator accepts JSON and XML on all keys. It writes `out/
   degrees in (0, 360], got 0`.
 """
 
+ACCESS: Final = """## Who may do what
+
+`iw-router --lab LAB.xml` allows each identity of a [Lab](#lab) what its roles have here, and nothing else. Who queries
+a key *writes* it, and who answers the query *reads* it. `<agent>` stands for the `Agents` of the identity. An operator,
+a viewer and a recorder read about every agent. An operator asks for its `Verbs` only, and a viewer only for `take`.
+
+"""
+
 SCHEMAS: Final = """## Schemas
 
 There are two kinds of schemas. Those for writers refuse unknown fields, as the simulator does. Those for readers let

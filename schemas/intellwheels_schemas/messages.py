@@ -28,6 +28,7 @@ MAX_INTEGER: Final = 2**53 - 1
 
 # XML 1.0's characters without carriage return, which XML readers turn into a line feed.
 TEXT_PATTERN: Final = "^[\t\n\u0020-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]*\\Z"
+AGENTS_PATTERN: Final = r"^(\*|[a-z][a-z0-9_-]{0,31}\*?)\Z"
 NAME_PATTERN: Final = r"^[a-z][a-z0-9_-]{0,31}\Z"
 ID_PATTERN: Final = r"^[A-Za-z][A-Za-z0-9_.-]{0,31}\Z"
 WORD_PATTERN: Final = r"^[A-Za-z0-9][A-Za-z0-9_.-]{0,63}\Z"
@@ -58,6 +59,15 @@ Name = Annotated[
         description="a name for use in keys",
         max_length=32,
         extra=_expected("a name of a-z, 0-9, _ and -, a letter first, at most 32 characters"),
+    ),
+]
+NamePattern = Annotated[
+    str,
+    Meta(
+        pattern=AGENTS_PATTERN,
+        description="a name, or the beginning of names followed by *",
+        max_length=33,
+        extra=_expected("a name, the beginning of names followed by *, or *"),
     ),
 ]
 Id = Annotated[
@@ -223,6 +233,11 @@ Pace = Literal["realtime", "free", "lockstep"]
 Miss = Literal["strict", "elastic"]
 NewRun = Literal["follow", "restart"]
 FormatTag = Literal["iw.v1"]
+ControlVerb = Literal[
+    "pause", "resume", "step", "reset", "load", "speed", "spawn", "delete", "teleport", "take", "say", "save",
+    "restore", "seek", "quit",
+]  # fmt: skip
+LabRole = Literal["simulator", "operator", "viewer", "agent", "mind", "bridge", "recorder", "gateway"]
 RefusedCode = Literal[
     "already-here", "no-token", "no-body", "no-place", "overlaps", "name", "field", "value", "limit", "version",
     "truth", "mount", "real-in-lockstep", "full",
@@ -1625,12 +1640,44 @@ class Scene(Record, frozen=True, kw_only=True):
     """Variations of the scene to run and compare, if any."""
 
 
+class May(Record, frozen=True, kw_only=True):
+    """What an identity may do in one world."""
+
+    role: LabRole
+    """Kind of program: KEYS.md lists what each may read and write."""
+    world: Name = defaults.WORLD
+    """World in which it may do so."""
+    agents: Annotated[tuple[NamePattern, ...], Meta(max_length=64)] = ()
+    """Agents that it may be, or steer and change: names, or beginnings such as st1-*. The role may need them."""
+    verbs: Annotated[tuple[ControlVerb, ...], Meta(max_length=32)] = ()
+    """Of an operator: control verbs that it may ask for; none means all."""
+
+
+class Identity(Record, frozen=True, kw_only=True):
+    """A person or a program, with a password of its own."""
+
+    name: Name
+    """User name with which it connects to the router."""
+    may: tuple[May, ...] = ()
+    """Everything that it may do; what is not listed is denied."""
+
+
+class Lab(Record, frozen=True, kw_only=True):
+    """A laboratory: who may do what through its router."""
+
+    format: Format
+    name: Word
+    """Name of the laboratory."""
+    identity: tuple[Identity, ...] = ()
+    """All people and programs that may connect."""
+
+
 DOCUMENTS: Final[dict[str, tuple[type[Record], ...]]] = {
     "Robot": (Robot,), "Joined": (Joined,), "Refused": (Refused,), "Leave": (Leave,), "Actions": (Actions,),
     "CrewActions": (CrewActions,), "CrewMeasures": (CrewMeasures,), "Say": (Say, OperatorSay), "Measures": (Measures,),
     "Pose": (Pose,), "Power": (PowerInForce,), "UserInput": (UserInput,), "Error": (Error,),
     "WorldState": (WorldState,), "Body": (Body,), "Event": (Event,), "Events": (Events,), "Clock": (Clock,),
-    "MapInfo": (MapInfo,), "Map": (Map,), "Scene": (Scene,), "Result": (Result,), "Pause": (Pause,),
+    "MapInfo": (MapInfo,), "Map": (Map,), "Scene": (Scene,), "Lab": (Lab,), "Result": (Result,), "Pause": (Pause,),
     "Resume": (Resume,), "Step": (Step,), "Reset": (Reset,), "Load": (Load,), "Speed": (Speed,), "Spawn": (Spawn,),
     "Delete": (Delete,), "Teleport": (Teleport,), "Take": (Take,), "Save": (Save,), "Restore": (Restore,),
     "Seek": (Seek,), "Quit": (Quit,),

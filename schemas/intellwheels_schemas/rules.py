@@ -10,6 +10,7 @@ from typing import Any, Final, NamedTuple, Protocol
 
 from intellwheels_schemas.errors import wrong_value
 from intellwheels_schemas.explain import shown, too_long
+from intellwheels_schemas.lab_rules import check_lab
 from intellwheels_schemas.messages import (
     Actions,
     AgentMeasures,
@@ -17,6 +18,7 @@ from intellwheels_schemas.messages import (
     CrewActions,
     CrewMeasures,
     Joined,
+    Lab,
     Leave,
     LidarReading,
     Load,
@@ -321,6 +323,7 @@ _RULES: Final[dict[type[Record], Callable[[Any, str], None]]] = {
     Load: _check_load,
     Spawn: _check_spawn,
     Scene: check_scene,
+    Lab: check_lab,
 }
 
 

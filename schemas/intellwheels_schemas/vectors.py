@@ -49,8 +49,10 @@ from intellwheels_schemas.messages import (
     GroundReading,
     Heard,
     Hold,
+    Identity,
     IMUReading,
     Joined,
+    Lab,
     Leave,
     Level,
     Lidar,
@@ -58,6 +60,7 @@ from intellwheels_schemas.messages import (
     Load,
     Map,
     MapInfo,
+    May,
     Measures,
     Obstacle,
     Odometry,
@@ -365,6 +368,16 @@ VALID: Final[dict[str, Record]] = {
     "Pose-bare": Pose(session=SESSION, x=0.0, y=0.0, heading=0.0),
     "Power": PowerInForce(run=RUN, tick=41, left_motor=0.5, right_motor=-0.5),
     "Power-coded": _coded(PowerInForce(run=RUN, tick=41, seq=7, left_motor=0.5, right_motor=-0.25)),
+    "Lab": Lab(
+        format="iw.v1", name="room3",
+        identity=(
+            Identity(name="simulator", may=(May(role="simulator"),)),
+            Identity(
+                name="student1", may=(May(role="agent", agents=("st1-*",)), May(role="viewer", agents=("st1-*",)))
+            ),
+            Identity(name="teacher", may=(May(role="operator", agents=("*",), verbs=("pause", "resume", "take")),)),
+        ),
+    ),
     "Power-paused": PowerInForce(run=RUN, tick=41, left_motor=0.0, right_motor=0.0, state="paused"),
     "UserInput-stick": UserInput(lease=SESSION, seq=3, forward=1.0, turn=-1.0, buttons=(0, 7)),
     "UserInput-word": UserInput(word="left"),
@@ -544,6 +557,11 @@ def _experiment(inside: str) -> bytes:
     return f"{scene}{inside}</Experiment></Scene>".encode()
 
 
+def _lab(inside: str) -> bytes:
+    return f'<Lab Format="iw.v1" Name="l">{inside}</Lab>'.encode()
+
+
+_VIEWER = '<Identity Name="a"><May Role="viewer"/></Identity>'
 _CORNER = '<Corner X="0.0" Y="0.0"/>'
 _CREW_MEMBER = b'{"Agent":"a","Session":"%s"}' % SESSION.encode()
 
@@ -629,6 +647,17 @@ _REFUSED: Final = (
     Wrong("Pose-no-session.json", b'{"X":0.0,"Y":0.0,"Heading":0.0}', "field", "Pose.Session"),
     Wrong("Leave-no-session.json", b"{}", "field", "Leave.Session"),
     Wrong("Leave-no-session.xml", b"<Leave/>", "field", "Leave.Session"),
+    Wrong("Lab-identity-twice.xml", _lab(f'{_VIEWER}{_VIEWER}'), "value", "Lab.Identity[1].Name"),
+    Wrong("Lab-role-unknown.xml", _lab('<Identity Name="a"><May Role="king"/></Identity>'), "value",
+          "Lab.Identity[0].May[0].Role"),
+    Wrong("Lab-agent-nobody.xml", _lab('<Identity Name="a"><May Role="agent"/></Identity>'), "value",
+          "Lab.Identity[0].May[0].Agents"),
+    Wrong("Lab-pattern.xml", _lab('<Identity Name="a"><May Role="agent" Agents="a*b"/></Identity>'), "value",
+          "Lab.Identity[0].May[0].Agents[0]"),
+    Wrong("Lab-verb-unknown.xml", _lab('<Identity Name="a"><May Role="operator" Verbs="fly"/></Identity>'), "value",
+          "Lab.Identity[0].May[0].Verbs[0]"),
+    Wrong("Lab-verbs-of-a-viewer.xml", _lab('<Identity Name="a"><May Role="viewer" Verbs="pause"/></Identity>'),
+          "value", "Lab.Identity[0].May[0].Verbs"),
     Wrong("Say-no-text.json", b'{"Tick":1}', "field", "Say.Text"),
     # Limits.
     Wrong("Actions-say-long.json", b'{"Say":"' + b"x" * 1001 + b'"}', "too-long", "Actions.Say"),

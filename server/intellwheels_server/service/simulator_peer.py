@@ -23,6 +23,7 @@ from intellwheels_schemas.keys import Claim, Keys, OutKind
 from intellwheels_schemas.messages import Body, Clock, Event, MapInfo, Pose, Record, WorldState
 from intellwheels_schemas.process import SLICE
 from intellwheels_schemas.repliers import mark_of
+from intellwheels_schemas.router_link import OPEN
 from intellwheels_server.log.input_log import Log
 from intellwheels_server.log.reported_poses import ReportedPoses
 from intellwheels_server.log.run_files import RunFiles
@@ -339,6 +340,8 @@ def _serve(
         token: Any = link.declare_token(session, keys.alive)
         floor_name = service.state.setup.floor.name
         console.log_line(f"serving world={options.world} pace={options.pace} map={floor_name} at={route.where()}")
+        if route.identity is None:
+            console.log_line(f"world={options.world} is {OPEN}")
         console.print_line(f"ready world={options.world} run={service.state.run} listen={route.where()}")
         try:
             claim.begin()
