@@ -6,7 +6,7 @@ the identity; `egress`: to it), and key expressions.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from typing import Final, Literal, NamedTuple
 
 from intellwheels_schemas.channels import CHANNELS, Channel
@@ -62,8 +62,8 @@ TOKEN_ROLES: Final[dict[LabRole, tuple[str, ...]]] = {
 """The roles of the liveliness tokens that an identity may declare."""
 
 _SENDS: Final[dict[str, tuple[tuple[str, ...], tuple[str, ...]]]] = {
-    "put": (("put",), ("declare_subscriber",)),
-    "query": (("query",), ("reply", "declare_queryable")),
+    "put": (("put",), ()),
+    "query": (("query",), ("reply",)),
     "token": (("liveliness_token",), ()),
 }
 """What the writer of a kind of key sends, and what it gets."""
@@ -92,10 +92,15 @@ def rules_for(may: May) -> list[Rule]:
     if may.role == "simulator":
         everything = (f"{ROOT}/{may.world}/**",)
         return [Rule(EVERY_MESSAGE, "ingress", everything), Rule(EVERY_MESSAGE, "egress", everything)]
-    found: dict[tuple[tuple[str, ...], Flow], dict[str, None]] = {}
+    # Who declared what is no secret. A publisher that does not hear of the simulator's wide subscription sends nothing.
+    declared = ("declare_subscriber", "declare_queryable")
+    found: dict[tuple[tuple[str, ...], Flow], dict[str, None]] = {
+        (declared, "egress"): {f"{ROOT}/{may.world}/**": None}
+    }
 
-    def add(messages: tuple[str, ...], flow: Flow, keys: Iterable[str]) -> None:
-        if messages:
+    def add(messages: tuple[str, ...], flow: Flow, keys: Sequence[str]) -> None:
+        # Zenoh refuses a rule without keys, such as that of a viewer that may steer nobody.
+        if messages and keys:
             found.setdefault((messages, flow), {}).update(dict.fromkeys(keys))
 
     for name, roles in ACCESS.items():
@@ -112,7 +117,7 @@ def rules_for(may: May) -> list[Rule]:
             add(gets, "egress", keys)
             if channel.get:
                 add(("query",), "ingress", keys)
-                add(("reply", "declare_queryable"), "egress", keys)
+                add(("reply",), "egress", keys)
     return [Rule(messages, flow, tuple(keys)) for (messages, flow), keys in found.items()]
 
 
@@ -129,7 +134,6 @@ def _keys(name: str, channel: Channel, may: May, *, writes: bool) -> list[str]:
     key = f"{ROOT}/{may.world}/{channel.key}"
     for part in ("<instance>", "<since>", "<part>", "<crew>"):
         key = key.replace(part, "*")
-    key = key.replace("state/*", "state/*")
     agents = [_expression(pattern) for pattern in may.agents]
     if not writes and may.role in OVERSEES:
         agents = ["*"]

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+import signal
 import threading
 from collections.abc import Iterator
 from contextlib import ExitStack
@@ -18,8 +20,10 @@ from intellwheels_schemas.files import write_file
 from intellwheels_schemas.identity_file import read_identity, write_secret
 from intellwheels_schemas.keys import AGENT_VERBS, VERBS
 from intellwheels_schemas.lab_rules import LAB_ROLES, NO_AGENTS
-from intellwheels_schemas.messages import Identity, Lab, LabRole, May
+from intellwheels_schemas.messages import Identity, Lab, LabRole, May, Pause
 from intellwheels_server.service import lab_keys
+from intellwheels_viewer import viewer_peer
+from intellwheels_viewer.steering import Refusal
 from tests.e2e.stage import DEADLINE, Stage
 
 pytestmark = pytest.mark.process
@@ -34,6 +38,16 @@ LAB = Lab(
     identity=(
         Identity(name="simulator", may=(May(role="simulator"), May(role="simulator", world="other"))),
         *(Identity(name=role, may=(May(role=role, agents=() if role in NO_AGENTS else ("a1-*",)),)) for role in ROLES),
+        Identity(name="simulator2", may=(May(role="simulator", world="other2"),)),
+        Identity(
+            name="student2",
+            may=(
+                May(role="agent", world="other2", agents=("a2-*",)),
+                May(role="mind", world="other2", agents=("real2",)),
+                May(role="viewer", world="other2"),
+            ),
+        ),
+        Identity(name="bridge2", may=(May(role="bridge", world="other2", agents=("real2",)),)),
         Identity(name=STRANGER, may=(May(role="operator", world="other", agents=("*",)),)),
     ),
 )
@@ -80,7 +94,7 @@ class Network:
     """A router with rules, and sessions of its identities."""
 
     def __init__(self, stack: ExitStack, stage: Stage, folder: Path) -> None:
-        self._stack = stack
+        self._stack, self.stage = stack, stage
         self.endpoint, self.folder = stage.endpoint, folder
         file = folder / "lab.xml"
         file.write_text(write_file(LAB))
@@ -132,12 +146,20 @@ def network(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Network]:
 
 
 @pytest.mark.parametrize("role", [*ROLES, STRANGER])
-def test_role_puts_on_its_own_keys_only(network: Network, role: str) -> None:
+@pytest.mark.parametrize("declares", [True, False], ids=["publisher", "put"])
+def test_role_puts_on_its_own_keys_only(network: Network, role: str, declares: bool) -> None:
     network.heard.keys.clear()
-    for channel in PUTS:
-        for agent in (OWN, OTHER):
-            for key in keys_of(channel, agent):
-                network.sessions[role].put(key, b"{}")
+    session = network.sessions[role]
+    keys = sorted({key for channel in PUTS for agent in (OWN, OTHER) for key in keys_of(channel, agent)})
+    if declares:
+        publishers: list[Any] = [session.declare_publisher(key) for key in keys]
+        network.settle(role)
+        for publisher in publishers:
+            publisher.put(b"{}")
+            publisher.undeclare()
+    else:
+        for key in keys:
+            session.put(key, b"{}")
     network.settle(role)
     expected = {key for channel in PUTS if writes(role, channel) for key in keys_of(channel)}
     network.heard.wait(expected)
@@ -245,3 +267,46 @@ def test_password_is_in_no_command_line_and_no_log(network: Network) -> None:
             continue
     for log in network.folder.rglob("*.log"):
         assert password not in log.read_text(errors="replace")
+
+
+def test_who_has_the_right_identity_drives_and_others_are_told(network: Network) -> None:
+    stage, folder = network.stage, network.folder
+
+    def start(child: str, module: str, identity: str, *words: str) -> str:
+        # The endpoint is in the file.
+        return stage.start(child, module, *words, "--world", "other2", "--identity", str(folder / f"{identity}.iwid"))
+
+    (folder / "ask").unlink(missing_ok=True)
+    os.mkfifo(folder / "ask")
+    port = folder / "tty"
+    stage.start(
+        "firmware", "intellwheels_agents.bridge.firmware_stand_in", "--link", str(port), "--ask", str(folder / "ask")
+    )
+    stage.line("firmware", "ready")
+    stage.line(start("server", "intellwheels_server", "simulator2", "--map", "room", "--pace", "realtime"), "ready")
+    assert "open:" not in stage.log("server")
+    spin = ("--option", "left=0.2", "--option", "right=-0.2")
+    stage.line(start("agent", "intellwheels_agents", "student2", "drive", "--name", "a2-x", *spin), "joined")
+    bridge = "intellwheels_agents.bridge"
+    stage.line(start("bridge", bridge, "bridge2", "serial", "--port", str(port), "--name", "real2"), "joined")
+    mind = start("mind", "intellwheels_agents", "student2", "drive", "--name", "real2", "--role", "mind", *spin)
+    stage.line(mind, "joined")
+    stage.line("firmware", "moving")
+    # Another's name, with a valid identity: the words of a denial.
+    other = start("other", "intellwheels_agents", "student2", "drive", "--name", "b1-x", "--retry-for", "0.5")
+    assert stage.exit(other) == 1
+    assert "or not allowed" in stage.log(other)
+    page = viewer_peer.Network(
+        link.Link("other2", connect=(network.endpoint,), identity=folder / "student2.iwid"), threading.Event()
+    )
+    page.start()
+    try:
+        stage.wait(lambda: {"a2-x", "real2"} == set(page.update().bodies) or None, "both chairs on the page")
+        assert page.update().phase == "live"
+        with pytest.raises(Refusal, match="View only"):
+            page.ask("pause", Pause())
+    finally:
+        page.close()
+    for child in ("mind", "bridge", "agent", "server"):
+        stage.signal(child, signal.SIGTERM)
+        assert stage.exit(child) == 0

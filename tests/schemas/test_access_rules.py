@@ -73,4 +73,5 @@ def test_nobody_but_a_recorder_reads_what_agents_say_to_the_simulator(role: str)
 def test_rules_with_the_same_messages_are_one() -> None:
     rules = rules_for(May(role="agent", agents=("a",)))
     assert len({(rule.messages, rule.flow) for rule in rules}) == len(rules)
-    assert all(isinstance(rule, Rule) and rule.keys for rule in rules)
+    for role in LAB_ROLES:
+        assert all(isinstance(rule, Rule) and rule.keys for rule in rules_for(May(role=role))), role
