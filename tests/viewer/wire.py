@@ -15,7 +15,7 @@ from intellwheels_experiments.run.endpoints import free_port
 from intellwheels_maps import library
 from intellwheels_schemas import link
 from intellwheels_schemas.codec import decode, encode
-from intellwheels_schemas.keys import VERBS, Keys
+from intellwheels_schemas.keys import Keys
 from intellwheels_schemas.messages import (
     Body,
     Clock,
@@ -155,8 +155,9 @@ class Simulator:
 
     def _control(self, query: zenoh.Query) -> None:
         with query:
-            verb = str(query.key_expr).rpartition("/")[2]
-            assert verb in VERBS
+            control = self.keys.parse_ctl(str(query.key_expr))
+            assert control is not None
+            verb = control.verb
             data = query.payload.to_bytes() if query.payload is not None else b""
             self.asked.append((verb, data))
             answer = self.verdict(verb, data)
