@@ -72,7 +72,7 @@ LACKING: dict[str, tuple[list[str], str]] = {
 }
 """A use of each command that needs an extra, and the extra."""
 
-WITHOUT_EXTRA = {"iw-router", "iw-check-agent"}
+WITHOUT_EXTRA = {"iw-router", "iw-lab", "iw-check-agent"}
 """The commands that the base installation runs."""
 
 BASE_ONLY = """

@@ -52,7 +52,7 @@ def test_second_example_of_the_public_interface_runs(
     (block,) = [block for block in BLOCKS if "wilson(38, 40)" in block]
     exec(compile(block, "README.md", "exec"), {})
     printed = capsys.readouterr().out
-    assert '{"Tick":5,"LeftMotor":0.5} iw/v1/main/in/chair1/actions' in printed
+    assert '{"Session":"c0ffee0012345678","Tick":5,"LeftMotor":0.5} iw/v1/main/in/chair1/actions' in printed
     assert "'ward'" in printed
 
 

@@ -32,7 +32,7 @@ from intellwheels_schemas import present
 from intellwheels_schemas.command_parser import CommandParser
 from intellwheels_server import __main__ as server
 from intellwheels_server import server_options
-from intellwheels_server.service import router
+from intellwheels_server.service import lab_keys, router
 from intellwheels_viewer import __main__ as viewer
 from tests.commands import SCRIPTS
 
@@ -111,6 +111,7 @@ COMMANDS = {
     "iw-viewer": Command(viewer.main, viewer.parser),
     "iw-ros": Command(ros.main, ros.parser),
     "iw-router": Command(router.main, router.parser),
+    "iw-lab": Command(lab_keys.main, lab_keys.parser, ["keys"]),
     "iw-check-agent": Command(check_agent.main, check_agent.parser, [], ["--", "true"]),
     "python -m intellwheels_maps": Command(maps.main, maps._parser),
     "python -m intellwheels_schemas": Command(schemas.main, schemas._parser),

@@ -15,12 +15,15 @@ import sys
 import threading
 import time
 from collections.abc import Callable, Mapping
+from typing import Literal, NamedTuple
 
 import zenoh
 
-from intellwheels_agents.harness import (
+from intellwheels_agents.harness import Harness
+from intellwheels_agents.harness_outputs import (
+    AskBody,
+    AskClock,
     Exit,
-    Harness,
     Log,
     Output,
     Payload,
@@ -37,11 +40,14 @@ from intellwheels_schemas.codec import MAX_BYTES, Encoding, decode, encoding_of
 from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.keys import Keys
 from intellwheels_schemas.messages import Map, Robot
+from intellwheels_schemas.repliers import by_simulator
 
 SLICE = 0.2
 """Longest single wait, s: a wait without a timeout can miss a signal."""
 JOIN_TIMEOUT = 12.0
 """Seconds to wait for the reply to a join: a strict lockstep may first wait ten seconds for another agent."""
+CONFIRM_TIMEOUT = 2.0
+"""Seconds to wait for the simulator to confirm what a message says."""
 LEAVE_TIMEOUT = 2.0
 """Seconds to wait for the reply to a leave. Without a reply, the simulator still sees the liveliness token go."""
 QUEUE_LIMIT = 1024
@@ -52,6 +58,13 @@ WATCH_PERIOD = 0.5
 """Seconds between two looks at a mind that decides."""
 ARRIVAL_LIMIT = MAX_BYTES
 """Largest arrival that is accepted, in bytes: the contract's limit for one message."""
+
+
+class _Answered(NamedTuple):
+    """What the simulator answered to a query; nothing if nobody answered."""
+
+    request: Literal["join", "clock", "body"]
+    answers: list[link.Answer]
 
 
 def run_agent(
@@ -124,14 +137,16 @@ class _AgentPeer:
         self._tell = tell
         self._on_presence = on_presence
         self._encoding = encoding
+        self._keys = keys
         self._map_key = keys.map
+        self._body_key = keys.body(agent)
         self._join_key = keys.join(agent)
         self._leave_key = keys.leave(agent)
         self._measures_key = keys.measures(agent)
         self._error_key = keys.error(agent)
         self._power_key = keys.power(agent)
         self._exit: int | None = None
-        self._arrivals: queue.SimpleQueue[zenoh.Sample | zenoh_inbox.Presence | list[link.Answer]] = queue.SimpleQueue()
+        self._arrivals: queue.SimpleQueue[zenoh.Sample | zenoh_inbox.Presence | _Answered] = queue.SimpleQueue()
         self._dropped = 0
         self._deciding_since = math.inf
         self._harness = Harness(
@@ -254,8 +269,11 @@ class _AgentPeer:
             if isinstance(output, Publish):
                 self._publisher.put(output.payload)
             elif isinstance(output, RequestJoin):
-                # In a thread of its own, because an agent that joins again must keep answering ticks meanwhile.
-                threading.Thread(target=self._join, args=(output.payload,), name="join", daemon=True).start()
+                self._ask("join", self._join_key, output.payload, JOIN_TIMEOUT)
+            elif isinstance(output, AskClock):
+                self._ask("clock", self._keys.clock, b"", CONFIRM_TIMEOUT)
+            elif isinstance(output, AskBody):
+                self._ask("body", self._body_key, b"", CONFIRM_TIMEOUT)
             elif isinstance(output, RequestLeave):
                 self._leave(output.payload)
             elif isinstance(output, Print):
@@ -267,14 +285,29 @@ class _AgentPeer:
                 if output.text:
                     _log(output.text)
 
-    def _join(self, payload: bytes) -> None:
-        try:
-            answers = link.query(self._session, self._join_key, payload, self._encoding, timeout=JOIN_TIMEOUT)
-        except (ConnectionError, zenoh.ZError):
-            answers = []
-        self._arrivals.put(answers)
+    def _ask(self, request: Literal["join", "clock", "body"], key: str, payload: bytes, timeout: float) -> None:
+        """Query in a thread of its own, as an agent must keep answering ticks meanwhile; the answers will arrive."""
 
-    def _replied(self, answers: list[link.Answer], now: float) -> list[Output]:
+        def ask() -> None:
+            try:
+                answers = link.query(self._session, key, payload, self._encoding, timeout=timeout)
+                answers = by_simulator(answers, self._keys, self._claims)
+            except (ConnectionError, zenoh.ZError):
+                answers = []
+            self._arrivals.put(_Answered(request, answers))
+
+        threading.Thread(target=ask, name=request, daemon=True).start()
+
+    def _claims(self) -> list[str]:
+        return link.tokens(self._session, self._keys.every_claim)
+
+    def _replied(self, arrival: _Answered, now: float) -> list[Output]:
+        request, answers = arrival
+        if request == "body":
+            return self._harness.bodied(any(answer.ok for answer in answers))
+        if request == "clock":
+            clocks = [(answer.data, encoding_of(answer.encoding, answer.data)) for answer in answers if answer.ok]
+            return self._harness.clocked(clocks)
         if not answers:
             return self._harness.unanswered(now)
         answer = answers[0]

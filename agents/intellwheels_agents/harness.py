@@ -7,10 +7,12 @@
     ASKING    Refused for another reason                   OVER       Exit 1 with the simulator's text
     JOINED    Measures of a new tick                       JOINED     Publish the mind's answer
     JOINED    Measures of the last answered tick           JOINED     Publish the same bytes again
-    JOINED    Measures of a new run                        JOINED     new mind and its answer
+    JOINED    Measures of a new run, or far ahead          JOINED     AskClock
+    JOINED    the clock is in that run, at that tick       JOINED     new mind if the run is new, and its answer
     JOINED    Error not-joined or session                  SEEKING    retry, at most once a second
     JOINED    simulator disappears and comes back          ASKING     RequestJoin
-    any       Error deleted, of this run                   REMOVED    Print; nothing more until stop
+    JOINED    Error deleted, of this run                   JOINED     AskBody
+    JOINED    there is no such body                        REMOVED    Print; nothing more until stop
     any       the mind leaves, or stop                     OVER       RequestLeave, Exit 0
 
 While the agent asks for a new session it keeps answering with the old one, because the simulator may still know it.
@@ -21,17 +23,30 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
 from enum import Enum, auto
-from typing import Final, TypeAlias
+from typing import Final
 
+from intellwheels_agents.harness_outputs import (
+    AskBody,
+    AskClock,
+    Exit,
+    Log,
+    Output,
+    Payload,
+    Print,
+    Publish,
+    RequestJoin,
+    RequestLeave,
+)
 from intellwheels_agents.mind import Context, Make
 from intellwheels_agents.mind_error import USER_ERRORS, failed
 from intellwheels_agents.mind_run import MindRun
 from intellwheels_agents.options import Options
+from intellwheels_agents.power_gate import PowerGate
+from intellwheels_agents.tick_guard import TickGuard, contradiction
 from intellwheels_schemas.codec import Encoding, decode, encode
 from intellwheels_schemas.errors import WireError
-from intellwheels_schemas.messages import Error, Joined, Leave, Map, Measures, PowerInForce, Refused, Robot
+from intellwheels_schemas.messages import Clock, Error, Joined, Leave, Map, Measures, Refused, Robot
 from intellwheels_schemas.rules import joins_barrier
 
 RETRY: Final = 1.0
@@ -54,54 +69,6 @@ class Phase(Enum):
     JOINED = auto()
     REMOVED = auto()
     OVER = auto()
-
-
-@dataclass(frozen=True, slots=True)
-class RequestJoin:
-    """Query `join/<agent>` with this encoded `Robot`."""
-
-    payload: bytes
-
-
-@dataclass(frozen=True, slots=True)
-class Publish:
-    """Put this on the agent's `actions` key, or on `pose` for a body."""
-
-    payload: bytes
-
-
-@dataclass(frozen=True, slots=True)
-class RequestLeave:
-    """Query `leave/<agent>` with this encoded `Leave`."""
-
-    payload: bytes
-
-
-@dataclass(frozen=True, slots=True)
-class Print:
-    """Print a line on standard output, for a script that waits for it."""
-
-    line: str
-
-
-@dataclass(frozen=True, slots=True)
-class Log:
-    """Write a line to the log."""
-
-    line: str
-
-
-@dataclass(frozen=True, slots=True)
-class Exit:
-    """End the process with this code; `text` explains it to a person if the code is not 0."""
-
-    code: int
-    text: str = ""
-
-
-Output: TypeAlias = RequestJoin | Publish | RequestLeave | Print | Log | Exit
-Payload: TypeAlias = tuple[bytes, Encoding]
-"""An encoded message as it arrived, and its encoding."""
 
 
 class Harness:
@@ -162,6 +129,9 @@ class Harness:
         self._current: MindRun | None = None
         self._past_runs: set[str] = set()
         self._early: Payload | None = None
+        self._guard = TickGuard()
+        self._power_gate = PowerGate()
+        self._deleted_text: str | None = None
 
     # ------------------------------------------------------------ joining
 
@@ -191,6 +161,8 @@ class Harness:
         self._awaited_words = ""
         same = self._joined is not None and (joined.run, joined.session) == (self._run, self._joined.session)
         self._joined = joined
+        self._guard.begin(joined.run, joined.tick)
+        self._power_gate.joined(joined)
         outputs: list[Output] = [Print(f"joined agent={self._agent} run={joined.run} tick={joined.tick}")]
         if not same:
             self._begin(joined, joined.run)
@@ -272,30 +244,54 @@ class Harness:
             return self._repeat(current)
         outputs: list[Output] = []
         batch: list[Measures] = []
+        newest_data = b""
         for payload in payloads:
             try:
-                batch.append(decode(Measures, *payload, strict=False))
+                measures = decode(Measures, *payload, strict=False)
             except WireError as error:
                 self.errors += 1
                 outputs.append(Log(f"dropped message=Measures why={error.text!r}"))
-        batch = [measures for measures in batch if measures.run not in self._past_runs]
+                continue
+            if measures.run in self._past_runs:
+                continue
+            if measures.run != self._run and self.phase is Phase.ASKING:
+                # The simulator was restarted, and the reply with our new session is on its way.
+                self._early = payload
+            elif self._guard.counts(measures, payload):
+                batch.append(measures)
+                newest_data = payload[0]
+        if self._guard.asks():
+            outputs.append(AskClock())
         if not batch:
             return outputs
         newest = batch[-1]
-        if newest.run != self._run and self.phase is Phase.ASKING:
-            # The simulator was restarted, and the reply with our new session is on its way.
-            self._early = payloads[-1]
-            return outputs
-        if newest.run != self._run and self._joined is not None:
-            outputs.append(Print(f"run agent={self._agent} run={newest.run}"))
-            current = self._begin(self._joined, newest.run)
         if newest.tick <= current.tick:
             return outputs + (self._repeat(current) if newest.tick == current.tick else [])
         self.missed += current.missed_before(newest.tick)
-        answer = current.answer(batch, payloads[-1][0])
+        answer = current.answer(batch, newest_data)
         if answer.payload:
             outputs.append(Publish(answer.payload))
         return outputs + (self.stop() if answer.leaves else [])
+
+    def clocked(self, payloads: Sequence[Payload]) -> list[Output]:
+        """Handle the answers to a query for the clock; without one, the next measures ask again."""
+        doubted = self._guard.take_doubted()
+        if doubted is None or self._joined is None or self._current is None:
+            return []
+        try:
+            clocks = [decode(Clock, *payload, strict=False) for payload in payloads]
+        except WireError as error:
+            return [Log(f"dropped message=Clock why={error.text!r}")]
+        measures, payload = doubted
+        if why := contradiction(clocks, measures):
+            self.errors += 1
+            return [Log(f"dropped message=Measures why={why!r}")] if self._is_worth_a_line("measures") else []
+        outputs: list[Output] = []
+        if measures.run != self._run:
+            outputs.append(Print(f"run agent={self._agent} run={measures.run}"))
+            self._begin(self._joined, measures.run)
+        self._guard.begin(measures.run, measures.tick)
+        return outputs + self.measured([payload])
 
     def _repeat(self, current: MindRun) -> list[Output]:
         self.repeated += 1
@@ -314,6 +310,7 @@ class Harness:
             raise
         except Exception as error:
             raise failed(self._make, error) from error
+        self._guard.begin(run, joined.tick if run == joined.run else 0)
         self._current = MindRun(
             mind,
             run=run,
@@ -322,6 +319,7 @@ class Harness:
             say_limit=joined.parameters.say_limit,
             publishes_actions=self._publishes_actions,
             awaited=self._awaited,
+            key=self._power_gate.key,
         )
         options.check_all_read()
         return self._current
@@ -339,36 +337,47 @@ class Harness:
             return []
         self.errors += 1
         if error.code == "deleted" and error.run == self._run and self._publishes_actions:
-            return self._removed(error)
+            asked, self._deleted_text = self._deleted_text is not None, error.text
+            return [] if asked or self.phase in (Phase.REMOVED, Phase.OVER) else [AskBody()]
         if error.code in ("not-joined", "session") and self.phase is Phase.JOINED:
             self._seeking_since = now
             self.phase = Phase.SEEKING
             # An error that was sent before we joined must not make us join again and again.
             self.deadline = max(now, self._asked_at + RETRY)
-        count = self._error_counts[error.code] = self._error_counts.get(error.code, 0) + 1
-        # Log the 1st, 10th, 100th and so on: an error at every tick must not fill the log.
-        if str(count).strip("0") != "1":
+        if not self._is_worth_a_line(error.code):
             return []
+        count = self._error_counts[error.code]
         return [Log(f"erred code={error.code} count={count} tick={error.tick} text={error.text!r}")]
 
-    def _removed(self, error: Error) -> list[Output]:
-        """Stay away until somebody starts this program again: whoever deleted the body does not want it back."""
-        if self.phase in (Phase.REMOVED, Phase.OVER):
+    def _is_worth_a_line(self, what: str) -> bool:
+        """Count an error, and return whether it is the 1st, 10th, 100th and so on: not every tick may fill the log."""
+        count = self._error_counts[what] = self._error_counts.get(what, 0) + 1
+        return str(count).strip("0") == "1"
+
+    def bodied(self, is_here: bool) -> list[Output]:
+        """Handle the answer to a query for the agent's body, asked after an error said that it was deleted.
+
+        Without it, stay away until somebody starts this program again: whoever deleted the body does not want it back.
+        """
+        text, self._deleted_text = self._deleted_text, None
+        if text is None or self.phase in (Phase.REMOVED, Phase.OVER):
             return []
+        if is_here:
+            return [Log("dropped message=Error why='it says deleted, but the body is here'")]
         self.phase = Phase.REMOVED
         self.deadline = None
         self._current = None
-        return [Print(f"removed agent={self._agent} reason=deleted"), Log(error.text or "deleted")]
+        return [Print(f"removed agent={self._agent} reason=deleted"), Log(text or "deleted")]
 
     def powered(self, payload: Payload) -> list[Output]:
         """Handle the `Power` that a real chair must apply."""
         obey = getattr(self._current.mind, "obey", None) if self._current is not None else None
-        if obey is not None:
-            try:
-                obey(decode(PowerInForce, *payload, strict=False))
-            except WireError as error:
-                self.errors += 1
-                return [Log(f"dropped message=Power why={error.text!r}")]
+        found = self._power_gate.read(payload) if obey is not None else ""
+        if obey is not None and not isinstance(found, str):
+            obey(found)
+        elif found:
+            self.errors += 1
+            return [Log(f"dropped message=Power why={found!r}")] if self._is_worth_a_line("power") else []
         return []
 
     def stop(self) -> list[Output]:

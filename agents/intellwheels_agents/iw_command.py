@@ -35,6 +35,7 @@ COMMANDS = {
     "ros": "show a world to ROS 2 nodes, and let them drive a chair",
     "check-agent": "check a program in any language against the contract",
     "router": "the router where simulators and agents meet",
+    "lab": "passwords and identity files for those who share a router",
 }
 """The commands and what they do; `iw NAME` is `iw-NAME`."""
 

@@ -16,6 +16,7 @@ from intellwheels_agents.mind import Bridge, Mind
 from intellwheels_agents.mind_error import USER_ERRORS, failed, wrong_answer
 from intellwheels_schemas.codec import Encoding, encode
 from intellwheels_schemas.messages import TEXT_PATTERN, Actions, Measures, Pose
+from intellwheels_schemas.metal_codes import code_of, pose_line
 
 _NOTHING = Actions()
 _TEXT = re.compile(TEXT_PATTERN)
@@ -54,6 +55,7 @@ class MindRun:
         say_limit: int,
         publishes_actions: bool,
         awaited: bool,
+        key: str | None = None,
     ) -> None:
         """Start at the first tick of a run.
 
@@ -65,6 +67,7 @@ class MindRun:
             say_limit: The most characters of a message between agents.
             publishes_actions: False for the role `body`: its actions come from another process.
             awaited: Whether a lockstep waits for this agent, so that even empty actions must be sent.
+            key: Makes the codes of poses, for the bridge of a real robot.
         """
         self.mind = mind
         self.run = run
@@ -76,6 +79,7 @@ class MindRun:
         self._say_limit = say_limit
         self._publishes_actions = publishes_actions
         self._awaited = awaited
+        self._key = key
         self._seq = 0
 
     def missed_before(self, tick: int) -> int:
@@ -120,6 +124,8 @@ class MindRun:
         self._seq += 1
         if isinstance(decision, Pose):
             pose = msgspec.structs.replace(decision, run=self.run, session=self._session, tick=tick, seq=seq)
+            if self._key is not None:
+                pose = msgspec.structs.replace(pose, code=code_of(self._key, pose_line(pose)))
             return Answer(encode(pose, self._encoding))
         if decision is not None and not isinstance(decision, Actions):
             raise wrong_answer(self.mind, "Actions", decision)

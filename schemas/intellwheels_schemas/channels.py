@@ -125,9 +125,11 @@ CHANNELS: Final[dict[str, Channel]] = {
     ),
     "ctl": Channel(
         "ctl/<verb>", "operator", "query", "on demand",
-        (Pause, Resume, Step, Reset, Load, Speed, Spawn, Delete, Teleport, Take, OperatorSay, Save, Restore, Seek,
-         Quit),
+        (Pause, Resume, Step, Reset, Load, Speed, Spawn, OperatorSay, Save, Restore, Seek, Quit),
         (Result,), (Result,),
+    ),
+    "ctl_agent": Channel(
+        "ctl/<verb>/<agent>", "operator", "query", "on demand", (Delete, Teleport, Take), (Result,), (Result,)
     ),
     "alive": Channel("alive", "simulator", "token", "while the process runs"),
     "claim": Channel("alive/<since>/<instance>", "simulator", "token", "while the process runs"),

@@ -54,7 +54,6 @@ class Encoding(enum.StrEnum):
 
     JSON = "application/json"
     XML = "application/xml"
-    TEXT = "text/plain"  # for a Say only
 
 
 VERSION: Final = "iw.v1"
@@ -75,7 +74,7 @@ LIMITS: Final[dict[type[Record], int]] = {
 }  # fmt: skip
 """Longest message of each class that the simulator receives, in bytes; for all others it is `MAX_BYTES`."""
 
-_TYPES: Final = {"application/json": Encoding.JSON, "application/xml": Encoding.XML, "text/plain": Encoding.TEXT}
+_TYPES: Final = {"application/json": Encoding.JSON, "application/xml": Encoding.XML}
 _UNSAID: Final = frozenset({"", "zenoh/bytes", "zenoh/string"})
 
 _write = msgspec.json.Encoder().encode
@@ -164,7 +163,7 @@ def encode(message: Record, encoding: Encoding = Encoding.JSON) -> bytes:
     """Return the bytes of a message.
 
     Raises:
-        ValueError: A number is not finite, or the encoding is plain text and the message is no `Say`. This is a bug.
+        ValueError: A number is not finite. This is a bug.
     """
     if encoding is Encoding.JSON:
         data = _write(_canonical(message))
@@ -172,11 +171,7 @@ def encode(message: Record, encoding: Encoding = Encoding.JSON) -> bytes:
         if b"null" in data and not _nulls_belong(msgspec.json.decode(data), type(message)):
             raise ValueError(f"{root_of(type(message))}: expected finite numbers, got {message}")
         return data
-    if encoding is Encoding.XML:
-        return elements.to_xml(message).encode()
-    if isinstance(message, Say | OperatorSay):
-        return message.text.encode()
-    raise ValueError(f"expected JSON or XML for {type(message).__name__}, got {encoding}")
+    return elements.to_xml(message).encode()
 
 
 # ---------------------------------------------------------------- in
@@ -243,17 +238,6 @@ def _from_xml(cls: type[_M], data: bytes, strict: bool) -> _M:
         return from_plain(cls, plain, strict=strict)
 
 
-def _from_text(cls: type[_M], data: bytes) -> _M:
-    root = root_of(cls)
-    if cls is not cast(Any, Say):
-        raise WireError("encoding", f"{root}: expected JSON or XML, got plain text", root)
-    try:
-        text = data.decode()
-    except ValueError:
-        raise WireError("malformed", f"{root}: expected UTF-8, got other bytes", root) from None
-    return from_plain(cls, {"Text": text})
-
-
 def decode(cls: type[_M], data: bytes, encoding: Encoding = Encoding.JSON, *, strict: bool = True) -> _M:
     """Return the message that the bytes encode.
 
@@ -269,11 +253,6 @@ def decode(cls: type[_M], data: bytes, encoding: Encoding = Encoding.JSON, *, st
     limit = LIMITS.get(cls, MAX_BYTES)
     if len(data) > limit:
         raise too_long(root_of(cls), limit, "bytes", len(data))
-    if encoding is Encoding.JSON:
-        message = _from_json(cls, data, strict)
-    elif encoding is Encoding.XML:
-        message = _from_xml(cls, data, strict)
-    else:
-        message = _from_text(cls, data)
+    message = (_from_json if encoding is Encoding.JSON else _from_xml)(cls, data, strict)
     rules.check(message)
     return message

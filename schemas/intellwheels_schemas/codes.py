@@ -39,6 +39,7 @@ ERROR: Final[dict[ErrorCode, str]] = {
     "not-joined": "the sender has not joined; the message was dropped",
     "role": "this role may not send that; the message was dropped",
     "deleted": "an operator deleted the body of the agent, which must not join again by itself",
+    "forged": "the Code of a Pose was not made with the key of the bridge; the message was dropped",
 }
 
 EVENT: Final[dict[EventCode, str]] = {
@@ -109,8 +110,8 @@ ROS_VERB: Final[dict[str, Ros]] = {
     "load": Ros("LoadWorld", "uri = Name, or resource_string = the Map as XML"),
     "speed": Ros("", "none"),
     "spawn": Ros("SpawnEntity", "name = Robot.Name, the Robot as its resource, initial_pose = Position"),
-    "delete": Ros("DeleteEntity", "the entity's name = Agent"),
-    "teleport": Ros("SetEntityState", "the entity's name = Agent, state.pose = Position"),
+    "delete": Ros("DeleteEntity", "the entity's name = the agent in the key"),
+    "teleport": Ros("SetEntityState", "the entity's name = the agent in the key, state.pose = Position"),
     "take": Ros("", "none"),
     "say": Ros("", "none"),
     "save": Ros("", "none"),

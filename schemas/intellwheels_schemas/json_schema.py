@@ -99,8 +99,19 @@ def _line(cls: type[FileRecord]) -> Schema:
     definitions: dict[str, Schema] = {}
     for name, found in components.items():
         message = getattr(messages, name, None)
-        definitions[name] = _record(message, True) if message is not None else _described(name, found)
+        definitions[name] = _logged(message) if message is not None else _described(name, found)
     return {**definitions.pop(cls.__name__), "$defs": dict(sorted(definitions.items()))}
+
+
+def _logged(cls: type[Record]) -> Schema:
+    """Return the schema of a message in a log. Logs of earlier versions have Actions and poses without a Session."""
+    schema = _record(cls, True)
+    optional = {member.wire for member in shape_of(cls).members if member.sent}
+    if optional and not (required := [wire for wire in schema["required"] if wire not in optional]):
+        del schema["required"]
+    elif optional:
+        schema["required"] = required
+    return schema
 
 
 def _described(name: str, found: Schema) -> Schema:

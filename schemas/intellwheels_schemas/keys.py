@@ -9,7 +9,7 @@ from __future__ import annotations
 from typing import Final, Literal, NamedTuple, get_args
 
 from intellwheels_schemas import defaults
-from intellwheels_schemas.messages import Role
+from intellwheels_schemas.messages import ControlVerb, Record, Role
 from intellwheels_schemas.names import check_name, is_hex, is_name
 
 ROOT: Final = "iw/v1"
@@ -18,14 +18,13 @@ EVERY_ALIVE: Final = f"{ROOT}/*/alive"
 
 InKind = Literal["actions", "say", "pose"]
 OutKind = Literal["measures", "power", "error"]
-Verb = Literal[
-    "pause", "resume", "step", "reset", "load", "speed", "spawn", "delete", "teleport", "take", "say", "save",
-    "restore", "seek", "quit",
-]  # fmt: skip
+Verb = ControlVerb
 
 IN_KINDS: Final[dict[str, InKind]] = {kind: kind for kind in get_args(InKind)}
 OUT_KINDS: Final[dict[str, OutKind]] = {kind: kind for kind in get_args(OutKind)}
 VERBS: Final[dict[str, Verb]] = {verb: verb for verb in get_args(Verb)}
+AGENT_VERBS: Final[frozenset[Verb]] = frozenset({"delete", "teleport", "take"})
+"""Verbs about one agent. Their keys name it, so that a router can grant the right to one agent."""
 ROLES: Final[dict[str, Role]] = {role: role for role in get_args(Role)}
 
 
@@ -51,12 +50,19 @@ class Token(NamedTuple):
     instance: str
 
 
+class Control(NamedTuple):
+    """Verb of a key `ctl/<verb>`, and the agent of a key `ctl/<verb>/<agent>`, empty if the key has none."""
+
+    verb: Verb
+    agent: str = ""
+
+
 class Claim(NamedTuple):
     """Holder of the liveliness token `alive/<since>/<instance>`: a simulator that claims a world.
 
     Attributes:
         since: When the claim began, in nanoseconds of Unix time; 16 hex digits in the key. The smaller of two wins.
-        instance: 16 hex digits, new in each process.
+        instance: The first 16 of the 32 hex digits of its Zenoh id.
     """
 
     since: int
@@ -70,7 +76,8 @@ class Keys:
         world: Name of the world.
         prefix: Start of all keys of the world, with the last slash.
         map, event, clock, alive: The keys without a name in them.
-        every_join, every_leave, every_in, every_user, every_ctl: Key expressions for the simulator.
+        every_join, every_leave, every_in, every_user: Key expressions for the simulator.
+        every_ctl: Key expressions for all control verbs.
         every_claim: Key expression for the liveliness tokens of the simulators that claim the world.
         every_put: Key expressions for everything that agents and users put, also on unknown keys.
         every_token: Key expression for the liveliness tokens of all agents.
@@ -93,7 +100,7 @@ class Keys:
         self.every_in = f"{p}in/*/*"
         self.every_user = f"{p}user/*"
         self.every_put = (f"{p}in/**", f"{p}user/**")
-        self.every_ctl = f"{p}ctl/*"
+        self.every_ctl = (f"{p}ctl/*", f"{p}ctl/*/*")
         self.every_token = f"{p}in/*/alive/*/*"
         self.every_body = f"{p}body/*"
         self.every_state = f"{p}state/*"
@@ -172,9 +179,15 @@ class Keys:
         """Return the key of a part of the `WorldState`, counted from 0."""
         return f"{self.prefix}state/{part}"
 
-    def ctl(self, verb: Verb) -> str:
-        """Return the key of a control verb."""
-        return f"{self.prefix}ctl/{verb}"
+    def ctl(self, verb: Verb, agent: str | None = None) -> str:
+        """Return the key of a control verb; `agent` is given for the verbs in `AGENT_VERBS`, and for no others."""
+        if (agent is not None) != (verb in AGENT_VERBS):
+            raise ValueError(f"expected {'an agent' if agent is None else 'no agent'} for ctl/{verb}, got {agent!r}")
+        return f"{self.prefix}ctl/{verb}" + (f"/{check_name(agent, 'agent')}" if agent is not None else "")
+
+    def ctl_of(self, verb: Verb, message: Record) -> str:
+        """Return the key on which a control message is sent. The message names its agent, if it has one."""
+        return self.ctl(verb, getattr(message, "agent", None) if verb in AGENT_VERBS else None)
 
     def crew_actions(self, crew: str) -> str:
         """Return the key of a crew's `CrewActions`."""
@@ -254,11 +267,13 @@ class Keys:
         """Return the agent of a `Body`, or None if it is another key."""
         return self._named(key, "body")
 
-    def parse_ctl(self, key: str) -> Verb | None:
-        """Return the control verb, or None if there is no such verb."""
-        match self._chunks(key, 2):
-            case ["ctl", verb]:
-                return VERBS.get(verb)
+    def parse_ctl(self, key: str) -> Control | None:
+        """Return the control verb and the agent in the key, or None if there is no such verb."""
+        match self._chunks(key, 3) or self._chunks(key, 2):
+            case ["ctl", verb] if verb in VERBS:
+                return Control(VERBS[verb])
+            case ["ctl", verb, agent] if VERBS.get(verb) in AGENT_VERBS and is_name(agent):
+                return Control(VERBS[verb], agent)
         return None
 
     def parse_state(self, key: str) -> int | None:

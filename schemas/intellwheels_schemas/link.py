@@ -11,7 +11,7 @@ import json
 import threading
 import time
 from collections import deque
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final, NamedTuple
@@ -24,6 +24,7 @@ from intellwheels_schemas.codec import MAX_BYTES, Encoding, is_known
 from intellwheels_schemas.command_parser import readable_file
 from intellwheels_schemas.endpoint_form import cannot_listen, check_endpoint, config_reason, zenoh_reason
 from intellwheels_schemas.errors import WireError
+from intellwheels_schemas.identity_file import read_identity
 from intellwheels_schemas.names import check_name
 from intellwheels_schemas.zenoh_inbox import Inbox
 
@@ -46,7 +47,7 @@ _PRIORITIES: Final[dict[str, zenoh.Priority]] = {
 }
 
 # Settings of every session. They override the configuration file.
-_SETTINGS: Final[dict[str, Any]] = {
+SETTINGS: Final[dict[str, Any]] = {
     "scouting/multicast/enabled": False,
     # Gossip lets peers connect directly and so avoid a router's access control.
     "scouting/gossip/enabled": False,
@@ -71,12 +72,14 @@ class Link:
         listen: Endpoints to listen at. With any, the process is a Zenoh peer; without, a client.
         connect: Endpoints of a router, or of a simulator that listens.
         config: Zenoh configuration file for all other settings, or None.
+        identity: The file with the name and password for the router, or None.
     """
 
     world: str = defaults.WORLD
     listen: tuple[str, ...] = ()
     connect: tuple[str, ...] = ()
     config: Path | None = None
+    identity: Path | None = None
 
     def where(self) -> str:
         """Return the endpoints of this link, for people."""
@@ -113,6 +116,9 @@ def add_link_options(parser: argparse.ArgumentParser, *, listens: bool = False, 
     group.add_argument(
         "--config", type=readable_file, metavar="FILE", help="Zenoh configuration file (JSON5) for everything else"
     )
+    group.add_argument(
+        "--identity", type=readable_file, metavar="FILE", help="your name and password, from iw-lab invite"
+    )
     group.set_defaults(link_listens=listens)
 
 
@@ -123,12 +129,14 @@ def link_of(options: argparse.Namespace) -> Link:
         WireError: `value`, if the name of the world, an endpoint or the configuration file is invalid.
     """
     listen, connect = tuple(options.listen), tuple(options.connect)
+    if not listen and not connect and options.config is None and options.identity is not None:
+        connect = read_identity(options.identity).connect
     if not listen and not connect and options.config is None:
         if options.link_listens:
             listen = (defaults.ENDPOINT,)
         else:
             connect = (defaults.ENDPOINT,)
-    link = Link(check_name(options.world, "--world"), listen, connect, options.config)
+    link = Link(check_name(options.world, "--world"), listen, connect, options.config, options.identity)
     check_link(link)
     return link
 
@@ -159,7 +167,7 @@ def config_of(link: Link) -> zenoh.Config:
     """
     try:
         config = zenoh.Config() if link.config is None else zenoh.Config.from_file(link.config)
-        settings = dict(_SETTINGS)
+        settings = dict(SETTINGS)
         if link.listen or link.connect or link.config is None:
             settings["mode"] = "peer" if link.listen else "client"
             settings["listen/endpoints"] = list(link.listen)
@@ -168,8 +176,13 @@ def config_of(link: Link) -> zenoh.Config:
             # Without these settings, Zenoh only logs that a port is in use.
             settings["listen/exit_on_failure"] = True
             settings["listen/timeout_ms"] = 0
+        if link.identity is not None:
+            own = read_identity(link.identity)
+            settings["transport/auth/usrpwd"] = {"user": own.name, "password": own.password}
         for key, value in settings.items():
             config.insert_json5(key, json.dumps(value))
+    except WireError as error:
+        raise ConnectionError(error.text) from None
     except (zenoh.ZError, OSError, ValueError) as error:
         where = "link" if link.config is None else str(link.config)
         wrong = config_reason(str(error))
@@ -208,6 +221,8 @@ def open_session(
             if link.listen:
                 raise ConnectionError(cannot_listen(", ".join(link.listen), zenoh_reason(str(error)))) from None
             words = f"nobody answers at {link.where()}"
+            if link.identity is not None:
+                words += f", or it does not know the name and password in {link.identity}"
         if waiting is not None:
             waiting(words)
             waiting = None
@@ -216,40 +231,6 @@ def open_session(
         while not stop.is_set() and (left := _until(began + TRY_EVERY, deadline)) > 0:
             stop.wait(min(left, _SLICE))
     return None
-
-
-def router_settings(listen: Sequence[str]) -> str:
-    """Return the configuration of a router for this contract, as JSON, for `iw-router` and for `zenohd -c`.
-
-    Args:
-        listen: Endpoints to listen at, such as `tcp/0.0.0.0:7447`.
-    """
-    nested: dict[str, Any] = {}
-    settings = {**_SETTINGS, "mode": "router", "listen/endpoints": list(listen), "scouting/gossip/enabled": False}
-    for key, value in settings.items():
-        *path, last = key.split("/")
-        place = nested
-        for part in path:
-            place = place.setdefault(part, {})
-        place[last] = value
-    return json.dumps(nested, indent=2) + "\n"
-
-
-def open_router(listen: Sequence[str]) -> zenoh.Session:
-    """Return a session that is a router, which connects its clients with each other. Use it in a `with` statement.
-
-    Raises:
-        ConnectionError: An endpoint is invalid, or its port is in use, as the text says.
-    """
-    zenoh.init_log_from_env_or("off")
-    try:
-        config = zenoh.Config.from_json5(router_settings(listen))
-        config.insert_json5("listen/exit_on_failure", "true")
-        config.insert_json5("listen/timeout_ms", "0")
-        return zenoh.open(config)
-    except (zenoh.ZError, ValueError) as error:
-        why = "the port is in use; choose another with --listen" if "in use" in str(error) else zenoh_reason(str(error))
-        raise ConnectionError(f"cannot listen at {', '.join(listen)}: {why}") from None
 
 
 def _until(moment: float, deadline: float | None) -> float:
@@ -281,12 +262,14 @@ class Answer(NamedTuple):
         data: The payload.
         encoding: Its encoding, as text.
         ok: False for an error reply.
+        replier: Zenoh's id of the session that replied; empty if Zenoh does not tell.
     """
 
     key: str
     data: bytes
     encoding: str
     ok: bool
+    replier: str = ""
 
 
 def query(
@@ -315,10 +298,12 @@ def query(
     done = threading.Event()
 
     def on_reply(reply: zenoh.Reply) -> None:
+        replier = "" if reply.replier_id is None else str(reply.replier_id.zid)
         if (sample := reply.ok) is not None:
-            answers.append(Answer(str(sample.key_expr), sample.payload.to_bytes(), str(sample.encoding), True))
+            data = sample.payload.to_bytes()
+            answers.append(Answer(str(sample.key_expr), data, str(sample.encoding), True, replier))
         elif (error := reply.err) is not None and is_known(str(error.encoding)):
-            answers.append(Answer("", error.payload.to_bytes(), str(error.encoding), False))
+            answers.append(Answer("", error.payload.to_bytes(), str(error.encoding), False, replier))
 
     session.get(
         selector,

@@ -28,10 +28,13 @@ MAX_INTEGER: Final = 2**53 - 1
 
 # XML 1.0's characters without carriage return, which XML readers turn into a line feed.
 TEXT_PATTERN: Final = "^[\t\n\u0020-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]*\\Z"
+AGENTS_PATTERN: Final = r"^(\*|[a-z][a-z0-9_-]{0,31}\*?)\Z"
 NAME_PATTERN: Final = r"^[a-z][a-z0-9_-]{0,31}\Z"
 ID_PATTERN: Final = r"^[A-Za-z][A-Za-z0-9_.-]{0,31}\Z"
 WORD_PATTERN: Final = r"^[A-Za-z0-9][A-Za-z0-9_.-]{0,63}\Z"
 HEX_PATTERN: Final = r"^[0-9a-f]{16}\Z"
+CODE_PATTERN: Final = r"^[0-9a-f]{32}\Z"
+KEY_PATTERN: Final = r"^[0-9a-f]{64}\Z"
 
 _ELEMENT = {"xml": "element"}
 _CONTENT = {"xml": "text"}
@@ -56,6 +59,15 @@ Name = Annotated[
         description="a name for use in keys",
         max_length=32,
         extra=_expected("a name of a-z, 0-9, _ and -, a letter first, at most 32 characters"),
+    ),
+]
+NamePattern = Annotated[
+    str,
+    Meta(
+        pattern=AGENTS_PATTERN,
+        description="a name, or the beginning of names followed by *",
+        max_length=33,
+        extra=_expected("a name, the beginning of names followed by *, or *"),
     ),
 ]
 Id = Annotated[
@@ -83,6 +95,24 @@ Hex = Annotated[
         description="16 lower-case hex digits",
         max_length=16,
         extra=_expected("16 lower-case hex digits"),
+    ),
+]
+Code = Annotated[
+    str,
+    Meta(
+        pattern=CODE_PATTERN,
+        description="Code over the message, made with the Key from Joined; a message with another code is dropped.",
+        max_length=32,
+        extra=_expected("32 lower-case hex digits"),
+    ),
+]
+SecretKey = Annotated[
+    str,
+    Meta(
+        pattern=KEY_PATTERN,
+        description="64 lower-case hex digits",
+        max_length=64,
+        extra=_expected("64 lower-case hex digits"),
     ),
 ]
 Seed = Annotated[str, Meta(pattern=TEXT_PATTERN, description="a seed, any text", max_length=64)]
@@ -205,13 +235,18 @@ Pace = Literal["realtime", "free", "lockstep"]
 Miss = Literal["strict", "elastic"]
 NewRun = Literal["follow", "restart"]
 FormatTag = Literal["iw.v1"]
+ControlVerb = Literal[
+    "pause", "resume", "step", "reset", "load", "speed", "spawn", "delete", "teleport", "take", "say", "save",
+    "restore", "seek", "quit",
+]  # fmt: skip
+LabRole = Literal["simulator", "operator", "viewer", "agent", "mind", "bridge", "recorder", "gateway"]
 RefusedCode = Literal[
     "already-here", "no-token", "no-body", "no-place", "overlaps", "name", "field", "value", "limit", "version",
     "truth", "mount", "real-in-lockstep", "full",
 ]  # fmt: skip
 ErrorCode = Literal[
     "malformed", "encoding", "version", "field", "value", "too-long", "too-many", "late", "early", "answered",
-    "session", "lease", "not-joined", "role", "deleted",
+    "session", "lease", "not-joined", "role", "deleted", "forged",
 ]  # fmt: skip
 EventCode = Literal[
     "joined", "left", "lost", "returned", "contact", "parted", "stale", "fresh", "late", "rested", "back", "timeout",
@@ -225,8 +260,13 @@ Run = Annotated[
     Meta(description="Id of the run. A start, reset, load or restore gives a new id; older state is then invalid."),
 ]
 SentRun = Annotated[Hex, Meta(description="Run that the message is for; absent means the current run.")]
-Session = Annotated[
-    Hex, Meta(description="Session from Joined; a message with another session is dropped. Real robots must send it.")
+# A mind leaves it out; the harness fills it in. On the wire it is always there, so `shape_of` counts it as required.
+SentSession = Annotated[
+    Hex,
+    Meta(
+        description="Session from Joined; a message without it, or with another one, is dropped.",
+        extra={"sent": "always"},
+    ),
 ]
 SentTick = Annotated[Tick, Meta(description="Tick of the Measures that this answers; absent means the current tick.")]
 SentSeq = Annotated[
@@ -659,6 +699,8 @@ class Joined(Record, frozen=True, kw_only=True):
     """Start pose of the body."""
     robot: Robot
     """Robot as the simulator accepted it."""
+    key: SecretKey | None = None
+    """Key for the codes of Pose and Power, 32 bytes in hex; only for the body of a real robot, in its first Joined."""
 
 
 class Refused(Record, frozen=True, kw_only=True):
@@ -671,10 +713,10 @@ class Refused(Record, frozen=True, kw_only=True):
 
 
 class Leave(Record, frozen=True, kw_only=True):
-    """A request to leave. Without a Session it applies to all processes of the agent in the key."""
+    """A request to leave, from the process that has the Session."""
 
     run: SentRun | None = None
-    session: Session | None = None
+    session: SentSession | None = None
 
 
 # ---------------------------------------------------------------- every tick
@@ -684,7 +726,7 @@ class Actions(Record, frozen=True, kw_only=True):
     """The commands of an agent for one tick. An absent motor keeps its last command."""
 
     run: SentRun | None = None
-    session: Session | None = None
+    session: SentSession | None = None
     tick: SentTick | None = None
     seq: SentSeq | None = None
     left_motor: Power | None = None
@@ -723,7 +765,7 @@ class Say(Record, frozen=True, kw_only=True):
     """A message to other agents, sent separately from `Actions`."""
 
     run: SentRun | None = None
-    session: Session | None = None
+    session: SentSession | None = None
     tick: SentTick | None = None
     seq: SentSeq | None = None
     text: ContentText
@@ -961,7 +1003,7 @@ class Pose(Record, frozen=True, kw_only=True):
     """The pose of a real robot, reported by its bridge."""
 
     run: SentRun | None = None
-    session: Session | None = None
+    session: SentSession | None = None
     tick: SentTick | None = None
     seq: SentSeq | None = None
     x: MapX
@@ -973,6 +1015,7 @@ class Pose(Record, frozen=True, kw_only=True):
     """Covariance of X, Y and Heading (h): xx xy xh yy yh hh, in m2, m rad and rad2; 6 numbers or none."""
     sensors: Sensors | None = None
     """Readings of the robot's sensors that are declared with Source real."""
+    code: Code | None = None
 
 
 class PowerInForce(Record, frozen=True, kw_only=True):
@@ -986,6 +1029,9 @@ class PowerInForce(Record, frozen=True, kw_only=True):
     """Power of the right motor to apply, positive forward."""
     state: MotorState = "drive"
     """Source of the power: drive (the mind) or taken (an operator). In any other state the power is 0."""
+    seq: Count | None = None
+    """Counter of the powers for this key. A bridge drops a power whose Seq is not higher than the last one."""
+    code: Code | None = None
 
 
 class Error(Record, frozen=True, kw_only=True):
@@ -1216,15 +1262,15 @@ class Speed(Record, frozen=True, kw_only=True):
 class Delete(Record, frozen=True, kw_only=True):
     """Remove a body."""
 
-    agent: Name
-    """Agent whose body is removed."""
+    agent: Name | None = None
+    """Agent whose body is removed, as in the key; absent means that of the key."""
 
 
 class Take(Record, frozen=True, kw_only=True):
     """Take control of a body: the simulator obeys `user/<agent>` instead of the mind until the lease ends."""
 
-    agent: Name
-    """Agent whose body is taken."""
+    agent: Name | None = None
+    """Agent whose body is taken, as in the key; absent means that of the key."""
     lease: Hex | None = None
     """Lease to renew or to end, from the Result of the first take; absent requests a new lease."""
     seconds: Annotated[float, Meta(ge=0.0, le=60.0, extra=_unit("s"))] = 2.0
@@ -1276,8 +1322,8 @@ class Spawn(Record, frozen=True, kw_only=True):
 class Teleport(Record, frozen=True, kw_only=True):
     """Move a body to another pose."""
 
-    agent: Name
-    """Agent whose body is moved."""
+    agent: Name | None = None
+    """Agent whose body is moved, as in the key; absent means that of the key."""
     position: Position
     """New pose of the body."""
 
@@ -1638,12 +1684,44 @@ class Scene(Record, frozen=True, kw_only=True):
     """Variations of the scene to run and compare, if any."""
 
 
+class May(Record, frozen=True, kw_only=True):
+    """What an identity may do in one world."""
+
+    role: LabRole
+    """Kind of program: KEYS.md lists what each may read and write."""
+    world: Name = defaults.WORLD
+    """World in which it may do so."""
+    agents: Annotated[tuple[NamePattern, ...], Meta(max_length=64)] = ()
+    """Agents that it may be, or steer and change: names, or beginnings such as st1-*. The role may need them."""
+    verbs: Annotated[tuple[ControlVerb, ...], Meta(max_length=32)] = ()
+    """Of an operator: control verbs that it may ask for; none means all."""
+
+
+class Identity(Record, frozen=True, kw_only=True):
+    """A person or a program, with a password of its own."""
+
+    name: Name
+    """User name with which it connects to the router."""
+    may: tuple[May, ...] = ()
+    """Everything that it may do; what is not listed is denied."""
+
+
+class Lab(Record, frozen=True, kw_only=True):
+    """A laboratory: who may do what through its router."""
+
+    format: Format
+    name: Word
+    """Name of the laboratory."""
+    identity: tuple[Identity, ...] = ()
+    """All people and programs that may connect."""
+
+
 DOCUMENTS: Final[dict[str, tuple[type[Record], ...]]] = {
     "Robot": (Robot,), "Joined": (Joined,), "Refused": (Refused,), "Leave": (Leave,), "Actions": (Actions,),
     "CrewActions": (CrewActions,), "CrewMeasures": (CrewMeasures,), "Say": (Say, OperatorSay), "Measures": (Measures,),
     "Pose": (Pose,), "Power": (PowerInForce,), "UserInput": (UserInput,), "Error": (Error,),
     "WorldState": (WorldState,), "Body": (Body,), "Event": (Event,), "Events": (Events,), "Clock": (Clock,),
-    "MapInfo": (MapInfo,), "Map": (Map,), "Scene": (Scene,), "Result": (Result,), "Pause": (Pause,),
+    "MapInfo": (MapInfo,), "Map": (Map,), "Scene": (Scene,), "Lab": (Lab,), "Result": (Result,), "Pause": (Pause,),
     "Resume": (Resume,), "Step": (Step,), "Reset": (Reset,), "Load": (Load,), "Speed": (Speed,), "Spawn": (Spawn,),
     "Delete": (Delete,), "Teleport": (Teleport,), "Take": (Take,), "Save": (Save,), "Restore": (Restore,),
     "Seek": (Seek,), "Quit": (Quit,),

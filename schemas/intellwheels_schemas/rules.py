@@ -10,12 +10,16 @@ from typing import Any, Final, NamedTuple, Protocol
 
 from intellwheels_schemas.errors import wrong_value
 from intellwheels_schemas.explain import shown, too_long
+from intellwheels_schemas.lab_rules import check_lab
 from intellwheels_schemas.messages import (
+    Actions,
     AgentMeasures,
     Body,
     CrewActions,
     CrewMeasures,
     Joined,
+    Lab,
+    Leave,
     LidarReading,
     Load,
     Map,
@@ -24,6 +28,7 @@ from intellwheels_schemas.messages import (
     Pose,
     Record,
     Robot,
+    Say,
     Scene,
     Sensors,
     Source,
@@ -243,7 +248,13 @@ def _check_measures(measures: Measures | AgentMeasures, where: str) -> None:
         check_sensors(measures.sensors, f"{where}.Sensors")
 
 
+def _check_session(message: Actions | Say | Pose | Leave, where: str) -> None:
+    if message.session is None:
+        raise wrong_value(f"{where}.Session", "16 lower-case hex digits", "nothing", "field")
+
+
 def _check_pose(pose: Pose, where: str) -> None:
+    _check_session(pose, where)
     if len(pose.covariance) not in {0, 6}:
         raise wrong_value(f"{where}.Covariance", "6 numbers (xx xy xh yy yh hh)", len(pose.covariance))
     if pose.covariance and min(pose.covariance[0], pose.covariance[3], pose.covariance[5]) < 0.0:
@@ -270,6 +281,7 @@ def _check_crew_actions(crew: CrewActions, where: str) -> None:
         if actions.agent in agents:
             raise wrong_value(f"{where}.Actions[{index}].Agent", "each agent once", f"{shown(actions.agent)} twice")
         agents.add(actions.agent)
+        _check_session(actions, f"{where}.Actions[{index}]")
 
 
 # ---------------------------------------------------------------- maps and scenes
@@ -303,11 +315,15 @@ _RULES: Final[dict[type[Record], Callable[[Any, str], None]]] = {
     Measures: _check_measures,
     CrewMeasures: _check_crew_measures,
     CrewActions: _check_crew_actions,
+    Actions: _check_session,
+    Say: _check_session,
+    Leave: _check_session,
     Pose: _check_pose,
     Map: check_map,
     Load: _check_load,
     Spawn: _check_spawn,
     Scene: check_scene,
+    Lab: check_lab,
 }
 
 

@@ -66,9 +66,10 @@ class Member:
         form: The form in XML.
         scalar: Type of the field or of its list items; None for records.
         record: Class of the field or of its list items; None for scalars.
-        required: Whether the field has no default.
+        required: Whether a document must have the field.
         default: The default, or None.
         max_count: Largest number of list items, or None.
+        sent: Whether it is required although it is None in Python before the harness fills it in.
     """
 
     wire: str
@@ -79,6 +80,7 @@ class Member:
     required: bool
     default: Any
     max_count: int | None = None
+    sent: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -169,7 +171,9 @@ def _words(hint: Any) -> tuple[str, ...]:
 
 def _member(field: inspect.Field, hint: Any) -> Member:
     kind, extra, schema, _ = _peel(field.type)
-    required = field.required
+    # A field that is always sent has the default None in Python, for the programs whose harness fills it in.
+    sent = extra.get("sent") == "always"
+    required = field.required or sent
     default = None if required else field.default
     many = isinstance(kind, inspect.VarTupleType)
     max_count = None
@@ -189,7 +193,7 @@ def _member(field: inspect.Field, hint: Any) -> Member:
     if scalar.words:
         scalar = replace(scalar, words=_words(hint))
     form = Form.LIST if many else _FORMS.get(str(extra.get("xml", "")), Form.ATTRIBUTE)
-    return Member(field.encode_name, field.name, form, scalar, None, required, default, max_count)
+    return Member(field.encode_name, field.name, form, scalar, None, required, default, max_count, sent)
 
 
 def _may_be_equal_but_another(member: Member) -> bool:

@@ -5,7 +5,10 @@
 
 from __future__ import annotations
 
-from typing import Any, Final, NamedTuple
+import re
+from typing import Any, Final, NamedTuple, TypeVar
+
+import msgspec
 
 from intellwheels_schemas.codec import Encoding
 from intellwheels_schemas.messages import (
@@ -47,8 +50,10 @@ from intellwheels_schemas.messages import (
     GroundReading,
     Heard,
     Hold,
+    Identity,
     IMUReading,
     Joined,
+    Lab,
     Leave,
     Level,
     Lidar,
@@ -56,6 +61,7 @@ from intellwheels_schemas.messages import (
     Load,
     Map,
     MapInfo,
+    May,
     Measures,
     Obstacle,
     Odometry,
@@ -104,6 +110,7 @@ from intellwheels_schemas.messages import (
     WorldState,
     Zone,
 )
+from intellwheels_schemas.metal_codes import code_of, pose_line, power_line
 
 NAMES: Final[dict[str, type[Record]]] = {
     ("OperatorSay" if cls is OperatorSay else root): cls for cls, root in ROOTS.items()
@@ -113,6 +120,7 @@ NAMES: Final[dict[str, type[Record]]] = {
 RUN: Final = "9f3c21d4a0b1c2d3"
 SESSION: Final = "c0ffee0012345678"
 INSTANCE: Final = "5f0c2a9be1d84377"
+KEY: Final = "000102030405060708090a0b0c0d0e0f101112131415161718191a1b1c1d1e1f"
 HASH: Final = "00d1ce0ff1ce0ff1"
 
 CHAIR: Final = Robot(
@@ -254,6 +262,14 @@ ROOM: Final = Map(
     offset=SiteOffset(x=489123.0, y=4412345.5, epsg="EPSG:32629"),
 )  # fmt: skip
 
+_P = TypeVar("_P", Pose, PowerInForce)
+
+
+def _coded(message: _P) -> _P:
+    line = pose_line(message) if isinstance(message, Pose) else power_line(message)
+    return msgspec.structs.replace(message, code=code_of(KEY, line))
+
+
 _END = End(reach=(Reach(agent="chair1", place="goal1", within=0.3),), timeout=Timeout(seconds=120.0))
 
 _PERCEIVED = Sensors(
@@ -288,20 +304,32 @@ VALID: Final[dict[str, Record]] = {
         position=Position(x=1.0, y=2.0, heading=0.0),
         robot=CHAIR,
     ),
+    "Joined-bridge": Joined(
+        run=RUN,
+        tick=12,
+        session=SESSION,
+        parameters=Parameters(
+            world="main", period=0.05, pace="realtime", say_limit=100, say_range=8.0, command_timeout=0.5, grace=3.0
+        ),
+        position=Position(x=1.0, y=2.0, heading=0.0),
+        robot=msgspec.structs.replace(CHAIR, type="real", role="body"),
+        key=KEY,
+    ),
     "Refused": Refused(code="already-here", text="agent 'chair1' is already here"),
     "Leave": Leave(run=RUN, session=SESSION),
     "Actions-say": Actions(
         run=RUN, session=SESSION, tick=41, seq=41, left_motor=0.5, right_motor=0.4, mode="autonomous",
         goal=Goal(x=5.0, y=1.0), say="follow me",
     ),
-    "Actions-paper": Actions(left_motor=0.5, right_motor=0.4, say="follow me"),
-    "Actions-answer": Actions(tick=5),
-    "Actions-empty": Actions(),
-    "Actions-leave": Actions(tick=9, leave=True, goal=Goal(x=0.0, y=0.0, heading=-1.5), say=""),
-    "Actions-text": Actions(say="]]> <b>&amp; \"'\n\té 漢 😀 null NaN {\"Tick\":1}"),
-    "Actions-floats": Actions(left_motor=0.00001, right_motor=-1e-7),
+    "Actions-paper": Actions(session=SESSION, left_motor=0.5, right_motor=0.4, say="follow me"),
+    "Actions-answer": Actions(session=SESSION, tick=5),
+    "Actions-empty": Actions(session=SESSION),
+    "Actions-leave": Actions(session=SESSION, tick=9, leave=True, goal=Goal(x=0.0, y=0.0, heading=-1.5), say=""),
+    "Actions-text": Actions(session=SESSION, say="]]> <b>&amp; \"'\n\té 漢 😀 null NaN {\"Tick\":1}"),
+    "Actions-floats": Actions(session=SESSION, left_motor=0.00001, right_motor=-1e-7),
     "CrewActions": CrewActions(
-        crew="crew1", parts=2, actions=(AgentActions(agent="a1", tick=3, left_motor=1.0, right_motor=-1.0),)
+        crew="crew1", parts=2,
+        actions=(AgentActions(agent="a1", session=SESSION, tick=3, left_motor=1.0, right_motor=-1.0),),
     ),
     "CrewMeasures": CrewMeasures(
         crew="crew1", part=1, parts=2,
@@ -312,7 +340,7 @@ VALID: Final[dict[str, Record]] = {
         ),
     ),
     "Say": Say(run=RUN, session=SESSION, tick=41, seq=2, text="open"),
-    "Say-paper": Say(text="open"),
+    "Say-paper": Say(session=SESSION, text="open"),
     "Measures": Measures(
         run=RUN, tick=42, time=2.1, collision=True, sensors=_PERCEIVED,
         message=(Heard(sender="chair2", tick=41, seq=7, distance=3.2, text="here"),),
@@ -344,8 +372,22 @@ VALID: Final[dict[str, Record]] = {
         covariance=(0.01, 0.0, 0.0, 0.02, 0.001, 0.005),
         sensors=Sensors(proximity=(ProximityReading(id="sonar", value=0.75),)),
     ),
-    "Pose-bare": Pose(x=0.0, y=0.0, heading=0.0),
+    "Pose-coded": _coded(
+        Pose(run=RUN, session=SESSION, tick=41, seq=41, x=1.25, y=-2.0, heading=0.1, stamp=1800000000.5)
+    ),
+    "Pose-bare": Pose(session=SESSION, x=0.0, y=0.0, heading=0.0),
     "Power": PowerInForce(run=RUN, tick=41, left_motor=0.5, right_motor=-0.5),
+    "Power-coded": _coded(PowerInForce(run=RUN, tick=41, seq=7, left_motor=0.5, right_motor=-0.25)),
+    "Lab": Lab(
+        format="iw.v1", name="room3",
+        identity=(
+            Identity(name="simulator", may=(May(role="simulator"),)),
+            Identity(
+                name="student1", may=(May(role="agent", agents=("st1-*",)), May(role="viewer", agents=("st1-*",)))
+            ),
+            Identity(name="teacher", may=(May(role="operator", agents=("*",), verbs=("pause", "resume", "take")),)),
+        ),
+    ),
     "Power-paused": PowerInForce(run=RUN, tick=41, left_motor=0.0, right_motor=0.0, state="paused"),
     "UserInput-stick": UserInput(lease=SESSION, seq=3, forward=1.0, turn=-1.0, buttons=(0, 7)),
     "UserInput-word": UserInput(word="left"),
@@ -525,9 +567,15 @@ def _experiment(inside: str) -> bytes:
     return f"{scene}{inside}</Experiment></Scene>".encode()
 
 
-_CORNER = '<Corner X="0.0" Y="0.0"/>'
+def _lab(inside: str) -> bytes:
+    return f'<Lab Format="iw.v1" Name="l">{inside}</Lab>'.encode()
 
-REFUSED: Final = (
+
+_VIEWER = '<Identity Name="a"><May Role="viewer"/></Identity>'
+_CORNER = '<Corner X="0.0" Y="0.0"/>'
+_CREW_MEMBER = b'{"Agent":"a","Session":"%s"}' % SESSION.encode()
+
+_REFUSED: Final = (
     # Bytes that are not a document.
     Wrong("Actions-nothing.json", b"", "malformed", "Actions"),
     Wrong("Actions-nothing.xml", b"", "malformed", "Actions"),
@@ -603,6 +651,23 @@ REFUSED: Final = (
     Wrong("Actions-stray-text.xml", b"<Actions>hello</Actions>", "field", "Actions"),
     Wrong("Actions-goal-half.json", b'{"Goal":{"X":5.0}}', "field", "Actions.Goal.Y"),
     Wrong("Actions-goal-half.xml", b'<Actions><Goal X="5.0"/></Actions>', "field", "Actions.Goal.Y"),
+    Wrong("Actions-no-session.json", b'{"Tick":1}', "field", "Actions.Session"),
+    Wrong("Actions-no-session.xml", b'<Actions Tick="1"/>', "field", "Actions.Session"),
+    Wrong("Say-no-session.xml", b"<Say><![CDATA[hi]]></Say>", "field", "Say.Session"),
+    Wrong("Pose-no-session.json", b'{"X":0.0,"Y":0.0,"Heading":0.0}', "field", "Pose.Session"),
+    Wrong("Leave-no-session.json", b"{}", "field", "Leave.Session"),
+    Wrong("Leave-no-session.xml", b"<Leave/>", "field", "Leave.Session"),
+    Wrong("Lab-identity-twice.xml", _lab(f'{_VIEWER}{_VIEWER}'), "value", "Lab.Identity[1].Name"),
+    Wrong("Lab-role-unknown.xml", _lab('<Identity Name="a"><May Role="king"/></Identity>'), "value",
+          "Lab.Identity[0].May[0].Role"),
+    Wrong("Lab-agent-nobody.xml", _lab('<Identity Name="a"><May Role="agent"/></Identity>'), "value",
+          "Lab.Identity[0].May[0].Agents"),
+    Wrong("Lab-pattern.xml", _lab('<Identity Name="a"><May Role="agent" Agents="a*b"/></Identity>'), "value",
+          "Lab.Identity[0].May[0].Agents[0]"),
+    Wrong("Lab-verb-unknown.xml", _lab('<Identity Name="a"><May Role="operator" Verbs="fly"/></Identity>'), "value",
+          "Lab.Identity[0].May[0].Verbs[0]"),
+    Wrong("Lab-verbs-of-a-viewer.xml", _lab('<Identity Name="a"><May Role="viewer" Verbs="pause"/></Identity>'),
+          "value", "Lab.Identity[0].May[0].Verbs"),
     Wrong("Say-no-text.json", b'{"Tick":1}', "field", "Say.Text"),
     # Limits.
     Wrong("Actions-say-long.json", b'{"Say":"' + b"x" * 1001 + b'"}', "too-long", "Actions.Say"),
@@ -746,8 +811,8 @@ REFUSED: Final = (
           b'{"X":0.0,"Y":0.0,"Heading":0.0,"Covariance":[1.0,0.0,0.0,-1.0,0.0,1.0]}', "value", "Pose.Covariance"),
     Wrong("Pose-covariance-negative.xml", b'<Pose X="0" Y="0" Heading="0" Covariance="1 0 0 -1 0 1"/>', "value",
           "Pose.Covariance"),
-    Wrong("CrewActions-twice.json", b'{"Crew":"c","Parts":1,"Actions":[{"Agent":"a"},{"Agent":"a"}]}', "value",
-          "CrewActions.Actions[1].Agent"),
+    Wrong("CrewActions-twice.json", b'{"Crew":"c","Parts":1,"Actions":[%s,%s]}' % ((_CREW_MEMBER,) * 2),
+          "value", "CrewActions.Actions[1].Agent"),
     Wrong("CrewActions-part.json", b'{"Crew":"c","Part":1,"Parts":1}', "value", "CrewActions.Part"),
     Wrong("CrewActions-part.xml", b'<CrewActions Crew="c" Part="1" Parts="1"/>', "value", "CrewActions.Part"),
     Wrong("Load-both.xml", b'<Load Name="ward"><Map Format="iw.v1" Name="m"/></Load>', "field", "Load"),
@@ -801,7 +866,6 @@ REFUSED: Final = (
           _experiment('<Uniform Place="p" Name="X" Low="0" High="1"/><Uniform Place="p" Name="X" Low="0" High="2"/>'),
           "value", "Scene.Experiment.Uniform[1].Name"),
 )  # fmt: skip
-"""Documents that must be refused, each for one reason."""
 
 
 def class_of(file: str) -> type[Record]:
@@ -819,6 +883,22 @@ def class_of(file: str) -> type[Record]:
 def encoding_of_file(file: str) -> Encoding:
     """Return the encoding of a vector from the end of its file name."""
     return Encoding.XML if file.endswith(".xml") else Encoding.JSON
+
+
+def _with_session(wrong: Wrong) -> Wrong:
+    """Return a wrong document with the Session that its class needs, so that it is refused for its own reason only."""
+    if class_of(wrong.name) not in {Actions, Say, Pose} or "no-session" in wrong.name:
+        return wrong
+    root = ROOTS[class_of(wrong.name)].encode()
+    session = SESSION.encode()
+    if wrong.data.startswith(b'{"'):
+        return wrong._replace(data=b'{"Session":"%s",%s' % (session, wrong.data[1:]))
+    data = re.sub(rb"<%s(?=[ />])" % root, b'<%s Session="%s"' % (root, session), wrong.data, count=1)
+    return wrong._replace(data=data)
+
+
+REFUSED: Final = tuple(map(_with_session, _REFUSED))
+"""Documents that must be refused, each for one reason."""
 
 
 def index_of(wrong: Wrong, text: str) -> dict[str, Any]:

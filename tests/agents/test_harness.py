@@ -7,13 +7,13 @@ from collections.abc import Sequence
 import msgspec
 import pytest
 
-from intellwheels_agents.harness import (
-    NAME_TAKEN,
+from intellwheels_agents.harness import NAME_TAKEN, Harness, Phase
+from intellwheels_agents.harness_outputs import (
+    AskBody,
+    AskClock,
     Exit,
-    Harness,
     Log,
     Output,
-    Phase,
     Print,
     Publish,
     RequestJoin,
@@ -25,6 +25,7 @@ from intellwheels_agents.options import OptionError
 from intellwheels_schemas.codec import Encoding, decode, encode
 from intellwheels_schemas.messages import (
     Actions,
+    Clock,
     Error,
     ErrorCode,
     Heard,
@@ -42,6 +43,7 @@ from intellwheels_schemas.messages import (
     Robot,
     Role,
 )
+from intellwheels_schemas.metal_codes import code_of, pose_line, power_line
 
 RUN, OTHER_RUN = "a" * 16, "b" * 16
 SESSION, OTHER_SESSION = "c" * 16, "d" * 16
@@ -78,7 +80,10 @@ def measures(tick: int, run: str = RUN, **fields: object) -> tuple[bytes, Encodi
     return bytes_of(Measures(run=run, tick=tick, time=tick * 0.05, **fields))  # type: ignore[arg-type]
 
 
-def joined(run: str = RUN, session: str = SESSION) -> tuple[bytes, Encoding]:
+KEY = "0f" * 32
+
+
+def joined(run: str = RUN, session: str = SESSION, key: str | None = None) -> tuple[bytes, Encoding]:
     parameters = Parameters(
         world="main", period=0.05, pace="lockstep", say_limit=5, say_range=8.0, command_timeout=0.5, grace=3.0
     )
@@ -90,7 +95,19 @@ def joined(run: str = RUN, session: str = SESSION) -> tuple[bytes, Encoding]:
             parameters=parameters,
             position=Position(x=1.0, y=2.0, heading=0.0),
             robot=ROBOT,
+            key=key,
         )
+    )
+
+
+def coded(seq: int, left: float = 0.1, key: str = KEY) -> tuple[bytes, Encoding]:
+    power = PowerInForce(run=RUN, tick=3, seq=seq, left_motor=left, right_motor=0.2)
+    return bytes_of(msgspec.structs.replace(power, code=code_of(key, power_line(power))))
+
+
+def clock(tick: int, run: str = RUN) -> tuple[bytes, Encoding]:
+    return bytes_of(
+        Clock(run=run, tick=tick, time=tick * 0.05, state="running", pace="lockstep", hash="0" * 16, stamp=0.0)
     )
 
 
@@ -169,13 +186,54 @@ def test_newest_of_several_ticks_is_answered_with_all_messages_heard(mind: Recor
 
 def test_new_run_gets_a_new_mind_and_the_old_run_is_ignored(mind: Recorder) -> None:
     harness = joined_harness(mind)
-    harness.measured([measures(7)])
-    outputs = harness.measured([measures(0, OTHER_RUN)])
+    harness.measured([measures(0)])
+    assert harness.measured([measures(0, OTHER_RUN)]) == [AskClock()]
+    outputs = harness.clocked([clock(0, OTHER_RUN)])
     assert outputs[0] == Print(f"run agent=chair1 run={OTHER_RUN}")
     answer = put(outputs)
     assert (answer.run, answer.session, answer.tick, answer.seq) == (OTHER_RUN, SESSION, 0, 0)
     assert len(mind.contexts) == 2
-    assert harness.measured([measures(8)]) == []
+    assert harness.measured([measures(1)]) == []
+
+
+LAST = 2**53 - 1
+FORGED = [
+    measures(0, OTHER_RUN),
+    measures(40),
+    bytes_of(Measures(run=RUN, tick=LAST, time=1.0)),
+    bytes_of(Measures(run=OTHER_RUN, tick=LAST, time=1.0)),
+]
+
+
+@pytest.mark.parametrize("forged", FORGED)
+@pytest.mark.parametrize("answers", [[clock(3)], [clock(3), clock(40, OTHER_RUN)], []])
+def test_forged_measures_make_nobody_deaf(
+    mind: Recorder, forged: tuple[bytes, Encoding], answers: list[tuple[bytes, Encoding]]
+) -> None:
+    harness = joined_harness(mind)
+    for tick in range(3):
+        harness.measured([measures(tick)])
+    assert harness.measured([forged]) == [AskClock()]
+    assert put(harness.measured([measures(3), forged])).tick == 3, "the real ones count meanwhile"
+    assert kinds(harness.clocked(answers)) == ["Log"]
+    assert put(harness.measured([measures(4)])).tick == 4
+    assert len(mind.contexts) == 1
+
+
+def test_gap_that_the_clock_confirms_is_answered(mind: Recorder) -> None:
+    harness = joined_harness(mind)
+    harness.measured([measures(0)])
+    assert harness.measured([measures(300)]) == [AskClock()]
+    assert harness.measured([measures(301)]) == [], "one query at a time"
+    assert put(harness.clocked([clock(302)])).tick == 301
+    assert put(harness.measured([measures(302)])).tick == 302
+    assert harness.clocked([clock(303)]) == []
+
+
+def test_long_queue_of_ticks_is_no_gap(mind: Recorder) -> None:
+    harness = joined_harness(mind)
+    harness.measured([measures(0)])
+    assert put(harness.measured([measures(tick) for tick in range(1, 200)])).tick == 199
 
 
 def test_unknown_fields_are_ignored(mind: Recorder) -> None:
@@ -290,7 +348,8 @@ def test_forgotten_agent_joins_again(mind: Recorder, code: ErrorCode) -> None:
 
 def test_deleted_agent_says_so_and_does_not_join_again(mind: Recorder) -> None:
     harness = joined_harness(mind)
-    outputs = harness.erred(error("deleted"), 5.0)
+    assert harness.erred(error("deleted"), 5.0) == [AskBody()]
+    outputs = harness.bodied(False)
     assert outputs == [Print("removed agent=chair1 reason=deleted"), Log("words")]
     assert harness.phase is Phase.REMOVED
     for code in ("deleted", "not-joined", "session"):
@@ -300,6 +359,14 @@ def test_deleted_agent_says_so_and_does_not_join_again(mind: Recorder) -> None:
     harness.absent(8.0)
     assert harness.present(9.0) == []
     assert harness.stop() == [Exit(0)]
+
+
+def test_agent_whose_body_is_here_was_not_deleted(mind: Recorder) -> None:
+    harness = joined_harness(mind)
+    assert harness.erred(error("deleted"), 5.0) == [AskBody()]
+    assert harness.erred(error("deleted"), 5.1) == []
+    assert kinds(harness.bodied(True)) == ["Log"]
+    assert put(harness.measured([measures(0)])).tick == 0
 
 
 def test_deletion_in_another_run_is_not_ours(mind: Recorder) -> None:
@@ -363,7 +430,7 @@ def test_returning_simulator_is_rejoined_and_the_run_keeps_its_mind(mind: Record
 
 def test_restarted_simulator_gets_a_new_mind(mind: Recorder) -> None:
     harness = joined_harness(mind)
-    harness.measured([measures(9)])
+    harness.measured([measures(0)])
     harness.absent(2.0)
     harness.present(3.0)
     harness.accepted(joined(OTHER_RUN, OTHER_SESSION))
@@ -375,11 +442,11 @@ def test_new_run_before_the_reply_waits_for_the_new_session(mind: Recorder) -> N
     harness = joined_harness(mind)
     harness.absent(2.0)
     harness.present(3.0)
-    assert harness.measured([measures(4, OTHER_RUN)]) == []
+    assert harness.measured([measures(3, OTHER_RUN)]) == []
     assert kinds(harness.accepted(joined(OTHER_RUN, OTHER_SESSION))) == ["Print"]
     outputs = harness.measured_early()
     assert kinds(outputs) == ["Publish"]
-    assert (put(outputs).tick, put(outputs).session) == (4, OTHER_SESSION)
+    assert (put(outputs).tick, put(outputs).session) == (3, OTHER_SESSION)
 
 
 def test_lost_simulator_is_given_up_after_retry_for(mind: Recorder) -> None:
@@ -415,12 +482,33 @@ def test_mind_leaves_with_its_last_actions() -> None:
 def test_body_answers_with_its_pose_and_obeys_power() -> None:
     body = Recorder(Pose(x=3.0, y=4.0, heading=0.5))
     harness = joined_harness(body)
-    (output,) = harness.measured([measures(6)])
+    (output,) = harness.measured([measures(3)])
     assert isinstance(output, Publish)
     pose = decode(Pose, output.payload, JSON)
-    assert (pose.x, pose.tick, pose.session) == (3.0, 6, SESSION)
-    harness.powered(bytes_of(PowerInForce(run=RUN, tick=6, left_motor=0.1, right_motor=0.2)))
-    assert body.powers[0].left_motor == 0.1
+    assert (pose.x, pose.tick, pose.session) == (3.0, 3, SESSION)
+    assert kinds(harness.powered(coded(1))) == ["Log"], "without a key no power counts"
+    harness.accepted(joined())
+    assert body.powers == []
+
+
+def test_bridge_codes_its_poses_and_obeys_only_coded_powers() -> None:
+    body = Recorder(Pose(x=3.0, y=4.0, heading=0.5))
+    harness = Harness(ROBOT, body.make)
+    harness.start(0.0)
+    harness.accepted(joined(key=KEY))
+    (output,) = harness.measured([measures(0)])
+    assert isinstance(output, Publish)
+    pose = decode(Pose, output.payload, JSON)
+    assert pose.code == code_of(KEY, pose_line(pose))
+    harness.powered(coded(1))
+    for forged in (
+        coded(2, key="00" * 32),
+        coded(1),
+        bytes_of(PowerInForce(run=RUN, tick=3, left_motor=1.0, right_motor=1.0)),
+    ):
+        harness.powered(forged)
+    harness.powered(coded(2, 0.3))
+    assert [power.left_motor for power in body.powers] == [0.1, 0.3]
 
 
 def test_body_without_a_mind_publishes_no_actions(mind: Recorder) -> None:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import select
 import subprocess
 import sys
@@ -21,6 +22,7 @@ import zenoh
 
 from intellwheels_experiments.run.child_processes import DEADLINE, ChildProcesses
 from intellwheels_experiments.run.endpoints import free_port
+from intellwheels_schemas.keys import AGENT_VERBS
 
 __all__ = ["DEADLINE", "JSON", "XML", "Peer", "Stage", "children_of", "free_port", "is_gone", "resident", "run"]
 
@@ -168,9 +170,18 @@ class Peer:
             found.append(json.loads(bytes(answer.payload)))
         return found
 
+    def session_of(self, agent: str) -> str:
+        """Wait for actions of an agent and return the session in them, as any stranger in an open world can."""
+        heard = self.hear(f"in/{agent}/actions", 1)
+        _, data = self.stage.wait(lambda: next(iter(heard), None), f"actions of {agent}", unless=self.stage.simulator)
+        found = re.search(rb'Session(?:=|":)"([0-9a-f]{16})"', data)
+        assert found is not None, data
+        return found[1].decode()
+
     def ctl(self, verb: str, **fields: Any) -> dict[str, Any]:
-        """Ask for a verb and return its result."""
-        (result,) = self.ask(f"ctl/{verb}", fields)
+        """Ask for a verb and return its result. `Agent` goes into the key of the verbs that are about one."""
+        about = f"/{fields.pop('Agent')}" if verb in AGENT_VERBS else ""
+        (result,) = self.ask(f"ctl/{verb}{about}", fields)
         assert isinstance(result, dict)
         return result
 

@@ -11,13 +11,13 @@ from pathlib import Path
 
 import zenoh
 
-from intellwheels_schemas import link
 from intellwheels_schemas.process import SLICE, add_process_options, stop_on_signals
+from intellwheels_schemas.router_link import router_settings
 
 
 def write(path: Path, endpoint: str) -> Path:
     """Write the configuration: queries of `ctl` and what is put to `user` end at the router."""
-    settings = json.loads(link.router_settings([endpoint]))
+    settings = json.loads(router_settings([endpoint]))
     settings["access_control"] = {
         "enabled": True,
         "default_permission": "allow",

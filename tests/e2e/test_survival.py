@@ -16,7 +16,7 @@ from typing import Any
 import pytest
 
 from tests.e2e.minds import SLOW_ONCE, STUCK, write
-from tests.e2e.stage import DEADLINE, Peer, Stage, children_of, is_gone, resident
+from tests.e2e.stage import DEADLINE, XML, Peer, Stage, children_of, is_gone, resident
 
 AHEAD = ("--option", "left=0.2", "--option", "right=0.2")
 ELASTIC = ("--map", "room", "--pace", "lockstep", "--miss", "elastic", "--deadline", "0.3")
@@ -184,8 +184,9 @@ def test_flood_of_commands_is_bounded_and_the_others_drive_on(stage: Stage) -> N
         errors = peer.errors("chair2")
         before = peer.clock()
         memory = resident(stage.pid(server))
+        drive = {"Session": peer.session_of("chair2"), "LeftMotor": 0.1, "RightMotor": 0.1}
         for number in range(20_000):
-            peer.put("in/chair2/actions", {"LeftMotor": 0.1, "RightMotor": 0.1, "Seq": number})
+            peer.put("in/chair2/actions", {**drive, "Seq": number})
         assert peer.error(errors, "too-many")
         after = peer.tick(before["Tick"] + 20)
         # 5 a second to one agent and 10 at once: what was kept back is counted, not sent.
@@ -200,9 +201,10 @@ def test_wildcard_put_moves_nobody(stage: Stage) -> None:
     with stage.peer() as peer:
         peer.entity("chair1", lambda entity: True)
         before = peer.entities()["chair1"]
+        drive = {"Session": peer.session_of("chair1"), "LeftMotor": 1.0, "RightMotor": 1.0}
         for _ in range(20):
-            peer.put("in/*/actions", {"LeftMotor": 1.0, "RightMotor": 1.0})
-            peer.put("in/**", {"LeftMotor": 1.0, "RightMotor": 1.0})
+            peer.put("in/*/actions", drive)
+            peer.put("in/**", drive)
         peer.ticks_on(10)
         # On a busy machine its own commands may be late.
         other = {"State": "", "CommandAge": 0.0}
@@ -231,7 +233,7 @@ def test_message_of_2_megabytes_hurts_nobody_else(stage: Stage) -> None:
         assert resident(stage.pid(server)) - memory < 16 << 20
 
 
-def test_text_json_and_xml_meet_in_one_world(stage: Stage) -> None:
+def test_json_and_xml_meet_in_one_world(stage: Stage) -> None:
     stage.server("--map", "room", "--pace", "realtime")
     stage.agent("chair1", "drive", "--encoding", "xml")
     stage.agent("chair2", "drive", "--encoding", "json")
@@ -241,7 +243,9 @@ def test_text_json_and_xml_meet_in_one_world(stage: Stage) -> None:
         listener = peer.session.declare_subscriber(
             f"{peer.prefix}out/chair1/measures", lambda sample: raw.append(bytes(sample.payload))
         )
-        peer.put("in/chair1/say", b"plain words", "text/plain")
+        ours = peer.session_of("chair1")
+        said = f'<Say Session="{ours}"><![CDATA[plain words]]></Say>'
+        peer.put("in/chair1/say", said.encode(), XML)
 
         def hears() -> list[Any] | None:
             found = [json.loads(data).get("Message") for _, data in list(heard)]
@@ -249,7 +253,7 @@ def test_text_json_and_xml_meet_in_one_world(stage: Stage) -> None:
 
         (message,) = stage.wait(hears, "words of chair1")
         assert (message["From"], message["Text"]) == ("chair1", "plain words")
-        peer.put("in/chair2/say", {"Text": "<&> in JSON"})
+        peer.put("in/chair2/say", {"Session": peer.session_of("chair2"), "Text": "<&> in JSON"})
         stage.wait(lambda: next((data for data in list(raw) if b"<&> in JSON" in data), None), "words of chair2 in XML")
         listener.undeclare()  # type: ignore[no-untyped-call]
 

@@ -17,10 +17,10 @@ from intellwheels_schemas.messages import (
     Actions,
     Clock,
     Entity,
+    Leave,
     LidarReading,
     Map,
     Measures,
-    OperatorSay,
     Record,
     Robot,
     Say,
@@ -31,7 +31,9 @@ from intellwheels_schemas.messages import (
 from intellwheels_schemas.shapes import Form, Member, Scalar, shape_of
 from intellwheels_schemas.vectors import GROWN, NAMES, REFUSED, RUN, VALID, class_of, encoding_of_file
 
-JSON, XML, TEXT = Encoding.JSON, Encoding.XML, Encoding.TEXT
+JSON, XML = Encoding.JSON, Encoding.XML
+OURS = "c0ffee0012345678"
+SESSION = b'"Session":"%s"' % OURS.encode()
 HASH = "0123456789abcdef"
 
 
@@ -196,15 +198,21 @@ def test_there_are_at_least_fifty_wrong_documents() -> None:
 @pytest.mark.parametrize(
     ("cls", "data", "text"),
     [
-        (Actions, b'{"LeftMotor":"fast"}', "Actions.LeftMotor: expected a number in [-1, 1], got 'fast'"),
-        (Actions, b'{"Tick":true}', "Actions.Tick: expected a whole number in [0, 9007199254740991], got true"),
+        (Actions, b'{%s,"LeftMotor":"fast"}' % SESSION, "Actions.LeftMotor: expected a number in [-1, 1], got 'fast'"),
+        (
+            Actions, b'{%s,"Tick":true}' % SESSION,
+            "Actions.Tick: expected a whole number in [0, 9007199254740991], got true",
+        ),
         (
             Actions, b'{"LeftMoter":1}',
             "Actions.LeftMoter: expected a field of Actions, got 'LeftMoter'; did you mean LeftMotor?",
         ),
-        (Actions, b'{"Goal":{"X":1}}', "Actions.Goal.Y: expected metres in [-10000, 10000], got nothing"),
+        (Actions, b'{%s,"Goal":{"X":1}}' % SESSION, "Actions.Goal.Y: expected metres in [-10000, 10000], got nothing"),
         (Actions, b'{"Tick":1,"Tick":2}', "Actions: expected each name once, got 'Tick' twice"),
-        (Actions, b'{"Say":"' + b"x" * 1001 + b'"}', "Actions.Say: expected at most 1000 characters, got 1001"),
+        (
+            Actions, b'{%s,"Say":"%s"}' % (SESSION, b"x" * 1001),
+            "Actions.Say: expected at most 1000 characters, got 1001",
+        ),
         (
             Robot, b'{"Height":1}',
             "Robot.Height: expected a field of Robot, got 'Height'; in the paper Height is a size on the plan: "
@@ -250,7 +258,6 @@ def test_words_of_a_stranger_are_shown_short_and_printable() -> None:
         ("zenoh/bytes", b"<Actions/>", XML),
         ("zenoh/string", b"{}", JSON),
         ("", b"{}", JSON),
-        ("text/plain", b"hello", TEXT),
     ],
 )
 def test_encoding_is_obeyed_and_the_first_byte_decides_where_none_is_said(
@@ -266,6 +273,7 @@ def test_encoding_is_obeyed_and_the_first_byte_decides_where_none_is_said(
         ("application/xml;iw.v10", b"{}", "version"),
         ("application/json;charset=latin-1", b"{}", "encoding"),
         ("image/png", b"{}", "encoding"),
+        ("text/plain", b"hello", "encoding"),
         ("zenoh/bytes", b"hello", "encoding"),
         ("zenoh/bytes", b"", "encoding"),
         ("", b"\xef\xbb\xbf{}", "encoding"),
@@ -279,21 +287,19 @@ def test_other_encodings_are_refused_in_words(encoding: str, data: bytes, code: 
 
 
 def test_encodings_are_written_without_a_suffix_and_known_with_the_version() -> None:
-    assert [one.value for one in Encoding] == ["application/json", "application/xml", "text/plain"]
+    assert [one.value for one in Encoding] == ["application/json", "application/xml"]
     assert all(is_known(f"{one.value}{suffix}") for one in Encoding for suffix in ("", ";iw.v1"))
     assert not any(is_known(text) for text in ("application/json;iw.v2", "zenoh/string", "", "image/png"))
 
 
-def test_plain_text_is_a_say_and_nothing_else() -> None:
-    assert decode(Say, "öffne".encode(), TEXT) == Say(text="öffne")
-    assert encode(Say(text="öffne"), TEXT) == "öffne".encode()
-    assert refusal(Actions, b"open", TEXT).code == "encoding"
-    assert refusal(OperatorSay, b"open", TEXT).code == "encoding"
-    assert refusal(Say, b"\xff", TEXT).code == "malformed"
-    assert refusal(Say, b"a\rb", TEXT).code == "value"
-    assert refusal(Say, b"x" * 1001, TEXT).code == "too-long"
-    with pytest.raises(ValueError, match="expected JSON or XML for Actions"):
-        encode(Actions(), TEXT)
+@pytest.mark.parametrize(
+    ("cls", "data"),
+    [(Actions, b'{"Tick":1}'), (Say, b'{"Text":"a"}'), (Leave, b"{}"), (Leave, b'{"Run":"9f3c21d4a0b1c2d3"}')],
+)
+def test_message_of_an_agent_without_its_session_is_refused(cls: type[Record], data: bytes) -> None:
+    error = refusal(cls, data)
+    assert (error.code, error.where) == ("field", f"{cls.__name__}.Session")
+    assert error.text == f"{cls.__name__}.Session: expected 16 lower-case hex digits, got nothing"
 
 
 # ---------------------------------------------------------------- writing
@@ -318,7 +324,7 @@ def test_lidar_keeps_its_nulls_and_text_may_say_null() -> None:
     message = Measures(run=RUN, tick=0, time=0.0, sensors=Sensors(lidar=(scan,)))
     assert decode(Measures, encode(message)) == message
     assert b'Ranges="- 1.0"' in encode(message, XML)
-    assert decode(Actions, encode(Actions(say="null"))) == Actions(say="null")
+    assert decode(Actions, encode(Actions(session=OURS, say="null"))) == Actions(session=OURS, say="null")
 
 
 @pytest.mark.parametrize("number", [math.nan, math.inf])
@@ -334,22 +340,24 @@ def test_number_that_is_not_finite_is_our_bug(number: float, encoding: Encoding)
 
 
 def test_explicit_defaults_other_orders_and_spaces_are_taken() -> None:
-    data = b' {"Seq" : 1 ,"Leave":false,"Tick":7, "Say":"a\\u003ab" } '
-    assert decode(Actions, data) == Actions(tick=7, seq=1, say="a:b")
-    xml = b"<?xml version='1.0'?>\n<!-- c --><Actions  Seq='1'\n Leave='false' Tick='7'>"
+    data = b' {"Session":"c0ffee0012345678" ,"Seq" : 1 ,"Leave":false,"Tick":7, "Say":"a\\u003ab" } '
+    assert decode(Actions, data) == Actions(session=OURS, tick=7, seq=1, say="a:b")
+    xml = b"<?xml version='1.0'?>\n<!-- c --><Actions  Session='c0ffee0012345678' Seq='1'\n Leave='false' Tick='7'>"
     xml += b"<Say>a<!-- c -->:b</Say>\n</Actions>\n"
-    assert decode(Actions, xml, XML) == Actions(tick=7, seq=1, say="a:b")
+    assert decode(Actions, xml, XML) == Actions(session=OURS, tick=7, seq=1, say="a:b")
 
 
 def test_integer_stands_for_a_float() -> None:
-    assert decode(Actions, b'{"LeftMotor":1}') == decode(Actions, b'<Actions LeftMotor="1"/>', XML)
+    assert decode(Actions, b'{%s,"LeftMotor":1}' % SESSION) == decode(
+        Actions, b'<Actions Session="%s" LeftMotor="1"/>' % OURS.encode(), XML
+    )
 
 
 def test_deep_and_long_strangers_are_refused() -> None:
     assert refusal(Robot, b'{"X":' + b"[" * 60_000).code == "malformed"
     assert refusal(Robot, b'{"X":' + b'{"a":' * 12_000, strict=False).code == "malformed"
     assert refusal(Robot, b"<Robot>" + b"<a>" * 9_000, XML, strict=False).code == "malformed"
-    assert refusal(Actions, b'{"Tick":' + b"9" * 4_000 + b"}").code == "value"
+    assert refusal(Actions, b'{%s,"Tick":%s}' % (SESSION, b"9" * 4_000)).code == "value"
     assert refusal(Actions, b" " * 4097).text == "Actions: expected at most 4096 bytes, got 4097"
     assert refusal(Measures, b" " * (MAX_BYTES + 1)).code == "too-long"
 

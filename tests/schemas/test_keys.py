@@ -3,7 +3,8 @@ from __future__ import annotations
 import pytest
 
 from intellwheels_schemas.errors import WireError
-from intellwheels_schemas.keys import In, Keys, Out, Token, parse_alive
+from intellwheels_schemas.keys import Control, In, Keys, Out, Token, parse_alive
+from intellwheels_schemas.messages import Delete, Pause
 
 HEX = "5f0c2a9be1d84377"
 
@@ -26,6 +27,12 @@ def test_every_key_is_as_the_contract_says() -> None:
         f"iw/v1/lab/{name}" for name in ("map", "event", "clock", "alive")
     )
     assert keys.ctl("pause") == "iw/v1/lab/ctl/pause"
+    assert keys.ctl("take", "a") == "iw/v1/lab/ctl/take/a"
+    assert keys.ctl_of("pause", Pause()) == "iw/v1/lab/ctl/pause"
+    assert keys.ctl_of("delete", Delete(agent="a")) == "iw/v1/lab/ctl/delete/a"
+    for verb, agent in (("take", None), ("pause", "a")):
+        with pytest.raises(ValueError, match=f"agent for ctl/{verb}"):
+            keys.ctl(verb, agent)  # type: ignore[arg-type]
     assert keys.crew_actions("c") == "iw/v1/lab/crew/c/actions"
     assert keys.crew_measures("c") == "iw/v1/lab/crew/c/measures"
 
@@ -39,7 +46,9 @@ def test_what_was_made_is_taken_apart_again() -> None:
     assert keys.parse_leave(keys.leave("a")) == "a"
     assert keys.parse_user(keys.user("a")) == "a"
     assert keys.parse_body(keys.body("a")) == "a"
-    assert keys.parse_ctl(keys.ctl("seek")) == "seek"
+    assert keys.parse_ctl(keys.ctl("seek")) == Control("seek")
+    assert keys.parse_ctl(keys.ctl("take", "a")) == Control("take", "a")
+    assert keys.parse_ctl("iw/v1/main/ctl/take") == Control("take")
     assert keys.parse_state(keys.state(12)) == 12
     assert keys.parse_crew(keys.crew_actions("c")) == "c"
     assert parse_alive(keys.alive) == "main"
@@ -72,7 +81,8 @@ def test_other_keys_of_nobody_are_nobodys() -> None:
     assert keys.parse_token(f"iw/v1/main/in/a/alive/both/{HEX.upper()}") is None
     assert keys.parse_token(f"iw/v1/main/in/a/alive/king/{HEX}") is None
     assert keys.parse_join("iw/v1/main/join/*") is None
-    assert keys.parse_ctl("iw/v1/main/ctl/explode") is None
+    for key in ("explode", "explode/a", "pause/a", "take/A", "take/*", "take/a/b"):
+        assert keys.parse_ctl(f"iw/v1/main/ctl/{key}") is None
     assert keys.parse_state("iw/v1/main/state/-1") is None
     assert keys.parse_state("iw/v1/main/state/²") is None
     assert keys.parse_crew("iw/v1/main/crew/c/measures") is None

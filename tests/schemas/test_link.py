@@ -239,11 +239,11 @@ def test_query_brings_the_reply_or_the_error_reply(pair: tuple[zenoh.Session, ze
     thread = serve(inbox, lambda ask: ask.reply(ask.data, Encoding.XML))
     (answer,) = query(client, key, b"<Robot/>", Encoding.XML)
     thread.join()
-    assert answer == (key, b"<Robot/>", "application/xml", True)
+    assert answer[:4] == (key, b"<Robot/>", "application/xml", True)
     thread = serve(inbox, lambda ask: ask.refuse(b"{}", Encoding.JSON))
     (answer,) = query(client, key, b"{}")
     thread.join()
-    assert answer == ("", b"{}", "application/json", False)
+    assert answer[:4] == ("", b"{}", "application/json", False)
 
 
 @pytest.mark.process
@@ -259,7 +259,7 @@ def test_error_reply_of_another_simulator_may_have_the_version(
     thread = serve(inbox, lambda ask: ask.query.reply_err(b"{}", encoding=zenoh.Encoding(encoding)))
     (answer,) = query(client, KEYS.join("chair1"), b"{}")
     thread.join()
-    assert answer == ("", b"{}", encoding, False)
+    assert answer[:4] == ("", b"{}", encoding, False)
 
 
 @pytest.mark.process
@@ -290,7 +290,7 @@ def test_query_that_nobody_answers_says_so(pair: tuple[zenoh.Session, zenoh.Sess
 def test_query_that_is_never_finished_ends_with_its_time(pair: tuple[zenoh.Session, zenoh.Session]) -> None:
     server, client = pair
     inbox = Inbox()
-    server.declare_queryable(KEYS.every_ctl, inbox.on_query)
+    server.declare_queryable(KEYS.every_ctl[0], inbox.on_query)
     _token = joined(server, client, inbox)
     with pytest.raises(ConnectionError, match="no simulator at"):
         query(client, KEYS.ctl("pause"), b"{}", timeout=0.3)

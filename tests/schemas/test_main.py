@@ -47,7 +47,7 @@ def test_help_of_check_has_its_own_usage_line(capsys: pytest.CaptureFixture[str]
 
 def test_class_can_be_said(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     path = tmp_path / "mine.json"
-    path.write_bytes(b'{"Text":"open"}\n')
+    path.write_bytes(b'{"Session":"c0ffee0012345678","Text":"open"}\n')
     code, said = run(capsys, str(path))
     assert code == 2
     assert said.endswith("give the class with --as")
@@ -58,7 +58,9 @@ def test_class_can_be_said(capsys: pytest.CaptureFixture[str], tmp_path: Path) -
 def test_document_may_come_on_standard_input(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("sys.stdin", SimpleNamespace(buffer=io.BytesIO(b'<Actions Tick="5"/>')))
+    monkeypatch.setattr(
+        "sys.stdin", SimpleNamespace(buffer=io.BytesIO(b'<Actions Session="c0ffee0012345678" Tick="5"/>'))
+    )
     assert run(capsys, "-") == (0, "-: a valid Actions")
 
 

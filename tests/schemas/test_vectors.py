@@ -52,9 +52,10 @@ BYTES = {
         '"Mode":"autonomous","Goal":{"X":5.0,"Y":1.0},"Say":"follow me"}'
     ),
     "Actions-paper.xml": (
-        '<Actions LeftMotor="0.5" RightMotor="0.4"><Say><![CDATA[follow me]]></Say></Actions>'
+        '<Actions Session="c0ffee0012345678" LeftMotor="0.5" RightMotor="0.4">'
+        "<Say><![CDATA[follow me]]></Say></Actions>"
     ),
-    "Actions-answer.xml": '<Actions Tick="5"/>',
+    "Actions-answer.xml": '<Actions Session="c0ffee0012345678" Tick="5"/>',
     "Measures.xml": (
         '<Measures Run="9f3c21d4a0b1c2d3" Tick="42" Time="2.1" Collision="true"><Sensors><Proximity Id="a" '
         'Value="1.25"/><Proximity Id="b" Status="none"/><Proximity Id="c" Status="near"/><Proximity Id="d" '

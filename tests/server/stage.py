@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 from typing import Any
 
@@ -10,6 +11,7 @@ import msgspec
 from intellwheels_maps import floor, robot
 from intellwheels_schemas.codec import Encoding, encode
 from intellwheels_schemas.file_records import Inputs
+from intellwheels_schemas.keys import AGENT_VERBS
 from intellwheels_schemas.messages import (
     Actions,
     Body,
@@ -25,8 +27,10 @@ from intellwheels_schemas.messages import (
     Result,
     Robot,
     Role,
+    Say,
     WorldState,
 )
+from intellwheels_schemas.metal_codes import code_of, pose_line
 from intellwheels_server import world
 from intellwheels_server.log.input_log import Line, Log
 from intellwheels_server.service.arrival import Put, PutKind, Query, Token, Topic
@@ -37,6 +41,8 @@ from intellwheels_server.service.side_process import Outcome
 
 RUN = "0123456789abcdef"
 JSON = Encoding.JSON
+NOBODY = "0" * 16
+"""A session that no join gave."""
 
 
 class FloorsAtOnce:
@@ -75,6 +81,7 @@ class Stage:
         self.lines: list[str] = []
         self.notes: list[str] = []
         self.sessions: dict[str, str] = {}
+        self.keys: dict[str, str] = {}
         self.log = Log(log, setup, RUN) if log else None
         self.floors = FloorsAtOnce()
         self.live_run = LiveRun(
@@ -158,6 +165,8 @@ class Stage:
         replies: list[tuple[Record, bool]] = []
         encoding = more.pop("encoding", JSON)
         data = message if isinstance(message, bytes) else encode(message, encoding)
+        if topic == "ctl" and name in AGENT_VERBS and "agent" not in more:
+            more["agent"] = json.loads(data)["Agent"]
 
         def send(reply: Record, reply_encoding: Encoding, ok: bool, _name: str | None) -> None:
             encode(reply, reply_encoding)
@@ -179,6 +188,8 @@ class Stage:
         assert ok, reply
         assert isinstance(reply, Joined)
         self.sessions[agent] = reply.session
+        if reply.key is not None:
+            self.keys[agent] = reply.key
         return reply
 
     def join_two(self, **more: Any) -> None:
@@ -202,6 +213,11 @@ class Stage:
         return replies[0]
 
     def put(self, agent: str, message: Record | bytes, kind: PutKind = "actions", encoding: str = JSON.value) -> None:
+        """Put a message of an agent, with the session and the code of its last join unless it has others."""
+        if isinstance(message, Actions | Pose | Say) and message.session is None:
+            message = msgspec.structs.replace(message, session=self.sessions.get(agent, NOBODY))
+        if isinstance(message, Pose) and message.code is None and agent in self.keys:
+            message = msgspec.structs.replace(message, code=code_of(self.keys[agent], pose_line(message)))
         data = message if isinstance(message, bytes) else encode(message)
         self.live_run.take(Put(agent, kind, data, encoding), self.now)
         self.work()

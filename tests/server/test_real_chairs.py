@@ -104,9 +104,10 @@ def test_pose_with_invalid_numbers_gives_an_error(chair: Reported, text: str) ->
 
 @pytest.mark.parametrize("session", [None, "f" * 16])
 def test_pose_with_another_session_is_dropped(chair: Reported, session: str | None) -> None:
-    chair.say(3.0, session=session)
+    named = {} if session is None else {"Session": session}
+    chair.stage.put("chair1", json.dumps({**named, "X": 3.0, "Y": 2.6, "Heading": 0.0}).encode(), "pose")
     chair.on()
-    assert (chair.x, chair.codes) == (2.0, ["session"])
+    assert (chair.x, chair.codes) == (2.0, ["field" if session is None else "session"])
 
 
 def test_pose_of_another_run_is_late(chair: Reported) -> None:

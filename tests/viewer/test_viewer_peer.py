@@ -157,7 +157,7 @@ def test_a_world_that_comes_alone_is_taken_and_kept_when_another_comes() -> None
 
 def test_reported_poses_are_heard_in_a_log_that_is_played(world: tuple[Simulator, Network]) -> None:
     made, network = world
-    pose = Pose(run=RUN, tick=3, x=1.5, y=0.0, heading=0.0)
+    pose = Pose(run=RUN, session=RUN, tick=3, x=1.5, y=0.0, heading=0.0)
 
     def report(last: int | None) -> None:
         made.clock = msgspec.structs.replace(clock(3, stamp=time.time()), last=last)
@@ -221,8 +221,24 @@ def test_a_router_that_goes_is_told() -> None:
 # ---------------------------------------------------------------- in
 
 
-def test_another_run_is_followed_without_asking_anybody(world: tuple[Simulator, Network]) -> None:
+@pytest.mark.parametrize(("run", "tick"), [(OTHER, 0), (RUN, 2**53 - 1)])
+def test_forged_world_is_not_shown(world: tuple[Simulator, Network], run: str, tick: int) -> None:
     made, network = world
+    false = msgspec.structs.replace(clock(0, run, stamp=9e9), tick=tick, state="ended")
+    made.put(made.keys.clock, false)
+    made.put(made.keys.event, event(0, "contact", run, tick))
+    made.put(made.keys.state(0), msgspec.structs.replace(state(0, entity("ghost"), run=run), tick=tick))
+    made.put(made.keys.clock, clock(4, stamp=time.time()))
+    made.put(made.keys.state(0), state(4, entity("a", 1.5), entity("b", 2.0)))
+    shown = sees(network, lambda snapshot: snapshot.tick == 4)
+    assert [one.name for one in shown.entities] == ["a", "b"]
+    assert shown.clock is not None
+    assert (shown.run, shown.clock.state, shown.events) == (RUN, "running", ())
+
+
+def test_another_run_is_followed_once_the_simulator_confirms_it(world: tuple[Simulator, Network]) -> None:
+    made, network = world
+    made.bodies = [body("c", OTHER)]
     made.put(made.keys.map, info(OTHER))
     made.put(made.keys.body("c"), body("c", OTHER))
     made.run(0, entity("c"), run=OTHER)

@@ -15,7 +15,7 @@ from intellwheels_experiments.run.endpoints import free_port
 from intellwheels_maps import library
 from intellwheels_schemas import link
 from intellwheels_schemas.codec import decode, encode
-from intellwheels_schemas.keys import VERBS, Keys
+from intellwheels_schemas.keys import Keys
 from intellwheels_schemas.messages import (
     Body,
     Clock,
@@ -101,7 +101,7 @@ class Simulator:
         self.fetched: list[str] = []
         keys = self.keys
         self._held: list[Any] = [
-            session.declare_queryable(keys.every_ctl, self._control),
+            *(session.declare_queryable(key, self._control) for key in keys.every_ctl),
             session.declare_queryable(keys.clock, lambda query: self._reply(query, self.clock)),
             session.declare_queryable(keys.map, lambda query: self._reply(query, self.floor)),
             session.declare_queryable(keys.every_body, self._all_bodies),
@@ -155,8 +155,9 @@ class Simulator:
 
     def _control(self, query: zenoh.Query) -> None:
         with query:
-            verb = str(query.key_expr).rpartition("/")[2]
-            assert verb in VERBS
+            control = self.keys.parse_ctl(str(query.key_expr))
+            assert control is not None
+            verb = control.verb
             data = query.payload.to_bytes() if query.payload is not None else b""
             self.asked.append((verb, data))
             answer = self.verdict(verb, data)

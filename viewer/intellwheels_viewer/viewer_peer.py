@@ -14,7 +14,7 @@ from collections import deque
 from collections.abc import Callable, Collection
 from dataclasses import dataclass, field
 from functools import partial
-from typing import Any, Final, TypeVar
+from typing import Any, Final, TypeVar, cast
 
 import zenoh
 
@@ -22,7 +22,7 @@ from intellwheels_schemas.channels import CHANNELS
 from intellwheels_schemas.codec import decode, encode, encoding_of
 from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.keys import EVERY_ALIVE, Keys, Verb, parse_alive
-from intellwheels_schemas.link import Answer, Link, declare, open_session, query, watch_tokens
+from intellwheels_schemas.link import Answer, Link, declare, open_session, query, tokens, watch_tokens
 from intellwheels_schemas.messages import (
     Body,
     Clock,
@@ -38,7 +38,9 @@ from intellwheels_schemas.messages import (
     WorldState,
 )
 from intellwheels_schemas.names import is_name
+from intellwheels_schemas.repliers import by_simulator
 from intellwheels_schemas.zenoh_inbox import Inbox, Presence, Put
+from intellwheels_viewer.run_guard import Dated, RunGuard
 from intellwheels_viewer.snapshot import Phase, Snapshot
 from intellwheels_viewer.state_store import StateStore
 from intellwheels_viewer.steering import VIEW_ONLY, Refusal
@@ -69,6 +71,7 @@ class _World:
     answers: deque[tuple[type[Record], Answer, tuple[str, str]]] = field(default_factory=deque)
     speech: deque[tuple[str, str | None]] = field(default_factory=deque)
     store: StateStore = field(default_factory=StateStore)
+    guard: RunGuard = field(default_factory=RunGuard)
     subscribers: list[zenoh.Subscriber[None]] = field(default_factory=list)
     reports: zenoh.Subscriber[None] | None = None
     watched: dict[str, zenoh.Subscriber[None]] = field(default_factory=dict)
@@ -229,6 +232,7 @@ class Network:
             kind, answer, asked = world.answers.popleft()
             if kind is Clock:
                 world.heard = now
+                _deliver(Clock, answer, world.guard.confirm)
             _deliver(kind, answer, takes.get(kind, partial(store.on_floor, asked=asked)))
         while world.speech:
             store.on_user_speech(*world.speech.popleft())
@@ -237,24 +241,24 @@ class Network:
         newest = {arrival.key: index for index, arrival in enumerate(arrivals)}
         for index, put in enumerate(arrivals):
             if put.key == keys.event:
-                _deliver(Event, put, store.on_event)
+                _deliver(Event, put, store.on_event, world.guard)
             elif put.key == keys.map:
-                _deliver(MapInfo, put, store.on_map_info)
+                _deliver(MapInfo, put, store.on_map_info, world.guard)
             elif keys.parse_body(put.key) is not None:
-                _deliver(Body, put, store.on_body)
+                _deliver(Body, put, store.on_body, world.guard)
             elif newest[put.key] != index:
                 continue
             elif put.key == keys.clock:
                 world.heard = now
-                _deliver(Clock, put, store.on_clock)
+                _deliver(Clock, put, store.on_clock, world.guard)
             elif keys.parse_state(put.key) is not None:
-                _deliver(WorldState, put, store.on_state)
+                _deliver(WorldState, put, store.on_state, world.guard)
             elif (
                 (out := keys.parse_out(put.key)) is not None
                 and out.kind == "measures"
                 and _is_watched(world, out.agent)
             ):
-                _deliver(Measures, put, partial(store.on_measures, out.agent))
+                _deliver(Measures, put, partial(store.on_measures, out.agent), world.guard)
             elif (report := keys.parse_in(put.key)) is not None and report.kind == "pose":
                 _deliver(Pose, put, partial(store.on_reported, report.agent))
 
@@ -263,8 +267,9 @@ class Network:
     def _fetch(self, world: _World, now: float) -> None:
         store = world.store
         missing_bodies = (
-            store.map_is_missing or store.missing_bodies or store.wants_events_since is not None or world.asked == 0.0
-        )
+            store.map_is_missing or store.missing_bodies or store.wants_events_since is not None
+            or world.asked == 0.0 or world.guard.doubts
+        )  # fmt: skip
         if world.asking or not missing_bodies or now - world.asked < FETCH_EVERY or world.name not in self._alive:
             return
         world.asking, world.asked = True, now
@@ -282,6 +287,7 @@ class Network:
             for selector, kind in wanted:
                 if session is not None:
                     answers = query(session, selector, timeout=ANSWER_LIMIT, stop=self._stop)
+                    answers = by_simulator(answers, keys, lambda: tokens(session, keys.every_claim))
                     world.answers.extend((kind, answer, asked) for answer in answers if answer.ok)
         except (ConnectionError, zenoh.ZError):
             pass  # No answer, or the session was closed meanwhile; it is tried again later.
@@ -304,7 +310,7 @@ class Network:
         except ValueError:
             raise Refusal(f"{verb}: expected finite numbers, got NaN or infinity") from None
         try:
-            answer = query(session, world.keys.ctl(verb), data, timeout=ANSWER_LIMIT, stop=self._stop)[0]
+            answer = query(session, world.keys.ctl_of(verb, request), data, timeout=ANSWER_LIMIT, stop=self._stop)[0]
         except (ConnectionError, zenoh.ZError):
             there = world.name in self._alive
             words = f"{VIEW_ONLY}: the simulator did not get this request" if there else "The simulator is not running"
@@ -360,13 +366,14 @@ def _is_watched(world: _World, agent: str) -> bool:
     return agent in world.watched or "*" in world.watched
 
 
-def _deliver(kind: type[_M], put: Put | Answer, take: Callable[[_M], None]) -> None:
+def _deliver(kind: type[_M], put: Put | Answer, take: Callable[[_M], None], guard: RunGuard | None = None) -> None:
     try:
         message = decode(kind, put.data, encoding_of(put.encoding, put.data), strict=False)
     except WireError:
         # Any peer can publish in a world; what cannot be decoded is ignored.
         return
-    take(message)
+    if guard is None or guard.counts(cast("Dated", message)):
+        take(message)
 
 
 def _announce(why: str) -> None:

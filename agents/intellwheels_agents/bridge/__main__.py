@@ -164,7 +164,7 @@ class _BridgeProcess:
     def _second_link(self) -> Link:
         """Return the link of another session: only one session can listen at an endpoint, the others connect to it."""
         where = self._where
-        return Link(where.world, connect=where.connect or where.listen, config=where.config)
+        return Link(where.world, connect=where.connect or where.listen, config=where.config, identity=where.identity)
 
     def _tell(self, line: str) -> None:
         if line.startswith("joined "):
@@ -233,6 +233,7 @@ class _BridgeProcess:
             check_name(given.lab_world, "--lab-world"),
             connect=tuple(given.lab_connect) or self._where.connect,
             config=None if given.lab_connect else self._where.config,
+            identity=None if given.lab_connect else self._where.identity,
         )
         chair = with_receiver(chair, fixes=given.pose == "corrected", noise=given.fix_noise, every=given.fix_every)
         robot = joining(

@@ -59,7 +59,7 @@ def operate(
         errors = session.declare_subscriber(keys.error(agent), inbox.on_sample)
         publisher = link.declare(session, keys.user(agent), CHANNELS["user"], Encoding.JSON)
         with publisher, clock, errors:
-            requests = _LeaseRequests(session, keys.ctl("take"))
+            requests = _LeaseRequests(session, keys.ctl("take", agent))
             _check_agent(session, keys.body(agent), agent, take=take)
             return _Loop(agent, source, requests, inbox, publisher, take=take).run(stop)
 

@@ -295,7 +295,7 @@ class AgentSession:
         raise PointError(f"{expected} within {self.patience.answer:g} s", f"{got} in answer to {shown(payload)}")
 
     def read(self, put: ActionsPut) -> Actions:
-        """Return decoded Actions, by their first byte: their encoding is a point of its own.
+        """Return decoded Actions, by their first byte: their encoding is a point of its own, and so is their Session.
 
         Raises:
             PointError: They are not valid.
@@ -303,7 +303,14 @@ class AgentSession:
         try:
             return decode(Actions, put.data, encoding_of("", put.data))
         except WireError as error:
-            raise PointError("valid Actions", f"{error.text}: {shown(put.data)}") from None
+            fault = error
+        if (fault.code, fault.where) == ("field", "Actions.Session"):
+            named = _with_session(put.data, self.session)
+            try:
+                return msgspec.structs.replace(decode(Actions, named, encoding_of("", named)), session=None)
+            except WireError as error:
+                fault = error
+        raise PointError("valid Actions", f"{fault.text}: {shown(put.data)}") from None
 
     # ------------------------------------------------------------ events
 
@@ -353,6 +360,14 @@ class AgentSession:
             if self.exit_code is not None and expected:
                 raise PointError(expected, f"the end of the program, exit code {self.exit_code}")
         return None
+
+
+def _with_session(data: bytes, session: str) -> bytes:
+    """Return Actions that have no Session with one."""
+    if data.startswith(b"<"):
+        return data.replace(b"<Actions", f'<Actions Session="{session}"'.encode(), 1)
+    rest = data.strip()[1:]
+    return f'{{"Session":"{session}"'.encode() + (b"" if rest.lstrip() == b"}" else b",") + rest
 
 
 def shown(data: bytes) -> str:

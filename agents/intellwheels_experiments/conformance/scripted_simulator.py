@@ -31,11 +31,11 @@ from intellwheels_experiments.conformance.probe import (
 from intellwheels_experiments.run.child_processes import ChildProcesses
 from intellwheels_experiments.run.foreign_program import guarded
 from intellwheels_schemas.channels import CHANNELS
-from intellwheels_schemas.codec import Encoding, encode, encoding_of
+from intellwheels_schemas.codec import Encoding, decode, encode, encoding_of
 from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.keys import Keys
 from intellwheels_schemas.link import Link, declare, declare_token, open_session, watch_tokens
-from intellwheels_schemas.messages import Map, Result
+from intellwheels_schemas.messages import Clock, Map, Measures, Result
 from intellwheels_schemas.zenoh_inbox import Arrival, Ask, Inbox, Presence, Put
 
 SLICE: Final = 0.05
@@ -84,6 +84,7 @@ class NetworkProbe:
         self._program: str | None = None
         self._exit_told = False
         self._simulator: _Simulator | None = None
+        self._last: tuple[bytes, Encoding] | None = None
         self._tokens: set[str] = set()
         self._events: deque[ProgramEvent] = deque()
 
@@ -166,6 +167,8 @@ class NetworkProbe:
 
     def put(self, kind: Literal["measures", "error"], data: bytes, encoding: Encoding) -> None:
         """Publish a message for the program. Without a simulator nothing happens."""
+        if kind == "measures":
+            self._last = data, encoding
         if self._simulator is not None:
             self._simulator.put(kind, data, encoding)
 
@@ -209,6 +212,16 @@ class NetworkProbe:
         elif isinstance(arrival, Ask):
             self._reply(arrival)
 
+    def _clock(self) -> Clock | None:
+        """Return the clock of the Measures that were put last."""
+        if self._last is None:
+            return None
+        measures = decode(Measures, *self._last)
+        return Clock(
+            run=measures.run, tick=measures.tick, time=measures.time, state="running", pace="lockstep",
+            hash="0" * 16, stamp=time.time(),
+        )  # fmt: skip
+
     def _reply(self, ask: Ask) -> None:
         try:
             encoding = encoding_of(ask.encoding, ask.data) if ask.encoding else Encoding.JSON
@@ -225,6 +238,10 @@ class NetworkProbe:
             ask.reply(encode(Result(code="ok"), encoding), encoding)
             ask.close()
             self._events.append(LeaveRequest())
+        elif ask.key == self._keys.clock:
+            if (clock := self._clock()) is not None:
+                ask.reply(encode(clock, encoding), encoding)
+            ask.close()
         elif ask.key == self._keys.map:
             ask.reply(encode(self._floor, encoding), encoding)
             ask.close()
@@ -250,7 +267,7 @@ class _Simulator:
             stack.enter_context(session)
             stack.enter_context(watch_tokens(session, keys.tokens(agent), self._inbox))
             stack.enter_context(session.declare_subscriber(keys.actions(agent), self._on_actions))
-            for key in (keys.join(agent), keys.leave(agent), keys.map):
+            for key in (keys.join(agent), keys.leave(agent), keys.map, keys.clock):
                 stack.enter_context(session.declare_queryable(key, self._inbox.on_query))
             self._publishers = {
                 kind: stack.enter_context(declare(session, keys.out(agent, kind), CHANNELS[kind], Encoding.JSON))

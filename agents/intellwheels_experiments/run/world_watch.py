@@ -99,7 +99,7 @@ class WorldWatch:
             ConnectionError: No answer came in time.
             WireError: The answer is not a `Result`.
         """
-        answer = query(self._session, self._keys.ctl(verb), encode(message), timeout=timeout)[0]
+        answer = query(self._session, self._keys.ctl_of(verb, message), encode(message), timeout=timeout)[0]
         return decode(Result, answer.data, encoding_of(answer.encoding, answer.data), strict=False)
 
     def _ask(self, selector: str) -> list[Answer]:

@@ -52,6 +52,7 @@ class Query:
     Attributes:
         topic: The subject of the query.
         name: The agent or verb in the key; empty if the key has none or an invalid one.
+        agent: The agent that a control verb is about, if its key names one.
         data: The payload.
         encoding: Zenoh's encoding of the payload, as text. Replies use it too.
         send: Sends one reply: the message, its encoding, whether it is an ordinary reply or an error reply, and the
@@ -71,6 +72,7 @@ class Query:
     parameters: Mapping[str, str] = field(default_factory=dict)
     matches: Callable[[str], bool] = lambda _name: True
     has_wildcards: bool = False
+    agent: str = ""
 
     def reply_encoding(self) -> Encoding:
         """Return the encoding of replies: XML if the query was XML, else JSON."""

@@ -79,13 +79,13 @@ class ArrivalReader:
         if topic is None:
             arrival.close()
             return None
-        name = ""
+        name = agent = ""
         if topic == "join":
             name = keys.parse_join(arrival.key) or ""
         elif topic == "leave":
             name = keys.parse_leave(arrival.key) or ""
-        elif topic == "ctl":
-            name = keys.parse_ctl(arrival.key) or ""
+        elif topic == "ctl" and (control := keys.parse_ctl(arrival.key)) is not None:
+            name, agent = control
         return Query(
             topic=topic,
             name=name,
@@ -96,6 +96,7 @@ class ArrivalReader:
             parameters=_parameters(arrival.parameters),
             matches=partial(self._matches, arrival, topic),
             has_wildcards="*" in arrival.key,
+            agent=agent,
         )
 
     def _matches(self, arrival: zenoh_inbox.Ask, topic: Topic, name: str) -> bool:

@@ -1,4 +1,4 @@
-"""Handles the requests of operators, `ctl/<verb>`.
+"""Handles the requests of operators, `ctl/<verb>` and `ctl/<verb>/<agent>`.
 
 The class of the message decides which function handles it. `handle` has the messages that act at once; it queues all
 others for `change`, which has those that change the world.
@@ -23,6 +23,7 @@ from intellwheels_schemas.file_records import (
     TakeBody,
     TeleportBody,
 )
+from intellwheels_schemas.keys import AGENT_VERBS
 from intellwheels_schemas.messages import (
     Delete,
     OperatorSay,
@@ -84,8 +85,24 @@ def read_message(service: ServiceState, query: Query) -> Record | None:
     except WireError as error:
         query.refuse(service.result("failed", error.text))
         return None
-    service.publisher.outlet.log_line(f"asked verb={query.name} tick={service.run.state.tick}")
+    if query.name in AGENT_VERBS:
+        wrong = _wrong_agent(message, query)
+        if wrong:
+            query.refuse(service.result("failed", wrong))
+            return None
+    about = f" agent={query.agent}" if query.agent else ""
+    service.publisher.outlet.log_line(f"asked verb={query.name}{about} tick={service.run.state.tick}")
     return message
+
+
+def _wrong_agent(message: Record, query: Query) -> str:
+    """Return what is wrong with the agent of a verb that is about one; empty if it is right."""
+    named = getattr(message, "agent", None)
+    if not query.agent:
+        return f"ctl/{query.name}: expected ctl/{query.name}/<agent>, got no name of an agent in the key"
+    if named not in (None, query.agent):
+        return f"{type(message).__name__}.Agent: expected '{query.agent}' as in the key, got '{named}'"
+    return ""
 
 
 # ------------------------------------------------------------ messages that act at once
@@ -246,8 +263,8 @@ def _spawn(message: Spawn, service: ServiceState, query: Query, _now: float) -> 
 
 
 @change.register
-def _delete(message: Delete, service: ServiceState, query: Query, now: float) -> None:
-    agent = message.agent
+def _delete(_message: Delete, service: ServiceState, query: Query, now: float) -> None:
+    agent = query.agent
     outcome = service.apply(DeleteBody(agent=agent))
     if outcome.code == "ok":
         members = service.agents.roster.members(agent)
@@ -264,12 +281,12 @@ def _delete(message: Delete, service: ServiceState, query: Query, now: float) ->
 
 @change.register
 def _teleport(message: Teleport, service: ServiceState, query: Query, _now: float) -> None:
-    _reply(service, query, service.apply(TeleportBody(agent=message.agent, position=message.position)))
+    _reply(service, query, service.apply(TeleportBody(agent=query.agent, position=message.position)))
 
 
 @change.register
 def _take(message: Take, service: ServiceState, query: Query, now: float) -> None:
-    agent, leases = message.agent, service.agents.leases
+    agent, leases = query.agent, service.agents.leases
     active = leases.active(agent)
     if agent not in service.run.state.body_set.models:
         query.reply(service.result("not-found", f"no agent '{agent}' here"))

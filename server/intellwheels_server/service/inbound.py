@@ -16,6 +16,7 @@ from intellwheels_schemas.messages import (
     Say,
     UserInput,
 )
+from intellwheels_schemas.metal_codes import is_genuine, pose_line
 from intellwheels_server.service import joining
 from intellwheels_server.service.arrival import Put
 from intellwheels_server.service.barrier import AnswerKind
@@ -96,6 +97,9 @@ def _take_pose(service: ServiceState, agent: str, pose: Pose, data: bytes, now: 
     fault = _check_session(service, agent, member, pose.session, "Pose")
     if fault is None and member is not None and not member.real:
         fault = Fault("role", "Pose: expected a robot of Type real, got a simulated one", "Pose")
+    if fault is None and member is not None and not is_genuine(member.key, pose_line(pose), pose.code):
+        text = f"Pose.Code: expected the code that the key of the bridge makes, got {pose.code or 'none'}"
+        fault = Fault("forged", text, "Pose.Code")
     if fault is None:
         fault = check_time(pose.run, pose.tick, state.run, state.tick, "Pose")
         if fault is not None and fault.code == "late" and pose.run in (None, state.run):
@@ -122,7 +126,7 @@ def _check_session(
 ) -> Fault | None:
     """Return what is wrong with the session of a message, or None. An agent that was deleted is told so."""
     fault = check_session(member, service.agents.roster.members(agent), session, where)
-    if fault is not None and session is not None and service.agents.deleted.get(agent) == session:
+    if fault is not None and service.agents.deleted.get(agent) == session:
         return DELETED
     return fault
 
@@ -141,7 +145,7 @@ def _take_say(service: ServiceState, agent: str, say: Say) -> Fault | None:
     fault: Fault | None = None
     if not members:
         fault = Fault("not-joined", "Say: expected an agent that has joined, got one that has not", "Say")
-    elif say.session is not None and all(say.session != member.session for member in members):
+    elif all(say.session != member.session for member in members):
         fault = Fault("session", "Say.Session: expected the session of the last join, got another", "Say.Session")
     elif say.run is not None and say.run != state.run:
         fault = Fault("late", f"Say.Run: expected {state.run}, got {say.run}", "Say.Run")

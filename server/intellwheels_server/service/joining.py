@@ -11,6 +11,7 @@ from intellwheels_schemas.codec import Encoding, decode, encoding_of
 from intellwheels_schemas.errors import RequestRefusedError, WireError
 from intellwheels_schemas.file_records import Depart, Join, Note, TakeBody
 from intellwheels_schemas.messages import ErrorCode, Joined, Leave, Parameters, Position, Refused, RefusedCode, Robot
+from intellwheels_schemas.metal_codes import new_key
 from intellwheels_schemas.rules import has_motors
 from intellwheels_server.service import outbound
 from intellwheels_server.service.arrival import Query, Token
@@ -185,6 +186,9 @@ def _admit(
         simulated_hardware=body.hardware == "simulated",
         barrier=barrier,
     )
+    returns = current is not None and current.instance == member.instance
+    if member.real and member.has_body:
+        member.key = current.key if returns and current is not None and current.key else new_key()
     position = _give_body(service, member, current, keeps_body)
     agents.roster.add(member)
     agents.deleted.pop(agent, None)
@@ -198,7 +202,7 @@ def _admit(
         pacing.barrier.add(member.answers())
     if not pacing.waiting_to_start and (pacing.barrier_open or not pacing.lockstep):
         outbound.put_measures(service, agent)
-    return _joined_reply(service, member, position)
+    return _joined_reply(service, member, position, shows_key=not returns)
 
 
 def _check_real(service: ServiceState, robot: Robot) -> None:
@@ -279,7 +283,7 @@ def position_of(state: State, agent: str) -> Position:
     return Position(x=x, y=y, heading=heading)
 
 
-def _joined_reply(service: ServiceState, member: Member, position: Position) -> Joined:
+def _joined_reply(service: ServiceState, member: Member, position: Position, *, shows_key: bool) -> Joined:
     state, options = service.run.state, service.options
     setup, model = state.setup, state.body_set.models[member.agent]
     return Joined(
@@ -298,6 +302,8 @@ def _joined_reply(service: ServiceState, member: Member, position: Position) -> 
         # An agent that returns to a laboratory gets the start pose of its chair, not the true pose.
         position=model.start if options.hide_truth else position,
         robot=nominal(model.robot) if options.hide_truth else model.robot,
+        # Once only: anybody can read the instance of a process in its token, and join in its name.
+        key=member.key if member.key and shows_key else None,
     )
 
 
@@ -317,20 +323,19 @@ def handle_leave(service: ServiceState, query: Query) -> None:
             query.close()
         return
     try:
-        leave = decode(Leave, query.data, encoding_of(query.encoding, query.data)) if query.data else Leave()
+        # A query without bytes gets the same words as one without a Session.
+        data = query.data or b"{}"
+        leave = decode(Leave, data, encoding_of(query.encoding, data) if query.data else Encoding.JSON)
     except WireError as error:
         query.refuse(service.result("failed", error.text))
         return
     members = service.agents.roster.members(query.name)
-    leaving = [member for member in members if leave.session in (None, member.session)]
-    if not leaving:
+    leaving = next((member for member in members if member.session == leave.session), None)
+    if leaving is None:
         why = "no such agent here" if not members else "expected the session of the last join, got another"
         query.reply(service.result("not-found", f"agent '{query.name}': {why}"))
         return
-    # The body goes last, as removing it removes its mind too.
-    leaving.sort(key=lambda member: member.has_body)
-    for member in leaving:
-        queue_leave(service, member, query if member is leaving[-1] else None)
+    queue_leave(service, leaving, query)
 
 
 def queue_leave(service: ServiceState, member: Member, query: Query | None = None) -> None:

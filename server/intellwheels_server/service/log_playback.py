@@ -10,6 +10,8 @@ from collections.abc import Callable
 from functools import singledispatchmethod
 from typing import Final
 
+import msgspec
+
 from intellwheels_schemas.codec import Encoding
 from intellwheels_schemas.messages import Pause, Quit, Record, Refused, Resume, Seek, Speed, Step
 from intellwheels_server.log.reported_poses import ReportedPoses
@@ -26,6 +28,8 @@ from intellwheels_server.world import State
 
 READ_ONLY: Final = "a played log cannot be steered"
 """The answer to every request that would change the run."""
+NO_SESSION: Final = "0" * 16
+"""The session in the poses of a playback."""
 AT_END: Final = "the log is at its end; seek back"
 
 
@@ -131,7 +135,8 @@ class Playback:
         if self._reported is not None:
             state = self._service.run.state
             for agent, pose in self._reported.at(state.run, state.tick).items():
-                self._service.publisher.outlet.pose(agent, pose)
+                # A pose that the state stands in for has no session, and the sessions of a log are over.
+                self._service.publisher.outlet.pose(agent, msgspec.structs.replace(pose, session=NO_SESSION))
 
     # ------------------------------------------------------------ moving
 

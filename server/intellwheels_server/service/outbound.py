@@ -17,6 +17,7 @@ from intellwheels_schemas.messages import (
     Role,
     WorldState,
 )
+from intellwheels_schemas.metal_codes import code_of, power_line
 from intellwheels_server import world
 from intellwheels_server.service.arrival import Query
 from intellwheels_server.service.error_replies import Fault
@@ -111,8 +112,12 @@ def _zero_power(state: State) -> PowerInForce:
 
 def _put_power(service: ServiceState, agent: str, power: PowerInForce) -> None:
     member = service.agents.roster.body(agent)
-    if member is not None:
-        service.publisher.outlet.agent(agent, "power", power, member.encoding)
+    if member is None:
+        return
+    service.publisher.power_seq += 1
+    power = msgspec.structs.replace(power, seq=service.publisher.power_seq)
+    power = msgspec.structs.replace(power, code=code_of(member.key, power_line(power)))
+    service.publisher.outlet.agent(agent, "power", power, member.encoding)
 
 
 def is_hardware(roster: Roster, agent: str) -> bool:

@@ -60,6 +60,7 @@ class Publisher:
         hide_truth: Whether true poses stay off the network.
         unix_time: Returns Unix time in seconds, for the stamp of a clock.
         observer: Called with each event before positions are removed, if set.
+        power_seq: Number of the last power for a real chair.
         idle_power_at: When real chairs next get power 0 while the run is stopped.
     """
 
@@ -70,6 +71,7 @@ class Publisher:
         self.hide_truth = hide_truth
         self.unix_time = unix_time
         self.observer: Callable[[Event], None] | None = None
+        self.power_seq = 0
         self.idle_power_at = 0.0
 
     def put_event(self, event: Event) -> None:

@@ -6,7 +6,7 @@ token disappears, the member stays for a grace time, in which the instance may r
     the role that a join asks for is             decision
     free                                         a new member with a new session
     taken by the same instance                   the same session: its reply or its connection was lost
-    taken, and the join shows the session of it  a new session; the old one is void
+    taken, and the join shows the session of it  a new session; the old one is void (not of a real robot)
     taken, but the token of its member is gone   a new session; the old one is void
     taken, and its member is present             refused: already-here
 """
@@ -52,6 +52,7 @@ class Member:
         real: Whether the body is a real chair.
         simulated_hardware: Whether that chair is itself simulated.
         barrier: Whether lockstep waits for it.
+        key: What makes the codes of its poses and powers, if its body is real; else empty.
         absent_since: When its token disappeared, s, or None.
     """
 
@@ -64,6 +65,7 @@ class Member:
     real: bool = False
     simulated_hardware: bool = False
     barrier: bool = True
+    key: str = ""
     absent_since: float | None = None
 
     @property
@@ -211,7 +213,9 @@ class Roster:
             if role != "mind" and len(self._agents) >= MAX_BODIES:
                 raise RequestRefusedError("full", f"expected at most {MAX_BODIES} bodies, got one more")
             return None
-        same_process = robot.instance == current.instance or session == current.session
+        # The session of a real robot is in its poses, which anybody can read in an open world.
+        shows_session = session == current.session and not current.key
+        same_process = robot.instance == current.instance or shows_session
         if same_process or not self.has_token(agent, role, current.instance):
             return current
         raise RequestRefusedError("already-here", f"agent '{agent}' is already here")
@@ -260,19 +264,13 @@ def check_session(
     Args:
         member: The member that may send this message, or None if there is none.
         all_roles: All members of the agent.
-        session: The session in the message. Only real chairs must send one.
+        session: The session in the message.
         where: The message's class.
     """
     if member is None:
         if not all_roles:
             return Fault("not-joined", f"{where}: expected an agent that has joined, got one that has not", where)
         return Fault("role", f"{where}: not for the role {all_roles[0].role}", where)
-    if session is None:
-        if member.real:
-            return Fault(
-                "session", f"{where}.Session: expected one, as the robot is real; got none", f"{where}.Session"
-            )
-        return None
     if session == member.session:
         return None
     if any(other.session == session for other in all_roles):

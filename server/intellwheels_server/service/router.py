@@ -8,12 +8,16 @@ from __future__ import annotations
 import argparse
 import sys
 from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
 
-from intellwheels_schemas import defaults, link
-from intellwheels_schemas.command_parser import CommandParser
+from intellwheels_schemas import defaults
+from intellwheels_schemas.command_parser import CommandParser, readable_file
 from intellwheels_schemas.endpoint_form import check_endpoint
 from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.process import SLICE, add_process_options, stop_on_signals
+from intellwheels_schemas.router_link import OPEN, open_router, router_settings
+from intellwheels_server.service.lab_router import lab_settings, read_lab, read_users, users_file
 
 
 def parser() -> argparse.ArgumentParser:
@@ -30,8 +34,21 @@ def parser() -> argparse.ArgumentParser:
         help=f"endpoint to listen at; may be repeated (default: {defaults.ENDPOINT})",
     )
     found.add_argument("--print", action="store_true", help="print the configuration for zenohd -c FILE, and exit")
+    found.add_argument(
+        "--lab", type=readable_file, metavar="FILE", help="let in only the identities of this lab, with its rules"
+    )
     add_process_options(found)
     return found
+
+
+def _settings_of(file: Path, *, printed: bool) -> dict[str, Any]:
+    lab, users = read_lab(file), users_file(file)
+    known = {} if printed else read_users(users)
+    lacking = [] if printed else [identity.name for identity in lab.identity if identity.name not in known]
+    if lacking:
+        text = f"{users}: expected a password for {', '.join(lacking)}, got none; run iw-lab keys {file}"
+        raise WireError("value", text, str(users))
+    return lab_settings(lab, users)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -41,15 +58,18 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         for endpoint in listen:
             check_endpoint(endpoint, "--listen")
+        more = None if options.lab is None else _settings_of(options.lab, printed=options.print)
     except WireError as error:
         print(f"iw-router: {error}", file=sys.stderr)
         return 2
     if options.print:
-        print(link.router_settings(listen), end="")
+        print(router_settings(listen, more), end="")
         return 0
     stop = stop_on_signals(options.lifeline)
     try:
-        with link.open_router(listen):
+        with open_router(listen, more):
+            if more is None:
+                print(f"iw-router: {OPEN}", file=sys.stderr, flush=True)
             print(f"ready listen={','.join(listen)}", flush=True)
             while not stop.wait(SLICE):
                 pass

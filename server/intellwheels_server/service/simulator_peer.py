@@ -22,6 +22,8 @@ from intellwheels_schemas.codec import Encoding, encode
 from intellwheels_schemas.keys import Claim, Keys, OutKind
 from intellwheels_schemas.messages import Body, Clock, Event, MapInfo, Pose, Record, WorldState
 from intellwheels_schemas.process import SLICE
+from intellwheels_schemas.repliers import mark_of
+from intellwheels_schemas.router_link import OPEN
 from intellwheels_server.log.input_log import Log
 from intellwheels_server.log.reported_poses import ReportedPoses
 from intellwheels_server.log.run_files import RunFiles
@@ -247,7 +249,7 @@ class ClaimWatch:
     def __init__(self, session: zenoh.Session, keys: Keys) -> None:
         self._session, self._keys = session, keys
         self._inbox = zenoh_inbox.Inbox()
-        own = Claim(time.time_ns(), new_hex())
+        own = Claim(time.time_ns(), mark_of(str(session.info.zid())))
         self._token: Any = link.declare_token(session, keys.claim(own))
         self._watch = link.watch_tokens(session, keys.every_claim, self._inbox)
         self._claim = WorldClaim(own, _boot_time())
@@ -332,12 +334,14 @@ def _serve(
         for key in keys.every_put:
             stack.enter_context(session.declare_subscriber(key, inbox.on_sample))
         stack.enter_context(link.watch_tokens(session, keys.every_token, inbox))
-        for key in (keys.every_join, keys.every_leave, keys.every_ctl, keys.every_body, keys.every_state, keys.map,
+        for key in (keys.every_join, keys.every_leave, *keys.every_ctl, keys.every_body, keys.every_state, keys.map,
                     keys.event, keys.clock):  # fmt: skip
             stack.enter_context(session.declare_queryable(key, inbox.queries_of(key)))
         token: Any = link.declare_token(session, keys.alive)
         floor_name = service.state.setup.floor.name
         console.log_line(f"serving world={options.world} pace={options.pace} map={floor_name} at={route.where()}")
+        if route.identity is None:
+            console.log_line(f"world={options.world} is {OPEN}")
         console.print_line(f"ready world={options.world} run={service.state.run} listen={route.where()}")
         try:
             claim.begin()

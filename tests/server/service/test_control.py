@@ -298,6 +298,38 @@ def test_every_failure_is_an_error_reply(verb: str, message: bytes, code: str) -
     assert (reply.code, ok) == (code, code == "ok")
 
 
+@pytest.mark.parametrize(
+    ("verb", "data", "text"),
+    [
+        ("take", b"{}", "ctl/take: expected ctl/take/<agent>, got no name of an agent in the key"),
+        (
+            "delete",
+            b'{"Agent":"chair1"}',
+            "ctl/delete: expected ctl/delete/<agent>, got no name of an agent in the key",
+        ),
+    ],
+)
+def test_verb_about_an_agent_needs_its_name_in_the_key(verb: str, data: bytes, text: str) -> None:
+    stage = Stage()
+    stage.join("chair1")
+    ((reply, ok),) = stage.ask("ctl", verb, data, agent="")
+    assert isinstance(reply, Result)
+    assert (reply.code, reply.text, ok) == ("failed", text, False)
+    assert stage.live_run.state.names == ("chair1",)
+
+
+def test_payload_may_not_name_another_agent_than_the_key() -> None:
+    stage = Stage(pace="realtime")
+    stage.join("chair1")
+    stage.join("chair2", instance="b" * 16)
+    ((reply, _),) = stage.ask("ctl", "delete", b'{"Agent":"chair2"}', agent="chair1")
+    assert isinstance(reply, Result)
+    assert reply.text == "Delete.Agent: expected 'chair1' as in the key, got 'chair2'"
+    ((reply, _),) = stage.ask("ctl", "take", b"", agent="chair1")
+    assert isinstance(reply, Result)
+    assert (reply.code, reply.lease is not None) == ("ok", True)
+
+
 def test_query_with_wildcards_gets_no_verb_and_no_refusal() -> None:
     stage = Stage(pace="realtime")
     assert stage.ask("ctl", "", has_wildcards=True) == []

@@ -9,6 +9,7 @@ from intellwheels_schemas.messages import (
     Take,
     UserInput,
 )
+from intellwheels_schemas.metal_codes import code_of, pose_line
 from intellwheels_server.service.arrival import Put
 from tests.server.stage import Stage, real
 
@@ -47,9 +48,9 @@ def test_wrong_ticks_and_runs_give_an_error() -> None:
 def test_actions_in_the_form_of_the_paper_count_for_the_current_tick() -> None:
     stage = Stage()
     stage.join("chair1")
-    stage.put(
-        "chair1", b'<Actions LeftMotor="0.5" RightMotor="0.4"><Say><![CDATA[follow me]]></Say></Actions>', encoding=""
-    )
+    session = stage.sessions["chair1"].encode()
+    form = b'<Actions Session="%s" LeftMotor="0.5" RightMotor="0.4"><Say><![CDATA[follow me]]></Say></Actions>'
+    stage.put("chair1", form % session, encoding="")
     assert stage.tick == 1
 
 
@@ -106,7 +107,11 @@ def test_measures_carry_the_user_input_that_a_robot_declares() -> None:
 def test_say_is_in_the_next_measures_in_any_encoding() -> None:
     stage = Stage()
     stage.join_two()
-    for data, encoding in ((b"hello", "text/plain"), (b'<Say Seq="2"><![CDATA[hello]]></Say>', "application/xml")):
+    session = stage.sessions["chair1"].encode()
+    for data, encoding in (
+        (b'{"Session":"%s","Text":"hello"}' % session, "application/json"),
+        (b'<Say Session="%s" Seq="2"><![CDATA[hello]]></Say>' % session, "application/xml"),
+    ):
         stage.put("chair1", data, "say", encoding)
         stage.act("chair1", seq=stage.tick)
         stage.act("chair2", seq=stage.tick)
@@ -133,12 +138,28 @@ def test_say_beside_actions_with_a_say_gives_an_error() -> None:
     assert [h.text for h in stage.measures("chair2")[-1].message] == ["heard"]
 
 
-def test_real_chair_must_show_its_session() -> None:
+@pytest.mark.parametrize(
+    ("session", "code"), [(b"", "field"), (b'"Session":"ffffffffffffffff",', "session"), (None, "")]
+)
+def test_message_counts_only_with_the_session_of_the_join(session: bytes | None, code: str) -> None:
     stage = Stage(pace="realtime", strict=False)
     stage.join("chair1", real())
-    stage.put("chair1", Pose(x=2.0, y=2.0, heading=0.0), "pose")
-    stage.put("chair1", Actions(left_motor=1.0))
-    assert [e.code for e in stage.errors("chair1")] == ["session", "session"]
+    shown = b'"Session":"%s",' % stage.sessions["chair1"].encode() if session is None else session
+    code_of_pose = code_of(stage.keys["chair1"], pose_line(Pose(x=2.0, y=2.0, heading=0.0))).encode()
+    stage.put("chair1", b'{%s"X":2.0,"Y":2.0,"Heading":0.0,"Code":"%s"}' % (shown, code_of_pose), "pose")
+    stage.put("chair1", b'{%s"LeftMotor":1.0}' % shown)
+    stage.put("chair1", b'{%s"Text":"hello"}' % shown, "say")
+    assert [e.code for e in stage.errors("chair1")] == ([code] * 3 if code else [])
+
+
+@pytest.mark.parametrize("code", [None, "0" * 32])
+def test_pose_without_the_code_of_the_bridge_is_forged(code: str | None) -> None:
+    stage = Stage(pace="realtime", strict=False)
+    stage.join("chair1", real())
+    del stage.keys["chair1"]
+    stage.put("chair1", Pose(x=9.0, y=2.0, heading=0.0, code=code), "pose")
+    (error,) = stage.errors("chair1")
+    assert (error.code, error.where) == ("forged", "Pose.Code")
 
 
 def test_pose_of_a_simulated_chair_gives_an_error() -> None:
@@ -149,14 +170,18 @@ def test_pose_of_a_simulated_chair_gives_an_error() -> None:
 
 
 @pytest.mark.parametrize(
-    "data", [b'{"LeftMotor":0.5,"RightMotor":0.4}', b'<Actions LeftMotor="0.5" RightMotor="0.4"/>']
+    "data",
+    [
+        b'{"Session":"%s","LeftMotor":0.5,"RightMotor":0.4}',
+        b'<Actions Session="%s" LeftMotor="0.5" RightMotor="0.4"/>',
+    ],
 )
 def test_same_bytes_without_a_tick_answer_one_tick_after_the_other(data: bytes) -> None:
     stage = Stage()
     stage.join("chair1")
     for tick in range(5):
         assert stage.tick == tick
-        stage.put("chair1", data, encoding="")
+        stage.put("chair1", data % stage.sessions["chair1"].encode(), encoding="")
     assert stage.tick == 5
     assert stage.errors("chair1") == []
 

@@ -19,6 +19,7 @@ from intellwheels_schemas.messages import (
     Spawn,
     Take,
 )
+from intellwheels_schemas.metal_codes import is_genuine, power_line
 from intellwheels_server.service.arrival import Topic
 from intellwheels_server.service.joining import MAX_WAITING
 from intellwheels_server.world.kernels import rows
@@ -301,14 +302,53 @@ def test_lease_ends_with_its_body() -> None:
     assert stage.result("take", Take(agent="chair1", lease=lease, seconds=10.0)).code == "incorrect-state"
 
 
-def test_leave_of_both_roles_is_answered_when_both_are_gone() -> None:
+def test_leave_of_a_body_is_answered_when_its_mind_is_gone_too() -> None:
     stage = Stage(strict=False, pace="realtime")
-    stage.join("chair1", role="body")
+    body = stage.join("chair1", role="body").session
     stage.join("chair1", Robot(role="mind"), "b" * 16)
-    result = stage.ask("leave", "chair1")[0][0]
+    result = stage.ask("leave", "chair1", Leave(session=body))[0][0]
     assert isinstance(result, Result)
     assert stage.live_run.state.names == ()
     assert result.hash == stage.live_run.digest()
+
+
+def test_only_the_first_reply_to_the_body_of_a_real_robot_has_a_key() -> None:
+    stage = Stage(pace="realtime", strict=False)
+    first = stage.join("chair1", real())
+    assert first.key is not None
+    again = stage.join("chair1", real())
+    assert (again.session, again.key) == (first.session, None), "its instance is in its token, for anybody to read"
+    refused, ok = stage.try_join("chair1", real(), "b" * 16, parameters={"session": first.session})
+    assert (ok, isinstance(refused, Refused) and refused.code) == (False, "already-here"), (
+        "and its session in its poses"
+    )
+    stage.token("chair1", present=False)
+    successor = stage.join("chair1", real(), "c" * 16)
+    assert successor.key not in (None, first.key)
+    assert stage.join("chair2").key is None
+
+
+def test_powers_for_a_real_robot_are_numbered_and_coded() -> None:
+    stage = Stage(pace="realtime", strict=False)
+    key = stage.join("chair1", real()).key
+    for _ in range(5):
+        stage.put("chair1", Pose(x=2.0, y=2.0, heading=0.0), "pose")
+        stage.work(0.0501)
+    powers = stage.of("power", "chair1")
+    assert [power.seq for power in powers] == sorted({power.seq for power in powers})
+    assert len(powers) > 3
+    assert all(is_genuine(key, power_line(power), power.code) for power in powers)
+
+
+@pytest.mark.parametrize("data", [b"", b"{}", b'{"Session":"ffffffffffffffff"}'])
+def test_nobody_leaves_for_a_stranger(data: bytes) -> None:
+    stage = Stage()
+    stage.join("chair1")
+    reply, ok = stage.ask("leave", "chair1", data)[0]
+    assert not ok
+    assert isinstance(reply, Result)
+    assert "ession" in (reply.text or "")
+    assert stage.live_run.state.names == ("chair1",)
 
 
 def test_joins_without_token_are_refused_while_a_barrier_is_open() -> None:

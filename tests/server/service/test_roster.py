@@ -123,7 +123,6 @@ def test_real_body_answers_with_its_pose_and_mind_with_actions() -> None:
 def test_sessions_distinguish_roles_and_instances() -> None:
     mind, body = member(B, "mind", "2" * 16), member(A, "body", "1" * 16)
     both = (mind, body)
-    assert check_session(mind, both, None, "Actions") is None
     assert check_session(mind, both, "2" * 16, "Actions") is None
 
     def code(found: object) -> object:
@@ -131,6 +130,7 @@ def test_sessions_distinguish_roles_and_instances() -> None:
 
     assert code(check_session(mind, both, "1" * 16, "Actions")) == "role"
     assert code(check_session(mind, both, "3" * 16, "Actions")) == "session"
+    assert code(check_session(mind, both, None, "Actions")) == "session"
     assert code(check_session(None, both, None, "Pose")) == "role"
     assert code(check_session(None, (), None, "Pose")) == "not-joined"
     assert code(check_session(member(real=True), (), None, "Actions")) == "session"

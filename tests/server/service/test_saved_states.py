@@ -10,6 +10,7 @@ from intellwheels_schemas.messages import (
     Delete,
     Leave,
     Measures,
+    Pose,
     Position,
     Reset,
     Restore,
@@ -235,7 +236,7 @@ def test_real_chair_that_is_stale_in_the_saved_state_is_fresh_when_it_reports() 
     stage.work(1.0)
     assert stage.events()[-1] == "stale"
     stage.result("save")
-    stage.put("chair1", b'{"Session":"%s","X":1.0,"Y":1.0,"Heading":0.0}' % stage.sessions["chair1"].encode(), "pose")
+    stage.put("chair1", Pose(x=1.0, y=1.0, heading=0.0), "pose")
     stage.work(0.1)
     assert stage.events()[-1] == "fresh"
     stage.result("restore", Restore(slot="s1"))

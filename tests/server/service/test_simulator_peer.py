@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import json
 import os
 import signal
 import socket
@@ -22,7 +23,7 @@ import zenoh
 from intellwheels_maps import robot
 from intellwheels_schemas import link, zenoh_inbox
 from intellwheels_schemas.codec import Encoding, decode, encode
-from intellwheels_schemas.keys import Keys
+from intellwheels_schemas.keys import AGENT_VERBS, Keys
 from intellwheels_schemas.messages import (
     Actions,
     Body,
@@ -175,7 +176,8 @@ def ask(session: zenoh.Session, key: str, data: bytes | None = None, encoding: E
 
 
 def result(session: zenoh.Session, verb: Any, data: bytes | None = None) -> Result:
-    return decode(Result, ask(session, KEYS.ctl(verb), data).data)
+    agent = json.loads(data or b"{}").get("Agent") if verb in AGENT_VERBS else None
+    return decode(Result, ask(session, KEYS.ctl(verb, agent), data).data)
 
 
 def test_agent_joins_answers_20_ticks_and_leaves_and_the_log_runs_again(tmp_path: Path) -> None:

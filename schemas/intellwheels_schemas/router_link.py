@@ -1,0 +1,50 @@
+"""A router: its settings, and the session that is one."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from typing import Any, Final
+
+import zenoh
+
+from intellwheels_schemas.endpoint_form import zenoh_reason
+from intellwheels_schemas.link import SETTINGS
+
+OPEN: Final = "open: no access rules, so whoever connects can act for anybody"
+"""What a router without rules, and a simulator without an identity, says at every start."""
+
+
+def router_settings(listen: Sequence[str], more: Mapping[str, Any] | None = None) -> str:
+    """Return the configuration of a router for this contract, as JSON, for `iw-router` and for `zenohd -c`.
+
+    Args:
+        listen: Endpoints to listen at, such as `tcp/0.0.0.0:7447`.
+        more: Further settings by their paths, such as `access_control`.
+    """
+    nested: dict[str, Any] = {}
+    settings = {**SETTINGS, "mode": "router", "listen/endpoints": list(listen), **(more or {})}
+    for key, value in settings.items():
+        *path, last = key.split("/")
+        place = nested
+        for part in path:
+            place = place.setdefault(part, {})
+        place[last] = value
+    return json.dumps(nested, indent=2) + "\n"
+
+
+def open_router(listen: Sequence[str], more: Mapping[str, Any] | None = None) -> zenoh.Session:
+    """Return a session that is a router, which connects its clients with each other. Use it in a `with` statement.
+
+    Raises:
+        ConnectionError: An endpoint is invalid, or its port is in use, as the text says.
+    """
+    zenoh.init_log_from_env_or("off")
+    try:
+        config = zenoh.Config.from_json5(router_settings(listen, more))
+        config.insert_json5("listen/exit_on_failure", "true")
+        config.insert_json5("listen/timeout_ms", "0")
+        return zenoh.open(config)
+    except (zenoh.ZError, ValueError) as error:
+        why = "the port is in use; choose another with --listen" if "in use" in str(error) else zenoh_reason(str(error))
+        raise ConnectionError(f"cannot listen at {', '.join(listen)}: {why}") from None

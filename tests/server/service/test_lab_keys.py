@@ -1,0 +1,79 @@
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from intellwheels_schemas.files import write_file
+from intellwheels_schemas.identity_file import read_identity
+from intellwheels_server.service import router
+from intellwheels_server.service.lab_keys import RESTART, main
+from intellwheels_server.service.lab_router import read_users
+from tests.server.service.test_lab_router import LAB
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "LAB.xml").write_text(write_file(LAB))
+    return tmp_path
+
+
+def test_keys_gives_each_identity_a_password_of_its_own_once(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["keys"]) == 0
+    users = read_users(folder / "LAB.users")
+    assert list(users) == ["sim", "student1", "idle"]
+    assert len(set(users.values())) == 3
+    assert min(map(len, users.values())) >= 32
+    assert (folder / "LAB.users").stat().st_mode & 0o777 == 0o600
+    assert capsys.readouterr().err == f"iw-lab: {RESTART}\n"
+    assert main(["keys"]) == 0
+    assert read_users(folder / "LAB.users") == users
+    assert capsys.readouterr() == ("", "")
+
+
+def test_invite_writes_a_file_that_any_command_takes(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["invite", "student1", "--connect", "tcp/10.0.0.5:7447"]) == 0
+    own = read_identity(folder / "student1.iwid")
+    assert (own.name, own.connect) == ("student1", ("tcp/10.0.0.5:7447",))
+    assert own.password == read_users(folder / "LAB.users")["student1"]
+    assert own.password not in "".join(capsys.readouterr())
+    main(["invite", "student1", "--out", "again.iwid"])
+    assert read_identity(folder / "again.iwid").password == own.password
+
+
+def test_revoked_file_is_void_and_the_others_stay(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    main(["keys"])
+    before = read_users(folder / "LAB.users")
+    assert main(["revoke", "student1"]) == 0
+    after = read_users(folder / "LAB.users")
+    assert {name for name in before if before[name] != after[name]} == {"student1"}
+    assert RESTART in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("words", "text"),
+    [
+        (["invite", "mallory"], "NAME: expected an identity of LAB.xml, got 'mallory'"),
+        (["revoke", "mallory"], "NAME: expected an identity of LAB.xml, got 'mallory'"),
+        (["invite", "sim", "--connect", "nowhere"], "--connect"),
+    ],
+)
+def test_wrong_use_is_told(folder: Path, words: list[str], text: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(words) == 2
+    assert text in capsys.readouterr().err
+    assert not (folder / "LAB.users").exists()
+
+
+def test_router_refuses_a_lab_without_passwords_and_prints_its_rules(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert router.main(["--lab", "LAB.xml", "--listen", "tcp/127.0.0.1:1"]) == 2
+    assert "expected the users that iw-lab keys writes" in capsys.readouterr().err
+    (folder / "LAB.users").write_text("sim:12345678\n")
+    assert router.main(["--lab", "LAB.xml", "--listen", "tcp/127.0.0.1:1"]) == 2
+    assert "expected a password for student1, idle, got none; run iw-lab keys" in capsys.readouterr().err
+    assert router.main(["--lab", "LAB.xml", "--print"]) == 0
+    printed = capsys.readouterr().out
+    assert '"default_permission": "deny"' in printed
+    assert "12345678" not in printed
