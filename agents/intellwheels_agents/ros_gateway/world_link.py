@@ -42,7 +42,7 @@ class WorldQueries:
     def control(self, verb: Verb, message: Record) -> Result:
         """Send a control verb, and return its result, also that of an error reply."""
         answers = link.query(
-            self._session, self._keys.ctl(verb), encode(message), timeout=CONTROL_TIMEOUT, stop=self._stop
+            self._session, self._keys.ctl_of(verb, message), encode(message), timeout=CONTROL_TIMEOUT, stop=self._stop
         )
         return _read(Result, answers[0])
 

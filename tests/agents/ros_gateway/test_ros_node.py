@@ -15,6 +15,7 @@ from intellwheels_agents.ros_gateway.ros_types import blank, encode_message, ros
 from intellwheels_agents.ros_gateway.velocity_command import TWIST, TWIST_STAMPED
 from intellwheels_experiments.run.endpoints import free_port
 from intellwheels_schemas import link
+from intellwheels_schemas.router_link import open_router
 from tests.agents.ros_gateway.stand_in_node import StandInNode, twist
 
 ATTACHED = Attachment(1, 2, bytes(16)).encoded()
@@ -105,7 +106,7 @@ def test_a_flood_leaves_the_newest() -> None:
 def test_a_node_sees_topics_and_services_gets_latched_messages_late_and_is_answered() -> None:
     endpoint = f"tcp/127.0.0.1:{free_port()}"
     log: list[str] = []
-    with link.open_router([endpoint]):
+    with open_router([endpoint]):
         session = link.open_session(link.Link(connect=(endpoint,)), threading.Event())
         kind = "simulation_interfaces/srv/StepSimulation"
 
