@@ -260,6 +260,7 @@ def _batch(options: argparse.Namespace, chosen: Scene, chosen_floor: Map, folder
         merge_parts,
         perform_batch,
         perform_part,
+        shortfall,
     )
     from intellwheels_experiments.batch.batch_command import show as show_batch  # noqa: PLC0415
     from intellwheels_experiments.batch.run_batch import Batch  # noqa: PLC0415
@@ -287,6 +288,7 @@ def _batch(options: argparse.Namespace, chosen: Scene, chosen_floor: Map, folder
             made = perform_part(batch, chosen, console, stop)
             died = sum(1 for run in made if run.died)
             print(f"part={options.part} runs={len(made)} died={died} out={out}")
+            _say_shortfall(shortfall(batch, interrupted=stop.is_set()))
             return 1 if stop.is_set() or died else 0
         elif options.merge:
             copied, summary = merge_parts(batch, chosen, options.merge)
@@ -304,7 +306,14 @@ def _batch(options: argparse.Namespace, chosen: Scene, chosen_floor: Map, folder
         return 1
     show_batch(summary, Console(), chosen.experiment)
     print(f"report={batch.out / 'report.html'} csv={batch.out / 'batch.csv'}")
-    return 1 if stop.is_set() or any(row.died for row in summary.lines) else 0
+    if options.branch is None:
+        _say_shortfall(shortfall(batch, interrupted=stop.is_set()))
+    return 1 if stop.is_set() or any(row.died or row.missing for row in summary.lines) else 0
+
+
+def _say_shortfall(text: str) -> None:
+    if text:
+        print(f"iw-run: {text}", file=sys.stderr)
 
 
 def _meeting(options: argparse.Namespace) -> list[str] | None:
