@@ -155,7 +155,7 @@ def test_keys_work_wherever_the_focus_is(page: Page, board: Board, where: str) -
     command = board.gui.add_command("Try", hotkey="space")
 
     @command.on_trigger
-    async def _(_: object) -> None:
+    async def note(_: object) -> None:
         triggered.set()
 
     # The command is there when the page lists it: until then the key is nobody's.
