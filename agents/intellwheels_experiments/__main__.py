@@ -15,6 +15,7 @@ from typing import Final, get_args
 import msgspec
 from rich.console import Console
 
+from intellwheels_experiments.batch.batch_options import LINES_HELP as BATCH_LINES
 from intellwheels_experiments.batch.batch_options import add_batch_options
 from intellwheels_experiments.batch.batch_parts import WHOLE
 from intellwheels_experiments.batch.experiment_rows import Row, rows_of
@@ -24,6 +25,7 @@ from intellwheels_experiments.run.endpoints import free_endpoint
 from intellwheels_experiments.run.foreign_program import check_programs
 from intellwheels_experiments.run.launch_spec import WALL_LIMIT, LaunchSpec, resolved, wall_limit
 from intellwheels_experiments.run.progress import Progress
+from intellwheels_experiments.run.run_report import LINES_HELP as RUN_LINES
 from intellwheels_experiments.run.run_report import show, to_json
 from intellwheels_experiments.run.scene_run import perform
 from intellwheels_experiments.run.start_watch import once
@@ -78,7 +80,7 @@ def parser() -> argparse.ArgumentParser:
         prog="iw-run",
         description="Run a scene: start the simulator and all agents of the scene, show the progress, end all\n"
         "processes, and report whether the conditions of the scene held.",
-        epilog=_EPILOG,
+        epilog=_EPILOG + RUN_LINES + BATCH_LINES,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     add_version_option(found)
