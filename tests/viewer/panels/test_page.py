@@ -10,6 +10,7 @@ from typing import Any
 import pytest
 from playwright.sync_api import Page
 
+from intellwheels_viewer.panels.callbacks import element_id
 from intellwheels_viewer.panels.stick_input import GENTLE
 from tests.viewer.panels import made_up
 from tests.viewer.panels.board import FAULTS, Board, opened, served
@@ -182,6 +183,12 @@ def test_keys_work_wherever_the_focus_is(page: Page, board: Board, where: str) -
         command.remove()
         if where == "checkbox":
             page.get_by_label("Buttons").click()
+
+
+def test_a_list_gives_the_keys_back_once_something_is_chosen(page: Page, board: Board) -> None:
+    page.locator(f"[id='{element_id(board.drive._to)}']").click()
+    page.get_by_role("option", name="chair1").click()
+    page.wait_for_function("document.activeElement === document.body")
 
 
 def test_space_presses_what_was_reached_with_the_tab_key(page: Page, board: Board) -> None:

@@ -35,6 +35,10 @@ on('keydown', e => {
   D.body.dispatchEvent(new KeyboardEvent('keydown', {
     key: e.key, code: e.code, shiftKey: e.shiftKey, repeat: e.repeat, bubbles: true, cancelable: true}));
 });
+// A list is a text field too. Once something was chosen from it, nobody types there.
+on('click', e => {
+  if (e.target.closest && e.target.closest('[role=option]')) setTimeout(() => D.activeElement.blur());
+});
 on('keyup', e => { if (e.key === ' ' && ours(e)) e.preventDefault(); });
 })()
 """
