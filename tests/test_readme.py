@@ -10,6 +10,8 @@ from pathlib import Path
 import pytest
 
 from intellwheels_agents.minds import find
+from intellwheels_experiments.run.child_processes import ChildProcesses
+from intellwheels_experiments.run.endpoints import free_endpoint
 
 README = (Path(__file__).parents[1] / "README.md").read_text()
 BLOCKS = re.findall(r"```python\n(.*?)```", README, re.DOTALL)
@@ -43,6 +45,23 @@ def test_world_of_the_readme_runs(capsys: pytest.CaptureFixture[str]) -> None:
     said = capsys.readouterr().out
     assert said.startswith("Measures(")
     assert "tick=20, time=1.0" in said
+
+
+@pytest.mark.process
+def test_control_verbs_of_the_readme_save_and_restore(tmp_path: Path) -> None:
+    (block,) = [block for block in BLOCKS if block.startswith("# control_verbs.py")]
+    endpoint, world = free_endpoint(), "readme-control"
+    # Its own address and world: another simulator may run on this machine.
+    script = block.replace("tcp/127.0.0.1:7447", endpoint).replace("iw/v1/main/", f"iw/v1/{world}/")
+    assert endpoint in script
+    assert world in script
+    words = ["-m", "intellwheels_server", "--map", "room", "--listen", endpoint, "--world", world]
+    with ChildProcesses(tmp_path) as children:
+        child = children.launch("server", lambda lifeline: [sys.executable, *words, "--lifeline", str(lifeline)])
+        children.wait(lambda: children.find_line(child, "ready"), "the simulator", 180.0, unless=child)
+        done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, timeout=60.0, check=False)
+    assert done.returncode == 0, done.stderr
+    assert "'Code': 'ok'" in done.stdout
 
 
 def test_second_example_of_the_public_interface_runs(

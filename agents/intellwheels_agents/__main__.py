@@ -51,8 +51,12 @@ examples:
 `iw-agent MIND --help` lists the options of an included mind, with ranges and defaults.
 
 Standard output has `joined agent=chair1 run=... tick=...`, `run agent=chair1 run=...` when a new run begins, and
-`left agent=chair1`. Standard error has `counted ...` at the end: answers missed and repeated, and errors.
-Exit codes: 0 done, 1 refused or failed, 2 wrong usage.
+`left agent=chair1`. Exit codes: 0 done, 1 refused or failed, 2 wrong usage.
+On standard error:
+  erred      the simulator refused a message; the 1st, 10th, 100th of each code. With code=late a command was not used,
+             because the mind or the machine is too slow
+  counted    at the end: missed, the Measures that the mind never saw; repeated, those that it had to answer again;
+             errors, the messages that were refused or could not be read
 """
 FARTHEST = 10_000.0
 """Largest coordinate of --position, m; as in the contract."""

@@ -322,7 +322,8 @@ class _AgentPeer:
         try:
             link.query(self._session, self._leave_key, payload, self._encoding, timeout=LEAVE_TIMEOUT)
         except (ConnectionError, zenoh.ZError) as error:
-            _log(f"unanswered request=leave why={str(error)!r}")
+            # At the end of a scene the simulator may be gone already, which is no fault.
+            _log(f"unanswered request=leave why={f'the simulator may have ended first: {error}'!r}")
 
     def _fetch_map(self) -> Map:
         answer = link.query(self._session, self._map_key, encoding=Encoding.JSON, timeout=JOIN_TIMEOUT)[0]

@@ -15,6 +15,7 @@ from typing import Final, get_args
 import msgspec
 from rich.console import Console
 
+from intellwheels_experiments.batch.batch_options import LINES_HELP as BATCH_LINES
 from intellwheels_experiments.batch.batch_options import add_batch_options
 from intellwheels_experiments.batch.batch_parts import WHOLE
 from intellwheels_experiments.batch.experiment_rows import Row, rows_of
@@ -25,6 +26,7 @@ from intellwheels_experiments.run.floor_scene import add_scene_options, check_sc
 from intellwheels_experiments.run.foreign_program import check_programs
 from intellwheels_experiments.run.launch_spec import WALL_LIMIT, LaunchSpec, resolved, wall_limit
 from intellwheels_experiments.run.progress import Progress
+from intellwheels_experiments.run.run_report import LINES_HELP as RUN_LINES
 from intellwheels_experiments.run.run_report import show, to_json
 from intellwheels_experiments.run.scene_run import perform
 from intellwheels_experiments.run.start_watch import once
@@ -80,7 +82,7 @@ def parser() -> argparse.ArgumentParser:
         prog="iw-run",
         description="Run a scene: start the simulator and all agents of the scene, show the progress, end all\n"
         "processes, and report whether the conditions of the scene held.",
-        epilog=_EPILOG,
+        epilog=_EPILOG + RUN_LINES + BATCH_LINES,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     add_version_option(found)
@@ -266,6 +268,7 @@ def _batch(options: argparse.Namespace, chosen: Scene, chosen_floor: Map, folder
         merge_parts,
         perform_batch,
         perform_part,
+        shortfall,
     )
     from intellwheels_experiments.batch.batch_command import show as show_batch  # noqa: PLC0415
     from intellwheels_experiments.batch.run_batch import Batch  # noqa: PLC0415
@@ -293,6 +296,7 @@ def _batch(options: argparse.Namespace, chosen: Scene, chosen_floor: Map, folder
             made = perform_part(batch, chosen, console, stop)
             died = sum(1 for run in made if run.died)
             print(f"part={options.part} runs={len(made)} died={died} out={out}")
+            _say_shortfall(shortfall(batch, interrupted=stop.is_set()))
             return 1 if stop.is_set() or died else 0
         elif options.merge:
             copied, summary = merge_parts(batch, chosen, options.merge)
@@ -310,7 +314,14 @@ def _batch(options: argparse.Namespace, chosen: Scene, chosen_floor: Map, folder
         return 1
     show_batch(summary, Console(), chosen.experiment)
     print(f"report={batch.out / 'report.html'} csv={batch.out / 'batch.csv'}")
-    return 1 if stop.is_set() or any(row.died for row in summary.lines) else 0
+    if options.branch is None:
+        _say_shortfall(shortfall(batch, interrupted=stop.is_set()))
+    return 1 if stop.is_set() or any(row.died or row.missing for row in summary.lines) else 0
+
+
+def _say_shortfall(text: str) -> None:
+    if text:
+        print(f"iw-run: {text}", file=sys.stderr)
 
 
 def _meeting(options: argparse.Namespace) -> list[str] | None:

@@ -212,6 +212,8 @@ Stamp = Annotated[float, Meta(ge=0.0, le=1e12, description="Unix time", extra=_u
 Factor = Annotated[float, Meta(gt=0.0, le=1000.0, description="simulated time over wall time", extra=_unit("1"))]
 Ratio = Annotated[float, Meta(ge=0.0, le=1e9, description="a ratio", extra=_unit("1"))]
 Range = Annotated[float, Meta(ge=0.0, le=20_000.0, extra=_unit("m"))]
+Travel = Annotated[float, Meta(ge=0.0, le=1e9, extra=_unit("m"))]
+Turned = Annotated[float, Meta(ge=0.0, le=2 * math.pi, description="an angle", extra=_unit("rad"))]
 SayRange = Annotated[float, Meta(gt=0.0, le=20_000.0, extra=_unit("m"))]
 SayDelay = Annotated[float, Meta(ge=0.0, le=3600.0, extra=_unit("s"))]
 Offset = Annotated[float, Meta(ge=-10_000.0, le=10_000.0, description="an offset")]
@@ -1085,6 +1087,10 @@ class Entity(Record, frozen=True, kw_only=True):
     """Last message that the agent sent, shown for 3 s of simulated time."""
     command_age: Seconds = 0.0
     """Mean time from the Measures to the effect of the commands that answer them; 0 below half a tick."""
+    travelled: Travel | None = None
+    """Path of its centre of movement since the start of the run, without moves by an operator; absent in a playback."""
+    turned: Turned | None = None
+    """Largest angle from the heading that it had at first in the run, up to pi; absent in a playback."""
 
 
 class WorldState(Record, frozen=True, kw_only=True):

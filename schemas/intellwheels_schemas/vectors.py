@@ -403,6 +403,7 @@ VALID: Final[dict[str, Record]] = {
                 name="chair1", x=1.5, y=2.5, heading=-3.0, speed=0.5, turn_rate=-0.25, left_output=0.25,
                 right_output=0.75, collision=True, contact=True,
                 contacts=2, state="taken", mode="manual", goal=Goal(x=5.0, y=1.0), say="follow me",
+                travelled=12.25, turned=3.125,
             ),
             Entity(name="table", x=4.5, y=4.5, heading=0.0),
         ),

@@ -43,6 +43,8 @@ def test_batch_that_is_killed_and_resumed_gives_the_same_csv(tmp_path: Path) -> 
     assert (cut / "batch.csv").read_text() == (whole / "batch.csv").read_text()
     assert (cut / "junit.xml").read_text() == (whole / "junit.xml").read_text()
     assert "<svg" in (cut / "report.html").read_text()
+    # Nor is anything left of the worker that was killed.
+    assert list(cut.glob(".*")) == []
 
 
 def test_folder_of_another_batch_is_refused(tmp_path: Path) -> None:

@@ -240,7 +240,8 @@ def test_the_chair_selected_drives_by_keys_until_they_are_released_or_the_page_i
 ) -> None:
     other = at(peer, "chair1")
     screen.select("chair2")
-    screen.hold("chair2")
+    # The tab Drive was not opened: this page shows the agents.
+    screen.page.wait_for_function("window.__iwDrive && !document.getElementById('iw-drive-off')")
     for key in "ijk":
         screen.page.keyboard.down(key)
         moves(screen, peer, "chair2")

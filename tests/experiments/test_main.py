@@ -11,6 +11,7 @@ import pytest
 
 from intellwheels_experiments.__main__ import main
 from intellwheels_experiments.run.endpoints import free_endpoint
+from tests.experiments.scenes import write_scene
 
 DEADLINE = 120.0
 """Seconds for a simulator to start on a busy machine."""
@@ -106,6 +107,39 @@ def test_program_that_asks_for_an_endpoint_needs_more_than_a_configuration(
     assert main(["figure6", "--config", str(config), "--command", "chair1=python {endpoint}"]) == 2
     expected = "iw-run: agent 'chair1': Command: expected --connect with an endpoint for {endpoint}, got none"
     assert expected in capsys.readouterr().err
+
+
+@pytest.mark.process
+def test_an_interrupted_batch_says_how_to_resume_and_fails(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    stopped = threading.Event()
+    stopped.set()
+    monkeypatch.setattr("intellwheels_experiments.__main__.stop_on_signals", lambda: stopped)
+    batch = [str(write_scene(tmp_path)), "--seeds", "2", "--out", str(tmp_path / "out")]
+    for more, total in (([], 4), (["--part", "1/2"], 2)):
+        assert main([*batch, *more]) == 1
+        printed = capsys.readouterr()
+        said = f"iw-run: interrupted: 0 of {total} runs are done; run the same command again to resume\n"
+        assert printed.err.endswith(said)
+        assert "as-expected" not in printed.out
+
+
+@pytest.mark.process
+def test_a_merge_without_all_parts_says_what_is_missing_and_fails(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    stopped = threading.Event()
+    stopped.set()
+    batch = [str(write_scene(tmp_path)), "--seeds", "2"]
+    with monkeypatch.context() as patch:
+        patch.setattr("intellwheels_experiments.__main__.stop_on_signals", lambda: stopped)
+        main([*batch, "--part", "1/2", "--out", str(tmp_path / "part1")])
+    capsys.readouterr()
+    assert main([*batch, "--merge", str(tmp_path / "part1"), "--out", str(tmp_path / "all")]) == 1
+    printed = capsys.readouterr()
+    assert printed.out.startswith(f"merged runs=0 folders=1 out={tmp_path / 'all'}\n")
+    assert printed.err.startswith("iw-run: incomplete: 4 of 4 runs are missing; merge the folders of all parts")
 
 
 def test_an_interruption_before_the_start_is_one_line(

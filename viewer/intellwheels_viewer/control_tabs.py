@@ -13,6 +13,7 @@ from intellwheels_viewer.panels.callbacks import clicked
 from intellwheels_viewer.panels.choices import Choices
 from intellwheels_viewer.panels.drive_panel import DrivePanel
 from intellwheels_viewer.panels.place import PlacePanel
+from intellwheels_viewer.panels.stick_input import StickInput
 
 if TYPE_CHECKING:
     from intellwheels_viewer.snapshot import Snapshot
@@ -34,6 +35,7 @@ class ControlCalls:
 
 @dataclass(frozen=True)
 class _Parts:
+    stick: StickInput
     drive: DrivePanel
     goal: viser.GuiButtonHandle
     place: PlacePanel
@@ -66,6 +68,7 @@ class ControlTabs:
             else:
                 for tab in self._parts.tabs:
                     tab.remove()
+                self._parts.stick.remove()
                 self._parts = None
         if self._parts is not None:
             self._parts.drive.show(snapshot, choices)
@@ -74,9 +77,10 @@ class ControlTabs:
 
     def _make(self) -> _Parts:
         gui, calls = self._gui, self._calls
+        stick = StickInput(gui)
         drive_tab = self._group.add_tab("Drive")
         with drive_tab:
-            drive = DrivePanel(gui, on_stick=calls.stick, on_say=calls.say)
+            drive = DrivePanel(gui, stick, on_stick=calls.stick, on_say=calls.say)
             goal = gui.add_button("Set a goal", icon=viser.Icon.FLAG, color="gray", visible=False)
             clicked(goal, calls.aim)
         place_tab = self._group.add_tab("Place")
@@ -89,4 +93,4 @@ class ControlTabs:
                 on_remove=calls.remove,
                 on_undo=calls.undo,
             )
-        return _Parts(drive, goal, place, (drive_tab, place_tab))
+        return _Parts(stick, drive, goal, place, (drive_tab, place_tab))

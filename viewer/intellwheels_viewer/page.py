@@ -27,6 +27,7 @@ from intellwheels_viewer.panels.clock import ClockPanel
 from intellwheels_viewer.panels.connection import ConnectionPanel, empty_scene_text
 from intellwheels_viewer.panels.events import EventsPanel
 from intellwheels_viewer.panels.layers_panel import LayersPanel
+from intellwheels_viewer.panels.page_keys import PageKeys
 from intellwheels_viewer.panels.plan_panel import PlanPanel
 from intellwheels_viewer.panels.playback import PlaybackPanel
 from intellwheels_viewer.panels.selected import SelectedPanel
@@ -207,6 +208,7 @@ class Page:
                 undo=self._undo_newest,
             ),
         )
+        self._keys = PageKeys(gui)
         self._hover = PointerHover(gui, self._placing_click.hover)
         self._commands(gui)
 

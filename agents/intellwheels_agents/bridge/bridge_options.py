@@ -32,7 +32,14 @@ Standard output has lines that begin with one of these words:
     joined, run, left               the bridge joined the simulation, a new run began, the bridge left
     lab-joined, lab-run, lab-left   the same in the laboratory
     held, ready, resumed            with --resume confirm: the motors are off, Enter is awaited, the chair drives on
-    bridged                         the bridge has ended; the line counts poses, readings and losses
+    bridged                         the bridge has ended; the line counts:
+        poses, readings             poses reported to the simulator, readings of the chair
+        overtaken, missing          readings dropped because a newer one was there; readings that never came
+        lost_up, lost_down          readings and powers dropped by --loss
+        stale                       how often the chair fell silent
+        age_mean, age_max           age of the reported poses, in s
+        garbage, reopened, unwritten    on a serial line: bytes or lines that were no message, how often the port was
+                                    opened again, powers that could not be written
     simulator-gone, simulator-back, removed, replaced, taken, released, mind-joined, mind-left, mind-lost,
     mind-returned, body-lost, body-returned
                                     events of the chair

@@ -60,7 +60,8 @@ faults and other events, one a line:
   fix X Y SD   the controller sends a position and its standard deviation, in mm
 
 Standard output has `ready port=...`, `powered ms=...` at the first valid power, `moving ms=...` when the motors start,
-and `stopped ms=... silence=...` when they stop.
+and `stopped ms=... silence=...` when they stop: silence is the time in ms since the last command if the watchdog
+stopped them, and -1 if a command did.
 """
 
 

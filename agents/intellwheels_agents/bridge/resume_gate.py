@@ -8,7 +8,7 @@ open     simulator gone, 1 s without        held     held agent=... reason=...
          power, or joined again
 held     a power arrives                    ready    ready agent=...
 ready    a person confirms                  open     resumed agent=...
-ready    as in state open                   held     held agent=... reason=...
+ready    as in state open                   held     held agent=... reason=..., and that an Enter does not count yet
 held     a person confirms                  held     not yet, because no power arrives
 
 `--resume auto` is a gate that is always open.
@@ -90,11 +90,13 @@ class ResumeGate:
         with self._lock:
             if not self.confirm or not self._was_joined or self._state is _State.HELD:
                 return
-            was_open = self._state is _State.OPEN
+            was_asked = self._state is _State.READY
             self._state = _State.HELD
-        if was_open:
-            self._tell(f"held agent={self._agent} reason={reason}")
-            self._prompt(f"{self._agent}: contact with the simulator was interrupted ({reason}); the motors stay off")
+        self._tell(f"held agent={self._agent} reason={reason}")
+        again = " again" if was_asked else ""
+        text = f"{self._agent}: contact with the simulator was interrupted{again} ({reason}); the motors stay off"
+        # Whoever has been asked already must not think that one Enter is too many.
+        self._prompt(f"{text}. Wait until contact is back, then press Enter" if was_asked else text)
 
     def power_received(self) -> None:
         """Note the arrival of a power. Call it before the power takes effect."""

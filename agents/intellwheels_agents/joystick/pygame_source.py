@@ -7,6 +7,7 @@ is unplugged, because an unattended device must not drive.
 from __future__ import annotations
 
 import os
+import sys
 from types import ModuleType
 from typing import Any
 
@@ -18,6 +19,10 @@ WINDOW_SIZE = (560, 150)
 """In pixels."""
 _HELP = ("arrows, W A S D or I J K L drive, shift for full power, space stops", "0-9 are buttons, escape ends")
 _INVISIBLE = ("offscreen", "dummy")
+_NO_DISPLAY = (
+    "no display for the keyboard's window: expected a display (DISPLAY or WAYLAND_DISPLAY) or, with --source terminal, "
+    "a terminal on standard input"
+)
 
 
 class DeviceError(RuntimeError):
@@ -47,6 +52,9 @@ def pygame_of(*, window: bool) -> ModuleType:
     lacking = missing_extra("joystick")
     if lacking is not None:
         raise MissingPygameError(f"keyboard and gamepad: {lacking}")
+    if window and sys.platform == "linux" and not has_display():
+        # Before SDL looks for a display: its libraries print lines of their own when there is none.
+        raise DeviceError(_NO_DISPLAY)
     import pygame  # noqa: PLC0415
 
     try:
@@ -75,9 +83,7 @@ class KeyboardSource:
         # Without a display SDL opens a window that cannot be seen or typed into.
         if pygame.display.get_driver() in _INVISIBLE and "SDL_VIDEODRIVER" not in os.environ:
             pygame.quit()
-            raise DeviceError(
-                "no display for the keyboard's window: expected DISPLAY or WAYLAND_DISPLAY; or give another --source"
-            )
+            raise DeviceError(_NO_DISPLAY)
         pygame.display.set_caption(title)
         pygame.font.init()
         self._font = pygame.font.Font(None, 24)

@@ -12,6 +12,7 @@ import sys
 import threading
 import time
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from datetime import timedelta
 from pathlib import Path
 from typing import Final
 
@@ -22,12 +23,15 @@ from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 from rich.table import Table
 
+from intellwheels_experiments.batch.batch_parts import WHOLE
 from intellwheels_experiments.batch.collect_runs import collect_runs
 from intellwheels_experiments.batch.experiment_rows import Row
+from intellwheels_experiments.batch.findings import counted
 from intellwheels_experiments.batch.html_report import HtmlReport, floor_hash, render
 from intellwheels_experiments.batch.report_drawings import PlottedRun, timeline
 from intellwheels_experiments.batch.run_batch import Batch, pending_runs, read_batch, run_batch, runs_of_part
-from intellwheels_experiments.batch.run_store import StoredRun, load_run, read_tum, run_folder, runs_csv
+from intellwheels_experiments.batch.run_store import StoredRun, finished_run, load_run, read_tum, run_folder, runs_csv
+from intellwheels_experiments.batch.scratch_folders import delete_abandoned
 from intellwheels_experiments.batch.seed_variation import label_of
 from intellwheels_experiments.batch.summary import Summary, summarize, to_json, to_junit
 from intellwheels_experiments.batch.sweep import sweep
@@ -108,9 +112,12 @@ def _make_runs(batch: Batch, scene: Scene, console: Console, stop: threading.Eve
     _claim_folder(batch, scene)
     pending = sum(len(seeds) for _, seeds in pending_runs(batch))
     total = sum(len(seeds) for _, seeds in runs_of_part(batch))
+    whole = f"{counted(len(batch.rows), 'row')} x {counted(len(batch.seeds), 'seed')}"
+    share = "" if batch.part == WHOLE else f"part {batch.part} of "
+    console.print(f"{counted(total, 'run')}: {share}{whole}", markup=False, highlight=False)
     if pending < total:
         console.print(f"resuming: {total - pending} of {total} runs are done", markup=False, highlight=False)
-    printed = time.monotonic()
+    begun = printed = time.monotonic()
     with _bar(console) as bar:
         task = bar.add_task(scene.name, total=total, completed=total - pending)
 
@@ -119,11 +126,42 @@ def _make_runs(batch: Batch, scene: Scene, console: Console, stop: threading.Eve
             bar.advance(task)
             if not console.is_terminal and time.monotonic() >= printed + PLAIN_EVERY:
                 printed = time.monotonic()
-                console.print(f"progress done={bar.tasks[task].completed:.0f} of={total}", highlight=False)
+                done = round(bar.tasks[task].completed)
+                left = remaining(printed - begun, done - (total - pending), total - done)
+                console.print(f"progress done={done} of={total} remaining={left}", highlight=False)
             if run.died:
                 console.print(f"died row={run.row} seed={run.seed} why={run.died}", markup=False, highlight=False)
 
         run_batch(batch, on_run, stop)
+
+
+def remaining(seconds: float, made: int, pending: int) -> str:
+    """Return how long the pending runs take if they take as long as those made, as `hours:minutes:seconds`.
+
+    Args:
+        seconds: Wall time in s since the first run began.
+        made: Number of runs made since then, at least 1.
+        pending: Number of runs that are not made yet.
+    """
+    return str(timedelta(seconds=round(seconds / made * pending)))
+
+
+def shortfall(batch: Batch, *, interrupted: bool) -> str:
+    """Return how many runs of the batch's part are done and what to do about the others; empty if none is missing.
+
+    Args:
+        batch: The batch.
+        interrupted: Whether the batch was stopped from outside.
+    """
+    of_part = [(row.name, seed) for row, seeds in runs_of_part(batch) for seed in seeds]
+    done = sum(finished_run(batch.out, *one) is not None for one in of_part)
+    missing = sum(load_run(batch.out, *one) is None for one in of_part)
+    if interrupted and done < len(of_part):
+        return f"interrupted: {done} of {len(of_part)} runs are done; run the same command again to resume"
+    if missing:
+        advice = "merge the folders of all parts, or run the command without --merge to make them"
+        return f"incomplete: {missing} of {len(of_part)} runs are missing; {advice}"
+    return ""
 
 
 def write_files(
@@ -140,7 +178,8 @@ def write_files(
     summary = summarize(batch.rows, runs, scene.experiment)
     out = batch.out
     if scene.experiment is not None and (spec := scene.experiment.umbmark) is not None:
-        summary = msgspec.structs.replace(summary, umbmark=umbmark_of(out, runs, spec))
+        squares = None if any(run.is_missing for run in runs) else umbmark_of(out, runs, spec)
+        summary = msgspec.structs.replace(summary, umbmark=squares)
     (out / "batch.csv").write_text(runs_csv(runs))
     (out / "summary.json").write_bytes(to_json(summary))
     (out / "junit.xml").write_text(to_junit(scene.name, summary, runs))
@@ -182,7 +221,7 @@ def _lines(summary: Summary) -> Iterator[str]:
         yield (
             f"row name={row.name} runs={row.runs} succeeded={row.succeeded} low={low:.3f} high={high:.3f} "
             f"reached={row.reached} collided={row.collided} physical={row.physical} virtual={row.virtual} "
-            f"died={len(row.died)}"
+            f"died={len(row.died)} missing={len(row.missing)}"
         )
     for one in summary.comparisons:
         line = f"compare first={one.first} second={one.second or '-'} expect={one.expect or '-'}"
@@ -236,6 +275,7 @@ def _claim_folder(batch: Batch, scene: Scene) -> None:
     """Note in the folder which batch it belongs to, or raise if it belongs to another."""
     path = batch.out / ABOUT
     batch.out.mkdir(parents=True, exist_ok=True)
+    delete_abandoned(batch.out)
     text = _about(batch, scene)
     if path.exists():
         if path.read_bytes() != text:

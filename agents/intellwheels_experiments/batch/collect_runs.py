@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import shutil
-import tempfile
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 from intellwheels_experiments.batch.run_store import finished_run, load_run, run_folder
+from intellwheels_experiments.batch.scratch_folders import scratch_folder
 
 
 def collect_runs(out: Path, folders: Iterable[Path], rows: Sequence[str], seeds: Sequence[str]) -> int:
@@ -40,11 +40,8 @@ def collect_runs(out: Path, folders: Iterable[Path], rows: Sequence[str], seeds:
 
 def _copy(source: Path, target: Path, out: Path) -> None:
     """Copy a folder so that a killed process leaves all of it or nothing."""
-    scratch = Path(tempfile.mkdtemp(prefix=".merge-", dir=out))
-    try:
+    with scratch_folder(out, "merge") as scratch:
         shutil.copytree(source, scratch / "run")
         shutil.rmtree(target, ignore_errors=True)
         target.parent.mkdir(parents=True, exist_ok=True)
         (scratch / "run").rename(target)
-    finally:
-        shutil.rmtree(scratch, ignore_errors=True)

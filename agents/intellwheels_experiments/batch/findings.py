@@ -42,6 +42,8 @@ def sentences(summary: Summary) -> list[str]:
 
 def _sentence(comparison: Comparison, rows: dict[str, RowSummary]) -> str:
     first = rows[comparison.first]
+    if comparison.verdict == "incomplete":
+        return _incomplete(first, rows[comparison.second or comparison.first])
     if comparison.second is None:
         return _single(comparison, first)
     second = rows[comparison.second]
@@ -58,6 +60,14 @@ def _sentence(comparison: Comparison, rows: dict[str, RowSummary]) -> str:
         "not asked": f"{first.title} compared with {second.title}: {counts}.",
     }[comparison.verdict]
     return " ".join([finding, *_differences(comparison)])
+
+
+def _incomplete(first: RowSummary, second: RowSummary) -> str:
+    both = (first,) if first is second else (first, second)
+    lacking = " and ".join(f"{counted(len(row.missing), 'run')} of {row.title}" for row in both if row.missing)
+    verb = "was" if sum(len(row.missing) for row in both) == 1 else "were"
+    what = f"{first.title} is not judged" if first is second else f"{first.title} is not compared with {second.title}"
+    return f"{what}: {lacking} {verb} not made."
 
 
 def _of_two_runs(first: RowSummary, second: RowSummary) -> str:

@@ -219,7 +219,7 @@ def _comparisons(page: HtmlReport) -> str:
         "row minus that of the second, in percentage points, with Tango's score interval. The p value is that of "
         "McNemar's exact two-sided test over the seeds with which only one of the two rows succeeded. Two rows are "
         f"equivalent if the difference is within {100 * margin:.0f} points, tested at 5 % on each side. A result that "
-        "these runs cannot settle is called undecided.</p>"
+        "these runs cannot settle is called undecided, and one of which runs are missing is called incomplete.</p>"
         + _table(heads, rows, text_columns=2)
         + _differences(page.summary.comparisons, titles)
     )
@@ -252,7 +252,8 @@ def _pair(comparison: Comparison, titles: Mapping[str, str]) -> str:
 
 def _comparison(comparison: Comparison, titles: Mapping[str, str]) -> tuple[str, ...]:
     pair = _pair(comparison, titles)
-    style = {"as expected": "yes", "otherwise": "no", "undecided": "open"}.get(comparison.verdict, "")
+    styles = {"as expected": "yes", "otherwise": "no", "undecided": "open", "incomplete": "open"}
+    style = styles.get(comparison.verdict, "")
     expectation = {"worse": "first is worse", "better": "first is better", "equivalent": "they are equivalent",
                    "collision-free": "it touches nothing"}.get(comparison.expect or "", "")  # fmt: skip
     result = {"otherwise": "not as expected"}.get(comparison.verdict, comparison.verdict)
@@ -317,7 +318,7 @@ def _died(page: HtmlReport) -> str:
     died = [run for run in page.runs if run.measured is None]
     if not died:
         return ""
-    reasons = "\n".join(f"{run.row}, seed {run.seed}: {run.died}" for run in died)
+    reasons = "\n".join(f"{run.row}, seed {run.seed}: {run.died or 'it was not run'}" for run in died)
     return (
         "<h2>Unfinished runs</h2><p>These runs did not reach their end. None of the numbers above includes them.</p>"
         f"<pre>{escape(reasons)}</pre>"

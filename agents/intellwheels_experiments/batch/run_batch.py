@@ -7,7 +7,6 @@ takes its worker with it. It is stored with the reason, and a new worker runs th
 from __future__ import annotations
 
 import shutil
-import tempfile
 import threading
 import time
 from collections import deque
@@ -21,6 +20,7 @@ from intellwheels_experiments.batch.experiment_rows import Row
 from intellwheels_experiments.batch.run_measures import measure_run
 from intellwheels_experiments.batch.run_store import LOG, StoredRun, finished_run, load_run, store_run
 from intellwheels_experiments.batch.run_worker import RunWorker, RunWorkerError, StoppedError, WorkerSettings
+from intellwheels_experiments.batch.scratch_folders import scratch_folder
 from intellwheels_experiments.batch.seed_variation import drawn, varied_floor, varied_row, write_scene
 from intellwheels_experiments.batch.trace_reader import read_trace
 from intellwheels_schemas.errors import WireError
@@ -125,26 +125,24 @@ def _run_seeds(
 ) -> None:
     remaining = deque(seeds)
     while remaining:
-        scratch = Path(tempfile.mkdtemp(prefix=".worker-", dir=batch.out))
-        settings = WorkerSettings(
-            source=batch.source, folder=batch.folder, logs=scratch, runs=scratch / "runs", timeout=batch.timeout,
-            say=batch.say,
-        )  # fmt: skip
-        try:
-            if row.uniform:
-                batch, row, settings = _varied(batch, row, settings, remaining[0])
-            with RunWorker(settings, row, stop) as worker:
-                while remaining:
-                    _run_seed(batch, row, worker, remaining[0], on_run)
-                    remaining.popleft()
-        except (RunWorkerError, WireError) as error:
-            # A map may be valid at both ends of its ranges and not between them.
-            seed = remaining.popleft()
-            run = StoredRun(row=row.name, seed=seed, died=str(error), drawn=drawn(row, seed))
-            store_run(batch.out, run)
-            on_run(run)
-        finally:
-            shutil.rmtree(scratch, ignore_errors=True)
+        with scratch_folder(batch.out, "worker") as scratch:
+            settings = WorkerSettings(
+                source=batch.source, folder=batch.folder, logs=scratch, runs=scratch / "runs", timeout=batch.timeout,
+                say=batch.say,
+            )  # fmt: skip
+            try:
+                if row.uniform:
+                    batch, row, settings = _varied(batch, row, settings, remaining[0])
+                with RunWorker(settings, row, stop) as worker:
+                    while remaining:
+                        _run_seed(batch, row, worker, remaining[0], on_run)
+                        remaining.popleft()
+            except (RunWorkerError, WireError) as error:
+                # A map may be valid at both ends of its ranges and not between them.
+                seed = remaining.popleft()
+                run = StoredRun(row=row.name, seed=seed, died=str(error), drawn=drawn(row, seed))
+                store_run(batch.out, run)
+                on_run(run)
 
 
 def _varied(batch: Batch, row: Row, settings: WorkerSettings, seed: str) -> tuple[Batch, Row, WorkerSettings]:
@@ -173,9 +171,9 @@ def _run_seed(batch: Batch, row: Row, worker: RunWorker, seed: str, on_run: Call
 
 
 def read_batch(batch: Batch) -> list[StoredRun]:
-    """Return every run of a batch, by row and then by seed. `died` says whether a run is missing or died."""
+    """Return every run of a batch, by row and then by seed. Those that were not made have nothing but these two."""
     return [
-        load_run(batch.out, row.name, seed) or StoredRun(row=row.name, seed=seed, died="it was not run")
+        load_run(batch.out, row.name, seed) or StoredRun(row=row.name, seed=seed)
         for row in batch.rows
         for seed in batch.seeds
     ]

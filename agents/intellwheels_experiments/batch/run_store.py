@@ -32,13 +32,13 @@ MIRROR_LOG: Final = "image.jsonl"
 
 
 class StoredRun(msgspec.Struct, frozen=True, kw_only=True):
-    """A run, as `result.json` holds it.
+    """A run, as `result.json` holds it. A run that was not made has no such file: neither `died` nor `measured`.
 
     Attributes:
         row: Its row.
         seed: Its seed.
-        died: Why it did not reach its end; empty if it did.
-        measured: Its measures; None if it did not reach its end.
+        died: Why it did not reach its end; empty if it did, or if it was not made.
+        measured: Its measures; None if it did not reach its end, or if it was not made.
         wall: Wall time in s. The CSV leaves it out.
         drawn: The offsets that its seed drew, by what they were added to.
     """
@@ -49,6 +49,11 @@ class StoredRun(msgspec.Struct, frozen=True, kw_only=True):
     measured: RunMeasures | None = None
     wall: float = 0.0
     drawn: dict[str, float] = {}
+
+    @property
+    def is_missing(self) -> bool:
+        """Whether the run was not made."""
+        return self.measured is None and not self.died
 
 
 def run_folder(folder: Path, row: str, seed: str) -> Path:
@@ -148,9 +153,9 @@ FIELDS: Final = RunMeasures.__struct_fields__
 
 
 def runs_csv(runs: Iterable[StoredRun]) -> str:
-    """Return runs as CSV, one line each. A measure without a value is empty."""
+    """Return runs as CSV, one line each, without those that were not made. A measure without a value is empty."""
     lines: list[Sequence[object]] = [("row", "seed", "died", "drawn", *FIELDS)]
-    for run in runs:
+    for run in (run for run in runs if not run.is_missing):
         values = [_cell(getattr(run.measured, name)) if run.measured else "" for name in FIELDS]
         offsets = "; ".join(f"{label}={offset:.6g}" for label, offset in run.drawn.items())
         lines.append((run.row, run.seed, "yes" if run.died else "no", offsets, *values))

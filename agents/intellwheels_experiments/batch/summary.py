@@ -26,7 +26,7 @@ SPREAD: Final = ("clearance", "time", "path", "spl", "ldlj", "sparc", "effort", 
 DIFFERENCES: Final = ("clearance", "time", "path", "odometry_error")
 """Measures that are compared between two rows, besides success."""
 
-Verdict: TypeAlias = Literal["as expected", "otherwise", "undecided", "not asked"]
+Verdict: TypeAlias = Literal["as expected", "otherwise", "undecided", "not asked", "incomplete"]
 
 
 class Spread(msgspec.Struct, frozen=True, kw_only=True):
@@ -56,7 +56,7 @@ class RowSummary(msgspec.Struct, frozen=True, kw_only=True):
         name: The row's name.
         title: The row's title.
         runs: Number of runs that reached their end.
-        died: The seeds of the runs that did not.
+        died: The seeds of the runs that began and did not.
         succeeded: Number of runs that reached their place and touched nothing.
         interval: Wilson's 95 % interval of the success rate.
         reached: Number of runs that reached their place.
@@ -64,6 +64,7 @@ class RowSummary(msgspec.Struct, frozen=True, kw_only=True):
         physical: Number of contacts with real things, in all runs.
         virtual: Number of contacts with simulated things, in all runs.
         spread: The distributions of the other measures, by name.
+        missing: The seeds of the runs that were not made.
     """
 
     name: str
@@ -77,6 +78,7 @@ class RowSummary(msgspec.Struct, frozen=True, kw_only=True):
     physical: int
     virtual: int
     spread: dict[str, Spread]
+    missing: tuple[str, ...] = ()
 
 
 class Comparison(msgspec.Struct, frozen=True, kw_only=True):
@@ -86,8 +88,8 @@ class Comparison(msgspec.Struct, frozen=True, kw_only=True):
         first: The first row.
         second: The second row; None for the check of one row.
         expect: What the experiment expects of the first row; None if nothing.
-        verdict: Whether the runs confirm the expectation.
-        paired: The comparison of their success; None for one row, or without a common seed.
+        verdict: Whether the runs confirm the expectation; `incomplete` if some of them were not made.
+        paired: The comparison of their success; None for one row, without a common seed, or if runs were not made.
         differences: The difference of further measures by name, first minus second: its mean over the seeds with which
             both rows reached their place, and its interval.
     """
@@ -149,7 +151,7 @@ def _summarize_row(row: Row, runs: Sequence[StoredRun]) -> RowSummary:
         name=row.name,
         title=row.title,
         runs=len(ended),
-        died=tuple(run.seed for run in runs if run.measured is None),
+        died=tuple(run.seed for run in runs if run.died),
         succeeded=succeeded,
         interval=wilson(succeeded, len(ended)),
         reached=sum(one.reached for one in ended),
@@ -157,12 +159,16 @@ def _summarize_row(row: Row, runs: Sequence[StoredRun]) -> RowSummary:
         physical=sum(one.contacts_physical for one in ended),
         virtual=sum(one.contacts_virtual for one in ended),
         spread=spread,
+        missing=tuple(run.seed for run in runs if run.is_missing),
     )
 
 
 def _comparison(
     compared: Compare, summaries: dict[str, RowSummary], of_row: dict[str, list[StoredRun]], margin: float
 ) -> Comparison:
+    both = (compared.first, compared.second or compared.first)
+    if any(summaries[name].missing for name in both):
+        return Comparison(first=compared.first, second=compared.second, expect=compared.expect, verdict="incomplete")
     if compared.second is None:
         row = summaries[compared.first]
         verdict: Verdict = "undecided" if row.runs == 0 else "as expected" if row.collided == 0 else "otherwise"
@@ -216,19 +222,25 @@ def to_json(summary: Summary) -> bytes:
 
 
 def to_junit(name: str, summary: Summary, runs: Sequence[StoredRun]) -> str:
-    """Return a batch as JUnit XML: a case per run, with an error if it died, and a case per expectation."""
+    """Return a batch as JUnit XML: a case per run and per expectation.
+
+    A run that died has an error. What was not run, and an expectation that the runs do not decide, is skipped.
+    """
     suites = Tree.Element("testsuites", name=name)
     for row in summary.lines:
         of_row = [run for run in runs if run.row == row.name]
         suite = Tree.SubElement(suites, "testsuite", name=row.name, tests=str(len(of_row)), errors=str(len(row.died)))
+        suite.set("skipped", str(len(row.missing)))
         for run in of_row:
             case = Tree.SubElement(suite, "testcase", classname=f"{name}.{row.name}", name=f"seed {run.seed}")
             if run.died:
                 died = _NOT_XML.sub("\ufffd", run.died)
                 Tree.SubElement(case, "error", message=died.splitlines()[0]).text = died
-    expectations = [comparison for comparison in summary.comparisons if comparison.verdict != "not asked"]
+            elif run.is_missing:
+                Tree.SubElement(case, "skipped", message="it was not run")
+    expectations = [comparison for comparison in summary.comparisons if comparison.expect is not None]
     failed = sum(comparison.verdict == "otherwise" for comparison in expectations)
-    skipped = sum(comparison.verdict == "undecided" for comparison in expectations)
+    skipped = sum(comparison.verdict in ("undecided", "incomplete") for comparison in expectations)
     suite = Tree.SubElement(suites, "testsuite", name="expected", tests=str(len(expectations)))
     suite.attrib |= {"failures": str(failed), "skipped": str(skipped)}
     for comparison in expectations:
@@ -238,5 +250,7 @@ def to_junit(name: str, summary: Summary, runs: Sequence[StoredRun]) -> str:
             Tree.SubElement(case, "failure", message="the runs contradict the expectation")
         elif comparison.verdict == "undecided":
             Tree.SubElement(case, "skipped", message="the runs do not decide it")
+        elif comparison.verdict == "incomplete":
+            Tree.SubElement(case, "skipped", message="some of the runs were not made")
     Tree.indent(suites)
     return Tree.tostring(suites, encoding="unicode", xml_declaration=True) + "\n"

@@ -8,8 +8,6 @@ a changed option affects a mind from the first tick on, and the world from the b
 from __future__ import annotations
 
 import dataclasses
-import shutil
-import tempfile
 import threading
 from pathlib import Path
 from typing import Final
@@ -22,6 +20,7 @@ from intellwheels_experiments.batch.run_batch import Batch
 from intellwheels_experiments.batch.run_measures import measure_run
 from intellwheels_experiments.batch.run_store import LOG, MIRROR_LOG, StoredRun, store_run
 from intellwheels_experiments.batch.run_worker import Branch, RunWorker, RunWorkerError, StoppedError, WorkerSettings
+from intellwheels_experiments.batch.scratch_folders import delete_abandoned, scratch_folder
 from intellwheels_experiments.batch.seed_variation import varied_floor, varied_row
 from intellwheels_experiments.batch.summary import Summary
 from intellwheels_experiments.batch.trace_reader import Trace, read_trace
@@ -60,37 +59,36 @@ def perform_branch(batch: Batch, scene: Scene, changed: Row, log: Path, at: int,
     if mirror_log is not None and not mirror_log.exists():
         raise BranchError(f"{mirror_log}: expected the mirror world's log beside the laboratory's, got no such file")
     batch.out.mkdir(parents=True, exist_ok=True)
-    scratch = Path(tempfile.mkdtemp(prefix=".branch-", dir=batch.out))
-    try:
-        with ChildProcesses(scratch) as children:
-            parent = _resimulate(log, scratch / "parent.jsonl", children)
-            parent_mirror = None if mirror_log is None else _resimulate(mirror_log, scratch / MIRROR_LOG, children)
-        seed = parent.heading.seed
-        floor, changed = varied_floor(batch.floor, changed, seed), varied_row(changed, seed)
-        settings = WorkerSettings(
-            source=batch.source, folder=batch.folder, logs=scratch, runs=scratch / "runs", timeout=batch.timeout,
-            branch=Branch(log=log, at=at, mirror=mirror_log), say=batch.say,
-        )  # fmt: skip
-        with RunWorker(settings, changed, stop) as worker:
-            truth, mirror = worker.run(seed)
-        branch = read_trace(truth / "trace.jsonl", truth / LOG)
-        _check_same(parent, branch, at)
-        branch_mirror = None if mirror is None else read_trace(mirror / "trace.jsonl", mirror / LOG)
-        if parent_mirror is not None and branch_mirror is not None:
-            _check_same(parent_mirror, branch_mirror, at)
-        row = batch.rows[0]
-        for name, trace, trace_log, mirrored, mirrored_log in (
-            (PARENT, parent, log, parent_mirror, mirror_log),
-            (BRANCH, branch, truth / LOG, branch_mirror, None if mirror is None else mirror / LOG),
-        ):
-            numbers, series = measure_run(trace, scene, floor, batch.subject, real=row.real, mirror=mirrored)
-            store_run(batch.out, StoredRun(row=name, seed=seed, measured=numbers), series, trace_log, mirrored_log)
-    except (RunWorkerError, WireError) as error:
-        raise BranchError(str(error)) from error
-    except StoppedError:
-        raise BranchError("aborted") from None
-    finally:
-        shutil.rmtree(scratch, ignore_errors=True)
+    delete_abandoned(batch.out)
+    with scratch_folder(batch.out, "branch") as scratch:
+        try:
+            with ChildProcesses(scratch) as children:
+                parent = _resimulate(log, scratch / "parent.jsonl", children)
+                parent_mirror = None if mirror_log is None else _resimulate(mirror_log, scratch / MIRROR_LOG, children)
+            seed = parent.heading.seed
+            floor, changed = varied_floor(batch.floor, changed, seed), varied_row(changed, seed)
+            settings = WorkerSettings(
+                source=batch.source, folder=batch.folder, logs=scratch, runs=scratch / "runs", timeout=batch.timeout,
+                branch=Branch(log=log, at=at, mirror=mirror_log), say=batch.say,
+            )  # fmt: skip
+            with RunWorker(settings, changed, stop) as worker:
+                truth, mirror = worker.run(seed)
+            branch = read_trace(truth / "trace.jsonl", truth / LOG)
+            _check_same(parent, branch, at)
+            branch_mirror = None if mirror is None else read_trace(mirror / "trace.jsonl", mirror / LOG)
+            if parent_mirror is not None and branch_mirror is not None:
+                _check_same(parent_mirror, branch_mirror, at)
+            row = batch.rows[0]
+            for name, trace, trace_log, mirrored, mirrored_log in (
+                (PARENT, parent, log, parent_mirror, mirror_log),
+                (BRANCH, branch, truth / LOG, branch_mirror, None if mirror is None else mirror / LOG),
+            ):
+                numbers, series = measure_run(trace, scene, floor, batch.subject, real=row.real, mirror=mirrored)
+                store_run(batch.out, StoredRun(row=name, seed=seed, measured=numbers), series, trace_log, mirrored_log)
+        except (RunWorkerError, WireError) as error:
+            raise BranchError(str(error)) from error
+        except StoppedError:
+            raise BranchError("interrupted") from None
     rows = (
         dataclasses.replace(row, name=PARENT, title=f"{row.title}: as recorded"),
         dataclasses.replace(changed, name=BRANCH, title=f"{row.title}: {_changes(row, changed)} from tick {at} on"),

@@ -59,10 +59,13 @@ class Progress:
             self._status.update(Text(f"{self._scene.name}: {text}"))
 
     def follow(self, record: RunRecord) -> None:
-        """Show how far the run is. It is cheap enough to be called ten times a second."""
+        """Show how far the run is; off a terminal only once something is known.
+
+        It is cheap enough to be called ten times a second.
+        """
         if self._status is not None:
             self.doing(describe(record, self._goals))
-        elif time.monotonic() >= self._next:
+        elif record.clock is not None and time.monotonic() >= self._next:
             self._next = time.monotonic() + PLAIN_EVERY
             self.say(f"progress {describe(record, self._goals)}")
 

@@ -25,8 +25,10 @@ class Track:
         first: Its state when first seen.
         last: Its state when last seen.
         tick: When last seen.
-        length: Sum of the straight distances between the states seen, in m: a lower bound of its path.
-        turned: Largest angle seen between its heading and its first one, in rad, in [0, pi].
+        length: Length of its path, in m: the simulator's sum over all ticks. If the state has none, the sum of the
+            straight distances between the states seen, a lower bound.
+        turned: Largest angle between its heading and its first one, in rad, in [0, pi]: the simulator's. If the state
+            has none, the largest seen.
     """
 
     first: Entity
@@ -39,8 +41,10 @@ class Track:
         """Add a state. One that is not newer than the last changes nothing."""
         if tick <= self.tick:
             return
-        self.length += math.hypot(entity.x - self.last.x, entity.y - self.last.y)
-        self.turned = max(self.turned, abs(math.remainder(entity.heading - self.first.heading, math.tau)))
+        seen = math.hypot(entity.x - self.last.x, entity.y - self.last.y)
+        self.length = self.length + seen if entity.travelled is None else entity.travelled
+        angle = abs(math.remainder(entity.heading - self.first.heading, math.tau))
+        self.turned = max(self.turned, angle) if entity.turned is None else entity.turned
         self.last = entity
         self.tick = tick
 
@@ -82,7 +86,8 @@ class RunRecord:
         for entity in state.entity:
             track = self.tracks.get(entity.name)
             if track is None:
-                self.tracks[entity.name] = Track(entity, entity, state.tick)
+                length, turned = entity.travelled or 0.0, entity.turned or 0.0
+                self.tracks[entity.name] = Track(entity, entity, state.tick, length, turned)
             else:
                 track.follow(entity, state.tick)
 

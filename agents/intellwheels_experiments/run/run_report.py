@@ -18,6 +18,14 @@ from intellwheels_schemas.version import UNKNOWN, versions_of
 
 Finish: TypeAlias = Literal["ended", "missed", "died", "interrupted", "overtime"]
 
+LINES_HELP: Final = """
+a run's lines, where standard output is no terminal:
+  agent    for each agent: its distance from its place, its contacts, its path, age (mean age of its commands, in s; 0
+           in lockstep) and turned_deg (largest angle from its first heading)
+  run      ticks and time are simulated, wall is real; factor is time / wall; late counts ticks that began too late
+  held, not-held    whether all conditions of the scene held; `failed` lines say which did not
+"""
+"""What the lines mean, for the help of the command."""
 _DISTRIBUTIONS: Final = ("intellwheels", "eclipse-zenoh", "msgspec", "numpy", "numba")
 _HEADS: Final = ("agent", "mind", "robot", "place", "reached", "distance", "contacts", "path", "age", "turned")
 

@@ -25,7 +25,7 @@ class AgentResult(Struct, frozen=True, kw_only=True):
             agent was never seen.
         reached: Whether the distance is within the scene's limit; None without a place.
         contacts: Number of contacts. A contact that lasts counts once.
-        path: Length of its path as far as it was seen, in m: a lower bound.
+        path: Length of its path, in m. It and `turned` are the simulator's sums over all ticks.
         turned: Largest angle from its first heading, in rad, in [0, pi].
         command_age: Mean age of its commands when they took effect, in s; 0 if none was late.
         seen: Whether it was seen at all.

@@ -56,7 +56,7 @@ class CommandAges:
             return Fault("late", f"{where}: expected {tick}, or also a Run, got {answered}", where)
         if answered < limit:
             text = f"{where}: expected {limit} or later, at most {defaults.LATE_COMMAND:g} s late, got {answered}"
-            return Fault("late", text, where)
+            return Fault("late", f"{text}; it was not used, because the mind or the machine is too slow", where)
         newest = self._of.get(agent)
         if not has_command(actions) or newest is None or (answered, actions.seq or 0) > (newest.tick, newest.seq or 0):
             return None

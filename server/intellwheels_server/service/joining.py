@@ -375,6 +375,7 @@ def forget_body(service: ServiceState, agent: str) -> None:
     service.pacing.barrier.forget(agent)
     service.latch.forget(agent)
     service.command_ages.forget(agent)
+    service.travelled.forget(agent)
     service.agents.leases.forget(agent)
     service.agents.bridges.pop(agent, None)
 

@@ -215,7 +215,9 @@ class LiveRun:
         parent_inputs = branch.inputs(tick) if branch is not None else None
         if parent_inputs is not None:
             inputs = parent_inputs
+        before = run.state
         outputs = run.advance(inputs)
+        service.travelled.follow(before, run.state)
         ended = run.state.ended
         if branch is not None and parent_inputs is not None:
             self._compare(branch, tick)

@@ -22,6 +22,7 @@ def begin_new_run(service: ServiceState, before: State, now: float) -> None:
     service.answer_steps("failed", "a new run began")
     service.latch.clear()
     service.command_ages.clear()
+    service.travelled.clear()
     state = service.run.state
     service.pacing.begin_new_run([state.names[i] for i in np.nonzero(state.flags[rows.RESTED])[0].tolist()])
     outbound.publish_map(service.run, service.publisher)

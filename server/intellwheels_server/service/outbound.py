@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Iterator
 from typing import Final
 
 import msgspec
@@ -11,6 +12,7 @@ from intellwheels_schemas.messages import (
     Body,
     Clock,
     ClockState,
+    Entity,
     Error,
     MapInfo,
     PowerInForce,
@@ -195,14 +197,20 @@ def _state_parts(service: ServiceState) -> list[WorldState]:
     """Return the state in parts that each fit into a message; none if the truth is hidden."""
     if service.publisher.hide_truth:
         return []
-    state, ages = service.run.state, service.command_ages.means()
+    state = service.run.state
     entities = world.entities(state)
-    if ages:
-        entities = tuple(
-            msgspec.structs.replace(entity, command_age=ages[entity.name]) if entity.name in ages else entity
-            for entity in entities
-        )
+    if service.playback is None:
+        entities = tuple(_counted(entities, service))
     return split_state(state.run, state.tick, state.shown_time, entities)
+
+
+def _counted(entities: Iterable[Entity], service: ServiceState) -> Iterator[Entity]:
+    """Yield bodies with what the service counts about them."""
+    ages, travelled = service.command_ages.means(), service.travelled.all()
+    for entity in entities:
+        length, turned = travelled.get(entity.name, (0.0, 0.0))
+        age = ages.get(entity.name, 0.0)
+        yield msgspec.structs.replace(entity, command_age=age, travelled=length, turned=turned)
 
 
 def _clock(service: ServiceState, now: float) -> Clock:

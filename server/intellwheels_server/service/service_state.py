@@ -25,6 +25,7 @@ from intellwheels_server.service.pacing import Pacing
 from intellwheels_server.service.publisher import Outlet, Publisher
 from intellwheels_server.service.roster import new_hex
 from intellwheels_server.service.run_state import Recorder, RunState
+from intellwheels_server.service.travelled_paths import TravelledPaths
 from intellwheels_server.world import Outcome, Setup, Walls
 
 
@@ -86,6 +87,7 @@ class ServiceState:
         agents: The agents that have joined.
         latch: The messages of agents that act on the next step.
         command_ages: How late the commands of agents are, in a run that does not wait for them.
+        travelled: How far the bodies have travelled and turned.
         message_limit: How many messages of a sender are read.
         error_limit: How many error replies a sender gets.
         unasked_limit: How many reports there are about input that nobody asked for, and about unknown keys.
@@ -121,6 +123,7 @@ class ServiceState:
         self.agents = ConnectedAgents()
         self.latch = InputLatch()
         self.command_ages = CommandAges(options.setup.period)
+        self.travelled = TravelledPaths()
         self.message_limit = MessageLimit()
         self.error_limit = ErrorLimit()
         self.unasked_limit = ErrorLimit(UNASKED_RATE, UNASKED_BURST)

@@ -104,7 +104,19 @@ def test_a_second_interruption_before_enter_holds_the_chair_again() -> None:
     rig.drive()
     rig.gate.confirmed()
     assert rig.gate.is_open
-    assert rig.lines.count("held agent=chair1 reason=simulator-gone") == 1
+    assert rig.lines == [
+        "held agent=chair1 reason=simulator-gone", "ready agent=chair1", "held agent=chair1 reason=joined-again",
+        "ready agent=chair1", "resumed agent=chair1",
+    ]  # fmt: skip
+    # Each time a person is asked to press Enter, what happened since is said before.
+    assert [text.partition(": ")[2] for text in rig.prompts] == [
+        "contact with the simulator was interrupted (simulator-gone); the motors stay off",
+        "contact is back. Press Enter to let the chair drive on",
+        "contact with the simulator was interrupted again (joined-again); the motors stay off. "
+        "Wait until contact is back, then press Enter",
+        "not yet, because no power comes from the simulator",
+        "contact is back. Press Enter to let the chair drive on",
+    ]
 
 
 def test_with_auto_the_gate_never_closes() -> None:

@@ -6,7 +6,7 @@ import pytest
 
 from intellwheels_agents.joystick.input_state import NEUTRAL, InputState
 from intellwheels_agents.joystick.key_bindings import DEAD_ZONE, GENTLE, from_keys, from_stick, without_dead_zone
-from intellwheels_viewer.panels import drive_panel
+from intellwheels_viewer.panels import drive_panel, stick_input
 
 G, F, T = GENTLE, 0.8, 0.4
 """The share of a key without shift, and shares of full forward and turn."""
@@ -63,5 +63,5 @@ def test_an_axis_grows_from_the_edge_of_its_dead_zone_to_one() -> None:
 
 
 def test_a_key_means_in_the_terminal_what_it_means_on_the_page() -> None:
-    assert GENTLE == drive_panel.GENTLE
-    assert "Shift for full power" in drive_panel.page_html("some-id")
+    assert GENTLE == stick_input.GENTLE
+    assert "Shift for full power" in drive_panel.stick_html()

@@ -98,9 +98,12 @@ def test_an_unplugged_gamepad_is_neutral_until_it_is_back(monkeypatch: pytest.Mo
     pygame.quit()
 
 
-def test_without_a_display_no_invisible_window_opens(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_without_a_display_both_ways_are_named_and_no_library_prints(
+    monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
     for name in ("SDL_VIDEODRIVER", "DISPLAY", "WAYLAND_DISPLAY"):
         monkeypatch.delenv(name, raising=False)
-    with pytest.raises(pygame_source.DeviceError, match="no display for the keyboard's window"):
+    with pytest.raises(pygame_source.DeviceError, match=r"expected a display .* a terminal on standard input"):
         pygame_source.KeyboardSource("test", 1.0, 0.5)
     assert not pygame.display.get_init()
+    assert capfd.readouterr() == ("", "")

@@ -19,6 +19,8 @@ from intellwheels_experiments.batch.batch_command import (
     merge_parts,
     perform_batch,
     perform_part,
+    remaining,
+    shortfall,
     show,
     write_files,
 )
@@ -27,6 +29,7 @@ from intellwheels_experiments.batch.experiment_rows import rows_of
 from intellwheels_experiments.batch.run_batch import Batch
 from intellwheels_experiments.batch.run_measures import measure_run
 from intellwheels_experiments.batch.run_store import StoredRun, run_folder, store_run
+from intellwheels_experiments.batch.scratch_folders import scratch_folder
 from intellwheels_experiments.batch.summary import Summary
 from intellwheels_maps import floor, scene
 from intellwheels_schemas.errors import WireError
@@ -112,8 +115,69 @@ def test_missing_run_is_reported_and_counts_nowhere(tmp_path: Path) -> None:
     wanted, document = finished_batch(tmp_path)
     (wanted.out / "runs" / "equal" / "2" / "result.json").unlink()
     summary = write_files(wanted, document)
-    assert [(line.runs, line.died) for line in summary.lines] == [(1, ("2",)), (2, ())]
+    assert [(line.runs, line.died, line.missing) for line in summary.lines] == [(1, (), ("2",)), (2, (), ())]
     assert "equal, seed 2: it was not run" in (wanted.out / "report.html").read_text()
+    assert len((wanted.out / "batch.csv").read_text().splitlines()) == 1 + 3
+    lines = shown(summary).splitlines()
+    assert lines[0].endswith("died=0 missing=1")
+    assert lines[2] == "compare first=unlike second=equal expect=- found=incomplete"
+
+
+def test_wheels_are_not_estimated_from_a_part_of_the_squares(tmp_path: Path) -> None:
+    document = scene("umbmark")
+    (tmp_path / "out").mkdir()
+    wanted = Batch(
+        rows=rows_of(document), seeds=("1",), subject="chair", floor=floor(document.map), source="umbmark",
+        folder=None, out=tmp_path / "out", jobs=1, timeout=180.0,
+    )  # fmt: skip
+    assert write_files(wanted, document).umbmark is None
+
+
+def test_batch_says_how_many_runs_it_has(tmp_path: Path) -> None:
+    wanted, document = finished_batch(tmp_path)
+    for part, said in (
+        (Part(1, 1), "4 runs: 2 rows x 2 seeds\n"),
+        (Part(2, 4), "1 run: part 2/4 of 2 rows x 2 seeds\n"),
+    ):
+        printed = io.StringIO()
+        perform_part(replace(wanted, part=part), document, Console(file=printed), threading.Event())
+        assert printed.getvalue().startswith(said)
+
+
+def test_remaining_time_follows_from_the_runs_made_now() -> None:
+    assert remaining(10.0, 5, 275) == "0:09:10"
+    assert remaining(7200.0, 1, 2) == "4:00:00"
+    assert remaining(7200.0, 1, 0) == "0:00:00"
+
+
+def test_interrupted_batch_says_what_is_done_and_judges_nothing(tmp_path: Path) -> None:
+    wanted, document = finished_batch(tmp_path)
+    for seed in wanted.seeds:
+        shutil.rmtree(run_folder(wanted.out, "equal", seed))
+    stop = threading.Event()
+    stop.set()
+    summary = perform_batch(wanted, document, Console(file=io.StringIO()), stop)
+    assert [(line.runs, line.died, len(line.missing)) for line in summary.lines] == [(0, (), 2), (2, (), 0)]
+    assert summary.comparisons[0].verdict == "incomplete"
+    done = "interrupted: 2 of 4 runs are done; run the same command again to resume"
+    assert shortfall(wanted, interrupted=True) == done
+    assert shortfall(wanted, interrupted=False).startswith("incomplete: 2 of 4 runs are missing; ")
+
+
+def test_batch_without_missing_runs_has_no_shortfall(tmp_path: Path) -> None:
+    wanted, _ = finished_batch(tmp_path)
+    assert shortfall(wanted, interrupted=True) == ""
+    assert shortfall(wanted, interrupted=False) == ""
+
+
+def test_what_killed_workers_left_is_deleted_at_the_next_start(tmp_path: Path) -> None:
+    wanted, document = finished_batch(tmp_path)
+    with scratch_folder(wanted.out, "worker") as used:
+        left = used.with_name(f"{used.name}x")
+        left.mkdir()
+        perform_batch(wanted, document, Console(file=io.StringIO()), threading.Event())
+        assert used.is_dir()
+        assert not left.exists()
 
 
 @pytest.mark.process
@@ -164,7 +228,9 @@ def test_missing_part_is_a_run_that_was_not_run(tmp_path: Path) -> None:
     perform_part(replace(whole, part=Part(1, 2)), document, Console(file=io.StringIO()), threading.Event())
     shutil.rmtree(run_folder(whole.out, "unlike", "2"))
     _, summary = merge_parts(replace(whole, out=tmp_path / "merged"), document, [whole.out])
-    assert [(line.name, line.died) for line in summary.lines] == [("equal", ()), ("unlike", ("2",))]
+    assert [(line.name, line.died, line.missing) for line in summary.lines] == [
+        ("equal", (), ()), ("unlike", (), ("2",))
+    ]  # fmt: skip
 
 
 def test_folder_of_another_batch_is_not_merged(tmp_path: Path) -> None:

@@ -8,7 +8,15 @@ import numpy as np
 import pytest
 
 from intellwheels_experiments.batch.run_measures import measure_run
-from intellwheels_experiments.batch.run_store import finished_run, read_tum, run_folder, runs_csv, store_run, tum
+from intellwheels_experiments.batch.run_store import (
+    StoredRun,
+    finished_run,
+    read_tum,
+    run_folder,
+    runs_csv,
+    store_run,
+    tum,
+)
 from intellwheels_maps import floor, scene
 from tests.experiments.runs import stored, straight
 
@@ -55,7 +63,11 @@ def test_run_has_all_its_files(tmp_path: Path) -> None:
 
 
 def test_csv_has_a_line_per_run_and_no_wall_time(tmp_path: Path) -> None:
-    lines = list(csv.DictReader(runs_csv([stored("a", "1"), stored("a", "2", died="why")]).splitlines()))
+    lines = list(
+        csv.DictReader(
+            runs_csv([stored("a", "1"), stored("a", "2", died="why"), StoredRun(row="a", seed="3")]).splitlines()
+        )
+    )
     assert [line["died"] for line in lines] == ["no", "yes"]
     assert (lines[0]["success"], lines[0]["clearance"], lines[0]["effort"], lines[1]["time"]) == ("yes", "0.2", "", "")
     assert "wall" not in lines[0]

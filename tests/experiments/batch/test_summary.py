@@ -58,6 +58,23 @@ def test_rows_are_paired_by_seed_even_if_runs_are_missing() -> None:
     assert paired.pairs == 38
 
 
+@pytest.mark.parametrize("lacking", ["good", "bad"])
+def test_rows_of_which_runs_were_not_made_are_not_judged(lacking: str) -> None:
+    runs = [*forty(30), StoredRun(row=lacking, seed="x")]
+    asked = (Compare(first="bad", second="good", expect="worse"), Compare(first="good", expect="collision-free"))
+    summary = summary_of(runs, *asked)
+    assert [len(row.missing) for row in summary.lines] == [int(lacking == "good"), int(lacking == "bad")]
+    assert not any(row.died for row in summary.lines)
+    alone = "incomplete" if lacking == "good" else "as expected"
+    assert [one.verdict for one in summary.comparisons] == ["incomplete", alone]
+    assert summary.comparisons[0].paired is None
+    root = Tree.fromstring(to_junit("e", summary, runs))
+    assert [suite.get("skipped") for suite in root][:2] == [str(len(row.missing)) for row in summary.lines]
+    assert not list(root.iter("error"))
+    assert not list(root.iter("failure"))
+    assert "it was not run" in [skipped.get("message") for skipped in root.iter("skipped")]
+
+
 def test_measures_are_compared_over_the_seeds_that_both_reached_their_place_with() -> None:
     runs = [*forty(0), stored("good", "x"), stored("bad", "x")]
     changed = {"clearance": 0.1, "reached": False}

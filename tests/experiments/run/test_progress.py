@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 
+import pytest
 from rich.console import Console
 
 from intellwheels_experiments.run.progress import Progress, describe
@@ -37,6 +38,17 @@ def test_line_names_agents_that_are_awaited() -> None:
 
 def test_line_before_the_first_message_says_so() -> None:
     assert describe(RunRecord(), GOALS) == "nothing received yet"
+
+
+def test_nothing_is_printed_before_the_first_message(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("intellwheels_experiments.run.progress.PLAIN_EVERY", 0.0)
+    text = io.StringIO()
+    scene, floor = Scene(format="iw.v1", name="test", map="room"), Map(format="iw.v1", name="room")
+    with Progress(Console(file=text), scene, floor) as progress:
+        progress.follow(RunRecord())
+        assert text.getvalue() == ""
+        progress.follow(record())
+    assert text.getvalue().startswith("progress running 2.0 s")
 
 
 def test_words_are_not_taken_for_markup() -> None:

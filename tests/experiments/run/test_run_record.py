@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+import msgspec
 import pytest
 
 from intellwheels_experiments.run.run_record import RunRecord
@@ -32,6 +33,20 @@ def test_path_is_the_sum_of_what_was_seen() -> None:
     for tick, x in enumerate((0.0, 1.0, 0.5)):
         record.on_state(state(tick, x))
     assert record.tracks["chair1"].length == 1.5
+
+
+def test_path_and_turn_are_those_of_the_simulator_whatever_was_seen() -> None:
+    sums = ((0.5, 0.25), (3.0, 1.5), (3.5, 1.5))
+    states = [
+        msgspec.structs.replace(shown, entity=(msgspec.structs.replace(shown.entity[0], travelled=way, turned=angle),))
+        for tick, (way, angle) in enumerate(sums)
+        for shown in (state(tick, 0.1 * tick),)
+    ]
+    for seen in (states, states[::2], states[2:], states[::-1]):
+        record = RunRecord()
+        for each in seen:
+            record.on_state(each)
+        assert (record.tracks["chair1"].length, record.tracks["chair1"].turned) == (3.5, 1.5)
 
 
 def test_state_that_is_older_changes_nothing() -> None:

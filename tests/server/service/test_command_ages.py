@@ -91,7 +91,11 @@ def ages_with(*taken: Actions, tick: int = 10) -> CommandAges:
     ("actions", "text"),
     [
         (Actions(run=RUN, tick=4), None),
-        (Actions(run=RUN, tick=3), "Actions.Tick: expected 4 or later, at most 0.3 s late, got 3"),
+        (
+            Actions(run=RUN, tick=3),
+            "Actions.Tick: expected 4 or later, at most 0.3 s late, got 3; it was not used, because the mind or the "
+            "machine is too slow",
+        ),
         (Actions(tick=9), "Actions.Tick: expected 10, or also a Run, got 9"),
         (Actions(run="f" * 16, tick=9), "Actions.Tick: expected 10, or also a Run, got 9"),
     ],

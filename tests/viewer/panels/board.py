@@ -20,10 +20,12 @@ from intellwheels_viewer.panels.connection import ConnectionPanel
 from intellwheels_viewer.panels.drive_panel import DrivePanel
 from intellwheels_viewer.panels.events import EventsPanel
 from intellwheels_viewer.panels.layers_panel import Layers, LayersPanel
+from intellwheels_viewer.panels.page_keys import PageKeys
 from intellwheels_viewer.panels.place import PlacePanel
 from intellwheels_viewer.panels.plan_panel import PlanPanel
 from intellwheels_viewer.panels.playback import PlaybackPanel
 from intellwheels_viewer.panels.selected import SelectedPanel
+from intellwheels_viewer.panels.stick_input import StickInput
 from intellwheels_viewer.snapshot import Snapshot
 
 CHROMIUM = shutil.which("chromium")
@@ -33,7 +35,7 @@ class Board:
     """One browser's panels; what they call is kept in `calls`, a name and its arguments each."""
 
     def __init__(self, client: viser.ClientHandle, snapshot: Snapshot, choices: Choices) -> None:
-        gui = client.gui
+        self.gui = gui = client.gui
         self.calls: list[tuple[Any, ...]] = []
         self.news = threading.Condition()
         side = gui.add_panel()
@@ -55,11 +57,13 @@ class Board:
             gui, on_seek=self.note("seek"), on_pause=self.note("pause"), on_resume=self.note("resume"),
             on_speed=self.note("speed"),
         )  # fmt: skip
+        self.keys = PageKeys(gui)
+        stick = StickInput(gui)
         tabs = gui.add_tab_group()
         with tabs.add_tab("Agents"):
             self.agents = AgentsPanel(gui, self.note("select"))
         with tabs.add_tab("Drive"):
-            self.drive = DrivePanel(gui, on_stick=self.note("stick"), on_say=self.note("say"))
+            self.drive = DrivePanel(gui, stick, on_stick=self.note("stick"), on_say=self.note("say"))
         with tabs.add_tab("Place"):
             self.place = PlacePanel(
                 gui, on_choose=self.note("choose"), on_turn=self.note("turn"), on_turn_selected=self.note("turn by"),

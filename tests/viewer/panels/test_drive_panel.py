@@ -11,19 +11,18 @@ import viser
 from intellwheels_viewer.panels.choices import Choices
 from intellwheels_viewer.panels.drive_panel import (
     EVERYBODY,
-    GENTLE,
     SAY_LIMIT,
     DrivePanel,
     can_drive,
     drive_html,
-    page_html,
 )
+from intellwheels_viewer.panels.stick_input import GENTLE, StickInput
 from tests.viewer.panels import made_up
 from tests.viewer.panels.panel import Calls, enter, hold, press
 
 
 def panel(gui: viser.GuiApi, calls: Calls, choices: Choices | None = None) -> DrivePanel:
-    shown = DrivePanel(gui, on_stick=calls.to("stick"), on_say=calls.to("say"))
+    shown = DrivePanel(gui, StickInput(gui), on_stick=calls.to("stick"), on_say=calls.to("say"))
     shown.show(made_up.snapshot(), choices or made_up.choices())
     return shown
 
@@ -45,10 +44,12 @@ def test_who_is_driven_or_why_nobody_is_said() -> None:
     assert "No world" in drive_html(made_up.nothing("no-world"), Choices())
 
 
-def test_the_page_sends_nothing_while_nobody_can_be_driven() -> None:
-    assert "iw-drive-off" not in drive_html(made_up.snapshot(), made_up.choices())
+def test_the_page_sends_nothing_while_nobody_can_be_driven(gui: viser.GuiApi, calls: Calls) -> None:
+    shown = panel(gui, calls)
+    assert shown._stick._off.content == ""
     for choices in (Choices(), Choices(selected="table1"), Choices(selected="chair1", allowed=False)):
-        assert "iw-drive-off" in drive_html(made_up.snapshot(), choices)
+        shown.show(made_up.snapshot(), choices)
+        assert "iw-drive-off" in shown._stick._off.content
         assert not can_drive(made_up.snapshot(), choices)
 
 
@@ -56,36 +57,29 @@ def test_words_of_a_peer_are_text() -> None:
     assert "<img" not in drive_html(made_up.hostile(), made_up.attacked())
 
 
-def test_the_handler_stays_in_its_attribute() -> None:
-    page = page_html("some-id")
-    handler = page.split('onerror="')[1].split('"')[0]
-    assert "some-id" in handler
-    assert handler.endswith("})()\n")
-
-
 def test_each_message_is_passed_on_once_with_a_growing_count(gui: viser.GuiApi, calls: Calls) -> None:
     shown = panel(gui, calls)
-    enter(shown._value, (0.5, -0.25, 1.0))
-    enter(shown._value, (0.5, -0.25, 2.0))
+    enter(shown._stick.value, (0.5, -0.25, 1.0))
+    enter(shown._stick.value, (0.5, -0.25, 2.0))
     shown.show(made_up.snapshot(), made_up.choices())
-    enter(shown._value, (0.0, 0.0, 3.0))
+    enter(shown._stick.value, (0.0, 0.0, 3.0))
     assert calls == [("stick", 0.5, -0.25, 1), ("stick", 0.5, -0.25, 2), ("stick", 0.0, 0.0, 3)]
 
 
 @pytest.mark.parametrize("value", [(math.nan, 0.0, 1.0), (0.0, math.inf, 1.0), (1.0, 1.0), ()])
 def test_a_message_that_no_stick_sends_is_dropped(gui: viser.GuiApi, calls: Calls, value: tuple[float, ...]) -> None:
-    enter(panel(gui, calls)._value, value)
+    enter(panel(gui, calls)._stick.value, value)
     assert calls == []
 
 
 def test_power_is_bounded(gui: viser.GuiApi, calls: Calls) -> None:
-    enter(panel(gui, calls)._value, (99.0, -99.0, 1.0))
+    enter(panel(gui, calls)._stick.value, (99.0, -99.0, 1.0))
     assert calls == [("stick", 1.0, -1.0, 1)]
 
 
 def test_nobody_is_driven_without_rights_whatever_a_page_sends(gui: viser.GuiApi, calls: Calls) -> None:
     shown = panel(gui, calls, replace(made_up.choices(), allowed=False))
-    enter(shown._value, (1.0, 0.0, 1.0))
+    enter(shown._stick.value, (1.0, 0.0, 1.0))
     for button in shown._buttons:
         assert button.disabled
         hold(button)
@@ -137,10 +131,10 @@ def test_words_longer_than_the_wire_takes_are_cut(gui: viser.GuiApi, calls: Call
 
 def test_a_key_held_while_another_is_selected_does_not_drive_that_one(gui: viser.GuiApi, calls: Calls) -> None:
     shown = panel(gui, calls)
-    enter(shown._value, (1.0, 0.0, 1.0))
+    enter(shown._stick.value, (1.0, 0.0, 1.0))
     shown.show(made_up.snapshot(), replace(made_up.choices(), selected="chair2"))
-    enter(shown._value, (1.0, 0.0, 2.0))
-    enter(shown._value, (0.0, 0.0, 3.0))
+    enter(shown._stick.value, (1.0, 0.0, 2.0))
+    enter(shown._stick.value, (0.0, 0.0, 3.0))
     assert calls == [("stick", 1.0, 0.0, 1)]
-    enter(shown._value, (0.0, 1.0, 4.0))
+    enter(shown._stick.value, (0.0, 1.0, 4.0))
     assert calls == [("stick", 1.0, 0.0, 1), ("stick", 0.0, 1.0, 2)]

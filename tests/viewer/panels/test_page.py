@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import threading
 from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any
@@ -9,7 +10,8 @@ from typing import Any
 import pytest
 from playwright.sync_api import Page
 
-from intellwheels_viewer.panels.drive_panel import GENTLE
+from intellwheels_viewer.panels.callbacks import element_id
+from intellwheels_viewer.panels.stick_input import GENTLE
 from tests.viewer.panels import made_up
 from tests.viewer.panels.board import FAULTS, Board, opened, served
 
@@ -33,7 +35,7 @@ def board(shown: tuple[Page, Board]) -> Board:
 @pytest.fixture
 def page(shown: tuple[Page, Board], board: Board) -> Page:
     shown[0].get_by_role("tab", name="Drive").click()
-    # The handler runs when its image has failed, a moment after the stick is there.
+    # The handler runs when its image has failed, a moment after the page is there.
     shown[0].wait_for_function("window.__iwDrive")
     # The test before may have shown nobody to drive: its page is not this one's yet.
     shown[0].wait_for_selector("#iw-drive-off", state="detached")
@@ -133,6 +135,68 @@ def test_keys_drive_while_another_tab_is_open(page: Page, board: Board) -> None:
     board.wait(lambda calls: held(calls, GENTLE, 0.0) >= 2)
     page.keyboard.up("i")
     board.wait(released)
+
+
+def test_keys_drive_before_the_tab_drive_was_ever_open(chromium: Any) -> None:
+    with served(made_up.snapshot(), made_up.choices()) as (server, boards):
+        page = opened(chromium, server)
+        page.get_by_role("tab", name="Agents").click()
+        page.wait_for_function("window.__iwDrive && !document.getElementById('iw-drive-off')")
+        assert page.query_selector("#iw-stick") is None
+        page.keyboard.down("i")
+        boards[0].wait(lambda calls: held(calls, GENTLE, 0.0) >= 2)
+        page.keyboard.up("i")
+        boards[0].wait(released)
+        page.close()
+
+
+@pytest.mark.parametrize("where", ["tab", "button", "checkbox"])
+def test_keys_work_wherever_the_focus_is(page: Page, board: Board, where: str) -> None:
+    triggered = threading.Event()
+    command = board.gui.add_command("Try", hotkey="space")
+
+    @command.on_trigger
+    async def note(_: object) -> None:
+        triggered.set()
+
+    # The command is there when the page lists it: until then the key is nobody's.
+    page.wait_for_function("window.__iwKeys")
+    if where == "tab":
+        page.get_by_role("tab", name="Layers").click()
+    elif where == "button":
+        page.get_by_role("button", name="Pause").click()
+    else:
+        page.get_by_label("Buttons").click()
+    assert page.evaluate("document.activeElement !== document.body")
+    try:
+        for _ in range(20):
+            page.keyboard.press("Space")
+            if triggered.wait(0.5):
+                break
+        assert triggered.is_set()
+        assert [call[0] for call in board.calls].count("pause") == int(where == "button")
+        page.keyboard.down("i")
+        board.wait(lambda calls: held(calls, GENTLE, 0.0))
+        page.keyboard.up("i")
+        board.wait(released)
+    finally:
+        command.remove()
+        if where == "checkbox":
+            page.get_by_label("Buttons").click()
+
+
+def test_a_list_gives_the_keys_back_once_something_is_chosen(page: Page, board: Board) -> None:
+    page.locator(f"[id='{element_id(board.drive._to)}']").click()
+    page.get_by_role("option", name="chair1").click()
+    page.wait_for_function("document.activeElement === document.body")
+
+
+def test_space_presses_what_was_reached_with_the_tab_key(page: Page, board: Board) -> None:
+    page.get_by_role("button", name="Pause").focus()
+    page.keyboard.press("Shift+Tab")
+    page.keyboard.press("Tab")
+    page.keyboard.press("Space")
+    board.wait(lambda calls: ("pause",) in calls)
 
 
 def test_a_key_is_dead_while_nobody_is_selected(page: Page, board: Board) -> None:

@@ -1,92 +1,28 @@
 """Driving with a stick on the screen or the keys I, J, K, L; and sending messages to agents.
 
-The page sends ten messages a second while the stick is moved or a key is down, and a zero when it is released, the page
-loses the focus or is hidden. The receiver publishes each message once and repeats none, so a page that is closed or
-hangs stops the chair. The script uses a private name of viser (see callbacks); four buttons work without it.
+`stick_input` sends what the stick and the keys give. The receiver publishes each message once and repeats none, so a
+page that is closed or hangs stops the chair. Four buttons work without the script of `stick_input`.
 """
 
 from __future__ import annotations
 
-import html
 import math
 from collections.abc import Callable
 from typing import Final
 
 import viser
 
-from intellwheels_viewer.panels.callbacks import assign, clicked, element_id, updated
+from intellwheels_viewer.panels.callbacks import assign, clicked, updated
 from intellwheels_viewer.panels.choices import Choices
+from intellwheels_viewer.panels.stick_input import GENTLE, RATE, StickInput
 from intellwheels_viewer.panels.style_sheet import STYLE_SHEET, block, note
 from intellwheels_viewer.snapshot import Snapshot
 from intellwheels_viewer.steering import VIEW_ONLY
 
-RATE: Final = 10.0
-"""Stick messages per second."""
-GENTLE: Final = 0.6
-"""Share of full power that a key gives; with Shift it gives full power."""
 EVERYBODY: Final = "Everybody"
 SAY_LIMIT: Final = 1000
 """Characters: the limit of the contract. A simulation can have a lower one, and its refusal is shown."""
 
-_SCRIPT: Final = """
-(() => {
-const W = window, D = document, GENTLE = %GENTLE%, R = 38;
-if (W.__iwDrive) W.__iwDrive.abort();
-const stop = W.__iwDrive = new AbortController();
-const KEYS = {KeyI: [1, 0], KeyK: [-1, 0], KeyJ: [0, 1], KeyL: [0, -1]};
-const down = new Set();
-let stick = null, pointer = null, shift = false, timer = null, moving = false, n = 0;
-const clamp = v => Math.max(-1, Math.min(1, v));
-const command = () => {
-  if (D.getElementById('iw-drive-off')) return [0, 0];
-  if (stick) return stick;
-  let f = 0, t = 0;
-  for (const k of down) { f += KEYS[k][0]; t += KEYS[k][1]; }
-  const p = shift ? 1 : GENTLE;
-  return [clamp(f) * p, clamp(t) * p];
-};
-const send = (f, t) => W.__viserMutable.sendMessage(
-  {type: 'GuiUpdateMessage', uuid: '%UUID%', updates: {value: [f, t, ++n]}});
-const beat = () => {
-  const [f, t] = command(), knob = D.getElementById('iw-knob');
-  if (knob) knob.style.transform = `translate(${-t * R}px,${-f * R}px)`;
-  if (f || t) { send(f, t); moving = true; timer = timer || setInterval(beat, %PERIOD%); return; }
-  if (moving) send(0, 0);
-  moving = false; clearInterval(timer); timer = null;
-};
-const release = () => { down.clear(); stick = null; pointer = null; beat(); };
-const on = (type, f) => W.addEventListener(type, f, {signal: stop.signal, capture: true});
-stop.signal.addEventListener('abort', release);
-on('keydown', e => {
-  if (!(e.code in KEYS) || e.repeat || e.ctrlKey || e.metaKey || e.altKey) return;
-  if (e.target.closest && e.target.closest('input,textarea,select,[contenteditable=true]')) return;
-  shift = e.shiftKey; down.add(e.code); beat();
-});
-on('keyup', e => { shift = e.shiftKey; if (down.delete(e.code)) beat(); });
-const pull = e => {
-  const area = D.getElementById('iw-stick');
-  if (!area) return release();
-  const b = area.getBoundingClientRect();
-  let x = (e.clientX - b.left - b.width / 2) / R, y = (b.top + b.height / 2 - e.clientY) / R;
-  const r = Math.hypot(x, y);
-  if (r > 1) { x /= r; y /= r; }
-  stick = r < 0.12 ? [0, 0] : [y, -x];
-  if (!timer || r < 0.12) beat();
-};
-on('pointerdown', e => {
-  if (e.button || !(e.target.closest && e.target.closest('#iw-stick'))) return;
-  pointer = e.pointerId; e.preventDefault(); pull(e);
-});
-on('pointermove', e => { if (e.pointerId === pointer) pull(e); });
-for (const type of ['pointerup', 'pointercancel'])
-  on(type, e => { if (e.pointerId === pointer) release(); });
-on('blur', e => { if (e.target === W) release(); });
-on('pagehide', release);
-D.addEventListener('visibilitychange', () => { if (D.hidden) release(); }, {signal: stop.signal});
-const missing = D.getElementById('iw-no-keys');
-if (missing) missing.hidden = Boolean(W.__viserMutable);
-})()
-"""
 _STICK: Final = (
     '<div class="iw-drive"><div class="iw-stick" id="iw-stick" data-testid="stick" role="img" '
     'aria-label="Stick: drag to drive"><u style="left:50px;top:3px">I</u><u style="left:50px;bottom:3px">K</u>'
@@ -95,6 +31,8 @@ _STICK: Final = (
     "<div>Drag the stick, or hold<br><code>I</code> forward<br><code>K</code> back<br><code>J</code> <code>L</code> "
     'turn<div class="iw-small">Shift for full power. Release to stop.</div></div></div>'
     '<div id="iw-no-keys" class="iw-small" hidden>Keys and stick do not work in this browser: tick Buttons.</div>'
+    """<img src="x:" alt="" style="display:none" """
+    """onerror="document.getElementById('iw-no-keys').hidden=Boolean(window.__viserMutable)">"""
 )
 
 
@@ -114,9 +52,7 @@ def drive_html(snapshot: Snapshot, choices: Choices) -> str:
         words = note(f"You are driving {choices.selected}", "good")
     else:
         words = note(f"Hold the stick or the keys I J K L to drive {choices.selected}.")
-    # The script in the page looks for this element: stick and keys send nothing while it exists.
-    off = "" if can_drive(snapshot, choices) else '<i id="iw-drive-off" hidden></i>'
-    return block("drive", words, off)
+    return block("drive", words)
 
 
 def can_drive(snapshot: Snapshot, choices: Choices) -> bool:
@@ -127,11 +63,9 @@ def can_drive(snapshot: Snapshot, choices: Choices) -> bool:
     return body is not None and snapshot.entity(choices.selected) is not None and body.robot.top_speed > 0
 
 
-def page_html(element: str) -> str:
-    """Return the stick and its script. Written once: rewriting it would release a stick that is in use."""
-    script = _SCRIPT.replace("%UUID%", element).replace("%GENTLE%", str(GENTLE)).replace("%PERIOD%", str(1000 / RATE))
-    handler = f'<img src="x:" alt="" style="display:none" onerror="{html.escape(script)}">'
-    return block("stick-area", _STICK, handler)
+def stick_html() -> str:
+    """Return the stick. Written once: rewriting it would release a stick that is in use."""
+    return block("stick-area", _STICK)
 
 
 class DrivePanel:
@@ -139,6 +73,7 @@ class DrivePanel:
 
     Args:
         gui: Makes the elements, in the open container.
+        stick: The input of the stick and the keys, which is made outside the tab of this panel.
         on_stick: Called with forward and turn (positive to the left), each in [-1, 1], and a message count. Once per
             message of the page; 0, 0 is a release.
         on_say: Called with a text, not empty, and its receiver: an agent's name, or None for everybody.
@@ -147,19 +82,20 @@ class DrivePanel:
     def __init__(
         self,
         gui: viser.GuiApi,
+        stick: StickInput,
         *,
         on_stick: Callable[[float, float, int], None],
         on_say: Callable[[str, str | None], None],
     ) -> None:
         gui.add_html(STYLE_SHEET)
         self._words = gui.add_html("")
-        self._value = gui.add_vector3("stick", (0.0, 0.0, 0.0), visible=False)
-        self._stick = gui.add_html(page_html(element_id(self._value)))
+        self._stick_html = gui.add_html(stick_html())
+        self._stick = stick
         self._on_stick, self._on_say = on_stick, on_say
         self._selected: str | None = None
         self._count = 0
         self._able = self._drag_move = self._blocked = False
-        updated(self._value, self._pulled)
+        stick.listen(self._pulled)
         self._wanted = gui.add_checkbox(
             "Buttons", False, hint="Show four buttons to hold, for browsers in which keys and stick do not work"
         )
@@ -187,6 +123,7 @@ class DrivePanel:
             # A key that is still down drove the previous agent. It must be released before it drives the next one.
             self._blocked = self._drag_move
         self._able, self._selected = can_drive(snapshot, choices), choices.selected
+        self._stick.enable(self._able)
         for button in self._buttons:
             button.disabled = not self._able
         may_say = snapshot.phase == "live" and choices.allowed
