@@ -113,8 +113,13 @@ def test_a_node_drives_the_ward_in_real_time_and_nothing_that_it_sends_stops_the
             return bool(abs(odometry[-1].twist.twist.linear.x) < 1e-3)
 
         node.wait(stands, "a chair that stands")
-        node.put("/chair_1/cmd_vel", TWIST_STAMPED, twist_stamped(0.3, 0.0, seconds_of(clock[-1].clock)))
-        node.wait(lambda: odometry[-1].twist.twist.linear.x > 0.05, "a chair that drives again")
+
+        def drives_again() -> bool:
+            stamp = seconds_of(clock[-1].clock)
+            node.put("/chair_1/cmd_vel", TWIST_STAMPED, twist_stamped(0.3, 0.0, stamp, "chair_1/base_link"))
+            return bool(odometry[-1].twist.twist.linear.x > 0.05)
+
+        node.wait(drives_again, "a chair that drives again")
         assert not [event for event in list(events) if json.loads(event[1])["Code"] == "contact"]
         stage.signal(child, signal.SIGTERM)
         assert stage.exit(child) == 0

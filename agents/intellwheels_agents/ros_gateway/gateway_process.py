@@ -91,12 +91,12 @@ class GatewayProcess:
                 stack.enter_context(world_session)
             if not self._given.no_world:
                 stack.enter_context(self._world_topics(world_session, graph))
+            node = None if self._agent is None else graph.node(f"/{ros_name(self._agent)}", NODE)
             _print(f"ready domain={self._domain} world={self._where.world}")
-            if self._agent is None:
+            if node is None:
                 while not self._stop.wait(0.2):
                     pass
                 return 0
-            node = graph.node(f"/{ros_name(self._agent)}", NODE)
             if self._given.role == "watch":
                 return self._watch(world_session, node)
             return self._drive(node)
