@@ -150,7 +150,7 @@ def crosstalk(pings: int) -> Iterator[Check]:
         own, other = draw.uniform(0.0, 0.005), draw.uniform(0.0, 0.005)
 
         def at(**fields: Any) -> Proximity:
-            return sonar(x=0.5, every=10, **fields)
+            return sonar(x=0.5, every=10, latency=7, **fields)
 
         robots = {
             "a": cart(proximity=(at(crosstalk=1.0, ping_delay=own, second_ping_delay=own),)),
@@ -158,7 +158,7 @@ def crosstalk(pings: int) -> Iterator[Check]:
                 apart + 1.0, heading=math.pi, proximity=(at(group=group, ping_delay=other, second_ping_delay=other),)
             ),
         }
-        state, _ = run(world(robots, period=0.005), 11)
+        state, _ = run(world(robots, period=0.005), 17)
         (told,) = readings(state)
         # The other pings once before and once after, 50 ms apart; its front is as far as its sonar.
         lags = [0.005 * (group + turn) + other - own for turn in (-10, 0)]

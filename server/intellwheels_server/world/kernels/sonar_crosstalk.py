@@ -21,6 +21,7 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
+from intellwheels_schemas.sonar_devices import SPEED_OF_SOUND
 from intellwheels_server.world.kernels.arrays import Floats, Ints
 from intellwheels_server.world.kernels.noise import uniform
 from intellwheels_server.world.kernels.proximity_wedges import BEAM_FARTHEST, BEAM_HALF_COS, BEAM_HALF_SIN, BEAM_Z
@@ -29,7 +30,6 @@ from intellwheels_server.world.kernels.sonar_beam import (
     CROSSTALK,
     DELAY,
     SECOND_DELAY,
-    SPEED_OF_SOUND,
     STEP,
     THIN,
     ping_delay,

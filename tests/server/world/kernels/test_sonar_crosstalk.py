@@ -17,10 +17,11 @@ from tests.server.worlds import box_wall, cart, run, world
 
 def _facing(crosstalk: float, walls: list[Wall] | None = None, period: float = 0.05, **fields: Any) -> State:
     """Return two carts whose sonars are 3 m apart and face each other."""
-    every = math.ceil(0.05 / period)
+    # The last echo is back after 29 ms, or later by the delay.
+    timing = {"every": math.ceil(0.05 / period), "latency": math.ceil(0.029 / period)}
     robots = {
-        "a": cart(proximity=(sonar(x=0.5, crosstalk=crosstalk, every=every),)),
-        "b": cart(4.0, heading=math.pi, proximity=(sonar(x=0.5, **{"every": every, **fields}),)),
+        "a": cart(proximity=(sonar(x=0.5, crosstalk=crosstalk, **timing),)),
+        "b": cart(4.0, heading=math.pi, proximity=(sonar(x=0.5, **{**timing, **fields}),)),
     }
     return world(robots, walls or [], period=period)
 
@@ -44,18 +45,18 @@ def test_ping_is_not_heard_through_a_wall_nor_half_a_tenth_of_a_second_later() -
 @pytest.mark.parametrize(("delay", "distance"), [(0.002, 1.846), (0.004, 2.192), (0.01, 3.0)])
 def test_ping_that_is_made_later_seems_farther(delay: float, distance: float) -> None:
     """1.5 m and half of the way of sound in the delay, 173 m/s; beyond 3 m is the echo of the other cart."""
-    assert heard(_facing(1.0, ping_delay=delay)) == told(distance)
+    assert heard(_facing(1.0, period=0.06, ping_delay=delay)) == told(distance)
 
 
 def test_ping_of_another_tick_is_heard_if_it_arrives_in_time() -> None:
     # Ticks of 5 ms: the other pings a tick before, or after; 0.865 m less or more.
     for group, distance in ((0, 1.5), (1, 2.365), (2, 3.0), (9, 0.635)):
         state, _ = run(_facing(1.0, period=0.005, every=10, group=group), 10)
-        assert heard(state) == told(distance)
+        assert heard(state, latency=6) == told(distance)
 
 
 def test_delays_that_alternate_make_crosstalk_jump_and_leave_echoes_as_they_are() -> None:
-    crossed, quiet = _facing(1.0, second_ping_delay=0.004), _facing(0.0, second_ping_delay=0.004)
+    crossed, quiet = (_facing(share, period=0.06, second_ping_delay=0.004) for share in (1.0, 0.0))
     for k in range(6):
         crossed, _ = run(crossed, 1)
         quiet, _ = run(quiet, 1)
@@ -119,7 +120,7 @@ def test_sonars_at_one_point_do_not_disturb_each_other() -> None:
             sonar(f"s{k}", direction_deg=float(turn), crosstalk=1.0, ping_delay=delay * (k % 2))
             for k, turn in enumerate(turns)
         )
-        state, _ = run(world({"a": cart(proximity=fan)}), 1)
+        state, _ = run(world({"a": cart(proximity=fan)}, period=0.06), 1)
         assert readings(state) == ["none"] * len(fan)
 
 
