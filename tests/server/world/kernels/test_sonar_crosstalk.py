@@ -113,6 +113,55 @@ def test_ping_is_heard_by_way_of_a_wall() -> None:
     assert heard(world(robots, [wall, post])) != told(math.sqrt(2.0))
 
 
+def test_ping_is_heard_from_beyond_the_range_of_the_listener() -> None:
+    """It hears over 1.2 m, and the other is 4 m away, but had pinged 5 ms, 1.73 m, before: (4 - 1.73) / 2 = 1.135 m."""
+    timing: dict[str, Any] = {"every": 10, "latency": 6}
+    robots = {
+        "a": cart(proximity=(sonar(x=0.5, max_range=1.2, crosstalk=1.0, **timing),)),
+        "b": cart(5.0, heading=math.pi, proximity=(sonar(x=0.5, **timing, group=9),)),
+    }
+    state, _ = run(world(robots, period=0.005), 10)
+    assert heard(state, latency=6) == told(1.135)
+    # What stands between them is beyond the range too, and hides it.
+    state, _ = run(world(robots, [box_wall(3.0, -1.0, 3.2, 1.0)], period=0.005), 10)
+    assert heard(state, latency=6) == "none"
+
+
+def test_ping_comes_by_a_wall_beyond_the_range_of_the_listener() -> None:
+    """Side by side, 2 m apart, 3 m before a wall: a way of 2 sqrt(10) m, less 3.46 m as it is 10 ms earlier."""
+    timing: dict[str, Any] = {"every": 10, "latency": 6, "cone_deg": 60.0}
+    robots = {
+        "a": cart(proximity=(sonar(y=0.3, max_range=1.5, crosstalk=1.0, **timing),)),
+        "b": cart(0.0, 2.6, proximity=(sonar(y=-0.3, **timing, group=8),)),
+    }
+    state, _ = run(world(robots, [box_wall(3.0, -9.0, 4.0, 9.0)], period=0.005), 10)
+    assert heard(state, latency=6) == told(0.5 * (2.0 * math.sqrt(10.0) - 3.46))
+
+
+def test_sonar_does_not_listen_before_its_shortest_distance() -> None:
+    assert heard(_facing(1.0, period=0.06)) == told(1.5)
+    robots = {
+        "a": cart(proximity=(sonar(x=0.5, crosstalk=1.0, min_range=1.6),)),
+        "b": cart(4.0, heading=math.pi, proximity=(sonar(x=0.5),)),
+    }
+    assert heard(world(robots)) == told(3.0)
+
+
+def test_each_ping_of_another_is_drawn_by_itself() -> None:
+    """Two pings arrive while the sonar listens: 0.3 of the first count, and 0.3 of the second of the rest."""
+    fields: dict[str, Any] = {"x": 0.5, "max_range": 12.0, "latency": 15}
+    robots = {
+        "a": cart(proximity=many(64, **fields, crosstalk=0.3, every=20)),
+        "b": cart(4.0, heading=math.pi, proximity=(sonar(x=0.5, every=10, latency=10),)),
+    }
+    state, found = world(robots, period=0.005), []
+    for _ in range(10):
+        state, _ = run(state, 20)
+        found += readings(state)
+    near, far = (sum(one == told(way) for one in found) for way in (1.5, 3.0))
+    assert (near, near + far) == (pytest.approx(0.3 * 640, abs=47), 640)
+
+
 def test_sonars_at_one_point_do_not_disturb_each_other() -> None:
     turns = range(0, 360, 20)
     for delay in (0.0, 0.01):
