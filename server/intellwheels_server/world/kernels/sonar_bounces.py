@@ -23,7 +23,7 @@ from intellwheels_server.world.kernels.sonar_corners import corner_width
 from intellwheels_server.world.kernels.sonar_rough import add_view, nearest_in_sight
 from intellwheels_server.world.kernels.sonar_scene import SKIN, Counts, Scene
 from intellwheels_server.world.kernels.sonar_sight import blocked
-from intellwheels_server.world.kernels.sonar_widths import is_long
+from intellwheels_server.world.kernels.sonar_widths import is_long, surface_length
 
 
 @njit(cache=True, error_model="numpy", inline="always")
@@ -51,7 +51,7 @@ def _in_beam(
 @njit(cache=True, error_model="numpy")
 def _corner_in_wall(
     face: int, x: float, y: float, z: float, nx: float, ny: float, height: float, right_x: float, right_y: float,
-    left_x: float, left_y: float, thin: float, wave: float, best: float, scene: Scene, counts: Counts,
+    left_x: float, left_y: float, size: float, thin: float, wave: float, best: float, scene: Scene, counts: Counts,
 ) -> float:  # fmt: skip
     """Return the distance of the convex corner at which a face begins, as it is seen in a wall, m, at most `best`.
 
@@ -67,6 +67,7 @@ def _corner_in_wall(
         right_y: The same.
         left_x: Direction of the left end.
         left_y: The same.
+        size: The length of the wall, m.
         thin: What is narrower than this times the cube of its distance is not heard, 1/m2.
         wave: Wavelength, m.
         best: The distance of the nearest echo so far, m.
@@ -83,6 +84,10 @@ def _corner_in_wall(
     if right_x * to_y - right_y * to_x < 0.0 or to_x * left_y - to_y * left_x < 0.0:
         return best
     distance = math.sqrt(square)
+    # The corner is heard from behind the beginning of its face only.
+    behind = scene.faces[face, face_columns.NX] * to_y - scene.faces[face, face_columns.NY] * to_x
+    if size < thin * distance * square or behind < -SKIN:
+        return best
     width = corner_width(
         scene.faces[face, face_columns.X], scene.faces[face, face_columns.Y], z, -to_x, -to_y, wave, scene.near,
         counts.near, scene.pieces, scene.links, scene.edges,
@@ -162,6 +167,10 @@ def nearest_bounce(
         height = nx * px + ny * py
         first, last = _in_beam(px, py, nx, ny, faces[mirror, face_columns.LENGTH], right_x, right_y, left_x, left_y)
         image_x, image_y = 2.0 * height * nx, 2.0 * height * ny
+        # A way is longer than that to the mirror: most small faces of a round wall are too thin for any.
+        size = surface_length(mirror, thin * best * best * best, z, faces, counts.faces)
+        if size < thin * height * height * -height:
+            continue
         for at_other in range(mirrors, mirrors + others):
             other = close[at_other]
             if other == mirror:
@@ -182,8 +191,8 @@ def nearest_bounce(
                     if (
                         share < 1.0
                         and first <= at <= last
+                        and size >= wide
                         and is_long(other, wide, z, faces, counts.faces)
-                        and is_long(mirror, wide, z, faces, counts.faces)
                     ):
                         gone = math.sqrt(ax * ax + ay * ay)
                         if not blocked(x, y, z, ax, ay, 0.0, thin, -1, scene, counts) and not blocked(
@@ -218,8 +227,8 @@ def nearest_bounce(
                         and -wave <= along <= faces[other, face_columns.LENGTH] + wave
                         and right_x * vertex_y - right_y * vertex_x >= 0.0
                         and vertex_x * left_y - vertex_y * left_x >= 0.0
+                        and size >= thin * square * math.sqrt(square)
                         and is_long(other, thin * square * math.sqrt(square), z, faces, counts.faces)
-                        and is_long(mirror, thin * square * math.sqrt(square), z, faces, counts.faces)
                         and not blocked(x, y, z, vertex_x, vertex_y, 0.0, thin, -1, scene, counts)
                     ):
                         best = math.sqrt(square)
@@ -246,7 +255,7 @@ def nearest_bounce(
             wide = thin * half * half * half
             if not first <= at <= last:
                 continue
-            if not is_long(other, wide, z, faces, counts.faces) or not is_long(mirror, wide, z, faces, counts.faces):
+            if size < wide or not is_long(other, wide, z, faces, counts.faces):
                 continue
             gone = math.sqrt(ax * ax + ay * ay)
             if (
@@ -263,13 +272,11 @@ def nearest_bounce(
             thing = at_thing if at_thing < counts.boxes else counts.boxes + scene.posts[at_thing - counts.boxes]
             views = add_view(scene.views, 0, right_end_x, right_end_y, left_end_x, left_end_y)
             told = nearest_in_sight(thing, x, y, z, nx, ny, height, views, thin, best, scene, counts)
-            if told < best and is_long(mirror, thin * told * told * told, z, faces, counts.faces):
+            if told < best and size >= thin * told * told * told:
                 best = told
         for at_other in range(mirrors, mirrors + others):
-            told = _corner_in_wall(
-                close[at_other], x, y, z, nx, ny, height, right_end_x, right_end_y, left_end_x, left_end_y, thin, wave,
-                best, scene, counts,
+            best = _corner_in_wall(
+                close[at_other], x, y, z, nx, ny, height, right_end_x, right_end_y, left_end_x, left_end_y, size, thin,
+                wave, best, scene, counts,
             )  # fmt: skip
-            if told < best and is_long(mirror, thin * told * told * told, z, faces, counts.faces):
-                best = told
     return best

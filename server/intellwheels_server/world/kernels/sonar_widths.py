@@ -166,12 +166,12 @@ def body_span(
 
 
 @njit(cache=True, error_model="numpy")
-def is_long(face: int, least: float, z: float, faces: Floats, count: int) -> bool:
-    """Return whether a face, with those that continue it in its plane, has at least a length.
+def surface_length(face: int, enough: float, z: float, faces: Floats, count: int) -> float:
+    """Return the length of a face with those that continue it in its plane, m.
 
     Args:
         face: Its row.
-        least: The length, m.
+        enough: The search ends when it has found this length, m.
         z: Height, m: faces at other heights do not count.
         faces: Of the scene.
         count: How many faces the scene has.
@@ -179,7 +179,7 @@ def is_long(face: int, least: float, z: float, faces: Floats, count: int) -> boo
     nx, ny = faces[face, face_columns.NX], faces[face, face_columns.NY]
     first, last = 0.0, faces[face, face_columns.LENGTH]
     grows = True
-    while last - first < least and grows:
+    while last - first < enough and grows:
         grows = False
         for other in range(count):
             to_x = faces[other, face_columns.X] - faces[face, face_columns.X]
@@ -195,4 +195,10 @@ def is_long(face: int, least: float, z: float, faces: Floats, count: int) -> boo
             end = begin + faces[other, face_columns.LENGTH]
             if begin <= last + TOUCH and end >= first - TOUCH and (begin < first - TOUCH or end > last + TOUCH):
                 first, last, grows = min(first, begin), max(last, end), True
-    return last - first >= least
+    return float(last - first)
+
+
+@njit(cache=True, error_model="numpy")
+def is_long(face: int, least: float, z: float, faces: Floats, count: int) -> bool:
+    """Return whether a face with those that continue it has at least a length: see `surface_length`."""
+    return bool(surface_length(face, least, z, faces, count) >= least)

@@ -110,3 +110,6 @@ def test_mirror_that_is_too_thin_to_be_heard_sends_nothing_on() -> None:
     for width, is_heard in ((0.01, False), (0.03, True)):
         strip = solid((1.0, 0.0), (1.0 + width, width), (1.15 + width, width - 0.12), (1.15, -0.12))
         assert (heard(world(robots, [strip])) != "none") == is_heard
+        angles = [math.radians(15.0 * k) for k in range(24)]
+        pillar = solid(*((1.01 + 0.3 * math.cos(angle), 2.5 + 0.3 * math.sin(angle)) for angle in angles))
+        assert (heard(world({"a": robots["a"]}, [strip, pillar])) != "none") == is_heard

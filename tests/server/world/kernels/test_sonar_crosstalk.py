@@ -9,7 +9,7 @@ import pytest
 from msgspec import structs
 
 from intellwheels_maps import robot
-from intellwheels_schemas.messages import Position, Wall
+from intellwheels_schemas.messages import Part, Position, Robot, Wall
 from intellwheels_server.world import State
 from tests.server.world.sonars import heard, many, readings, solid, sonar, told
 from tests.server.worlds import box_wall, cart, run, world
@@ -18,7 +18,7 @@ from tests.server.worlds import box_wall, cart, run, world
 def _facing(crosstalk: float, walls: list[Wall] | None = None, period: float = 0.05, **fields: Any) -> State:
     """Return two carts whose sonars are 3 m apart and face each other."""
     # The last echo is back after 29 ms, or later by the delay.
-    timing = {"every": math.ceil(0.05 / period), "latency": math.ceil(0.029 / period)}
+    timing: dict[str, Any] = {"every": math.ceil(0.05 / period), "latency": math.ceil(0.029 / period)}
     robots = {
         "a": cart(proximity=(sonar(x=0.5, crosstalk=crosstalk, **timing),)),
         "b": cart(4.0, heading=math.pi, proximity=(sonar(x=0.5, **{**timing, **fields}),)),
@@ -148,18 +148,21 @@ def test_sonar_does_not_listen_before_its_shortest_distance() -> None:
 
 
 def test_each_ping_of_another_is_drawn_by_itself() -> None:
-    """Two pings arrive while the sonar listens: 0.3 of the first count, and 0.3 of the second of the rest."""
-    fields: dict[str, Any] = {"x": 0.5, "max_range": 12.0, "latency": 15}
+    """Two pings arrive while the sonar listens: 0.3 of the first count, and 0.3 of the rest of the second."""
+    part = Part(x=0.0, y=0.0, length=0.5, width=0.5, bottom=0.6, top=1.0)
+    other = sonar(x=0.5, every=10, latency=10)
     robots = {
-        "a": cart(proximity=many(64, **fields, crosstalk=0.3, every=20)),
-        "b": cart(4.0, heading=math.pi, proximity=(sonar(x=0.5, every=10, latency=10),)),
+        "a": cart(proximity=many(64, x=0.5, max_range=12.0, latency=15, crosstalk=0.3, every=20)),
+        # It does not hear the body below which the other is.
+        "b": Robot(part=(part,), position=Position(x=4.0, y=0.0, heading=math.pi), proximity=(other,)),
     }
     state, found = world(robots, period=0.005), []
     for _ in range(10):
         state, _ = run(state, 20)
         found += readings(state)
-    near, far = (sum(one == told(way) for one in found) for way in (1.5, 3.0))
-    assert (near, near + far) == (pytest.approx(0.3 * 640, abs=47), 640)
+    near, far = (sum(one == told(way) for one in found) for way in (1.5, 1.5 + 8.65))
+    # Four standard deviations of 640 draws.
+    assert (near, far) == (pytest.approx(0.3 * 640, abs=47), pytest.approx(0.21 * 640, abs=42))
 
 
 def test_sonars_at_one_point_do_not_disturb_each_other() -> None:
