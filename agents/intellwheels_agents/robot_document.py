@@ -2,14 +2,13 @@
 
 `MotorNoise=0.015` sets a field of the robot, `Compass.NoiseDeg=0.5` sets a field of all its compasses. The names are
 those of the contract, so they begin with a capital letter; the options of a mind do not. `Proximity.Device=srf08`
-makes all proximity sensors sonars of that device: its beam, its range, its rate, crosstalk and a tick of latency.
+makes all proximity sensors sonars of that device: its beam, its range, its rate, its latency and crosstalk.
 Options win.
 """
 
 from __future__ import annotations
 
 import contextlib
-import math
 import re
 from collections.abc import Mapping
 from typing import Any
@@ -23,7 +22,7 @@ from intellwheels_schemas.explain import check_plain
 from intellwheels_schemas.messages import Position, Robot, Role
 from intellwheels_schemas.rules import check_robot
 from intellwheels_schemas.shapes import shape_of
-from intellwheels_schemas.sonar_devices import DEVICES
+from intellwheels_schemas.sonar_devices import DEVICES, reading_time, sample_time, ticks_for
 
 DEFAULT_ROBOT = "intellwheels"
 """The robot of a mind that has none of its own."""
@@ -88,11 +87,19 @@ def _check_sonars(robot: Robot) -> None:
 def _device_fields(name: str, record: Mapping[str, Any], changes: Mapping[str, str]) -> dict[str, Any]:
     """Return the fields of a sonar that follow from its device, without those that an option sets."""
     device = DEVICES[name]
+
+    def number(field: str, otherwise: float) -> float:
+        told = _plain(changes.get(f"Proximity.{field}", ""))
+        return float(told) if isinstance(told, int | float) else otherwise
+
+    far = number("MaxRange", device.max_range)
+    delays = [number(field, record.get(field, 0.0)) for field in ("PingDelay", "SecondPingDelay")]
     fields = {
         "Model": "sonar", "ConeDeg": device.cone_deg, "MinRange": device.min_range, "MaxRange": device.max_range,
-        "Latency": max(1, record.get("Latency", 0)), "Crosstalk": 1.0,
-        # Of the usual period; a shorter one needs the option.
-        "Every": max(math.ceil(device.ping_period / PERIOD - 1e-9), record.get("Every", 1)),
+        "Crosstalk": 1.0,
+        # Of the usual period; a shorter one needs the options.
+        "Latency": max(ticks_for(reading_time(far, *delays), PERIOD), record.get("Latency", 0)),
+        "Every": max(ticks_for(sample_time(name, far, *delays), PERIOD), record.get("Every", 1)),
     }  # fmt: skip
     return {field: value for field, value in fields.items() if f"Proximity.{field}" not in changes}
 

@@ -400,8 +400,9 @@ class Proximity(Record, frozen=True, kw_only=True):
     max_range: Size
     """Longest distance that can be measured; if nothing is nearer, the status is none."""
     model: Model = "ideal"
-    """Error model: ideal (no errors), infrared (noise grows with distance) or sonar (detects only echoes). A
-    sonar needs a Latency of at least 1, and an Every of at least 50 ms or the ping period of its Device."""
+    """Error model: ideal (no errors), infrared (noise grows with distance) or sonar (detects only echoes). Latency of a
+    sonar must cover its delay and the time of sound to MaxRange and back. Every must cover this time and 50 ms, or the
+    ping period of its Device, and the difference between its delays."""
     noise_volts: Volts = 0.01
     """Infrared only: standard deviation of the sensor's voltage. The voltage is 0.47 V m divided by the distance."""
     dropout: Dropout = 0.0

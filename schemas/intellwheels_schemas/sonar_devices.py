@@ -13,6 +13,7 @@ Sources:
 
 from __future__ import annotations
 
+import math
 from typing import Final, NamedTuple
 
 SURE_SHARE: Final = 0.6
@@ -26,6 +27,10 @@ FREQUENCY: Final = 40e3
 """Frequency of a sonar that is no listed device, Hz. Source: FAQ."""
 PING_PERIOD: Final = 0.05
 """Time from a ping to the next one of a sonar that is no listed device, s: the shortest of the listed periods."""
+
+
+SPEED_OF_SOUND: Final = 346.0
+"""Speed of sound in air at 24 degrees, m/s. Source: FAQ."""
 
 
 class SonarDevice(NamedTuple):
@@ -78,3 +83,34 @@ DEVICES: Final[dict[str, SonarDevice]] = {
     ),
 }  # fmt: skip
 """The devices by name, as `Proximity.Device` names them."""
+
+
+def reading_time(max_range: float, *delays: float) -> float:
+    """Return the time from the tick of a sample of a sonar until all echoes within its range are back, s.
+
+    Args:
+        max_range: Its range, m.
+        delays: From the tick to its pings, s.
+    """
+    return max(delays, default=0.0) + 2.0 * max_range / SPEED_OF_SOUND
+
+
+def sample_time(device: str | None, max_range: float, delay: float, second_delay: float) -> float:
+    """Return the shortest time from sample to sample of a sonar, s.
+
+    From one ping to the next one are at least the period of the device and the time of the last echo. If the delays
+    differ, every other ping follows sooner on the one before.
+
+    Args:
+        device: The name of its device, None if it is no listed one.
+        max_range: Its range, m.
+        delay: From the tick to the first, third, ... ping, s.
+        second_delay: From the tick to the second, fourth, ... ping, s.
+    """
+    period = PING_PERIOD if device is None else DEVICES[device].ping_period
+    return max(period, reading_time(max_range)) + abs(second_delay - delay)
+
+
+def ticks_for(seconds: float, period: float) -> int:
+    """Return the smallest number of ticks of a period, s, that last at least a time, s."""
+    return math.ceil(seconds / period - 1e-9)

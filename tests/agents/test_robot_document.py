@@ -88,6 +88,15 @@ def test_device_pings_no_faster_than_it_can_at_50_ms(name: str) -> None:
     for device, figures in DEVICES.items():
         for one in equipped(included(name), {"Proximity.Device": device}).proximity:
             assert one.every * 0.05 >= figures.ping_period
+            assert one.latency * 0.05 >= 2.0 * figures.max_range / 346.0
+
+
+def test_device_with_delays_and_a_range_of_its_own_gets_the_timing_that_they_need() -> None:
+    changes = {"Proximity.Device": "polaroid-6500", "Proximity.MaxRange": "4.0"}
+    made = equipped(included("mid-wheel"), changes)
+    assert {(one.every, one.latency) for one in made.proximity} == {(2, 1)}
+    made = equipped(included("mid-wheel"), {**changes, "Proximity.SecondPingDelay": "0.04"})
+    assert {(one.every, one.latency) for one in made.proximity} == {(3, 2)}
 
 
 @pytest.mark.parametrize(

@@ -8,7 +8,7 @@ from typing import get_args
 import pytest
 
 from intellwheels_schemas.messages import SonarName
-from intellwheels_schemas.sonar_devices import DEVICES, PING_PERIOD, SonarDevice
+from intellwheels_schemas.sonar_devices import DEVICES, PING_PERIOD, SonarDevice, reading_time, sample_time, ticks_for
 
 MODEL = Path(__file__).parents[2] / "server" / "intellwheels_server" / "world" / "MODEL.md"
 
@@ -49,3 +49,12 @@ def test_figures_fit_together(device: SonarDevice) -> None:
     assert 2.0 * device.max_range / 346.0 < device.ping_period
     assert PING_PERIOD <= device.ping_period <= 0.065
     assert device.source
+
+
+def test_reading_waits_for_the_last_echo_and_the_next_ping_for_both() -> None:
+    assert reading_time(3.46) == pytest.approx(0.02)
+    assert reading_time(3.46, 0.01, 0.03) == pytest.approx(0.05)
+    assert sample_time(None, 3.46, 0.0, 0.0) == PING_PERIOD
+    assert sample_time(None, 17.3, 0.0, 0.0) == pytest.approx(0.1)
+    assert sample_time("srf08", 6.0, 0.01, 0.03) == pytest.approx(0.085)
+    assert [ticks_for(seconds, 0.05) for seconds in (0.0, 0.0499, 0.05, 0.0501)] == [0, 1, 1, 2]

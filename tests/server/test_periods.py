@@ -150,15 +150,16 @@ def readings(period: float) -> Found:
 
 def pings(period: float) -> Found:
     """Two sonars, 3 m apart, face each other; one takes the pings of the other, 2 ms and 5 ms later, for its own."""
-    every = math.ceil(0.05 / period - 1e-9)
+    # From ping to ping are 50 ms, or 47 by the delays; the last echo is back after 37 ms.
+    every, late = math.ceil(0.053 / period - 1e-9), math.ceil(0.037 / period)
     eye: dict[str, Any] = {
         "x": 0.5, "y": 0.0, "z": 0.4, "direction_deg": 0.0, "cone_deg": 20.0, "max_range": 5.0, "model": "sonar",
-        "every": every, "latency": 1,
+        "every": every, "latency": late,
     }  # fmt: skip
     own = Proximity(id="s", crosstalk=1.0, ping_delay=0.003, second_ping_delay=0.003, **eye)
     other = Proximity(id="s", ping_delay=0.005, second_ping_delay=0.008, **eye)
     state = world({"a": cart(proximity=(own,)), "b": cart(4.0, heading=math.pi, proximity=(other,))}, period=period)
-    state, _ = run(state, 1)
+    state, _ = run(state, late)
     first = _sensors(state).proximity[0].value
     state, _ = run(state, every)
     # Half of the way of sound, at 346 m/s; the jitter is one wave of 40 kHz.

@@ -50,7 +50,7 @@ class SensorMerge:
         forwarded = tuple(
             msgspec.structs.replace(
                 sensor, id=self._names[sensor.id], source="real", every=1, latency=0, model="ideal", dropout=0.0,
-                crosstalk=0.0, group=0,
+                device=None, crosstalk=0.0, ping_delay=0.0, second_ping_delay=0.0, group=0,
             )
             for sensor in own
         )  # fmt: skip

@@ -8,12 +8,17 @@ import pytest
 from intellwheels_agents.bridge.pose_source import PoseSource
 from intellwheels_agents.bridge.sensor_merge import SensorMerge, SensorsName
 from intellwheels_maps import robot
-from intellwheels_schemas.messages import Odometry, Position, ProximityReading, Robot
+from intellwheels_schemas.messages import Odometry, Position, Proximity, ProximityReading, Robot
 from intellwheels_schemas.rules import check_robot
 from tests.agents.bridge.readings import reading
 
 BODY = msgspec.structs.replace(robot("intellwheels"), odometry=(Odometry(id="way"),))
-SONARS = tuple(msgspec.structs.replace(one, model="sonar", every=2) for one in BODY.proximity[:2])
+SONARS = tuple(
+    msgspec.structs.replace(
+        one, model="sonar", device="srf08", every=2, latency=1, crosstalk=1.0, ping_delay=0.01, second_ping_delay=0.02
+    )
+    for one in BODY.proximity[:2]
+)
 CHAIR = msgspec.structs.replace(BODY, proximity=SONARS, wheel_ratio=1.002)
 
 
@@ -27,6 +32,12 @@ def test_the_mind_gets_the_chosen_sensors(sensors: SensorsName, virtual: int, re
     assert made.robot.type == "real"
     assert [one.id for one in made.robot.proximity if one.source == "real"] == real
     assert sum(one.source == "simulated" for one in made.robot.proximity) == virtual
+    # What the chair's own sonars do wrong is in their readings.
+    plain = Proximity(id="s", x=0.0, y=0.0, z=0.0, direction_deg=0.0, cone_deg=1.0, max_range=1.0, source="real")
+    errors = ("model", "device", "dropout", "crosstalk", "ping_delay", "second_ping_delay", "every", "latency", "group")
+    for one in made.robot.proximity:
+        if one.source == "real":
+            assert [getattr(one, name) for name in errors] == [getattr(plain, name) for name in errors]
     assert {one.source for one in made.robot.encoders + made.robot.odometry} == {"real"}
     source = PoseSource(CHAIR, "raw")
     source.set_start(Position(x=0.0, y=0.0, heading=0.0))

@@ -113,10 +113,55 @@ def thin(_pings: int) -> Iterator[Check]:
         while far - near > 1e-4:
             middle, count = 0.5 * (near + far), count + 1
             post = box_wall(middle, -0.5 * width, middle + width, 0.5 * width)
-            is_heard = heard(world({"a": cart(proximity=(sonar(max_range=10.0),))}, [post])) != "none"
+            is_heard = heard(world({"a": cart(proximity=(sonar(max_range=10.0),))}, [post], period=0.1)) != "none"
             near, far = (middle, far) if is_heard else (near, middle)
         expected = THIN_DISTANCE * (width / THIN_WIDTH) ** (1.0 / 3.0)
         yield Check("farthest thing, m", f"{millimetres:g} mm", expected, near, 2e-4, count)
+
+
+def edges(pings: int) -> Iterator[Check]:
+    """Compare the distance up to which the edge of a wedge is heard with the theory of diffraction, at random."""
+    draw, wrong = random.Random(3), 0
+    count = max(1, pings // 400)
+    for _ in range(count):
+        inside, lean = math.radians(draw.uniform(60.0, 150.0)), draw.uniform(-0.5, 0.5)
+        outside = 2.0 * math.pi - inside
+        # Between the normals of the two faces.
+        phi = 0.5 * outside + lean * (outside - math.pi)
+        n = outside / math.pi
+        factor = 1.0 / (math.cos(math.pi / n) - 1.0) + 1.0 / (math.cos(math.pi / n) - math.cos(2.0 * phi / n))
+        width = 0.00865 * (math.sin(math.pi / n) * factor / (math.pi * n)) ** 2
+        limit = THIN_DISTANCE * (width / THIN_WIDTH) ** (1.0 / 3.0)
+        for distance in (limit - 1e-3, limit + 1e-3):
+            if not 0.55 < distance < 9.0:
+                continue
+            ends = [math.pi - phi, math.pi - phi + outside]  # of the faces, as they are seen from the edge
+            wedge = solid((distance, 0.0), *((distance + 9.0 * math.cos(at), 9.0 * math.sin(at)) for at in ends))
+            told = heard(world({"a": cart(proximity=(sonar(cone_deg=1.0, max_range=10.0),))}, [wedge], period=0.1))
+            wrong += (told != "none") != (distance < limit)
+    yield Check("edges that differ from diffraction", "random wedges", 0.0, wrong, 0.0, count)
+
+
+def pillars(pings: int) -> Iterator[Check]:
+    """Count the round pillars that a sonar with one before it, at random, does not hear at their nearest point."""
+    draw, wrong = random.Random(4), 0
+    count = max(1, pings // 400)
+    for _ in range(count):
+        sides, radius, turn = draw.randrange(12, 40), draw.uniform(0.1, 0.4), draw.uniform(0.0, 1.0)
+        away = draw.uniform(1.5, 4.5)
+        corners = [
+            (
+                away + radius * math.cos(turn + 2.0 * math.pi * k / sides),
+                radius * math.sin(turn + 2.0 * math.pi * k / sides),
+            )
+            for k in range(sides)
+        ]
+        told = heard(world({"a": cart(proximity=(sonar(max_range=6.0),))}, [solid(*corners)]))
+        # The nearest point of the polygon is nearer than its nearest corner by no more than it stands out.
+        nearest = min(math.hypot(*corner) for corner in corners)
+        least = away - radius - 0.00866
+        wrong += isinstance(told, str) or not least <= told <= nearest + 0.00866
+    yield Check("round pillars that are not heard", "random pillars", 0.0, wrong, 0.0, count)
 
 
 def bounces(pings: int) -> Iterator[Check]:
@@ -150,7 +195,7 @@ def crosstalk(pings: int) -> Iterator[Check]:
         own, other = draw.uniform(0.0, 0.005), draw.uniform(0.0, 0.005)
 
         def at(**fields: Any) -> Proximity:
-            return sonar(x=0.5, every=10, **fields)
+            return sonar(x=0.5, every=10, latency=7, **fields)
 
         robots = {
             "a": cart(proximity=(at(crosstalk=1.0, ping_delay=own, second_ping_delay=own),)),
@@ -158,7 +203,7 @@ def crosstalk(pings: int) -> Iterator[Check]:
                 apart + 1.0, heading=math.pi, proximity=(at(group=group, ping_delay=other, second_ping_delay=other),)
             ),
         }
-        state, _ = run(world(robots, period=0.005), 11)
+        state, _ = run(world(robots, period=0.005), 17)
         (told,) = readings(state)
         # The other pings once before and once after, 50 ms apart; its front is as far as its sonar.
         lags = [0.005 * (group + turn) + other - own for turn in (-10, 0)]
@@ -170,7 +215,7 @@ def crosstalk(pings: int) -> Iterator[Check]:
 
 def checks(pings: int) -> list[Check]:
     """Return all checks, with so many pings for each share."""
-    return [one for part in (incidence, jitter, thin, bounces, crosstalk) for one in part(pings)]
+    return [one for part in (incidence, jitter, thin, edges, pillars, bounces, crosstalk) for one in part(pings)]
 
 
 def read(path: Path) -> list[Check]:

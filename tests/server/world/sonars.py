@@ -35,9 +35,9 @@ def readings(state: State, agent: str = "a") -> list[float | str]:
     return [reading.status if reading.value is None else reading.value for reading in sensors.proximity]
 
 
-def heard(state: State, agent: str = "a", at: int = 0) -> float | str:
-    """Return what a sonar hears from where everything is now: it reports it a tick later."""
-    after, _ = run(state, 1)
+def heard(state: State, agent: str = "a", at: int = 0, latency: int = 1) -> float | str:
+    """Return what a sonar hears from where everything is now: it reports it so many ticks later."""
+    after, _ = run(state, latency)
     return readings(after, agent)[at]
 
 

@@ -12,6 +12,7 @@ from numba import njit
 from intellwheels_server.world.kernels import rows
 from intellwheels_server.world.kernels.arrays import END_EDGE, FIRST_EDGE, NORMAL_X, NORMAL_Y, Floats, Ints, Walls
 from intellwheels_server.world.kernels.elementary import sincos
+from intellwheels_server.world.kernels.grid_search import Place
 from intellwheels_server.world.kernels.line_of_sight import ray_to_polygon
 from intellwheels_server.world.kernels.noise import normal, uniform
 from intellwheels_server.world.kernels.sample_schedule import BODY, KEY0, KEY1, due_slot
@@ -28,7 +29,6 @@ from intellwheels_server.world.kernels.spatial_query import (
     SLACK,
     WIDE,
     Found,
-    Place,
     gather_bodies,
     gather_walls,
     place_bodies,
@@ -192,7 +192,7 @@ def scan(
     placed, walls = place_bodies(pose, parts, part_start), Walls(pieces, links, edges, cells, frame)
     nearby = room_for(placed, walls)
     _, boxes, extents, cell_start, cell_bodies, grid = placed
-    around, polygons, solids, gathered_for = nearby
+    around, polygons, solids, indices, found_for = nearby
     for sensor in range(scans.shape[0]):
         first_ray = scans[sensor, FIRST_RAY]
         count = scans[sensor, END_RAY] - first_ray
@@ -211,9 +211,9 @@ def scan(
         )
         farthest = lidars[sensor, LIDAR_FARTHEST]
         place = Place(x, y, farthest + SLACK, owner, sensor)
-        of_bodies = gather_bodies(place, part_start, boxes, extents, cell_start, cell_bodies, grid, around)
+        of_bodies = gather_bodies(place, part_start, boxes, extents, cell_start, cell_bodies, grid, around, indices)
         near, polygon_count = gather_walls(
-            place, pieces, links, edges, cells, frame, of_bodies, around, polygons, solids, gathered_for
+            place, pieces, links, edges, cells, frame, of_bodies, around, polygons, solids, indices, found_for
         )
         found = Found(of_bodies, near, polygon_count)
         rays = np.empty((2, count))

@@ -16,6 +16,7 @@ from numba import njit
 from intellwheels_server.world.kernels import rows
 from intellwheels_server.world.kernels.arrays import END_EDGE, FIRST_EDGE, Floats, Ints, Walls
 from intellwheels_server.world.kernels.elementary import sincos
+from intellwheels_server.world.kernels.grid_search import Place
 from intellwheels_server.world.kernels.sample_schedule import due_slot
 from intellwheels_server.world.kernels.spatial_query import (
     CENTRE_X,
@@ -29,7 +30,6 @@ from intellwheels_server.world.kernels.spatial_query import (
     SIN,
     SLACK,
     WIDE,
-    Place,
     gather_bodies,
     gather_walls,
     place_bodies,
@@ -208,7 +208,7 @@ def sense_proximity(
     placed, walls = place_bodies(pose, parts, part_start), Walls(pieces, links, edges, cells, frame)
     nearby = room_for(placed, walls)
     _, boxes, extents, cell_start, cell_bodies, grid = placed
-    around, polygons, solids, gathered_for = nearby
+    around, polygons, solids, found, found_for = nearby
     squares = np.empty(around.shape[1])
     for mount in range(groups.shape[0]):
         begin, end = groups[mount, GROUP_BEGIN], groups[mount, GROUP_END]
@@ -221,9 +221,9 @@ def sense_proximity(
             continue
         x, y, c, s = mount_pose(mounts, groups, pose, mount)
         place = Place(x, y, mounts[mount, MOUNT_REACH] + SLACK, groups[mount, GROUP_OWNER], mount)
-        of_bodies = gather_bodies(place, part_start, boxes, extents, cell_start, cell_bodies, grid, around)
+        of_bodies = gather_bodies(place, part_start, boxes, extents, cell_start, cell_bodies, grid, around, found)
         near, polygon_count = gather_walls(
-            place, pieces, links, edges, cells, frame, of_bodies, around, polygons, solids, gathered_for
+            place, pieces, links, edges, cells, frame, of_bodies, around, polygons, solids, found, found_for
         )
         # The loop over sensors calls nothing that takes many arrays: passing them costs as much as a sensor.
         for sensor in range(begin, end):

@@ -31,9 +31,6 @@ from intellwheels_server.world.kernels.sample_schedule import EVERY, JOINED, KEY
 DROPOUT, CROSSTALK, SURE, LIMIT, THIN, STEP, DELAY, SECOND_DELAY = 0, 1, 2, 3, 4, 5, 6, 7
 FIGURE_COLUMNS = 8
 
-# Speed of sound in air at 24 degrees, m/s: the figure of the maker of the SRF sonars.
-SPEED_OF_SOUND = 346.0
-
 # Draws of a sonar and tick; `sonar_crosstalk` draws by the keys of others.
 DROPOUT_DRAW, BEAM_DRAW, JITTER_DRAW = 0, 2, 3
 

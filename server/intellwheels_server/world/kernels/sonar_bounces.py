@@ -15,26 +15,15 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
 from numba import njit
 
-from intellwheels_server.world.kernels.arrays import PIECE_BOTTOM, PIECE_TOP, Floats, Ints
+from intellwheels_server.world.kernels import face_columns
 from intellwheels_server.world.kernels.proximity_wedges import Beam
-from intellwheels_server.world.kernels.sonar_faces import segment_between, sides_of_box, sides_of_piece
-from intellwheels_server.world.kernels.sonar_scene import (
-    FACE_HIGH,
-    FACE_LENGTH,
-    FACE_LOW,
-    FACE_NX,
-    FACE_NY,
-    FACE_X,
-    FACE_Y,
-    SKIN,
-    Counts,
-    Scene,
-    blocked,
-)
-from intellwheels_server.world.kernels.spatial_query import CENTRE_X, CENTRE_Y, EXTENT_X, EXTENT_Y, HIGH, LOW
+from intellwheels_server.world.kernels.sonar_corners import corner_width
+from intellwheels_server.world.kernels.sonar_rough import add_view, nearest_in_sight
+from intellwheels_server.world.kernels.sonar_scene import SKIN, Counts, Scene
+from intellwheels_server.world.kernels.sonar_sight import blocked
+from intellwheels_server.world.kernels.sonar_widths import is_long, surface_length
 
 
 @njit(cache=True, error_model="numpy", inline="always")
@@ -59,7 +48,63 @@ def _in_beam(
     return _clipped(first, last, px * left_y - py * left_x, -(ny * left_y + nx * left_x))
 
 
-@njit(cache=True, error_model="numpy", inline="always")
+@njit(cache=True, error_model="numpy")
+def _corner_in_wall(
+    face: int, x: float, y: float, z: float, nx: float, ny: float, height: float, right_x: float, right_y: float,
+    left_x: float, left_y: float, size: float, thin: float, wave: float, best: float, scene: Scene, counts: Counts,
+) -> float:  # fmt: skip
+    """Return the distance of the convex corner at which a face begins, as it is seen in a wall, m, at most `best`.
+
+    Args:
+        face: The face.
+        x: The sonar, m.
+        y: The same.
+        z: Height, m.
+        nx: Normal of the wall.
+        ny: The same.
+        height: The wall along this normal, from the sonar, m, below 0.
+        right_x: Direction of the right end of the part of the wall in the beam, from the image.
+        right_y: The same.
+        left_x: Direction of the left end.
+        left_y: The same.
+        size: The length of the wall, m.
+        thin: What is narrower than this times the cube of its distance is not heard, 1/m2.
+        wave: Wavelength, m.
+        best: The distance of the nearest echo so far, m.
+        scene: What is around the sonar.
+        counts: How much of it there is.
+    """
+    image_x, image_y = 2.0 * height * nx, 2.0 * height * ny
+    to_x = scene.faces[face, face_columns.X] - x - image_x
+    to_y = scene.faces[face, face_columns.Y] - y - image_y
+    square = to_x * to_x + to_y * to_y
+    rise = nx * to_x + ny * to_y
+    if square >= best * best or rise <= -height + SKIN:
+        return best
+    if right_x * to_y - right_y * to_x < 0.0 or to_x * left_y - to_y * left_x < 0.0:
+        return best
+    distance = math.sqrt(square)
+    # The corner is heard from behind the beginning of its face only.
+    behind = scene.faces[face, face_columns.NX] * to_y - scene.faces[face, face_columns.NY] * to_x
+    if size < thin * distance * square or behind < -SKIN:
+        return best
+    width = corner_width(
+        scene.faces[face, face_columns.X], scene.faces[face, face_columns.Y], z, -to_x, -to_y, wave, scene.near,
+        counts.near, scene.pieces, scene.links, scene.edges,
+    )  # fmt: skip
+    if width <= 0.0 or width < thin * distance * square:
+        return best
+    share = -height / rise
+    ax, ay = image_x + share * to_x, image_y + share * to_y
+    if blocked(x, y, z, ax, ay, 0.0, thin, -1, scene, counts) or blocked(
+        x + ax, y + ay, z, image_x + to_x - ax, image_y + to_y - ay, math.sqrt(ax * ax + ay * ay), thin, -1, scene,
+        counts,
+    ):  # fmt: skip
+        return best
+    return distance
+
+
+@njit(cache=True, error_model="numpy")
 def nearest_bounce(
     beam: Beam,
     wall_cos: float,
@@ -69,11 +114,6 @@ def nearest_bounce(
     best: float,
     scene: Scene,
     counts: Counts,
-    pieces: Floats,
-    links: Ints,
-    edges: Floats,
-    sides: Floats,
-    close: Ints,
 ) -> float:
     """Return the shortest distance of a double bounce, m, at most `best`.
 
@@ -86,28 +126,22 @@ def nearest_bounce(
         best: The distance of the nearest echo so far, m.
         scene: What is around the sonar.
         counts: How much of it there is.
-        pieces: Of the walls, as the next two.
-        links: Of the walls.
-        edges: Of the walls.
-        sides: Scratch.
-        close: int64[>= 2 faces], scratch.
     """
     x, y, z, direction_x, direction_y, _, _, _ = beam
-    boxes, owners, near, posts, faces, _ = scene
-    box_count, near_count, post_count, front_count, face_count = counts
+    faces, close = scene.faces, scene.close
     if wall_cos < 0.0:
         wall_cos, wall_sin = 0.0, 1.0
     right_x, right_y = direction_x * wall_cos + direction_y * wall_sin, direction_y * wall_cos - direction_x * wall_sin
     left_x, left_y = direction_x * wall_cos - direction_y * wall_sin, direction_y * wall_cos + direction_x * wall_sin
     # First the mirrors: faces of which a part in the beam is nearer than the echo so far.
     mirrors = others = 0
-    for face in range(front_count):
-        px, py = faces[face, FACE_X] - x, faces[face, FACE_Y] - y
-        nx, ny = faces[face, FACE_NX], faces[face, FACE_NY]
+    for face in range(counts.front):
+        px, py = faces[face, face_columns.X] - x, faces[face, face_columns.Y] - y
+        nx, ny = faces[face, face_columns.NX], faces[face, face_columns.NY]
         height = nx * px + ny * py
-        if height > -SKIN or -height >= best or not faces[face, FACE_LOW] <= z < faces[face, FACE_HIGH]:
+        if height > -SKIN or -height >= best or not faces[face, face_columns.LOW] <= z < faces[face, face_columns.HIGH]:
             continue
-        first, last = _in_beam(px, py, nx, ny, faces[face, FACE_LENGTH], right_x, right_y, left_x, left_y)
+        first, last = _in_beam(px, py, nx, ny, faces[face, face_columns.LENGTH], right_x, right_y, left_x, left_y)
         aside = min(max(ny * px - nx * py, first), last) - (ny * px - nx * py)
         if last - first > SKIN and height * height + aside * aside < best * best:
             close[mirrors] = face
@@ -115,34 +149,41 @@ def nearest_bounce(
     if mirrors == 0:
         return best
     # Then the faces that a way can reach: no point of a way is farther than the way is long.
-    for face in range(face_count):
-        px, py = faces[face, FACE_X] - x, faces[face, FACE_Y] - y
-        nx, ny = faces[face, FACE_NX], faces[face, FACE_NY]
+    for face in range(counts.faces):
+        px, py = faces[face, face_columns.X] - x, faces[face, face_columns.Y] - y
+        nx, ny = faces[face, face_columns.NX], faces[face, face_columns.NY]
         height, along = nx * px + ny * py, ny * px - nx * py
-        aside = max(-along, along - faces[face, FACE_LENGTH], 0.0)
-        if height * height + aside * aside < best * best and faces[face, FACE_LOW] <= z < faces[face, FACE_HIGH]:
+        aside = max(-along, along - faces[face, face_columns.LENGTH], 0.0)
+        if (
+            height * height + aside * aside < best * best
+            and faces[face, face_columns.LOW] <= z < faces[face, face_columns.HIGH]
+        ):
             close[mirrors + others] = face
             others += 1
     for at_mirror in range(mirrors):
         mirror = close[at_mirror]
-        px, py = faces[mirror, FACE_X] - x, faces[mirror, FACE_Y] - y
-        nx, ny = faces[mirror, FACE_NX], faces[mirror, FACE_NY]
+        px, py = faces[mirror, face_columns.X] - x, faces[mirror, face_columns.Y] - y
+        nx, ny = faces[mirror, face_columns.NX], faces[mirror, face_columns.NY]
         height = nx * px + ny * py
-        first, last = _in_beam(px, py, nx, ny, faces[mirror, FACE_LENGTH], right_x, right_y, left_x, left_y)
+        first, last = _in_beam(px, py, nx, ny, faces[mirror, face_columns.LENGTH], right_x, right_y, left_x, left_y)
         image_x, image_y = 2.0 * height * nx, 2.0 * height * ny
+        # A way is longer than that to the mirror: most small faces of a round wall are too thin for any.
+        size = surface_length(mirror, thin * best * best * best, z, faces, counts.faces)
+        if size < thin * height * height * -height:
+            continue
         for at_other in range(mirrors, mirrors + others):
             other = close[at_other]
             if other == mirror:
                 continue
-            qx, qy = faces[other, FACE_X] - x, faces[other, FACE_Y] - y
-            mx, my = faces[other, FACE_NX], faces[other, FACE_NY]
+            qx, qy = faces[other, face_columns.X] - x, faces[other, face_columns.Y] - y
+            mx, my = faces[other, face_columns.NX], faces[other, face_columns.NY]
             depth = mx * (qx - image_x) + my * (qy - image_y)  # below 0 in front of the other face
             if depth > -SKIN:
                 continue
             if -depth < best:  # there and back, at right angles to the other face
                 along = mx * (image_y - qy) - my * (image_x - qx)
                 rise = depth * (nx * mx + ny * my)
-                if 0.0 <= along <= faces[other, FACE_LENGTH] and rise > 0.0:
+                if 0.0 <= along <= faces[other, face_columns.LENGTH] and rise > 0.0:
                     share = -height / rise
                     ax, ay = image_x + share * depth * mx, image_y + share * depth * my
                     at = nx * (ay - py) - ny * (ax - px)
@@ -150,15 +191,13 @@ def nearest_bounce(
                     if (
                         share < 1.0
                         and first <= at <= last
-                        and min(faces[other, FACE_LENGTH], faces[mirror, FACE_LENGTH]) >= wide
+                        and size >= wide
+                        and is_long(other, wide, z, faces, counts.faces)
                     ):
                         gone = math.sqrt(ax * ax + ay * ay)
-                        if not blocked(
-                            x, y, z, ax, ay, 0.0, thin, -1, boxes, owners, box_count, near, near_count, pieces, links,
-                            edges,
-                        ) and not blocked(
+                        if not blocked(x, y, z, ax, ay, 0.0, thin, -1, scene, counts) and not blocked(
                             x + ax, y + ay, z, image_x + depth * mx - ax, image_y + depth * my - ay, gone, thin, -1,
-                            boxes, owners, box_count, near, near_count, pieces, links, edges,
+                            scene, counts,
                         ):  # fmt: skip
                             best = -depth
             if other < mirror:
@@ -169,8 +208,8 @@ def nearest_bounce(
             ahead = mx * (px - qx) + my * (py - qy)
             behind = nx * (qx - px) + ny * (qy - py)
             if (
-                max(ahead, ahead + faces[mirror, FACE_LENGTH] * lean) < SKIN
-                or max(behind, behind - faces[other, FACE_LENGTH] * lean) < SKIN
+                max(ahead, ahead + faces[mirror, face_columns.LENGTH] * lean) < SKIN
+                or max(behind, behind - faces[other, face_columns.LENGTH] * lean) < SKIN
             ):
                 continue
             level = mx * qx + my * qy
@@ -184,17 +223,14 @@ def nearest_bounce(
                     at, along = nx * (vertex_y - py) - ny * (vertex_x - px), mx * (vertex_y - qy) - my * (vertex_x - qx)
                     if (
                         square < best * best
-                        and -wave <= at <= faces[mirror, FACE_LENGTH] + wave
-                        and -wave <= along <= faces[other, FACE_LENGTH] + wave
+                        and -wave <= at <= faces[mirror, face_columns.LENGTH] + wave
+                        and -wave <= along <= faces[other, face_columns.LENGTH] + wave
                         and right_x * vertex_y - right_y * vertex_x >= 0.0
                         and vertex_x * left_y - vertex_y * left_x >= 0.0
-                        and min(faces[other, FACE_LENGTH], faces[mirror, FACE_LENGTH])
-                        >= thin * square * math.sqrt(square)
-                        and not blocked(
-                            x, y, z, vertex_x, vertex_y, 0.0, thin, -1, boxes, owners, box_count, near, near_count,
-                            pieces, links, edges,
-                        )
-                    ):  # fmt: skip
+                        and size >= thin * square * math.sqrt(square)
+                        and is_long(other, thin * square * math.sqrt(square), z, faces, counts.faces)
+                        and not blocked(x, y, z, vertex_x, vertex_y, 0.0, thin, -1, scene, counts)
+                    ):
                         best = math.sqrt(square)
                     continue
             twice_x, twice_y = image_x + 2.0 * depth * mx, image_y + 2.0 * depth * my
@@ -205,7 +241,7 @@ def nearest_bounce(
             share = level / rise
             bx, by = share * twice_x, share * twice_y
             along = mx * (by - qy) - my * (bx - qx)
-            if not 0.0 <= along <= faces[other, FACE_LENGTH]:
+            if not 0.0 <= along <= faces[other, face_columns.LENGTH]:
                 continue
             if right_x * by - right_y * bx < 0.0 or bx * left_y - by * left_x < 0.0:
                 continue
@@ -217,69 +253,30 @@ def nearest_bounce(
             at = nx * (ay - py) - ny * (ax - px)
             half = 0.5 * math.sqrt(square)
             wide = thin * half * half * half
-            if not first <= at <= last or min(faces[other, FACE_LENGTH], faces[mirror, FACE_LENGTH]) < wide:
+            if not first <= at <= last:
+                continue
+            if size < wide or not is_long(other, wide, z, faces, counts.faces):
                 continue
             gone = math.sqrt(ax * ax + ay * ay)
             if (
-                blocked(
-                    x, y, z, ax, ay, 0.0, thin, -1, boxes, owners, box_count, near, near_count, pieces, links, edges
-                )
-                or blocked(
-                    x + ax, y + ay, z, bx - ax, by - ay, gone, thin, -1, boxes, owners, box_count, near, near_count,
-                    pieces, links, edges,
-                )
-                or blocked(
-                    x, y, z, bx, by, 0.0, thin, -1, boxes, owners, box_count, near, near_count, pieces, links, edges
-                )
-            ):  # fmt: skip
+                blocked(x, y, z, ax, ay, 0.0, thin, -1, scene, counts)
+                or blocked(x + ax, y + ay, z, bx - ax, by - ay, gone, thin, -1, scene, counts)
+                or blocked(x, y, z, bx, by, 0.0, thin, -1, scene, counts)
+            ):
                 continue
             best = half
         # Rough things in the mirror, between the rays through the ends of its part in the beam.
         right_end_x, right_end_y = px - first * ny - image_x, py + first * nx - image_y
         left_end_x, left_end_y = px - last * ny - image_x, py + last * nx - image_y
-        for thing in range(box_count + post_count):
-            if thing < box_count:
-                if not boxes[thing, LOW] <= z < boxes[thing, HIGH]:
-                    continue
-                gap_x = max(abs(boxes[thing, CENTRE_X] - x - image_x) - boxes[thing, EXTENT_X], 0.0)
-                gap_y = max(abs(boxes[thing, CENTRE_Y] - y - image_y) - boxes[thing, EXTENT_Y], 0.0)
-                if gap_x * gap_x + gap_y * gap_y >= best * best:
-                    continue
-                count = sides_of_box(boxes, thing, x + image_x, y + image_y, sides)
-            else:
-                piece = posts[thing - box_count]
-                if not pieces[piece, PIECE_BOTTOM] <= z < pieces[piece, PIECE_TOP]:
-                    continue
-                count = sides_of_piece(piece, links, edges, x + image_x, y + image_y, sides)
-            closest, to_x, to_y = np.inf, 0.0, 0.0
-            low, high = np.inf, -np.inf
-            for side in range(count):
-                if not sides[side, 4] * sides[side, 0] + sides[side, 5] * sides[side, 1] < 0.0:
-                    continue
-                found, found_x, found_y = segment_between(
-                    sides[side, 0], sides[side, 1], sides[side, 2], sides[side, 3],
-                    right_end_x, right_end_y, left_end_x, left_end_y,
-                )  # fmt: skip
-                if found < closest:
-                    closest, to_x, to_y = found, found_x, found_y
-            rise = nx * to_x + ny * to_y
-            if not closest < best * best or rise <= -height:
-                continue
-            distance = math.sqrt(closest)
-            for side in range(count):
-                aside = (to_x * sides[side, 1] - to_y * sides[side, 0]) / distance
-                low, high = min(low, aside), max(high, aside)
-            if high - low < thin * distance * closest:
-                continue
-            share = -height / rise
-            ax, ay = image_x + share * to_x, image_y + share * to_y
-            gone = math.sqrt(ax * ax + ay * ay)
-            if blocked(
-                x, y, z, ax, ay, 0.0, thin, -1, boxes, owners, box_count, near, near_count, pieces, links, edges
-            ) or blocked(
-                x + ax, y + ay, z, image_x + to_x - ax, image_y + to_y - ay, gone, thin, -1, boxes, owners, box_count,
-                near, near_count, pieces, links, edges,
-            ):  # fmt: skip
-                continue
-            best = distance
+        for at_thing in range(counts.boxes + counts.posts):
+            thing = at_thing if at_thing < counts.boxes else counts.boxes + scene.posts[at_thing - counts.boxes]
+            views = add_view(scene.views, 0, right_end_x, right_end_y, left_end_x, left_end_y)
+            told = nearest_in_sight(thing, x, y, z, nx, ny, height, views, thin, best, scene, counts)
+            if told < best and size >= thin * told * told * told:
+                best = told
+        for at_other in range(mirrors, mirrors + others):
+            best = _corner_in_wall(
+                close[at_other], x, y, z, nx, ny, height, right_end_x, right_end_y, left_end_x, left_end_y, size, thin,
+                wave, best, scene, counts,
+            )  # fmt: skip
     return best

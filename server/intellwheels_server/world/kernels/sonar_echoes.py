@@ -1,9 +1,10 @@
 """Measurements of all sonars of all bodies in one tick: the nearest echo that returns, not the nearest thing.
 
 A smooth wall reflects sound like a mirror: it is heard where the beam meets it at right angles. A wall that is not
-heard there can still send the sound on, to something from which it returns by a longer way: see `sonar_bounces`. Posts
-and bodies are rough, so they are heard from every side. A thing that is too thin to be heard at its distance hides
-nothing. Other things hide what is behind them, even if their own echo is lost.
+heard there can still send the sound on, to something from which it returns by a longer way: see `sonar_bounces`. The
+convex corners of walls echo too: see `sonar_corners`. Posts and bodies are rough, so they are heard from every side:
+see `sonar_rough`. A thing that is too thin to be heard at its distance hides nothing. Other things hide what is behind
+them, even if their own echo is lost.
 
 Sonars may take the pings of others for their own echoes: see `sonar_crosstalk`. So only sonars have readings that
 depend on the sensors of other bodies.
@@ -20,19 +21,9 @@ import math
 import numpy as np
 from numba import njit
 
-from intellwheels_server.world.kernels.arrays import (
-    END_EDGE,
-    FIRST_EDGE,
-    PIECE_BOTTOM,
-    PIECE_TOP,
-    PIECE_X0,
-    PIECE_X1,
-    PIECE_Y0,
-    PIECE_Y1,
-    Floats,
-    Ints,
-    Walls,
-)
+from intellwheels_server.world.kernels import face_columns
+from intellwheels_server.world.kernels.arrays import Floats, Ints, Walls
+from intellwheels_server.world.kernels.grid_search import Place
 from intellwheels_server.world.kernels.noise import uniform
 from intellwheels_server.world.kernels.proximity_wedges import (
     BEAM_FARTHEST,
@@ -55,145 +46,79 @@ from intellwheels_server.world.kernels.proximity_wedges import (
 from intellwheels_server.world.kernels.sample_schedule import KEY0, KEY1, due_slot
 from intellwheels_server.world.kernels.sonar_beam import CROSSTALK, DROPOUT, DROPOUT_DRAW, STEP, THIN, jitter, wall_beam
 from intellwheels_server.world.kernels.sonar_bounces import nearest_bounce
-from intellwheels_server.world.kernels.sonar_crosstalk import Sonars, hear_others
-from intellwheels_server.world.kernels.sonar_faces import (
-    SIDE_COLUMNS,
-    is_inside,
-    segment_in_wedge,
-    sides_of_box,
-    sides_of_piece,
-)
-from intellwheels_server.world.kernels.sonar_scene import (
-    FACE_HIGH,
-    FACE_LENGTH,
-    FACE_LOW,
-    FACE_NX,
-    FACE_NY,
-    FACE_X,
-    FACE_Y,
-    Counts,
-    Scene,
-    blocked,
-    gather_scene,
-    scene_room,
-)
-from intellwheels_server.world.kernels.spatial_query import (
-    CENTRE_X,
-    CENTRE_Y,
-    EXTENT_X,
-    EXTENT_Y,
-    HIGH,
-    LOW,
-    SLACK,
-    Place,
-    place_bodies,
-)
+from intellwheels_server.world.kernels.sonar_corners import corner_width
+from intellwheels_server.world.kernels.sonar_crosstalk import Sonars, hear_others, reach_of_others
+from intellwheels_server.world.kernels.sonar_rough import add_view, is_in_wall, nearest_in_sight
+from intellwheels_server.world.kernels.sonar_scene import Counts, Scene, gather_scene, scene_room
+from intellwheels_server.world.kernels.sonar_sight import blocked
+from intellwheels_server.world.kernels.sonar_widths import is_long
+from intellwheels_server.world.kernels.spatial_query import SLACK, place_bodies
 
 
-@njit(cache=True, error_model="numpy", inline="always")
-def _is_in_wall(
-    beam: Beam, scene: Scene, counts: Counts, pieces: Floats, links: Ints, edges: Floats, sides: Floats
-) -> bool:
-    """Return whether a sonar is inside a wall."""
-    x, y, z = beam.x, beam.y, beam.z
-    for at in range(counts.near):
-        piece = scene.near[at]
-        if (
-            pieces[piece, PIECE_BOTTOM] <= z < pieces[piece, PIECE_TOP]
-            and pieces[piece, PIECE_X0] <= x <= pieces[piece, PIECE_X1]
-            and pieces[piece, PIECE_Y0] <= y <= pieces[piece, PIECE_Y1]
-            and is_inside(sides, sides_of_piece(piece, links, edges, x, y, sides))
-        ):
-            return True
-    return False
+@njit(cache=True, error_model="numpy")
+def _nearest_smooth(
+    beam: Beam, wall_cos: float, thin: float, wave: float, best: float, scene: Scene, counts: Counts
+) -> float:
+    """Return the distance of the nearest face or convex corner that the ping meets at right angles, m, at most `best`.
 
-
-@njit(cache=True, error_model="numpy", inline="always")
-def _nearest_wall(
-    beam: Beam, wall_cos: float, thin: float, best: float, scene: Scene, counts: Counts, pieces: Floats, links: Ints,
-    edges: Floats,
-) -> float:  # fmt: skip
-    """Return the distance of the nearest face that the ping meets at right angles, m, at most `best`."""
+    Args:
+        beam: The sonar in the world.
+        wall_cos: Cosine of the angle off the axis up to which the ping hears walls.
+        thin: What is narrower than this times the cube of its distance is not heard, 1/m2.
+        wave: Wavelength, m.
+        best: The distance of the nearest echo so far, m.
+        scene: What is around the sonar.
+        counts: How much of it there is.
+    """
     x, y, z, direction_x, direction_y, _, _, _ = beam
-    boxes, owners, near, _, faces, _ = scene
+    faces = scene.faces
     for face in range(counts.front):
-        nx, ny = faces[face, FACE_NX], faces[face, FACE_NY]
-        if -(nx * direction_x + ny * direction_y) < wall_cos:
-            continue
-        px, py = faces[face, FACE_X] - x, faces[face, FACE_Y] - y
+        nx, ny = faces[face, face_columns.NX], faces[face, face_columns.NY]
+        px, py = faces[face, face_columns.X] - x, faces[face, face_columns.Y] - y
         height = nx * px + ny * py
-        if not 0.0 < -height < best or not faces[face, FACE_LOW] <= z < faces[face, FACE_HIGH]:
+        if not 0.0 < -height < best or not faces[face, face_columns.LOW] <= z < faces[face, face_columns.HIGH]:
             continue
-        along = ny * px - nx * py
-        if not -SLACK <= along <= faces[face, FACE_LENGTH] + SLACK:
+        along, length = ny * px - nx * py, faces[face, face_columns.LENGTH]
+        if -SLACK <= along <= length + SLACK:
+            if (
+                -(nx * direction_x + ny * direction_y) >= wall_cos
+                and is_long(face, thin * height * height * -height, z, faces, counts.faces)
+                and not blocked(x, y, z, height * nx, height * ny, 0.0, thin, -1, scene, counts)
+            ):
+                best = -height
             continue
-        if faces[face, FACE_LENGTH] < thin * height * height * -height:
+        # The face begins or ends beside the nearest point of its plane: its corner is nearer than all of it.
+        if along > length:
+            px, py = px - length * ny, py + length * nx
+        square = px * px + py * py
+        distance = math.sqrt(square)
+        if distance >= best or direction_x * px + direction_y * py < wall_cos * distance:
             continue
-        if not blocked(
-            x, y, z, height * nx, height * ny, 0.0, thin, -1, boxes, owners, counts.boxes, near, counts.near, pieces,
-            links, edges,
-        ):  # fmt: skip
-            best = -height
-    return best
-
-
-@njit(cache=True, error_model="numpy", inline="always")
-def _nearest_rough(
-    beam: Beam, thin: float, best: float, scene: Scene, counts: Counts, pieces: Floats, links: Ints, edges: Floats,
-    sides: Floats,
-) -> float:  # fmt: skip
-    """Return the distance of the nearest body or post in the cone, m, at most `best`; 0 inside one."""
-    x, y, z, direction_x, direction_y, half_cos, half_sin, _ = beam
-    boxes, owners, near, posts, _, _ = scene
-    for thing in range(counts.boxes + counts.posts):
-        if thing < counts.boxes:
-            if not boxes[thing, LOW] <= z < boxes[thing, HIGH]:
-                continue
-            gap_x = max(abs(boxes[thing, CENTRE_X] - x) - boxes[thing, EXTENT_X], 0.0)
-            gap_y = max(abs(boxes[thing, CENTRE_Y] - y) - boxes[thing, EXTENT_Y], 0.0)
-            if gap_x * gap_x + gap_y * gap_y > best * best:
-                continue
-            count = sides_of_box(boxes, thing, x, y, sides)
-        else:
-            piece = posts[thing - counts.boxes]
-            if not pieces[piece, PIECE_BOTTOM] <= z < pieces[piece, PIECE_TOP]:
-                continue
-            count = sides_of_piece(piece, links, edges, x, y, sides)
-        if is_inside(sides, count):
-            return 0.0
-        closest, to_x, to_y = np.inf, 0.0, 0.0
-        for side in range(count):
-            if not sides[side, 4] * sides[side, 0] + sides[side, 5] * sides[side, 1] < 0.0:
-                continue  # seen from behind
-            found, found_x, found_y = segment_in_wedge(
-                sides[side, 0], sides[side, 1], sides[side, 2], sides[side, 3], direction_x, direction_y, half_cos,
-                half_sin,
-            )  # fmt: skip
-            if found < closest:
-                closest, to_x, to_y = found, found_x, found_y
-        if not closest < best * best:
+        width = corner_width(
+            x + px, y + py, z, -px, -py, wave, scene.near, counts.near, scene.pieces, scene.links, scene.edges
+        )
+        if width <= 0.0 or width < thin * distance * square:
             continue
-        distance = math.sqrt(closest)
-        low, high = np.inf, -np.inf
-        for side in range(count):
-            aside = (to_x * sides[side, 1] - to_y * sides[side, 0]) / distance
-            low, high = min(low, aside), max(high, aside)
-        if (high - low) < thin * distance * closest:
-            continue
-        if not blocked(
-            x, y, z, to_x, to_y, 0.0, thin, -1, boxes, owners, counts.boxes, near, counts.near, pieces, links, edges
-        ):
+        if not blocked(x, y, z, px, py, 0.0, thin, -1, scene, counts):
             best = distance
     return best
 
 
 @njit(cache=True, error_model="numpy")
-def _most_edges(links: Ints) -> int:
-    """Return the largest number of edges of a wall piece, at least 4."""
-    most = 4
-    for piece in range(links.shape[0]):
-        most = max(most, links[piece, END_EDGE] - links[piece, FIRST_EDGE])
-    return int(most)
+def _nearest_rough(beam: Beam, thin: float, best: float, scene: Scene, counts: Counts) -> float:
+    """Return the distance of the nearest body or post in the cone, m, at most `best`; 0 inside one."""
+    x, y, z, ahead_x, ahead_y, half_cos, half_sin, _ = beam
+    right_x, right_y = ahead_x * half_cos + ahead_y * half_sin, ahead_y * half_cos - ahead_x * half_sin
+    left_x, left_y = ahead_x * half_cos - ahead_y * half_sin, ahead_y * half_cos + ahead_x * half_sin
+    for at in range(counts.boxes + counts.posts):
+        thing = at if at < counts.boxes else counts.boxes + scene.posts[at - counts.boxes]
+        if half_cos > 0.0:
+            views = add_view(scene.views, 0, right_x, right_y, left_x, left_y)
+        else:  # a cone of half a turn or more is looked at half by half
+            views = add_view(scene.views, 0, right_x, right_y, ahead_x, ahead_y)
+            views = add_view(scene.views, views, ahead_x, ahead_y, left_x, left_y)
+        best = nearest_in_sight(thing, x, y, z, 0.0, 0.0, 0.0, views, thin, best, scene, counts)
+    return best
 
 
 @njit(cache=True, error_model="numpy")
@@ -218,6 +143,24 @@ def _store(
         else:
             samples[slot] = STATUS_OK
             samples[slot + 1] = min(max(way + jitter(figures, schedule, sonar, tick), nearest), farthest)
+
+
+@njit(cache=True, error_model="numpy")
+def _own_echo(
+    beam: Beam, figures: Floats, schedule: Ints, sonar: int, tick: int, scene: Scene, counts: Counts
+) -> float:
+    """Return the distance of the nearest echo of a sonar's own ping, m; 0 inside something, inf for none."""
+    if is_in_wall(beam.x, beam.y, beam.z, scene, counts):
+        return 0.0
+    thin, wave = figures[sonar, THIN], figures[sonar, STEP]
+    wall_cos, wall_sin = wall_beam(figures, schedule, sonar, tick)
+    # Slightly more than the range, so that a thing at the range itself is heard.
+    limit = beam.farthest * (1.0 + SLACK)
+    best = _nearest_smooth(beam, wall_cos, thin, wave, limit, scene, counts)
+    best = _nearest_rough(beam, thin, best, scene, counts)
+    if best > 0.0:
+        best = nearest_bounce(beam, wall_cos, wall_sin, thin, wave, best, scene, counts)
+    return best if best < limit else np.inf
 
 
 @njit(cache=True, error_model="numpy")
@@ -269,10 +212,8 @@ def sense_sonars(
             prone |= figures[sonar, CROSSTALK] > 0.0
     if not any_due:
         return
-    placed, walls = place_bodies(pose, parts, part_start), Walls(pieces, links, edges, cells, frame)
-    scene = scene_room(placed, walls)
-    sides = np.empty((_most_edges(links), SIDE_COLUMNS))
-    close = np.empty(2 * edges.shape[0], np.int64)
+    placed = place_bodies(pose, parts, part_start)
+    scene = scene_room(placed, Walls(pieces, links, edges, cells, frame))
     heard = np.full(count, np.inf)
     owners = np.empty(count, np.int64)
     poses = np.empty((count, 4))
@@ -285,7 +226,9 @@ def sense_sonars(
             poses[sonar, 2], poses[sonar, 3] = beam.direction_x, beam.direction_y
     # For finding the sonars near one of them.
     order = np.argsort(poses[:, 0], kind="mergesort") if prone else np.empty(0, np.int64)
-    sonars = Sonars(beams, figures, schedule, owners, poses, order, poses[order, 0])
+    sonars = Sonars(
+        beams, figures, schedule, owners, poses, order, poses[order, 0], 2.0 * beams[:, BEAM_FARTHEST].max()
+    )
     for mount in range(groups.shape[0]):
         begin, end = groups[mount, GROUP_BEGIN], groups[mount, GROUP_END]
         any_due, spread = False, 0.0
@@ -295,31 +238,22 @@ def sense_sonars(
         if not any_due:
             continue
         x, y, c, s = mount_pose(mounts, groups, pose, mount)
-        place = Place(x, y, mounts[mount, MOUNT_REACH] + SLACK, groups[mount, GROUP_OWNER], mount)
-        counts = gather_scene(place, spread, placed, walls, scene)
+        reach, owner = mounts[mount, MOUNT_REACH] + SLACK, groups[mount, GROUP_OWNER]
+        counts = gather_scene(Place(x, y, reach, owner, mount), spread, placed, scene)
+        wanted = 0.0
         for sonar in range(begin, end):
             if slots[sonar] < 0:
                 continue
             beam = beam_at(beams, sonar, x, y, c, s)
-            thin = figures[sonar, THIN]
-            if _is_in_wall(beam, scene, counts, pieces, links, edges, sides):
-                heard[sonar] = 0.0
-                continue
-            wall_cos, wall_sin = wall_beam(figures, schedule, sonar, tick)
-            # Slightly more than the range, so that a thing at the range itself is heard.
-            best = beam.farthest * (1.0 + SLACK)
-            limit = best
-            best = _nearest_wall(beam, wall_cos, thin, best, scene, counts, pieces, links, edges)
-            best = _nearest_rough(beam, thin, best, scene, counts, pieces, links, edges, sides)
-            if best > 0.0:
-                best = nearest_bounce(
-                    beam, wall_cos, wall_sin, thin, figures[sonar, STEP], best, scene, counts, pieces, links, edges,
-                    sides, close,
-                )  # fmt: skip
-            if best < limit:
-                heard[sonar] = best
-            if best > 0.0 and figures[sonar, CROSSTALK] > 0.0:
-                heard[sonar] = hear_others(
-                    tick, period, sonar, heard[sonar], sonars, scene, counts, pieces, links, edges
-                )
+            heard[sonar] = _own_echo(beam, figures, schedule, sonar, tick, scene, counts)
+            if heard[sonar] > 0.0 and figures[sonar, CROSSTALK] > 0.0:
+                wanted = max(wanted, spread + reach_of_others(tick, period, sonar, heard[sonar], sonars))
+        if wanted == 0.0:
+            continue
+        if wanted > reach:  # a ping may come from farther away than an echo
+            place = Place(x, y, wanted + SLACK, owner, groups.shape[0] + mount)
+            counts = gather_scene(place, spread, placed, scene)
+        for sonar in range(begin, end):
+            if slots[sonar] >= 0 and heard[sonar] > 0.0 and figures[sonar, CROSSTALK] > 0.0:
+                heard[sonar] = hear_others(tick, period, sonar, heard[sonar], sonars, scene, counts)
     _store(tick, beams, figures, schedule, slots, heard, samples)

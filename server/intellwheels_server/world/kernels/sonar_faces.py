@@ -18,7 +18,6 @@ from intellwheels_server.world.kernels.arrays import (
 from intellwheels_server.world.kernels.spatial_query import CENTRE_X, CENTRE_Y, COS, LONG, SIN, WIDE
 
 # Columns of a side block, float64[sides, 6], from a place: corner, next corner (anticlockwise), unit normal outwards.
-SIDE_COLUMNS = 6
 
 
 @njit(cache=True, error_model="numpy")

@@ -16,7 +16,6 @@ from numba import njit
 from intellwheels_server.world.kernels import rows
 from intellwheels_server.world.kernels.arrays import (
     BOTTOM,
-    CELL,
     EDGE_X,
     EDGE_Y,
     END_EDGE,
@@ -25,8 +24,6 @@ from intellwheels_server.world.kernels.arrays import (
     HALF_WIDTH,
     NORMAL_X,
     NORMAL_Y,
-    ORIGIN_X,
-    ORIGIN_Y,
     PART_X,
     PART_Y,
     PIECE_BOTTOM,
@@ -42,6 +39,7 @@ from intellwheels_server.world.kernels.arrays import (
 )
 from intellwheels_server.world.kernels.elementary import sincos
 from intellwheels_server.world.kernels.grid import cell_of
+from intellwheels_server.world.kernels.grid_search import BodyGrid, Place, bodies_near, pieces_near
 
 # Columns of a block of boxes in the world, float64[boxes, 10]: centre, half extents along the axes, z range, unit
 # vector of its length, half length and width. A wall piece that is no box has NaN for its half length.
@@ -55,28 +53,6 @@ LANES = 8
 
 # Tolerance of a right angle, since corners are rounded. It moves no wall by 1e-10 m.
 _SQUARE = 1e-14
-
-
-class BodyGrid(NamedTuple):
-    """A grid over the centres of bodies.
-
-    Attributes:
-        low_x: Left edge, m.
-        low_y: Lower edge, m.
-        size: Edge of a cell, m.
-        column_count: Cells along x.
-        row_count: Cells along y.
-        widest_x: Largest half extent of a body in x, m.
-        widest_y: The same in y.
-    """
-
-    low_x: float
-    low_y: float
-    size: float
-    column_count: int
-    row_count: int
-    widest_x: float
-    widest_y: float
 
 
 class PlacedBodies(NamedTuple):
@@ -105,32 +81,16 @@ class Nearby(NamedTuple):
     Attributes:
         around: float64[10, boxes + pieces + LANES]: boxes, columns of a block of boxes as rows.
         polygons: int64[pieces], wall pieces that are no boxes.
-        solids: float64[pieces, 10], wall pieces as boxes, where `gathered_for` is not -1.
-        gathered_for: int64[pieces], the last place for which a piece was found, -1 for none.
+        solids: float64[pieces, 10], wall pieces as boxes; those that are not filled in yet have a half width below 0.
+        found: int64[pieces or bodies], what was found around a place.
+        found_for: int64[pieces], as `pieces_near` takes it.
     """
 
     around: Floats
     polygons: Ints
     solids: Floats
-    gathered_for: Ints
-
-
-class Place(NamedTuple):
-    """A place around which things are gathered.
-
-    Attributes:
-        x: m.
-        y: m.
-        reach: Largest distance, m.
-        owner: Body that is left out.
-        number: Differs for each place that uses the same `Nearby`.
-    """
-
-    x: float
-    y: float
-    reach: float
-    owner: int
-    number: int
+    found: Ints
+    found_for: Ints
 
 
 class Found(NamedTuple):
@@ -282,15 +242,18 @@ def place_bodies(pose: Floats, parts: Floats, part_start: Ints) -> PlacedBodies:
 @njit(cache=True, error_model="numpy", inline="always")
 def room_for(placed: PlacedBodies, walls: Walls) -> Nearby:
     """Return buffers for all that can be gathered around a place."""
-    count = walls.pieces.shape[0]
+    count, bodies = walls.pieces.shape[0], placed.extents.shape[0]
     around = np.empty((10, placed.boxes.shape[0] + count + LANES))
-    return Nearby(around, np.empty(count, np.int64), np.empty((count, 10)), np.full(count, -1, np.int64))
+    solids = np.empty((count, 10))
+    solids[:, WIDE] = -1.0
+    found = np.empty(max(count, bodies), np.int64)
+    return Nearby(around, np.empty(count, np.int64), solids, found, np.full(count, -1, np.int64))
 
 
 @njit(cache=True, error_model="numpy", inline="always")
 def gather_bodies(
     place: Place, part_start: Ints, boxes: Floats, extents: Floats, cell_start: Ints, cell_bodies: Ints, grid: BodyGrid,
-    around: Floats,
+    around: Floats, found: Ints,
 ) -> int:  # fmt: skip
     """Gather the parts of bodies within reach of a place; return their number.
 
@@ -305,34 +268,21 @@ def gather_bodies(
         cell_bodies: Of the bodies.
         grid: Of the bodies.
         around: Out.
+        found: Scratch.
     """
-    x, y, reach, owner, _ = place
-    low_x, low_y, size, columns, row_count, widest_x, widest_y = grid
-    reach_square = reach * reach
     near = 0
-    first_column = cell_of(x - reach - widest_x, low_x, size, columns)
-    last_column = cell_of(x + reach + widest_x, low_x, size, columns)
-    first_row = cell_of(y - reach - widest_y, low_y, size, row_count)
-    last_row = cell_of(y + reach + widest_y, low_y, size, row_count)
-    for row in range(first_row, last_row + 1):
-        first = cell_start[row * columns + first_column]
-        last = cell_start[row * columns + last_column + 1]
-        for at in range(first, last):
-            body = cell_bodies[at]
-            gap_x = max(abs(extents[body, 0] - x) - extents[body, 2], 0.0)
-            gap_y = max(abs(extents[body, 1] - y) - extents[body, 3], 0.0)
-            if body != owner and gap_x * gap_x + gap_y * gap_y <= reach_square:
-                for part in range(part_start[body], part_start[body + 1]):
-                    for column in range(10):
-                        around[column, near] = boxes[part, column]
-                    near += 1
+    for at in range(bodies_near(place, extents, cell_start, cell_bodies, grid, found)):
+        for part in range(part_start[found[at]], part_start[found[at] + 1]):
+            for column in range(10):
+                around[column, near] = boxes[part, column]
+            near += 1
     return near
 
 
 @njit(cache=True, error_model="numpy", inline="always")
 def gather_walls(
     place: Place, pieces: Floats, links: Ints, edges: Floats, cells: Ints, frame: Floats, near: int, around: Floats,
-    polygons: Ints, solids: Floats, gathered_for: Ints,
+    polygons: Ints, solids: Floats, found: Ints, found_for: Ints,
 ) -> tuple[int, int]:  # fmt: skip
     """Gather the wall pieces within reach of a place, behind the bodies.
 
@@ -344,42 +294,27 @@ def gather_walls(
         cells: Of the walls.
         frame: Of the walls.
         near: The number of boxes so far.
-        around: Of the `Nearby`, as the next three; in and out.
+        around: Of the `Nearby`, as the next four; in and out.
         polygons: Of the `Nearby`.
         solids: Of the `Nearby`.
-        gathered_for: Of the `Nearby`.
+        found: Of the `Nearby`.
+        found_for: Of the `Nearby`.
 
     Returns:
         The number of boxes afterwards, and the number of polygons.
     """
-    x, y, reach, _, number = place
-    reach_square = reach * reach
     polygon_count = 0
-    first_column = cell_of(x - reach, frame[ORIGIN_X], frame[CELL], cells[0])
-    last_column = cell_of(x + reach, frame[ORIGIN_X], frame[CELL], cells[0])
-    first_row = cell_of(y - reach, frame[ORIGIN_Y], frame[CELL], cells[1])
-    last_row = cell_of(y + reach, frame[ORIGIN_Y], frame[CELL], cells[1])
-    for row in range(first_row, last_row + 1):
-        first = cells[2 + row * cells[0] + first_column]
-        last = cells[2 + row * cells[0] + last_column + 1]
-        for at in range(first, last):
-            piece = cells[at]
-            if gathered_for[piece] == number:
-                continue
-            if gathered_for[piece] < 0:
-                _fill_solid(piece, pieces, links, edges, solids)
-            gathered_for[piece] = number
-            gap_x = max(abs(solids[piece, CENTRE_X] - x) - solids[piece, EXTENT_X], 0.0)
-            gap_y = max(abs(solids[piece, CENTRE_Y] - y) - solids[piece, EXTENT_Y], 0.0)
-            if gap_x * gap_x + gap_y * gap_y > reach_square:
-                continue
-            if solids[piece, LONG] > 0.0:
-                for column in range(10):
-                    around[column, near] = solids[piece, column]
-                near += 1
-            else:
-                polygons[polygon_count] = piece
-                polygon_count += 1
+    for at in range(pieces_near(place, pieces, cells, frame, found, found_for)):
+        piece = found[at]
+        if solids[piece, WIDE] < 0.0:
+            _fill_solid(piece, pieces, links, edges, solids)
+        if solids[piece, LONG] > 0.0:
+            for column in range(10):
+                around[column, near] = solids[piece, column]
+            near += 1
+        else:
+            polygons[polygon_count] = piece
+            polygon_count += 1
     # Fill the last vector with boxes of no height, which nothing sees.
     while near % LANES != 0:
         for column in range(10):

@@ -46,6 +46,7 @@ def check_sensors(robot: Robot, floor: Map, *, truth: bool, period: float) -> No
             raise RequestRefusedError("truth", f"{where}: {kind.field} sensors are not allowed in this simulation")
         if robot.type == "real" and getattr(declaration, "mount", "body") == "start":
             raise RequestRefusedError("mount", f"{where}.Mount: expected body for a real robot, got 'start'")
+        kind.check_fields(where, declaration)
         if declaration.source == "real":  # its readings come from the bridge
             continue
         kind.check(where, declaration, floor)

@@ -93,12 +93,23 @@ class Kind(ABC):
             )
         cls.field = fields[0]
 
+    def check_fields(self, where: str, declaration: Declaration, /) -> None:  # noqa: B027 - most refuse none
+        """Refuse fields that contradict each other, whoever measures; by default none.
+
+        Args:
+            where: As `check` takes it.
+            declaration: The declaration, of a simulated sensor or of one of a real robot.
+
+        Raises:
+            RequestRefusedError: What contradicts what.
+        """
+
     def check(self, where: str, declaration: Declaration, floor: Map, /) -> None:  # noqa: B027 - most refuse none
         """Refuse a declaration that is well-formed but cannot be simulated; by default none.
 
         Args:
             where: The path of the declaration in the message, such as `Robot.Proximity[2]`.
-            declaration: The declaration, of a simulated sensor.
+            declaration: The declaration, of a simulated sensor, which has passed `check_fields`.
             floor: The map, for its names.
 
         Raises:

@@ -23,10 +23,13 @@ from intellwheels_schemas.messages import Map, Model, Proximity, ProximityReadin
 from intellwheels_schemas.sonar_devices import (
     DEVICES,
     FREQUENCY,
-    PING_PERIOD,
+    SPEED_OF_SOUND,
     SURE_SHARE,
     THIN_DISTANCE,
     THIN_WIDTH,
+    reading_time,
+    sample_time,
+    ticks_for,
 )
 from intellwheels_server.world.kernels.arrays import Floats, Ints
 from intellwheels_server.world.kernels.noise import normal, uniform
@@ -40,7 +43,7 @@ from intellwheels_server.world.kernels.proximity_wedges import (
     sense_proximity,
 )
 from intellwheels_server.world.kernels.sample_schedule import KEY0, KEY1, due_slot
-from intellwheels_server.world.kernels.sonar_beam import FIGURE_COLUMNS, SPEED_OF_SOUND
+from intellwheels_server.world.kernels.sonar_beam import FIGURE_COLUMNS
 from intellwheels_server.world.kernels.sonar_echoes import sense_sonars
 from intellwheels_server.world.sensors.angles import unit_vector
 from intellwheels_server.world.sensors.kind import Fitted, Kind, View
@@ -154,7 +157,7 @@ class ProximityKind(Kind):
             for model in get_args(Model)
         )
 
-    def check(self, where: str, declaration: Proximity, _floor: Map, /) -> None:
+    def check_fields(self, where: str, declaration: Proximity, /) -> None:
         """Refuse what the model does not have, a firing group without a tick at this rate, and what no device is."""
         if declaration.model == "ideal" and declaration.dropout > 0.0:
             raise RequestRefusedError(
@@ -178,18 +181,19 @@ class ProximityKind(Kind):
             raise RequestRefusedError("value", text)
 
     def check_timing(self, where: str, declaration: Proximity, period: float, /) -> None:
-        """Refuse a sonar that pings again while it still listens, or whose reading comes before its echo."""
+        """Refuse a sonar that pings again while it still listens, or whose reading comes before its last echo can."""
         if declaration.model != "sonar":
             return
-        if declaration.latency < 1:
-            text = f"{where}.Latency: expected at least 1 with the model sonar, got {declaration.latency}"
-            raise RequestRefusedError("value", text)
-        name, wanted = "a sonar", PING_PERIOD
-        if declaration.device is not None:
-            name, wanted = declaration.device, DEVICES[declaration.device].ping_period
-        least = math.ceil(wanted / period - 1e-9)
+        delays = declaration.ping_delay, declaration.second_ping_delay
+        wanted = reading_time(declaration.max_range, *delays)
+        least = ticks_for(wanted, period)
+        if declaration.latency < least:
+            text = f"{where}.Latency: expected at least {least}, as the last echo is back after {wanted:.3g} s"
+            raise RequestRefusedError("value", f"{text}, got {declaration.latency}")
+        name, wanted = declaration.device, sample_time(declaration.device, declaration.max_range, *delays)
+        least = ticks_for(wanted, period)
         if declaration.every < least:
-            text = f"{where}.Every: expected at least {least}, as {name} pings once in {wanted:g} s"
+            text = f"{where}.Every: expected at least {least}, as {name or 'a sonar'} pings once in {wanted:.3g} s"
             raise RequestRefusedError("value", f"{text}, got {declaration.every}")
 
     def rays(self, declaration: Proximity, /) -> float:

@@ -6,7 +6,7 @@ import math
 
 import pytest
 
-from intellwheels_schemas.messages import Wall
+from intellwheels_schemas.messages import Part, Position, Robot, Wall
 from tests.server.world.sonars import heard, readings, solid, sonar, told
 from tests.server.worlds import box_wall, cart, run, world
 
@@ -100,3 +100,16 @@ def test_mirror_beside_the_beam_sends_nothing() -> None:
     beams = tuple(sonar(f"s{k}", direction_deg=turn, cone_deg=10.0) for k, turn in enumerate((-70.0, -60.0, 60.0)))
     state, _ = run(world({"a": cart(proximity=beams)}, walls), 1)
     assert readings(state) == ["none"] * 3
+
+
+def test_mirror_that_is_too_thin_to_be_heard_sends_nothing_on() -> None:
+    """A strip of 14 mm, 1 m away, that would show a body 3.4 m away; 32 mm are needed."""
+    part = Part(x=0.0, y=0.05, length=3.0, width=0.1, bottom=0.0, top=1.0)
+    board = Robot(part=(part,), position=Position(x=2.0, y=2.5, heading=0.0))
+    robots = {"a": cart(proximity=(sonar(cone_deg=30.0, max_range=6.0),)), "b": board}
+    for width, is_heard in ((0.01, False), (0.03, True)):
+        strip = solid((1.0, 0.0), (1.0 + width, width), (1.15 + width, width - 0.12), (1.15, -0.12))
+        assert (heard(world(robots, [strip])) != "none") == is_heard
+        angles = [math.radians(15.0 * k) for k in range(24)]
+        pillar = solid(*((1.01 + 0.3 * math.cos(angle), 2.5 + 0.3 * math.sin(angle)) for angle in angles))
+        assert (heard(world({"a": robots["a"]}, [strip, pillar])) != "none") == is_heard

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 from shapely.geometry import Point, Polygon
 
+from intellwheels_server.world.kernels.grid_search import Place
 from intellwheels_server.world.kernels.spatial_query import (
     LANES,
-    Place,
     gather_bodies,
     gather_walls,
     place_bodies,
@@ -31,11 +31,11 @@ def test_all_within_reach_is_gathered_bodies_first_and_without_the_owner(seed: i
     walls, bodies = floor.walls, floor.bodies
     placed = place_bodies(floor.pose, bodies.parts, bodies.part_start)
     nearby, boxes = room_for(placed, walls), placed.boxes
-    around, polygons, solids, _ = nearby
+    around, polygons, solids, found_places, _ = nearby
     for owner in range(5):
         x, y, reach = floor.pose[0, owner], floor.pose[1, owner], 2.0
         place = Place(x, y, reach, owner, owner)
-        people = GATHER_BODIES(place, *placed, around)
+        people = GATHER_BODIES(place, *placed, around, found_places)
         near, polygon_count = GATHER_WALLS(place, *walls, people, *nearby)
         assert near % LANES == 0
         found = [tuple(column) for column in around[:, :people].T]

@@ -105,22 +105,44 @@ def test_bodies_see_one_another_across_the_same_gap() -> None:
 )
 def test_error_that_a_model_has_not_is_refused(fields: dict[str, Any], text: str) -> None:
     with pytest.raises(RequestRefusedError, match=rf"Robot.Proximity\[2\].{text}") as refused:
-        ProximityKind().check("Robot.Proximity[2]", _eye(**fields), floor_of())
+        ProximityKind().check_fields("Robot.Proximity[2]", _eye(**fields))
     assert refused.value.code == "value"
+    # The same of a real sensor, though nothing simulates it.
+    for source in ("simulated", "real"):
+        robot = Robot(type="real", proximity=(_eye("a"), _eye("b"), _eye(source=source, **fields)))
+        with pytest.raises(RequestRefusedError, match=rf"Robot.Proximity\[2\].{text}"):
+            check_sensors(robot, floor_of(), truth=False, period=0.05)
 
 
 @pytest.mark.parametrize(
     ("fields", "period", "text"),
     [
-        ({}, 0.05, r"Latency: expected at least 1 with the model sonar, got 0"),
-        ({"latency": 1}, 0.02, r"Every: expected at least 3, as a sonar pings once in 0.05 s, got 1"),
+        # Sound goes 8 m to the end of the range and back.
+        ({}, 0.05, r"Latency: expected at least 1, as the last echo is back after 0.0231 s, got 0"),
+        ({"latency": 2}, 0.01, r"Latency: expected at least 3, as the last echo is back after 0.0231 s, got 2"),
+        (
+            {"latency": 1, "ping_delay": 0.01, "second_ping_delay": 0.04},
+            0.05,
+            r"Latency: expected at least 2, as the last echo is back after 0.0631 s, got 1",
+        ),
+        (
+            {"latency": 1, "ping_delay": 0.02},
+            0.05,
+            r"Every: expected at least 2, as a sonar pings once in 0.07 s, got 1",
+        ),
+        (
+            {"latency": 3, "max_range": 20.0},
+            0.05,
+            r"Every: expected at least 3, as a sonar pings once in 0.116 s, got 1",
+        ),
+        ({"latency": 2}, 0.02, r"Every: expected at least 3, as a sonar pings once in 0.05 s, got 1"),
         (
             {"latency": 1, "device": "srf08", "cone_deg": 55.0},
             0.05,
             r"Every: expected at least 2, as srf08 pings once in 0.065 s, got 1",
         ),
         (
-            {"latency": 1, "device": "srf08", "cone_deg": 55.0, "every": 6},
+            {"latency": 3, "device": "srf08", "cone_deg": 55.0, "every": 6},
             0.01,
             r"Every: expected at least 7, as srf08 pings once in 0.065 s, got 6",
         ),
@@ -136,10 +158,10 @@ def test_sonar_that_pings_too_soon_or_answers_at_once_is_refused(
     assert refused.value.code == "value"
 
 
-def test_sonar_may_ping_once_in_its_period_and_answer_a_tick_later() -> None:
+def test_sonar_may_ping_once_in_its_period_and_answer_when_the_last_echo_is_back() -> None:
     eyes = (
-        _eye("a", model="sonar", latency=1, every=5),
-        _eye("b", model="sonar", latency=1, device="srf08", cone_deg=55.0, min_range=0.03, every=7),
+        _eye("a", model="sonar", latency=3, every=5),
+        _eye("b", model="sonar", latency=3, device="srf08", cone_deg=55.0, min_range=0.03, every=7),
     )
     check_sensors(Robot(proximity=eyes), floor_of(), truth=False, period=0.01)
     check_sensors(Robot(proximity=eyes[:1]), floor_of(), truth=False, period=0.05)
