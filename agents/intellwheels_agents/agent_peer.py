@@ -133,6 +133,7 @@ class _AgentPeer:
     ) -> None:
         agent = robot.name or ""
         keys = Keys(where.world)
+        denied = where.denial(robot.role, agent)
         self._session = session
         self._tell = tell
         self._on_presence = on_presence
@@ -155,7 +156,8 @@ class _AgentPeer:
             options=options,
             encoding=encoding,
             fetch_map=self._fetch_map,
-            simulator=where.where(),
+            # A denial looks like silence. The identity file knows why.
+            simulator=f"{where.where()} ({denied})" if denied else where.where(),
             retry_for=retry_for,
         )
         role, instance = robot.role, robot.instance or ""

@@ -274,7 +274,7 @@ def keys_page() -> str:
         "\n## Control verbs and their ROS `simulation_interfaces` counterparts\n\n", _verbs(),
         "\n## Messages\n\n",
         *(_message(cls, name) for name, cls in NAMES.items() if cls not in {Lab, Map, Scene}),
-        "## Files for people\n\nMaps, robots and scenes are XML files, in which comments and indentation ",
+        "## Files for people\n\nMaps, robots, scenes and labs are XML files, in which comments and indentation ",
         "are allowed. A robot file is a [Robot](#robot) with `Format`.\n\n",
         *(_message(cls, _name(cls)) for cls in (Map, Scene, Lab)),
         prose.LOGS, *(_message_of_a_file(cls) for cls in _file_records()),

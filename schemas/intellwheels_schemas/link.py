@@ -25,6 +25,7 @@ from intellwheels_schemas.command_parser import readable_file
 from intellwheels_schemas.endpoint_form import cannot_listen, check_endpoint, config_reason, zenoh_reason
 from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.identity_file import read_identity
+from intellwheels_schemas.messages import Role
 from intellwheels_schemas.names import check_name
 from intellwheels_schemas.zenoh_inbox import Inbox
 
@@ -84,6 +85,10 @@ class Link:
     def where(self) -> str:
         """Return the endpoints of this link, for people."""
         return ", ".join(self.listen + self.connect) or str(self.config or defaults.ENDPOINT)
+
+    def denial(self, role: Role, agent: str) -> str:
+        """Return in words why this identity may not join as an agent; empty if nothing is known against it."""
+        return "" if self.identity is None else read_identity(self.identity).denial(self.world, role, agent)
 
 
 def add_link_options(parser: argparse.ArgumentParser, *, listens: bool = False, world: str = defaults.WORLD) -> None:

@@ -295,7 +295,7 @@ def test_who_has_the_right_identity_drives_and_others_are_told(network: Network)
     # Another's name, with a valid identity: the words of a denial.
     other = start("other", "intellwheels_agents", "student2", "drive", "--name", "b1-x", "--retry-for", "0.5")
     assert stage.exit(other) == 1
-    assert "or not allowed" in stage.log(other)
+    assert "student2 may not be the body and mind of 'b1-x' in world other2, only a2-*" in stage.log(other)
     page = viewer_peer.Network(
         link.Link("other2", connect=(network.endpoint,), identity=folder / "student2.iwid"), threading.Event()
     )

@@ -2,10 +2,12 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import msgspec
 import pytest
 
 from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.identity_file import IdentityFile, identity_text, read_identity, write_secret
+from intellwheels_schemas.messages import May, Role
 
 OWN = IdentityFile(name="student1", password="correct-horse", connect=("tcp/10.0.0.5:7447",))
 
@@ -39,6 +41,25 @@ def test_anything_else_is_refused_without_being_shown(tmp_path: Path, data: byte
 def test_missing_file_is_named(tmp_path: Path) -> None:
     with pytest.raises(WireError, match="expected an identity file, got No such file or directory"):
         read_identity(tmp_path / "none.iwid")
+
+
+@pytest.mark.parametrize(
+    ("role", "agent", "text"),
+    [
+        ("both", "st1-a", ""),
+        ("mind", "st1-a", ""),
+        ("mind", "lab1", ""),
+        ("both", "lab1", "student1 may not be the body and mind of 'lab1' in world main, only st1-*"),
+        ("mind", "st2-a", "student1 may not be the mind of 'st2-a' in world main, only st1-*, lab1"),
+        ("body", "st1-a", "student1 may not be the body of 'st1-a' in world main, nobody"),
+    ],
+)
+def test_denial_is_put_in_words(role: Role, agent: str, text: str) -> None:
+    may = (May(role="agent", agents=("st1-*",)), May(role="mind", agents=("lab1",)), May(role="viewer"))
+    own = msgspec.structs.replace(OWN, may=may)
+    assert msgspec.json.decode(identity_text(own), type=IdentityFile) == own
+    assert own.denial("main", role, agent) == text
+    assert OWN.denial("main", role, agent) == "", "an older file does not say"
 
 
 def test_password_is_not_in_its_repr() -> None:

@@ -80,8 +80,9 @@ def _do(options: argparse.Namespace, lab: Lab) -> int:
         _log(RESTART)
     if options.action == "invite":
         out = options.out or Path(f"{options.name}{ENDING}")
-        connect = tuple(options.connect)
-        write_secret(out, identity_text(IdentityFile(name=options.name, password=users[options.name], connect=connect)))
+        (may,) = [identity.may for identity in lab.identity if identity.name == options.name]
+        own = IdentityFile(name=options.name, password=users[options.name], connect=tuple(options.connect), may=may)
+        write_secret(out, identity_text(own))
         _print(f"wrote identity={options.name} file={out}")
     return 0
 
