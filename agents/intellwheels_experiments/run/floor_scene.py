@@ -75,7 +75,11 @@ def write_floor_scene(name_or_path: str, folder: Path, *, doors: bool, forever: 
         cast = tuple(msgspec.structs.replace(one, robot=f"{one.robot}.xml") for one in leaves.cast)
     (folder / "floor.xml").write_text(write_file(found), encoding="utf-8")
     end = None if forever else End(timeout=Timeout(seconds=FLOOR_SECONDS))
-    scene = Scene(format=VERSION, name=found.name, title=found.title, map="floor.xml", cast=cast, end=end)
+    # In lockstep, a world without agents waits for the first one.
+    scene = Scene(
+        format=VERSION, name=found.name, title=found.title, map="floor.xml", cast=cast, end=end,
+        pace="lockstep" if cast else "free",
+    )  # fmt: skip
     path = folder / "scene.xml"
     path.write_text(write_file(scene), encoding="utf-8")
     return str(path)

@@ -29,6 +29,7 @@ def hall(folder: Path, kind: str) -> str:
 def test_a_floor_alone_has_no_agents(tmp_path: Path) -> None:
     written = scene(write_floor_scene("ward", tmp_path, doors=False, forever=False))
     assert written.cast == ()
+    assert written.pace == "free"  # lockstep would wait for an agent
     assert written.end is not None
     assert written.end.timeout is not None
     assert written.end.timeout.seconds == FLOOR_SECONDS
