@@ -25,6 +25,7 @@ from intellwheels_agents.iw_command import main as iw
 from intellwheels_agents.joystick import __main__ as joystick
 from intellwheels_agents.ros_gateway import __main__ as ros
 from intellwheels_experiments import __main__ as run
+from intellwheels_experiments import run_parser
 from intellwheels_experiments.conformance import __main__ as check_agent
 from intellwheels_maps import __main__ as maps
 from intellwheels_schemas import __main__ as schemas
@@ -103,7 +104,7 @@ class Command:
 
 
 COMMANDS = {
-    "iw-run": Command(run.main, run.parser, ["figure6"]),
+    "iw-run": Command(run.main, run_parser.parser, ["figure6"]),
     "iw-server": Command(server.main, server_options.parser),
     "iw-agent": Command(agent.main, agent.parser, ["avoid"]),
     "iw-bridge": Command(bridge.main, bridge.parser, ["world", "--name", "chair1"]),

@@ -11,9 +11,9 @@ from pathlib import Path
 
 import pytest
 
-from intellwheels_experiments.__main__ import parser
 from intellwheels_experiments.run.cast_changes import with_changes
 from intellwheels_experiments.run.foreign_program import check_programs
+from intellwheels_experiments.run_parser import parser
 from intellwheels_maps import scene
 from intellwheels_schemas.command_line import words_of
 from tests.commands import MODULES
