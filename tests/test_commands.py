@@ -64,6 +64,7 @@ LACKING: dict[str, tuple[list[str], str]] = {
     "iw-server": (["--map", "room"], "server"),
     "iw-viewer": ([], "viewer"),
     "iw-run": (["figure6"], "server"),
+    "iw-record": (["run.mcap"], "foxglove"),
     "iw-joystick": (["chair1", "--source", "keyboard"], "joystick"),
     "iw-bridge": (["serial", "--name", "chair1", "--port", "/dev/null"], "bridge"),
     "iw-agent": (["navigate"], "navigate"),

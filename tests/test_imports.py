@@ -68,6 +68,10 @@ def imported(path: Path) -> Iterator[str]:
 
 FILES = list(sources())
 OPENERS = {
+    "intellwheels_agents.record_gateway.log_source",
+    "intellwheels_agents.record_gateway.panel_driver",
+    "intellwheels_agents.record_gateway.record_process",
+    "intellwheels_agents.record_gateway.world_source",
     "intellwheels_server.service.arrival_reader",
     "intellwheels_schemas.present",
     "intellwheels_server.server_options",

@@ -23,6 +23,7 @@ from intellwheels_agents.bridge import __main__ as bridge
 from intellwheels_agents.bridge import firmware_stand_in
 from intellwheels_agents.iw_command import main as iw
 from intellwheels_agents.joystick import __main__ as joystick
+from intellwheels_agents.record_gateway import __main__ as record
 from intellwheels_agents.ros_gateway import __main__ as ros
 from intellwheels_experiments import __main__ as run
 from intellwheels_experiments import run_parser
@@ -53,7 +54,7 @@ NO_NUMBERS = ("MotorNoise=007", "MotorNoise=1e999")
 PAIRS = ("", "x", "=1", "nobody.x=1", "chair1.=1", "Nosuch=1", "nosuch=1")
 
 WRONG: dict[str, Sequence[str]] = {
-    "S": NUMBERS, "F": NUMBERS, "M": NUMBERS, "P": NUMBERS, "R": NUMBERS, "K": NUMBERS, "SHARE": NUMBERS,
+    "S": NUMBERS, "F": NUMBERS, "MB": NUMBERS, "M": NUMBERS, "P": NUMBERS, "R": NUMBERS, "K": NUMBERS, "SHARE": NUMBERS,
     "N": WHOLE, "TICK": WHOLE, "TICKS": WHOLE, "FD": WHOLE,
     "NAME": NAMES, "AGENT": NAMES, "A,B,C": NAMES[1:],
     "NAME|FILE": DOCUMENTS, "SCENE": DOCUMENTS, "MAP": DOCUMENTS,
@@ -75,6 +76,7 @@ OWN: dict[str, Sequence[str]] = {
     "iw-run --json": OUTPUTS, "iw-run --log": OUTPUTS,
     "iw-run --speed": (*NUMBERS, "5000"), "iw-server --speed": (*NUMBERS, "5000"),
     "iw-server --period": (*NUMBERS, "2"),
+    "iw-record --port": (*WHOLE, "65536"),
     "iw-viewer --allow-host": ("", "http://x", "a b", "a:80"), "iw-viewer --port": (*WHOLE, "65536"),
     "iw-run --view-port": (*WHOLE, "65536"), "python -m intellwheels_agents.bridge.firmware_stand_in --counts": NUMBERS,
     "iw list KIND": ("", "nosuch"), "python -m intellwheels_schemas check FILE": INPUTS,
@@ -86,6 +88,8 @@ OWN: dict[str, Sequence[str]] = {
 WITH: dict[str, Sequence[str]] = {
     "iw-run --row": ("--seeds", "1"), "iw-run --jobs": ("--seeds", "1"), "iw-run --out": ("--seeds", "1"),
     "iw-run --part": ("--seeds", "1"), "iw-run --merge": ("--seeds", "1"),
+    "iw-record --host": ("--live",), "iw-record --port": ("--live",), "iw-record --hold": ("--live",),
+    "iw-record --take": ("--live",),
     "iw-server --trace": ("--resimulate", "/dev/null"), "iw-server --reported": ("--play", "/dev/null"),
     "iw-joystick --script": ("--source", "script"),
     "iw-ros --robot": ("--name", "c"), "iw-ros --option": ("--name", "c"), "iw-ros --place": ("--name", "c"),
@@ -106,6 +110,7 @@ class Command:
 COMMANDS = {
     "iw-run": Command(run.main, run_parser.parser, ["figure6"]),
     "iw-server": Command(server.main, server_options.parser),
+    "iw-record": Command(record.main, record.parser, ["run.mcap"]),
     "iw-agent": Command(agent.main, agent.parser, ["avoid"]),
     "iw-bridge": Command(bridge.main, bridge.parser, ["world", "--name", "chair1"]),
     "iw-joystick": Command(joystick.main, joystick.parser, ["chair1"]),
@@ -128,6 +133,7 @@ POSITIONAL: list[tuple[str, Callable[[list[str]], int], list[str], str, Sequence
     ("iw-joystick", joystick.main, ["--source", "words"], "AGENT", NAMES),
     ("iw-bridge", bridge.main, ["--name", "c"], "driver", ("", "nosuch")),
     ("iw-check-agent", check_agent.main, ["--"], "COMMAND", ("", "nosuch", "no/such", "text.xml")),
+    ("iw-record", record.main, [], "FILE.mcap", OUTPUTS),
     ("iw list", iw, ["list"], "KIND", ("", "nosuch")),
     ("iw list", iw, ["list", "places"], "MAP", DOCUMENTS),
     ("iw completion", iw, ["completion"], "SHELL", ("", "nosuch")),
@@ -151,6 +157,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     for module in (agent, bridge, check_agent, firmware_stand_in, joystick, ros, router, run, server, viewer):
         # Signals are not what is tested, and each call would leave a thread behind.
         monkeypatch.setattr(module, "stop_on_signals", lambda *_: over)
+    monkeypatch.setattr(record, "stop_on_signals", lambda *_: over)
     return tmp_path
 
 
@@ -260,6 +267,7 @@ SAMPLE = (
     ("iw-agent", "avoid", "--option=nosuch=1", "nosuch"),
     ("iw-bridge", "world", "--name=c", "--lab-connect=h:1", "--lab-connect"),
     ("iw-joystick", "chair1", "--source=script", "--script=none", "--script"),
+    ("iw-record", "none/x.mcap", "FILE.mcap"),
     ("iw-viewer", "--host=192.0.2.1", "--host"),
     ("iw-router", "--listen=x", "--listen"),
     ("iw-ros", "--ros-connect=x", "--ros-connect"),

@@ -30,6 +30,7 @@ COMMANDS = {
     "server": "a simulated world on the network; run, play or check an input log",
     "agent": "one agent: a body and the mind that drives it",
     "viewer": "the web page of a world",
+    "record": "record a world to MCAP, or show it live to Foxglove",
     "joystick": "drive a chair by hand",
     "bridge": "put a real chair into a simulation",
     "ros": "show a world to ROS 2 nodes, and let them drive a chair",

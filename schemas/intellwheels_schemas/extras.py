@@ -6,6 +6,7 @@ from importlib.util import find_spec
 from typing import Final
 
 MODULES: Final = {
+    "foxglove": ("foxglove",),
     "server": ("numpy", "numba", "shapely"),
     "viewer": ("numpy", "viser", "PIL", "mapbox_earcut"),
     "joystick": ("pygame",),

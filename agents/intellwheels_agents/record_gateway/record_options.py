@@ -1,0 +1,115 @@
+"""The command line of `iw-record`: its options and what must hold between them."""
+
+from __future__ import annotations
+
+import argparse
+import math
+import socket
+from pathlib import Path
+from typing import Final
+
+from intellwheels_agents.options import OptionError
+from intellwheels_schemas import defaults
+from intellwheels_schemas.command_parser import CommandParser, number, port, positive_seconds, readable_file
+from intellwheels_schemas.output_paths import check_output_file
+
+EXAMPLES: Final = """\
+examples:
+  record a world until Ctrl-C
+      iw-record run.mcap
+  show it to Foxglove: open connection ws://127.0.0.1:8765, and import the layout that --layout printed
+      iw-record --live
+      iw-record --layout > layout.json
+  make a recording of an input log
+      iw-record run.mcap --from run.jsonl
+
+A recording has the topics /tf, /scene, /wedges, /grid, /log, /AGENT/pose, /AGENT/truth, /AGENT/goal,
+/AGENT/scan/SENSOR and /AGENT/odometry/SENSOR for Foxglove, and every message of the world as JSON under /iw.
+Its time is simulated time, counted from the time of day at which the run was met; with --from, from 0.
+Ticks of which no state came are counted, and reported in /log and in the last line.
+
+In the live view, publish JSON to /user/AGENT, such as {"Forward": 0.5, "Turn": 0.1}, or {"linear": {"x": 0.5},
+"angular": {"z": 0.2}} in m/s and rad/s, to drive a chair. Anybody who can open the page can do so.
+
+Standard output has the lines `ready file=... live=...` and `recorded file=... messages=... ticks=... missed=...`.
+Exit codes: 0 done, 1 refused or failed, 2 wrong usage.
+"""
+PORT: Final = 8765
+"""Port of the live view, which Foxglove proposes."""
+HOST: Final = "127.0.0.1"
+ROTATE: Final = 1000.0
+"""Size of a file, MB."""
+
+
+def parser() -> argparse.ArgumentParser:
+    """Return the parser of this command's own options."""
+    result = CommandParser(
+        prog="iw-record",
+        description="Record a world to MCAP files, or show it live to Foxglove, or both.",
+        epilog=EXAMPLES,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    result.add_argument("file", metavar="FILE.mcap", type=Path, nargs="?", help="the recording (default: none)")
+    result.add_argument(
+        "--from", dest="log", type=readable_file, metavar="LOG",
+        help="record this input log, tick by tick, instead of a world on the network; needs the extra `server`",
+    )  # fmt: skip
+    result.add_argument(
+        "--rotate", type=number("megabytes", 0.1, 1e6), metavar="MB",
+        help=f"begin another file, named FILE-2.mcap and so on, when one has this size (default: {ROTATE:g})",
+    )  # fmt: skip
+    live = result.add_argument_group("live view")
+    live.add_argument("--live", action="store_true", help="serve the live view of Foxglove")
+    live.add_argument("--host", metavar="ADDRESS", help=f"address to serve it at (default: {HOST}, this machine only)")
+    live.add_argument("--port", type=port, metavar="N", help=f"its port; 0 picks a free one (default: {PORT})")
+    live.add_argument(
+        "--hold", type=number("seconds", 0.1, 2.0), metavar="S",
+        help="seconds for which a published input drives a chair (default: 0.5)",
+    )  # fmt: skip
+    live.add_argument("--take", action="store_true", help="drive chairs instead of their minds, while input comes")
+    result.add_argument("--layout", action="store_true", help="print the layout for Foxglove, and exit")
+    result.add_argument(
+        "--retry-for", type=positive_seconds, default=math.inf, metavar="S",
+        help="give up after S seconds without a router or simulator (default: never)",
+    )  # fmt: skip
+    return result
+
+
+def check_together(given: argparse.Namespace) -> None:
+    """Check that options fit each other.
+
+    Raises:
+        OptionError: They do not; the text names one.
+        WireError: The file cannot be written.
+    """
+    if given.file is None and not given.live:
+        raise OptionError("FILE.mcap: expected a file, or --live, got neither")
+    if given.file is not None:
+        check_output_file(given.file, "FILE.mcap")
+    if given.rotate is not None and given.file is None:
+        raise OptionError("--rotate: expected with a FILE.mcap, got none")
+    if given.log is not None:
+        if given.file is None or given.live:
+            raise OptionError("--from: expected with a FILE.mcap and without --live, got otherwise")
+        if given.connect or given.listen or given.config is not None or given.world != defaults.WORLD:
+            raise OptionError("--from: expected without a world and a connection, got both")
+        if given.retry_for != math.inf:
+            raise OptionError("--retry-for: expected without --from, got both")
+    of_live = (("--host", given.host), ("--port", given.port), ("--hold", given.hold), ("--take", given.take or None))
+    for option, value in of_live:
+        if value is not None and not given.live:
+            raise OptionError(f"{option}: expected with --live, got none")
+    if given.host is not None and not _is_here(given.host):
+        expected = "an address of this machine, such as 127.0.0.1 or 0.0.0.0"
+        raise OptionError(f"--host: expected {expected}, got {given.host!r}")
+
+
+def _is_here(host: str) -> bool:
+    """Return whether a server may be opened at a host: a socket can be bound there."""
+    try:
+        family, kind, _, _, address = socket.getaddrinfo(host or "?", 0, type=socket.SOCK_STREAM)[0]
+        with socket.socket(family, kind) as probe:
+            probe.bind(address)
+    except (OSError, UnicodeError):
+        return False
+    return True

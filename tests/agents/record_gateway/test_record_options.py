@@ -1,0 +1,29 @@
+"""What options must hold together."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from intellwheels_agents.options import OptionError
+from intellwheels_agents.record_gateway import record_options
+from intellwheels_agents.record_gateway.__main__ import parser
+
+
+@pytest.mark.parametrize(("words", "text"), [
+    ([], "FILE.mcap: expected a file, or --live, got neither"),
+    (["--live", "--rotate", "5"], "--rotate: expected with a FILE.mcap, got none"),
+    (["x.mcap", "--port", "5"], "--port: expected with --live, got none"),
+    (["x.mcap", "--take"], "--take: expected with --live, got none"),
+    (["--live", "--from", "LOG"], "--from: expected with a FILE.mcap and without --live"),
+    (["x.mcap", "--from", "LOG", "--world", "lab"], "--from: expected without a world and a connection"),
+    (["x.mcap", "--from", "LOG", "--retry-for", "5"], "--retry-for: expected without --from"),
+])  # fmt: skip
+def test_options_without_a_meaning_are_refused(
+    words: list[str], text: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("LOG").touch()
+    with pytest.raises(OptionError, match=text):
+        record_options.check_together(parser().parse_args(words))
