@@ -81,7 +81,9 @@ class PanelDriver:
     def _ask(self, agent: str, request: Take) -> None:
         def ask() -> None:
             try:
-                answer = link.query(self._session, self._keys.ctl("take"), encode(request), timeout=ANSWER_TIMEOUT)[0]
+                answer = link.query(
+                    self._session, self._keys.ctl_of("take", request), encode(request), timeout=ANSWER_TIMEOUT
+                )[0]
                 result = decode(Result, answer.data, encoding_of(answer.encoding, answer.data), strict=False)
             except (ConnectionError, WireError):
                 self._answers.put((agent, None))
