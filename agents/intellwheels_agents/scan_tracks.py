@@ -14,7 +14,7 @@ import msgspec
 
 from intellwheels_agents.differential_drive import Odometry
 from intellwheels_agents.footprint import MovingPoint
-from intellwheels_agents.portable_math import hypot, power, sincos
+from intellwheels_agents.portable_math import hypot, sincos
 from intellwheels_agents.range_scan import SENSOR_HEIGHT
 from intellwheels_schemas.messages import Lidar, Robot, Sensors
 
@@ -71,7 +71,7 @@ class ScanTracks:
         """Take the time between two updates, s."""
         self._period = period
         # The same time constants at any period.
-        self._alpha = 1.0 - power(1.0 - ALPHA, period / TICK)
+        self._alpha = 1.0 - (1.0 - ALPHA) ** (period / TICK)
         self._beta = min(BETA * period / TICK, self._alpha)
         self._rays = [sincos(math.radians(-180.0 + k * 360.0 / RAYS)) for k in range(RAYS)]
         self._tracks: list[Track] = []
@@ -80,7 +80,7 @@ class ScanTracks:
 
     def count(self, pose: Odometry, reach: float) -> int:
         """Return the number of objects, apart from walls, whose centres are within a reach, m."""
-        return len([one for one in self._tracks if hypot(one.x - pose.x, one.y - pose.y) < reach])
+        return sum(hypot(one.x - pose.x, one.y - pose.y) < reach for one in self._tracks)
 
     def update(self, sensors: Sensors | None, pose: Odometry) -> None:
         """Update with the scan of a tick, taken at a pose; without a scan everything stays as it was."""

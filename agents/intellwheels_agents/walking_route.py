@@ -158,7 +158,7 @@ def _corners(wall: Wall) -> list[Point]:
                 other = corners[j % count]
                 length = max(dist((x, y), other), 1e-9)
                 units.append(((x - other[0]) / length, (y - other[1]) / length))
-        along_x, along_y = math.fsum(unit[0] for unit in units), math.fsum(unit[1] for unit in units)
+        along_x, along_y = sum(unit[0] for unit in units), sum(unit[1] for unit in units)
         length = hypot(along_x, along_y)
         if length > 0.05:
             # Along the bisector of a bend, so that the way is as far from both sides as from the end of a wall.

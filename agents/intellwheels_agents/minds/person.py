@@ -1,20 +1,4 @@
-"""A pedestrian who walks to goals among others.
-
-    points   "x y x y": goals in their order, m
-    via, to  places of the map; the goals are points, then via in their order, then to
-    speed    preferred walking speed, m/s (default 1.34)
-    within   distance from a goal that counts as arrived, m (default 0.4)
-    loop     true: start again with the first goal after the last (default false)
-    with     agents to walk with as a group; they hear each other's positions ("at X Y", in metres)
-    shun     agents to keep away from; each of them must say its position too
-
-The pedestrian knows the walls of the map and takes the shortest way around them. On it, the model of `walking_model`
-gives direction and speed, among what a lidar sees. Who stands where he wants to walk yields after a random time: he
-steps back for a random time, which breaks up a jam. If a chair would run into him, he steps aside from its line.
-He perceives with a lidar all round, encoders, a compass, and messages.
-
-Sources: walking_model.py, walking_route.py, social_force.py (`with` and `shun`). All numbers here are chosen.
-"""
+"""A pedestrian."""
 
 from __future__ import annotations
 
