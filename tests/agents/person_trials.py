@@ -35,8 +35,6 @@ TIMEOUT = 60.0
 ROOM = 3.0
 """Half of the width of the rooms, m."""
 STRETCH = {"MotorNoise": "0.05"}
-EVERY = 17
-"""Ticks from one measured tick to the next. Reading the clock of the process can take longer than a mind."""
 
 
 @dataclass
@@ -81,12 +79,9 @@ class Timed:
         self._mind, self._spent = mind, spent
 
     def decide(self, measured: Measures) -> Actions:
-        if measured.tick % EVERY:
-            answer = self._mind.decide(measured)
-        else:
-            began = time.process_time()
-            answer = self._mind.decide(measured)
-            self._spent.append(time.process_time() - began)
+        began = time.process_time()
+        answer = self._mind.decide(measured)
+        self._spent.append(time.process_time() - began)
         assert isinstance(answer, Actions)
         return answer
 

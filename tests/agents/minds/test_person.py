@@ -13,7 +13,6 @@ from intellwheels_maps import robot, scene
 from intellwheels_schemas.messages import Corner, Map, Position, Wall
 from tests.agents.arena import Arena
 from tests.agents.minds.corridor import Corridor, lane_order, weidmann
-from tests.agents.person_trials import at_door
 
 SEEDS = [str(seed) for seed in range(1, 21)]
 STRETCH = {"MotorNoise": "0.05"}
@@ -133,34 +132,6 @@ def apart(*, together: bool) -> float:
 def test_companions_stay_together_and_strangers_do_not() -> None:
     assert apart(together=True) < 3.0
     assert apart(together=False) > 6.0
-
-
-def test_walker_keeps_away_from_one_whom_he_shuns() -> None:
-    nearest = []
-    for options in ({}, {"shun": "other"}):
-        arena = Arena(corridor(14.0, 6.0))
-        walker(arena, "shy", (0.0, 0.4), (12.0, 0.4), **options)
-        walker(arena, "other", (12.0, -0.4), (0.0, -0.4), **({"shun": "shy"} if options else {}))
-        arena.run(9.0)
-        pairs = zip(arena.paths["shy"], arena.paths["other"], strict=True)
-        nearest.append(min(math.dist(one[:2], two[:2]) for one, two in pairs))
-    assert nearest[1] > nearest[0] + 0.1
-
-
-@pytest.mark.parametrize("seed", [1, 2, 3])
-@pytest.mark.parametrize("width", [0.8, 0.9])
-def test_two_people_side_by_side_pass_a_door(width: float, seed: int) -> None:
-    row = at_door("side by side", 2, width, seed)
-    assert row.passed == 2
-    assert row.seconds is not None
-    assert row.seconds < 20.0
-
-
-def test_ten_people_pass_a_door_one_after_the_other() -> None:
-    row = at_door("door", 10, 0.9, 1)
-    assert row.passed == 10
-    assert row.flow is not None
-    assert row.flow > 0.7
 
 
 def test_walker_in_a_loop_returns_and_goes_on() -> None:
