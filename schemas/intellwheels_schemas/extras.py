@@ -12,6 +12,7 @@ MODULES: Final = {
     "experiments": ("numpy", "scipy", "shapely", "matplotlib"),
     "bridge": ("serial",),
     "navigate": ("numpy",),
+    "learn": ("gymnasium", "pettingzoo", "numpy", "numba", "shapely"),
 }
 """The modules that each extra installs, under the names that `import` takes."""
 
