@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from tests.bench import bystanders, loads, network, tick, viewer
+from tests.bench import bystanders, learning, loads, network, tick, viewer
 from tests.bench.rows import append, show
 
 
@@ -17,6 +17,7 @@ def main() -> None:
         nargs="*",
         metavar="BENCH",
         help="tick: the cost of a tick, part by part; network: whole processes; viewer: a page; loads: loading maps; "
+        "learning: steps of learning environments; "
         "bystanders: late ticks beside a frozen viewer, 25 minutes (default: all but bystanders)",
     )
     parser.add_argument(
@@ -29,7 +30,7 @@ def main() -> None:
         help="the CSV file (default: tests/bench/results.csv of the checkout)",
     )  # fmt: skip
     options = parser.parse_args()
-    wanted = options.benches or ["tick", "network", "viewer", "loads"]
+    wanted = options.benches or ["tick", "network", "viewer", "loads", "learning"]
     rows = []
     if "tick" in wanted:
         rows += tick.bench((1, 10) if options.quick else (1, 10, 100, 1000), quick=options.quick)
@@ -39,6 +40,8 @@ def main() -> None:
         rows += viewer.bench((2,), seconds=1.0, settle=2.0) if options.quick else viewer.bench()
     if "loads" in wanted:
         rows += loads.bench(corners=500, shapes=("circle",), settle=0.3) if options.quick else loads.bench()
+    if "learning" in wanted:
+        rows += learning.bench(steps=8, rounds=2) if options.quick else learning.bench()
     if "bystanders" in wanted:
         quick = {"chairs": 2, "count": 1, "pages": 2}
         rows += bystanders.bench(**quick, seconds=1.0, settle=0.3) if options.quick else bystanders.bench()

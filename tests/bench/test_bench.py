@@ -32,6 +32,7 @@ def test_benchmarks_run_and_say_every_share_of_a_tick(tmp_path: Path) -> None:
             "network",
             "viewer",
             "loads",
+            "learning",
             "bystanders",
             "--quick",
             "--csv",
@@ -50,4 +51,12 @@ def test_benchmarks_run_and_say_every_share_of_a_tick(tmp_path: Path) -> None:
     assert all(
         float(row["value"]) > 0.0 for row in rows if not row["figure"].startswith(("late ticks", "longest delay"))
     )
-    assert {row["bench"] for row in rows} == {"tick", "network", "lockstep", "viewer", "loads", "bystanders"}
+    assert {row["bench"] for row in rows} == {
+        "tick",
+        "network",
+        "lockstep",
+        "viewer",
+        "loads",
+        "learning",
+        "bystanders",
+    }
