@@ -26,8 +26,8 @@ class ChairEnv(gym.Env[Observation, Any]):
 
     `reset(seed=7)` begins the run of seed 7 of `iw-run SCENE --seeds 7`: the seed is that of the world's own noise, and
     of what the Uniform elements of the scene's experiment vary. Without a seed, the next one is drawn from the last. It
-    is in `info["seed"]`. `info` also has `tick`, `distance` (to the goal, m) and `contacts`; at the end `end` (which ends
-    were met) and `is_success` (the goal is reached without a contact).
+    is in `info["seed"]`. `info` also has `tick`, `distance` (to the goal, m) and `contacts`; at the end `end` (which
+    ends were met) and `is_success` (the goal is reached without a contact).
     """
 
     metadata: dict[str, Any] = {"render_modes": []}  # noqa: RUF012 - as Gymnasium declares it
