@@ -14,6 +14,7 @@ ROOMS = {
     "intellwheels_schemas": "schemas",
     "intellwheels_maps": "maps",
     "intellwheels_server": "server",
+    "intellwheels_gym": "gym",
     "intellwheels_agents": "agents",
     "intellwheels_experiments": "experiments",
     "intellwheels_viewer": "viewer",

@@ -75,10 +75,19 @@ def test_second_example_of_the_public_interface_runs(
     assert "'ward'" in printed
 
 
+def test_learning_environments_of_the_readme_run() -> None:
+    (block,) = [block for block in BLOCKS if "import gymnasium" in block]
+    assert len(block.splitlines()) <= 10
+    names: dict[str, object] = {}
+    exec(compile(block, "README.md", "exec"), names)
+    assert names["terminated"] is False
+    assert names["info"]["seed"] == "1"  # type: ignore[index]
+
+
 def test_public_imports_are_there() -> None:
     table = README.split("## Use it from Python")[1].split("```")[0]
     rows = re.findall(r"^\| `(intellwheels_[\w.]+)` \| (.+) \|$", table, re.MULTILINE)
-    assert len(rows) == 8
+    assert len(rows) == 9
     for package, uses in rows:
         for name in re.findall(r"`([\w.]+)`", uses.split(":")[0]):
             if name == "intellwheels":  # the fixture

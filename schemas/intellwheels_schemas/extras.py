@@ -16,6 +16,7 @@ MODULES: Final = {
     "ros": ("rosbags",),
     "floors": ("numpy", "shapely", "yaml", "PIL", "ezdxf"),
     "ifc": ("ifcopenshell", "numpy", "shapely"),
+    "learn": ("gymnasium", "pettingzoo", "numpy", "numba", "shapely"),
 }
 """The modules that each extra installs, under the names that `import` takes."""
 

@@ -34,6 +34,8 @@ def test_benchmarks_run_and_say_every_share_of_a_tick(tmp_path: Path) -> None:
             "loads",
             "ros",
             "imports",
+            "record",
+            "learning",
             "bystanders",
             "--quick",
             "--csv",
@@ -52,4 +54,15 @@ def test_benchmarks_run_and_say_every_share_of_a_tick(tmp_path: Path) -> None:
     assert all(
         float(row["value"]) > 0.0 for row in rows if not row["figure"].startswith(("late ticks", "longest delay"))
     )
-    assert {row["bench"] for row in rows} == {"tick", "network", "lockstep", "viewer", "loads", "ros", "bystanders"}
+    assert {row["bench"] for row in rows} == {
+        "tick",
+        "network",
+        "lockstep",
+        "viewer",
+        "loads",
+        "ros",
+        "imports",
+        "record",
+        "learning",
+        "bystanders",
+    }

@@ -22,7 +22,7 @@ ROOT = Path(__file__).parent.parent.parent
 LIMIT = 600.0
 """Seconds for the first command of README: it installs everything and compiles the kernels."""
 PACKAGES = ("intellwheels_schemas", "intellwheels_server", "intellwheels_agents", "intellwheels_experiments",
-            "intellwheels_maps", "intellwheels_viewer")  # fmt: skip
+            "intellwheels_maps", "intellwheels_viewer", "intellwheels_gym")  # fmt: skip
 
 
 def _without_checkout() -> dict[str, str]:
