@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from tests.bench import bystanders, loads, network, tick, viewer
+from tests.bench import bystanders, loads, network, record, tick, viewer
 from tests.bench.rows import append, show
 
 
@@ -29,7 +29,7 @@ def main() -> None:
         help="the CSV file (default: tests/bench/results.csv of the checkout)",
     )  # fmt: skip
     options = parser.parse_args()
-    wanted = options.benches or ["tick", "network", "viewer", "loads"]
+    wanted = options.benches or ["tick", "network", "viewer", "loads", "record"]
     rows = []
     if "tick" in wanted:
         rows += tick.bench((1, 10) if options.quick else (1, 10, 100, 1000), quick=options.quick)
@@ -39,6 +39,8 @@ def main() -> None:
         rows += viewer.bench((2,), seconds=1.0, settle=2.0) if options.quick else viewer.bench()
     if "loads" in wanted:
         rows += loads.bench(corners=500, shapes=("circle",), settle=0.3) if options.quick else loads.bench()
+    if "record" in wanted:
+        rows += record.bench(rounds=20) if options.quick else record.bench()
     if "bystanders" in wanted:
         quick = {"chairs": 2, "count": 1, "pages": 2}
         rows += bystanders.bench(**quick, seconds=1.0, settle=0.3) if options.quick else bystanders.bench()

@@ -12,6 +12,7 @@ import pytest
 from mcap.exceptions import EndOfFile
 from mcap.reader import NonSeekingReader, make_reader
 from websockets.sync.client import ClientConnection, connect
+from websockets.typing import Subprotocol
 
 from tests.e2e.stage import DEADLINE, Stage
 
@@ -140,7 +141,7 @@ class Page:
     """A page of Foxglove: its protocol, written from its description."""
 
     def __init__(self, address: str) -> None:
-        self.socket: ClientConnection = connect(address, subprotocols=["foxglove.sdk.v1"], max_size=None)
+        self.socket: ClientConnection = connect(address, subprotocols=[Subprotocol("foxglove.sdk.v1")], max_size=None)
         self.channels: dict[str, int] = {}
 
     def subscribe(self, topic: str) -> None:
