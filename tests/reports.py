@@ -173,6 +173,9 @@ def faults_of_wall(*corners: tuple[float, float], thickness: float | None = 0.1)
     return [finding.text for finding in check_map(Map(format="iw.v1", name="m", wall=(wall,)))]
 
 
+SESSION = "c0ffee0012345678"
+
+
 def actions_of(text: str) -> Callable[[], object]:
     return lambda: decode(Actions, text.encode(), Encoding.JSON)
 
@@ -333,12 +336,14 @@ REPORTS: list[Report] = [
            lambda: [refused(actions_of(f'{{"LeftMotor": {value}}}')) != "" for value in ("NaN", "Infinity", "1e999")],
            [True] * 3),
     Report("NaN came through in the other encoding",
-           lambda: [refused(document_of(f'<Actions LeftMotor="{value}"/>')) for value in ("NaN", "INF")],
+           lambda: [
+               refused(document_of(f'<Actions Session="{SESSION}" LeftMotor="{value}"/>')) for value in ("NaN", "INF")
+           ],
            [f"Actions.LeftMotor: expected a number in [-1, 1], got '{value}'" for value in ("NaN", "INF")]),
     Report("a field that occurs twice counted once, and nobody knew which",
            lambda: refused(actions_of('{"Tick": 1, "Tick": 2}')), "Actions: expected each name once, got 'Tick' twice"),
     Report("a whole number above 2**53 changed on its way through a reader of doubles",
-           lambda: refused(actions_of('{"Tick": 9007199254740993}')).partition(" in [")[0],
+           lambda: refused(actions_of(f'{{"Session": "{SESSION}", "Tick": 9007199254740993}}')).partition(" in [")[0],
            "Actions.Tick: expected a whole number"),
     Report("an XML entity made gigabytes of a few lines",
            lambda: refused(document_of('<!DOCTYPE a [<!ENTITY x "xx">]><Actions><Say>&x;</Say></Actions>')),
@@ -348,7 +353,9 @@ REPORTS: list[Report] = [
                '<!DOCTYPE a [<!ENTITY x SYSTEM "file:///etc/hostname">]><Actions><Say>&x;</Say></Actions>')),
            "Actions: expected XML without a document type, got one"),
     Report("a reader failed on a field that a newer writer had added",
-           lambda: decode(Actions, b'{"LeftMotor": 0.5, "Mood": 1}', Encoding.JSON, strict=False).left_motor, 0.5),
+           lambda: decode(
+               Actions, f'{{"Session": "{SESSION}", "LeftMotor": 0.5, "Mood": 1}}'.encode(), Encoding.JSON, strict=False
+           ).left_motor, 0.5),
     # ---------------------------------------------------------------- maps and command lines, elsewhere
     Report("a wall without length was accepted and broke the contact",
            lambda: faults_of_wall((1.0, 2.0), (1.0, 2.0)), ["wall has the same corner twice in a row, X 1.0 Y 2.0"]),

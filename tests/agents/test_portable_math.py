@@ -114,11 +114,17 @@ def test_directions_on_the_axes_are_exact() -> None:
 # ---------------------------------------------------------------- the guard
 
 
+GATEWAYS: Final = {"ros_gateway", "record_gateway"}
+"""Packages that exchange the numbers of a world with other programs: no run with those repeats by itself."""
+
+
 def mind_code() -> list[Path]:
     """Return every file whose numbers may reach the world: agents, bridges, examples, and the template."""
     agents = ROOT / "agents"
     files = [*(agents / "intellwheels_agents").rglob("*.py"), *(agents / "examples").rglob("*.py")]
-    return [path for path in files if path.name != "portable_math.py" and "__pycache__" not in path.parts]
+    return [
+        path for path in files if path.name != "portable_math.py" and not {"__pycache__", *GATEWAYS} & {*path.parts}
+    ]
 
 
 def faults(code: str) -> Iterator[str]:

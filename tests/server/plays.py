@@ -80,6 +80,7 @@ class PlayStage(Stage):
         self.lines = []
         self.notes = []
         self.sessions = {}
+        self.keys = {}
         self.log = None
         self.recording = SeekableLog(path)
         options = Options(

@@ -12,6 +12,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from intellwheels_agents import Actions, Context, Measures
+from intellwheels_agents.portable_math import exp
 from intellwheels_gym import ActionSet, Observer
 
 TICKS = 4
@@ -29,10 +30,16 @@ def policy(weights: Sequence[float], observation: Sequence[float]) -> tuple[floa
     *ranges, distance, bearing, speed, turn_rate = observation
     inputs = [*(metres / 4.0 for metres in ranges), min(distance, 4.0) / 4.0, bearing, speed, turn_rate, 1.0]
     v, omega = (
-        math.tanh(sum(weight * value for weight, value in zip(part, inputs, strict=True)))
+        tanh(math.fsum(weight * value for weight, value in zip(part, inputs, strict=True)))
         for part in (weights[:INPUTS], weights[INPUTS:])
     )
     return max(v, 0.0), 0.3 * omega
+
+
+def tanh(x: float) -> float:
+    """Return the hyperbolic tangent of x: the same on every machine, unlike that of `math`."""
+    falling = exp(-2.0 * abs(x))
+    return math.copysign((1.0 - falling) / (1.0 + falling), x)
 
 
 class Mind:

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import math
 import time
 from collections.abc import Sequence
 from multiprocessing import get_context
@@ -44,7 +45,7 @@ def episode(weights: Sequence[float], seed: int) -> tuple[float, bool]:
 def cost(task: tuple[Sequence[float], Sequence[int]]) -> float:
     """Return the negative mean of the rewards over seeds."""
     weights, seeds = task
-    return -sum(episode(weights, seed)[0] for seed in seeds) / len(seeds)
+    return -math.fsum(episode(weights, seed)[0] for seed in seeds) / len(seeds)
 
 
 def learn(generations: int, population: int, episodes: int, jobs: int) -> list[float]:
@@ -83,7 +84,7 @@ def main() -> None:
     options = parser.parse_args()
     if options.test is not None:
         weights = json.loads(options.test.read_text())["weights"]
-        good = sum(episode(weights, seed)[1] for seed in range(1, options.seeds + 1))
+        good = [episode(weights, seed)[1] for seed in range(1, options.seeds + 1)].count(True)
         low, high = wilson(good, options.seeds)
         print(f"{good} of {options.seeds} succeeded, 95 % interval {low:.3f} to {high:.3f}")  # noqa: T201
         return
