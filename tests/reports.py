@@ -333,7 +333,10 @@ REPORTS: list[Report] = [
     Report("a reset kept the old time, or a body where it was", restarted, (0, 0.0, (0.0, 0.0, 0.0))),
     # ---------------------------------------------------------------- messages, elsewhere
     Report("a NaN as velocity turned the pose into NaN, or the wheels at full speed",
-           lambda: [refused(actions_of(f'{{"LeftMotor": {value}}}')) != "" for value in ("NaN", "Infinity", "1e999")],
+           lambda: [
+               refused(actions_of(f'{{"Session": "{SESSION}", "LeftMotor": {value}}}')) != ""
+               for value in ("NaN", "Infinity", "1e999")
+           ],
            [True] * 3),
     Report("NaN came through in the other encoding",
            lambda: [
