@@ -9,6 +9,7 @@ instead of 152 µs, echo of measures on loopback), and in lockstep every tick wa
 
 from __future__ import annotations
 
+import contextlib
 import math
 import queue
 import sys
@@ -50,6 +51,8 @@ CONFIRM_TIMEOUT = 2.0
 """Seconds to wait for the simulator to confirm what a message says."""
 LEAVE_TIMEOUT = 2.0
 """Seconds to wait for the reply to a leave. Without a reply, the simulator still sees the liveliness token go."""
+END_TIMEOUT = 2.0
+"""Seconds to wait, at the end, for the threads that query. Their replies end when the session is closed."""
 QUEUE_LIMIT = 1024
 """Arrivals that may wait while the mind computes: a minute at 20 Hz."""
 SLOW_DECISION = 3.0
@@ -109,11 +112,21 @@ def run_agent(
         return 1
     if session is None:
         return 0
-    with session:
+    with contextlib.ExitStack() as stack:
+        # Last, when the session is closed: a reply that comes while Python ends would abort the process.
+        asking: list[threading.Thread] = []
+        stack.callback(_join, asking)
+        stack.enter_context(session)
         remaining = max(0.0, retry_for - (time.monotonic() - started))
         return _AgentPeer(
-            session, robot, make, options, where, encoding, remaining, tell or _print, on_presence or _ignore
+            session, robot, make, options, where, encoding, remaining, tell or _print, on_presence or _ignore, asking
         ).run(stop)
+
+
+def _join(threads: list[threading.Thread]) -> None:
+    deadline = time.monotonic() + END_TIMEOUT
+    for thread in threads:
+        thread.join(max(0.0, deadline - time.monotonic()))
 
 
 class _AgentPeer:
@@ -130,6 +143,7 @@ class _AgentPeer:
         retry_for: float,
         tell: Callable[[str], None],
         on_presence: Callable[[bool], None],
+        asking: list[threading.Thread],
     ) -> None:
         agent = robot.name or ""
         keys = Keys(where.world)
@@ -139,6 +153,7 @@ class _AgentPeer:
         self._on_presence = on_presence
         self._encoding = encoding
         self._keys = keys
+        self._asking = asking
         self._map_key = keys.map
         self._body_key = keys.body(agent)
         self._join_key = keys.join(agent)
@@ -298,7 +313,9 @@ class _AgentPeer:
                 answers = []
             self._arrivals.put(_Answered(request, answers))
 
-        threading.Thread(target=ask, name=request, daemon=True).start()
+        self._asking[:] = [thread for thread in self._asking if thread.is_alive()]
+        self._asking.append(threading.Thread(target=ask, name=request, daemon=True))
+        self._asking[-1].start()
 
     def _claims(self) -> list[str]:
         return link.tokens(self._session, self._keys.every_claim)
