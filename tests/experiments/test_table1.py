@@ -54,10 +54,10 @@ def test_real_chair_by_itself_fails_where_a_virtual_one_succeeds(
 ) -> None:
     """In the paper each of the two had one run. This chair has sonars of a device, in turn over 0.4 s.
 
-    The experiment `sonars` tells what makes it fail: the beam of 55 degrees before timing and pose.
+    How much worse it is depends on the sonar: 10 of 40 succeeded before corners echoed, 27 of 40 since then.
     """
     found = compare(succeeded(rows["real-autonomous"]), succeeded(rows["virtual-autonomous"]))
-    assert found.interval.high < -0.5
+    assert found.interval.high < -0.1
     assert found.p < 0.001
     (reported,) = (one for one in summary.comparisons if one.first == "real-autonomous" and one.second)
     assert reported.verdict == "as expected"
