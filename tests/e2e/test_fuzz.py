@@ -24,8 +24,8 @@ VERBS = ("pause", "resume", "step", "reset", "load", "speed", "spawn", "delete",
          "restore", "seek", "nothing")  # fmt: skip
 SEEDS = (
     b"",
-    b'{"LeftMotor":0.5,"RightMotor":0.4,"Tick":5,"Seq":1}',
-    b'<Actions LeftMotor="0.5"><Say><![CDATA[x]]></Say></Actions>',
+    b'{"Session":"00000000000000ff","LeftMotor":0.5,"RightMotor":0.4,"Tick":5,"Seq":1}',
+    b'<Actions Session="00000000000000ff" LeftMotor="0.5"><Say><![CDATA[x]]></Say></Actions>',
     b'{"X":1.0,"Y":2.0,"Heading":0.0}', b'{"Forward":1.0,"Turn":-1.0,"Buttons":[1,2]}',
     b'{"Text":"words"}', b"words",
     b'{"Kind":"wheelchair","Part":[{"X":0,"Y":0,"Length":1,"Width":1,"Bottom":0,"Top":1}]}',
@@ -126,11 +126,11 @@ def test_complaints_say_where_and_what(stage: Stage) -> None:
         errors = peer.errors("chair1")
         wrong = {
             "malformed": (b"{", JSON),
-            "value": (b'{"LeftMotor":"fast"}', JSON),
-            "field": (b'{"LeftMoter":0.5}', JSON),
+            "value": (b'{"Session":"00000000000000ff","LeftMotor":"fast"}', JSON),
+            "field": (b'{"Session":"00000000000000ff","LeftMoter":0.5}', JSON),
             "encoding": (b"\x00\x01", "zenoh/bytes"),
             "version": (b"{}", "application/json;iw.v9"),
-            "too-long": (json.dumps({"Say": "a" * 5000}).encode(), JSON),
+            "too-long": (json.dumps({"Session": "00000000000000ff", "Say": "a" * 5000}).encode(), JSON),
             "session": (b'{"Session":"00000000000000ff"}', JSON),
         }
         for code, (data, encoding) in wrong.items():
