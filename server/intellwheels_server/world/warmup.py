@@ -61,7 +61,7 @@ class Announcer(event.Listener):
         """Say it, and show the time from now on; only once."""
         if self._began is None:
             self._began = time.monotonic()
-            _say("compiling kernels: only at the first start, about 45 s")
+            _say("compiling kernels: only at the first start, about a minute")
             self._watcher.start()
 
     def end(self) -> None:

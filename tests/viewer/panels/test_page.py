@@ -5,7 +5,7 @@ from __future__ import annotations
 import threading
 from collections.abc import Iterator
 from dataclasses import replace
-from typing import Any
+from typing import Any, cast
 
 import pytest
 from playwright.sync_api import Page
@@ -14,6 +14,7 @@ from intellwheels_viewer.panels.callbacks import element_id
 from intellwheels_viewer.panels.stick_input import GENTLE
 from tests.viewer.panels import made_up
 from tests.viewer.panels.board import FAULTS, Board, opened, served
+from tests.viewer.wire import until
 
 pytestmark = pytest.mark.browser
 TABS = ("Agents", "Drive", "Place", "Layers", "Events", "Selected")
@@ -186,9 +187,15 @@ def test_keys_work_wherever_the_focus_is(page: Page, board: Board, where: str) -
 
 
 def test_a_list_gives_the_keys_back_once_something_is_chosen(page: Page, board: Board) -> None:
-    page.locator(f"[id='{element_id(board.drive._to)}']").click()
-    page.get_by_role("option", name="chair1").click()
-    page.wait_for_function("document.activeElement === document.body")
+    everybody = board.drive._to.value
+    try:
+        page.locator(f"[id='{element_id(board.drive._to)}']").click()
+        page.get_by_role("option", name="chair1").click()
+        page.wait_for_function("document.activeElement === document.body")
+        until(lambda: board.drive._to.value == "chair1")
+    finally:
+        # The page is that of all tests here.
+        cast(Any, board.drive._to).value = everybody
 
 
 def test_space_presses_what_was_reached_with_the_tab_key(page: Page, board: Board) -> None:
