@@ -41,6 +41,7 @@ from intellwheels_schemas.codec import MAX_BYTES, Encoding, decode, encoding_of
 from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.keys import Keys
 from intellwheels_schemas.messages import Map, Robot
+from intellwheels_schemas.process import THREADS_END
 from intellwheels_schemas.repliers import by_simulator
 
 SLICE = 0.2
@@ -51,8 +52,6 @@ CONFIRM_TIMEOUT = 2.0
 """Seconds to wait for the simulator to confirm what a message says."""
 LEAVE_TIMEOUT = 2.0
 """Seconds to wait for the reply to a leave. Without a reply, the simulator still sees the liveliness token go."""
-END_TIMEOUT = 2.0
-"""Seconds to wait, at the end, for the threads that query. Their replies end when the session is closed."""
 QUEUE_LIMIT = 1024
 """Arrivals that may wait while the mind computes: a minute at 20 Hz."""
 SLOW_DECISION = 3.0
@@ -113,7 +112,7 @@ def run_agent(
     if session is None:
         return 0
     with contextlib.ExitStack() as stack:
-        # Last, when the session is closed: a reply that comes while Python ends would abort the process.
+        # Last, when the session is closed, which ends their queries.
         asking: list[threading.Thread] = []
         stack.callback(_join, asking)
         stack.enter_context(session)
@@ -124,7 +123,7 @@ def run_agent(
 
 
 def _join(threads: list[threading.Thread]) -> None:
-    deadline = time.monotonic() + END_TIMEOUT
+    deadline = time.monotonic() + THREADS_END
     for thread in threads:
         thread.join(max(0.0, deadline - time.monotonic()))
 

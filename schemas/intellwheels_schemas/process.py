@@ -28,6 +28,10 @@ PYTHON = (sys.executable, "-P")
 """The start of the command line of a child that is a module of this project, before `-m`. With -P a file such as
 `queue.py` in the working directory does not replace a module of Python."""
 
+THREADS_END = 10.0
+"""Time to wait at the end for threads that use the network, s. A busy machine may close a session slowly, and a process
+that ends while one of its threads is inside Zenoh is aborted."""
+
 GRACE = 3.0
 """Time in which a process must end after its lifeline has closed, s."""
 

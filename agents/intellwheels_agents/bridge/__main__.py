@@ -37,7 +37,7 @@ from intellwheels_schemas.keys import Keys
 from intellwheels_schemas.link import Link, add_link_options, link_of, open_session
 from intellwheels_schemas.messages import Body, Event, Robot
 from intellwheels_schemas.names import check_agent, check_name, check_word, new_hex
-from intellwheels_schemas.process import SLICE, add_process_options, stop_on_signals
+from intellwheels_schemas.process import SLICE, THREADS_END, add_process_options, stop_on_signals
 from intellwheels_schemas.zenoh_inbox import Arrival, Inbox, Put
 
 
@@ -142,7 +142,7 @@ class _BridgeProcess:
             stop.set()
             for thread in threads:
                 if thread.is_alive():
-                    thread.join(timeout=2.0)
+                    thread.join(timeout=THREADS_END)
             self._driver.close()
             if self._driver.failure:
                 _log(self._driver.failure)

@@ -21,6 +21,7 @@ from intellwheels_agents.bridge.timeouts import POWER_TIMEOUT
 from intellwheels_agents.mind import Context, Make
 from intellwheels_agents.options import OptionError
 from intellwheels_schemas.messages import GPS, Actions, GPSReading, Measures, Pace, Robot, Sensors
+from intellwheels_schemas.process import THREADS_END
 
 MAX_READINGS: Final = 1200
 """Readings kept until they are read: a minute at 20 Hz."""
@@ -132,7 +133,7 @@ class WorldDriver:
     def close(self) -> None:
         """Leave the laboratory; `stop` is set already."""
         if self._thread.is_alive():
-            self._thread.join(timeout=5.0)
+            self._thread.join(timeout=THREADS_END)
 
     # ------------------------------------------------------------ in the laboratory
 

@@ -30,11 +30,10 @@ from intellwheels_schemas.codec import Encoding
 from intellwheels_schemas.keys import Keys
 from intellwheels_schemas.messages import Robot, Truth
 from intellwheels_schemas.names import new_hex
+from intellwheels_schemas.process import THREADS_END
 
 NODE = "intellwheels"
 """Name of the gateway's nodes: `/intellwheels` for the world, `/<name>/intellwheels` for a chair."""
-END_TIMEOUT = 2.0
-"""Seconds to wait for the thread of the world's topics."""
 
 
 class GatewayProcess:
@@ -178,7 +177,7 @@ class _Running:
 
     def __exit__(self, *_: object) -> None:
         self._over.set()
-        self._thread.join(END_TIMEOUT)
+        self._thread.join(THREADS_END)
 
     def _run(self) -> None:
         try:
