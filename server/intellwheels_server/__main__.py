@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import gc
 import sys
 from pathlib import Path
 
@@ -16,6 +15,7 @@ from intellwheels_schemas.link import link_of
 from intellwheels_schemas.names import check_name
 from intellwheels_schemas.output_paths import check_output_file, check_output_folder
 from intellwheels_schemas.process import stop_on_signals
+from intellwheels_server.quick_start import QuickStart
 from intellwheels_server.server_options import PLAY_SUFFIX, options_of, parser
 
 _ALWAYS = ("lifeline", "link_listens")
@@ -36,10 +36,14 @@ def main(arguments: list[str] | None = None) -> int:
     if lacking is not None:
         print(f"iw-server: {lacking}", file=sys.stderr)
         return 2
-    return _perform(grammar, given)
+    start = QuickStart()
+    try:
+        return _perform(grammar, given, start)
+    finally:
+        start.end()
 
 
-def _perform(grammar: argparse.ArgumentParser, given: argparse.Namespace) -> int:
+def _perform(grammar: argparse.ArgumentParser, given: argparse.Namespace, start: QuickStart) -> int:
     # Imported late, as everything of the world is: numba and zenoh are slow to load, `--help` does not need them, and
     # without the extra they are not there.
     from intellwheels_server.log.input_log import LogError  # noqa: PLC0415
@@ -61,11 +65,12 @@ def _perform(grammar: argparse.ArgumentParser, given: argparse.Namespace) -> int
         print(f"iw-server: {error.text}", file=sys.stderr)
         return 2
     if given.resimulate is not None:
+        start.end()  # it works from here on
         if given.trace is not None:
             return _trace(given.resimulate, given.trace)
         return _resimulate(given.resimulate, prove=given.prove)
     if given.play is not None:
-        return _play(given)
+        return _play(given, start)
     given.world = defaults.WORLD if given.world is None else given.world
     try:
         options, route = options_of(given)
@@ -87,9 +92,7 @@ def _perform(grammar: argparse.ArgumentParser, given: argparse.Namespace) -> int
     from intellwheels_server.world.warmup import warm  # noqa: PLC0415
 
     warm()
-    # Objects that exist now live until the process ends, so the garbage collector need not visit them again.
-    gc.collect()
-    gc.freeze()
+    start.end(freeze=True)
     try:
         return serve(options, route, stop, given.log, runs=given.runs)
     except (ConnectionError, WorldTakenError) as error:
@@ -131,7 +134,7 @@ def _check_outputs(given: argparse.Namespace) -> None:
             raise WireError("value", text, option)
 
 
-def _play(given: argparse.Namespace) -> int:
+def _play(given: argparse.Namespace, start: QuickStart) -> int:
     from intellwheels_server.log.input_log import LogError, read_header  # noqa: PLC0415
     from intellwheels_server.service.service_state import Options  # noqa: PLC0415
 
@@ -176,6 +179,7 @@ def _play(given: argparse.Namespace) -> int:
         return recording
 
     warm()
+    start.end(freeze=True)
     try:
         recording = read(given.play)
         reported = None if given.reported is None else read(given.reported)
