@@ -63,6 +63,11 @@ def _audited(open_session: Callable[..., zenoh.Session]) -> Callable[..., zenoh.
 zenoh.open = _audited(zenoh.open)
 
 
+def pytest_xdist_auto_num_workers(config: pytest.Config) -> int:
+    """Return a process for each core and one more: a test of processes waits for half of its time."""
+    return len(os.sched_getaffinity(0)) + 1
+
+
 def pytest_sessionstart(session: pytest.Session) -> None:
     """Compile the kernels once, before any test waits for a process that would do it."""
     if hasattr(session.config, "workerinput") or session.config.option.collectonly:
