@@ -23,6 +23,8 @@ OPENING = 25.0
 """Seconds from the opening of a page until it shows the scene, on a busy machine."""
 WAIT = 40.0
 """Seconds for anything else."""
+SHARPNESS = 0.5
+"""Pixels that are drawn for a pixel of the page, each way. Software draws them, and at 1 it takes half as long again."""
 
 # In the page: bodies by node, arrays as plain lists.
 _BODIES = """() => {
@@ -107,7 +109,7 @@ class Screen:
     def open(self, url: str) -> float:
         """Open the viewer's page, wait until it shows bodies, and return how many seconds that took."""
         begun = time.monotonic()
-        self.page.goto(f"{url}/?fixedDpr=1")
+        self.page.goto(f"{url}/?fixedDpr={SHARPNESS}")
         self.wait(lambda: self.poses() or None, "bodies in the scene", OPENING)
         took = time.monotonic() - begun
         self.clear()
