@@ -101,9 +101,13 @@ def add_link_options(parser: argparse.ArgumentParser, *, listens: bool = False, 
     """
     group = parser.add_argument_group("connection")
     if listens:
-        said, unsaid = f" (default: {defaults.ENDPOINT}, unless --connect or --config is given)", ""
+        said = f" (default: {defaults.ENDPOINT}, unless --connect, --config or an --identity with endpoints is given)"
+        unsaid = " (default: the endpoints of --identity, or none)"
     else:
-        said, unsaid = "", f" (default: {defaults.ENDPOINT}, unless --listen or --config is given)"
+        said = ""
+        unsaid = (
+            f" (default: the endpoints of --identity, or {defaults.ENDPOINT}; none if --listen or --config is given)"
+        )
     group.add_argument(
         "--world",
         default=defaults.WORLD,
@@ -122,8 +126,10 @@ def add_link_options(parser: argparse.ArgumentParser, *, listens: bool = False, 
         "--config", type=readable_file, metavar="FILE", help="Zenoh configuration file (JSON5) for everything else"
     )
     group.add_argument(
-        "--identity", type=readable_file, metavar="FILE", help="your name and password, from iw-lab invite"
-    )
+        "--identity", type=readable_file, metavar="FILE",
+        help="identity file from iw-lab invite: your name, your password and, unless --connect, --listen or --config "
+        "is given, the endpoints to connect to",
+    )  # fmt: skip
     group.set_defaults(link_listens=listens)
 
 

@@ -18,7 +18,8 @@ def main() -> None:
         metavar="BENCH",
         help="tick: the cost of a tick, part by part; network: whole processes; viewer: a page; loads: loading maps; "
         "imports: floors of other programs; ros and record: gateways; learning: steps of learning environments; "
-        "bystanders: late ticks beside a frozen viewer, 25 minutes (default: all but bystanders)",
+        "bystanders: late ticks beside a frozen viewer and with ten pages, 25 minutes (default: all but bystanders, 6 "
+        "minutes)",
     )
     parser.add_argument(
         "--quick",
