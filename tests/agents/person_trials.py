@@ -2,7 +2,7 @@
 
     python -m tests.agents.person_trials --csv tests/agents/person_trials.csv          (the full size)
     python -m tests.agents.person_trials door --people 10 --width 0.9 --seeds 8
-    python -m tests.agents.person_trials corridor --seeds 3
+    python -m tests.agents.person_trials corridor --corridor-seeds 3
 
 A door is in a wall of 0.1 m between two rooms. People start at random places before it, with random headings, and want
 to a point behind it. A run of the door ends when all have passed, or after 60 s. The flow is the number of people less
