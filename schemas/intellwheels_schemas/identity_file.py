@@ -12,7 +12,7 @@ from typing import Annotated, Final, Literal
 import msgspec
 from msgspec import Meta
 
-from intellwheels_schemas.errors import WireError, got_of
+from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.messages import LabRole, May, Name, Role
 
 ENDING: Final = ".iwid"
@@ -74,7 +74,7 @@ def read_identity(path: Path) -> IdentityFile:
         with path.open("rb") as file:
             data = file.read(MAX_BYTES + 1)
     except OSError as error:
-        raise WireError("value", f"{path}: expected an identity file, got {got_of(error)}", str(path)) from None
+        raise WireError("value", f"{path}: expected an identity file, got {error.strerror}", str(path)) from None
     try:
         return msgspec.json.decode(data[:MAX_BYTES], type=IdentityFile)
     except (msgspec.MsgspecError, UnicodeDecodeError):

@@ -126,10 +126,8 @@ def add_link_options(parser: argparse.ArgumentParser, *, listens: bool = False, 
         "--config", type=readable_file, metavar="FILE", help="Zenoh configuration file (JSON5) for everything else"
     )
     group.add_argument(
-        "--identity", type=readable_file, metavar="FILE",
-        help="identity file from iw-lab invite: your name, your password and, unless --connect, --listen or --config "
-        "is given, the endpoints to connect to",
-    )  # fmt: skip
+        "--identity", type=readable_file, metavar="FILE", help="your name and password, from iw-lab invite"
+    )
     group.set_defaults(link_listens=listens)
 
 

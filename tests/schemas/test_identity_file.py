@@ -39,7 +39,7 @@ def test_anything_else_is_refused_without_being_shown(tmp_path: Path, data: byte
 
 
 def test_missing_file_is_named(tmp_path: Path) -> None:
-    with pytest.raises(WireError, match="expected an identity file, got none"):
+    with pytest.raises(WireError, match="expected an identity file, got No such file or directory"):
         read_identity(tmp_path / "none.iwid")
 
 

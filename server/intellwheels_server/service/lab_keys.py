@@ -16,19 +16,6 @@ from intellwheels_schemas.messages import Lab
 from intellwheels_schemas.process import add_process_options
 from intellwheels_server.service.lab_router import read_lab, read_users, users_file
 
-ABOUT = """\
-Make passwords for the identities of a lab. A lab is an XML file (LAB.xml; see Lab in schemas/KEYS.md) that names the
-identities of people and programs, and the roles of each. This command keeps their passwords beside it, in LAB.users,
-which iw-router --lab LAB.xml reads when it starts."""
-EXAMPLES = """\
-examples:
-  iw-lab keys                                       make the missing passwords
-  iw-lab invite student1 --connect tcp/lab-pc:7447  write student1.iwid, for student1
-  iw-lab revoke student1                            make the old student1.iwid useless
-
-Standard output has `wrote users=... file=...` if passwords changed, and `wrote identity=... file=...`. Exit codes:
-0 done, 1 failed, 2 wrong usage.
-"""
 RESTART = "restart iw-router, as it reads names and passwords when it starts"
 
 
@@ -36,26 +23,13 @@ def parser() -> argparse.ArgumentParser:
     """Return the parser of the command line."""
     found = CommandParser(
         prog="iw-lab",
-        description=ABOUT,
-        epilog=EXAMPLES,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
+        description="Make passwords for the identities of a lab. The router reads them from the file beside the lab.",
     )
     actions = found.add_subparsers(dest="action", metavar="ACTION")
-
-    def action(name: str, about: str) -> argparse.ArgumentParser:
-        return actions.add_parser(name, help=about, description=f"{about[0].upper()}{about[1:]}.")
-
-    keys = action(
-        "keys",
-        "make a password for each identity that has none, and remove the passwords of identities that the lab no "
-        "longer names",
-    )
-    invite = action(
-        "invite",
-        "write the identity file of an identity, which other commands take with --identity; for its owner only",
-    )
+    keys = actions.add_parser("keys", help="make a password for each identity that has none, and drop those of others")
+    invite = actions.add_parser("invite", help="write the identity file of one identity, for --identity of any command")
     invite.add_argument("name", metavar="NAME", help="the identity, as in the lab's document")
-    revoke = action("revoke", "give an identity another password, so that its old identity file is void")
+    revoke = actions.add_parser("revoke", help="give an identity another password, so that its old file is void")
     revoke.add_argument("name", metavar="NAME", help="the identity, as in the lab's document")
     for one in (keys, invite, revoke):
         one.add_argument(
@@ -63,10 +37,8 @@ def parser() -> argparse.ArgumentParser:
         )
     invite.add_argument("--out", type=Path, metavar="FILE", help=f"file to write (default: NAME{ENDING})")
     invite.add_argument(
-        "--connect", action="append", default=[], metavar="ENDPOINT",
-        help="endpoint of the router, as the owner reaches it; may be repeated (default: none; a command then uses its "
-        "own default)",
-    )  # fmt: skip
+        "--connect", action="append", default=[], metavar="ENDPOINT", help="endpoint of the router, as others reach it"
+    )
     add_process_options(found)
     return found
 

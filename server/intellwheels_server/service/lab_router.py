@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from intellwheels_schemas.access_rules import rules_for
-from intellwheels_schemas.errors import WireError, got_of
+from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.files import read_with_lines
 from intellwheels_schemas.messages import Lab
 
@@ -34,7 +34,7 @@ def read_users(path: Path) -> dict[str, str]:
     try:
         lines = path.read_text(encoding="ascii").splitlines()
     except (OSError, UnicodeDecodeError) as error:
-        why = got_of(error) if isinstance(error, OSError) else "other bytes"
+        why = getattr(error, "strerror", None) or "other bytes"
         raise WireError("value", f"{path}: expected the users that iw-lab keys writes, got {why}", str(path)) from None
     users: dict[str, str] = {}
     for number, line in enumerate(lines, 1):

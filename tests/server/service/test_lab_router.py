@@ -52,5 +52,5 @@ def test_users_are_read_and_a_wrong_line_is_not_shown(tmp_path: Path) -> None:
     with pytest.raises(WireError) as caught:
         read_users(path)
     assert caught.value.text == f"{path}:2: expected name:password, got another line"
-    with pytest.raises(WireError, match="expected the users that iw-lab keys writes, got none"):
+    with pytest.raises(WireError, match="expected the users that iw-lab keys writes, got No such file"):
         read_users(tmp_path / "none")
