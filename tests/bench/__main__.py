@@ -8,18 +8,19 @@ from pathlib import Path
 from tests.bench import bystanders, imports, learning, loads, network, record, ros, tick, viewer
 from tests.bench.rows import append, show
 
+ABOUT = f"{__doc__} The default benchmarks take about 6 minutes; `bystanders` also counts late ticks with ten pages."
+
 
 def main() -> None:
     """Run the named benchmarks, or the default ones; print the table and append the rows."""
-    parser = argparse.ArgumentParser(prog="python -m tests.bench", description=__doc__)
+    parser = argparse.ArgumentParser(prog="python -m tests.bench", description=ABOUT)
     parser.add_argument(
         "benches",
         nargs="*",
         metavar="BENCH",
         help="tick: the cost of a tick, part by part; network: whole processes; viewer: a page; loads: loading maps; "
         "imports: floors of other programs; ros and record: gateways; learning: steps of learning environments; "
-        "bystanders: late ticks beside a frozen viewer and with ten pages, 25 minutes (default: all but bystanders, 6 "
-        "minutes)",
+        "bystanders: late ticks beside a frozen viewer, 25 minutes (default: all but bystanders)",
     )
     parser.add_argument(
         "--quick",

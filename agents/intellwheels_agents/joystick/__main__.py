@@ -46,7 +46,6 @@ Use it with worlds at pace realtime. At the paces lockstep and free a run is too
 Each message is valid for 0.3 s and is repeated while the input lasts.
 Standard output has the lines `ready agent=...`, `taken agent=...`, `released agent=...`, `ended agent=...`.
 Exit codes: 0 done, 1 refused or failed, 2 wrong usage.
-A gamepad, and the keyboard in a window, need the extra `joystick`.
 """
 OF_SOURCES = {
     "clock": ("script",),
@@ -84,8 +83,7 @@ def parser() -> argparse.ArgumentParser:
     result.add_argument(
         "--take",
         action="store_true",
-        help="drive the chair instead of its mind, until this command ends or loses contact; meanwhile nobody else "
-        "can take it (a lease)",
+        help="drive the chair instead of its mind, until this command ends or loses contact",
     )
     result.add_argument(
         "--forward",
