@@ -6,7 +6,10 @@ from importlib import import_module
 
 import pytest
 
-TRIALS = ("tests.agents.avoid_trials", "tests.agents.late_trials", "tests.agents.navigate_trials")
+TRIALS = (
+    "tests.agents.avoid_trials", "tests.agents.late_trials", "tests.agents.navigate_trials",
+    "tests.agents.person_trials", "tests.server.world.sonar_trials",
+)  # fmt: skip
 
 
 @pytest.mark.parametrize("name", TRIALS)

@@ -8,6 +8,7 @@ option. An option of a new kind, or a command without an entry in `COMMANDS`, fa
 from __future__ import annotations
 
 import argparse
+import re
 import subprocess
 import sys
 import threading
@@ -298,3 +299,24 @@ def test_real_commands_end_by_themselves_with_one_line(folder: Path) -> None:
 def test_every_command_can_be_imported_for_its_options() -> None:
     for entry in SCRIPTS.values():
         import_module(entry.partition(":")[0])
+
+
+WIDEST = 20_000.0
+"""A range up to more than this is no limit that a user meets, and the help need not show it."""
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_help_shows_the_range_of_every_number(name: str) -> None:
+    lacking = []
+    for action in COMMANDS[name].parser()._actions:
+        if action.type is None or isinstance(action.type, (str, argparse.FileType)):
+            continue
+        try:
+            action.type("no number")
+        except argparse.ArgumentTypeError as error:
+            found = re.search(r"in ([\[(][\d.]+, ([\d.]+)[\])])", str(error))
+            if found is not None and float(found[2]) <= WIDEST and found[1] not in (action.help or ""):
+                lacking.append(f"{action.option_strings}: {found[1]}")
+        except (ValueError, OSError):
+            continue
+    assert lacking == []

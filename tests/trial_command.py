@@ -6,14 +6,23 @@ import argparse
 from pathlib import Path
 
 
-def trial_parser(module: str, about: str | None) -> argparse.ArgumentParser:
-    """Return the parser of `python -m MODULE`, described by the docstring of the module, with the option `--csv`."""
+def trial_parser(module: str, about: str | None, csv: Path | None = None) -> argparse.ArgumentParser:
+    """Return the parser of `python -m MODULE`, described by the docstring of the module, with the option `--csv`.
+
+    Args:
+        module: The module.
+        about: Its docstring.
+        csv: The file that `--csv` names by default; None if rows are not written by default.
+    """
     parser = argparse.ArgumentParser(
         prog=f"python -m {module}",
         description=(about or "").strip(),
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
-    parser.add_argument("--csv", type=Path, metavar="FILE", help="write the rows to this CSV file (default: none)")
+    default = "none" if csv is None else f"{csv.name}, which is kept beside the module"
+    parser.add_argument(
+        "--csv", type=Path, default=csv, metavar="FILE", help=f"write the rows to this CSV file (default: {default})"
+    )
     return parser
 
 

@@ -29,7 +29,11 @@ ROBOT = {"Kind": "wheelchair", "Instance": INSTANCE, **BODY, "Proximity": [EYE]}
 config = zenoh.Config()
 config.insert_json5("mode", '"client"')
 config.insert_json5("connect/endpoints", json.dumps(sys.argv[1:] or ["tcp/127.0.0.1:7447"]))
-with zenoh.open(config) as session:
+try:
+    session = zenoh.open(config)
+except zenoh.ZError:
+    sys.exit("no simulator answers; start it first")
+with session:
     arrived: queue.SimpleQueue[zenoh.Sample] = queue.SimpleQueue()
     session.declare_subscriber(f"{KEY}/out/chair1/measures", arrived.put)
     # The token tells the simulator that this process runs. It disappears with the process.

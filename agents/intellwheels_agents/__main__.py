@@ -53,8 +53,8 @@ examples:
 Standard output has `joined agent=chair1 run=... tick=...`, `run agent=chair1 run=...` when a new run begins, and
 `left agent=chair1`. Exit codes: 0 done, 1 refused or failed, 2 wrong usage.
 On standard error:
-  erred      the simulator refused a message; the 1st, 10th, 100th of each code. With code=late a command was not used,
-             because the mind or the machine is too slow
+  erred      the simulator refused a message; printed for the 1st, 10th, 100th, ... of each code. With code=late a
+             command was not used, because the mind or the machine is too slow
   counted    at the end: missed, the Measures that the mind never saw; repeated, those that it had to answer again;
              errors, the messages that were refused or could not be read
 """
@@ -68,6 +68,7 @@ def parser() -> argparse.ArgumentParser:
     """Return the command line."""
     result = CommandParser(
         prog="iw-agent",
+        usage="iw-agent MIND [options]\n       iw-agent MIND --help\n       iw-agent new DIR",
         description="Join a simulation with a body, and let a mind drive it.",
         epilog=EXAMPLES,
         formatter_class=argparse.RawDescriptionHelpFormatter,
@@ -75,7 +76,8 @@ def parser() -> argparse.ArgumentParser:
     result.add_argument(
         "mind",
         metavar="MIND",
-        help=f"{', '.join(minds.names())}; or a Python file that defines a class Mind or a function make(context)",
+        help=f"{', '.join(minds.names())}; or a Python file that defines a class Mind or a function "
+        "make(context); `new` writes the folder DIR, to start your own project from",
     )
     result.add_argument(
         "--name", metavar="NAME", help="the agent's name (default: the name of the mind or of its file)"
@@ -101,7 +103,8 @@ def parser() -> argparse.ArgumentParser:
         "--position",
         type=_position,
         metavar="X,Y,DEG",
-        help="coordinates to start at instead of a place: metres, and the heading in degrees, anticlockwise from x; "
+        help="coordinates to start at instead of a place: metres, and the heading in degrees, anticlockwise from x; in "
+        "the frame of the map, as those that `iw list places` prints, and not in that of its site; "
         "write --position=-1,2,90 if X is negative",
     )
     result.add_argument(
@@ -124,7 +127,7 @@ def parser() -> argparse.ArgumentParser:
     result.add_argument(
         "--no-barrier",
         action="store_true",
-        help="in lockstep, the simulator does not wait for this agent (default: as the robot says)",
+        help="do not make the simulator wait for this agent in lockstep (default: as the robot says)",
     )
     result.add_argument(
         "--retry-for",

@@ -40,8 +40,7 @@ COMMANDS = {
 }
 """The commands and what they do; `iw NAME` is `iw-NAME`."""
 
-_SHELVES = ("floors", "robots", "scenes")
-KINDS = (*_SHELVES, "minds", "places")
+KINDS = ("floors", "maps", "robots", "scenes", "minds", "places")
 _PREFIX = "iw-"
 
 
@@ -51,7 +50,7 @@ def parser() -> argparse.ArgumentParser:
     lines = "\n".join(f"  iw {name:{width}}{text}" for name, text in COMMANDS.items())
     found = CommandParser(
         prog="iw",
-        usage="iw COMMAND ...",
+        usage="iw [-h] [--version] COMMAND ...",
         formatter_class=argparse.RawDescriptionHelpFormatter,
         description="IntellWheels: a simulation service for intelligent wheelchairs.",
         epilog=(
@@ -60,13 +59,17 @@ def parser() -> argparse.ArgumentParser:
             f"  iw {'completion SHELL':{width}}print the completion script for {', '.join(shtab.SUPPORTED_SHELLS)}\n\n"
             "examples:\n"
             "  iw run figure6 --view          three chairs, a table and a door, on a page in your browser\n"
-            "  iw list floors                 the included maps\n"
+            "  iw list maps                   the included maps; `floors` lists the same\n"
             "  iw list places ward            the places where an agent can start, or drive to\n"
-            '  eval "$(iw completion bash)"   completion in this shell'
+            '  eval "$(iw completion bash)"   completion in this shell\n\n'
+            "Exit codes: those of the command; of iw itself 0 done, 2 wrong usage."
         ),
     )
     add_version_option(found)
-    found.add_argument("command", metavar="COMMAND", choices=[*COMMANDS, "list", "completion"])
+    found.add_argument(
+        "command", metavar="COMMAND", choices=[*COMMANDS, "list", "completion"],
+        help="one of the commands below; iw COMMAND is iw-COMMAND, except list and completion",
+    )  # fmt: skip
     return found
 
 
@@ -94,7 +97,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def _list(words: Sequence[str]) -> int:
     """Print what is included, one name a line, with its title where it has one."""
-    about = "List what is included, or the places of a map. The kind `floors` lists the maps."
+    about = (
+        "List what is included, or the places of a map. `floors` and `maps` list the same. Of a place, x and y (in "
+        "metres) and the heading are in the frame of the map, not of its site. Exit codes: 0 done, 2 wrong usage."
+    )
     wanted = CommandParser(prog="iw list", description=about)
     wanted.add_argument("kind", metavar="KIND", choices=KINDS, help=", ".join(KINDS))
     wanted.add_argument("floor", metavar="MAP", nargs="?", help="for places: an included map, or a map file")
@@ -120,7 +126,7 @@ def _lines(kind: str, floor_name: str | None) -> list[tuple[str, str]]:
         return [(place.name, _whom(place)) for place in places]
     if kind == "minds":
         return [(name, _summary(name)) for name in minds.names()]
-    if kind == "floors":
+    if kind in ("floors", "maps"):
         return [(name, floor(name).title or "") for name in names("floors")]
     if kind == "robots":
         return [(name, robot(name).kind or "") for name in names("robots")]

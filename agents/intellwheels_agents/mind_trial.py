@@ -14,6 +14,7 @@ from intellwheels_agents.minds import Source
 from intellwheels_agents.options import OptionError, Options
 from intellwheels_maps.library import is_path
 from intellwheels_schemas import defaults
+from intellwheels_schemas.errors import got_of
 from intellwheels_schemas.messages import Map, Parameters, Position, Robot
 
 _SETTINGS = Parameters(
@@ -82,7 +83,7 @@ def check_mind_file(path: Path) -> None:
     try:
         tree = ast.parse(path.read_bytes(), str(path))
     except OSError as error:
-        raise OptionError(f"{path}: expected a Python file, got {error.strerror}") from None
+        raise OptionError(f"{path}: expected a Python file, got {got_of(error)}") from None
     except (SyntaxError, ValueError) as error:
         place = f"{path}:{getattr(error, 'lineno', None) or 1}"
         raise OptionError(f"{place}: expected Python, got a syntax error: {error}") from None

@@ -37,6 +37,8 @@ examples:
 
 exit codes: 0 all conditions of the scene held or, in a batch or branch, every run reached its end; 1 otherwise, also if
 the run is interrupted; 2 wrong usage; 130 if interrupted before anything started
+
+The command needs the extra `server`; with --view also `viewer`, and for a batch or branch also `experiments`.
 """
 
 
@@ -67,7 +69,7 @@ def parser() -> argparse.ArgumentParser:
         type=like_field(messages.Factor),
         metavar="F",
         default=1.0,
-        help="simulated time over real time, at pace realtime (default: 1)",
+        help="simulated time over real time, in (0, 1000], at pace realtime (default: 1)",
     )
     found.add_argument(
         "--seed", type=like_field(messages.Seed), metavar="TEXT", help="seed of all noise (default: the scene's)"
@@ -99,7 +101,7 @@ def parser() -> argparse.ArgumentParser:
     )  # fmt: skip
     found.add_argument(
         "--logs", type=Path, metavar="DIR",
-        help="keep the logs of the processes in this folder (default: a temporary one, kept only if the run fails)",
+        help="keep what the processes print in this folder (default: a temporary one, kept only if the run fails)",
     )  # fmt: skip
     found.add_argument(
         "--timeout",
@@ -120,7 +122,12 @@ def parser() -> argparse.ArgumentParser:
         help=f"name of the world (default: {defaults.WORLD})",
     )
     link.add_argument(
-        "--listen", action="append", default=[], metavar="ENDPOINT", help="where the simulator listens; may be repeated"
+        "--listen",
+        action="append",
+        default=[],
+        metavar="ENDPOINT",
+        help="where the simulator listens, such as tcp/127.0.0.1:7447, so that other programs can connect; may be "
+        "repeated",
     )
     link.add_argument(
         "--connect", action="append", default=[], metavar="ENDPOINT",

@@ -16,12 +16,14 @@ from intellwheels_maps.ros_export import export_ros
 from intellwheels_maps.turning import narrow_places, narrow_starts
 from intellwheels_schemas.command_parser import CommandParser, naming, number, readable_file, whole
 from intellwheels_schemas.elements import parse
-from intellwheels_schemas.errors import WireError
+from intellwheels_schemas.errors import WireError, got_of
 from intellwheels_schemas.extras import missing_extra
 from intellwheels_schemas.files import write_file
 from intellwheels_schemas.messages import Robot
 from intellwheels_schemas.output_paths import check_output_file
 from intellwheels_schemas.process import printing
+
+EXIT_CODES = "Exit codes: 0 done, also with warnings; 1 the file is invalid; 2 wrong usage."
 
 
 class _UsageError(Exception):
@@ -44,30 +46,36 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _parser() -> argparse.ArgumentParser:
-    parser = CommandParser(prog="python -m intellwheels_maps", description=__doc__)
+    parser = CommandParser(prog="python -m intellwheels_maps", description=__doc__, epilog=EXIT_CODES)
     commands = parser.add_subparsers(required=True, metavar="COMMAND")
 
-    listing = commands.add_parser("list", help="print the included maps (as `floors`), robots and scenes")
+    def command(name: str, about: str) -> argparse.ArgumentParser:
+        return commands.add_parser(name, help=about, description=f"{about[0].upper()}{about[1:]}.", epilog=EXIT_CODES)
+
+    listing = command("list", "print the included maps (as `floors`), robots and scenes")
     listing.set_defaults(run=_list)
 
-    checking = commands.add_parser(
-        "check", help="check a map, robot or scene file: errors with their lines, and places where a chair cannot turn"
+    checking = command(
+        "check",
+        "check a map, robot or scene file, and print errors with their lines, and places where a chair cannot turn",
     )
     checking.add_argument("file", metavar="FILE", type=readable_file, help="a map, robot or scene file")
     checking.set_defaults(run=_check)
 
-    importing = commands.add_parser(
-        "import", help="make a map of a floor of another program, and list what was left out"
-    )
+    importing = command("import", "make a map of a floor of another program, and list what was left out")
     importing.add_argument(
-        "file", metavar="FILE[#LEVEL]", type=Path, help=f"the floor ({', '.join(importers.FORMATS)})"
-    )
+        "file", metavar="FILE[#LEVEL]", type=Path,
+        help=f"the floor ({', '.join(importers.FORMATS)}; or .xml, a lab of Ciber-Rato); #LEVEL chooses a level of a "
+        "building; .xml needs no extra, .ifc the extra `ifc`, the others `floors`",
+    )  # fmt: skip
     importing.add_argument(
         "-o", "--output", metavar="FILE.xml", type=Path, required=True, help="where to write the map"
     )
     importing.set_defaults(run=_import)
 
-    exporting = commands.add_parser("export", help="write a map for the ROS map server: image, YAML, places and doors")
+    exporting = command(
+        "export", "write a map for the ROS map server (image, YAML, places and doors); needs the extra `floors`"
+    )
     exporting.add_argument("floor", metavar="MAP", help="an included map, or a map file")
     exporting.add_argument(
         "-o", "--output", metavar="FILE.yaml", type=Path, required=True,
@@ -75,16 +83,16 @@ def _parser() -> argparse.ArgumentParser:
     )  # fmt: skip
     exporting.add_argument(
         "--resolution", metavar="M", type=number("metres", 0.001, 10.0), default=0.05,
-        help="length of a cell (default: %(default)s)",
+        help="length of a cell in metres, in [0.001, 10] (default: %(default)s)",
     )  # fmt: skip
     exporting.set_defaults(run=_export)
 
-    drawing = commands.add_parser("draw", help="draw the plan of a map as SVG")
+    drawing = command("draw", "draw the plan of a map as SVG")
     drawing.add_argument("floor", metavar="MAP", help="an included map, a map file, or `hospital` for a generated one")
     drawing.add_argument("file", metavar="FILE.svg", type=Path, help="where to write the plan")
     drawing.set_defaults(run=_draw)
 
-    making = commands.add_parser("hospital", help="print a generated hospital map with 120 rooms as XML")
+    making = command("hospital", "print a generated hospital map with 120 rooms as XML")
     making.add_argument(
         "--seed", metavar="N", type=whole(0, 1 << 32), default=1, help="seed of the generator (default: %(default)s)"
     )
@@ -118,7 +126,8 @@ def _check(parsed: argparse.Namespace) -> int:
 def _import(parsed: argparse.Namespace) -> int:
     _check_output(parsed.output, ".xml")
     if not is_foreign(parsed.file):
-        raise _UsageError(f"FILE: expected a name that ends in {', '.join(importers.FORMATS)}, got {parsed.file}")
+        known = ", ".join(importers.FORMATS)
+        raise _UsageError(f"FILE: expected a name that ends in {known}, or a lab of Ciber-Rato, got {parsed.file}")
     found = imported(parsed.file)
     parsed.output.write_text(write_file(found.map), encoding="utf-8")
     for line in found.left_out:
@@ -172,7 +181,7 @@ def _root(file: Path) -> str:
     try:
         data = file.read_bytes()
     except OSError as error:
-        raise WireError("value", f"{file}: expected a readable file, got {error.strerror}", str(file)) from error
+        raise WireError("value", f"{file}: expected a readable file, got {got_of(error)}", str(file)) from error
     return str(parse(data, str(file)).tag)
 
 

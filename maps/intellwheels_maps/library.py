@@ -18,7 +18,7 @@ from intellwheels_maps.check import Finding, check_map, check_robot, check_scene
 from intellwheels_maps.importers import Imported
 from intellwheels_maps.importers.floor_source import MAX_SOURCE_BYTES, FloorSource
 from intellwheels_maps.starts import check_starts
-from intellwheels_schemas.errors import WireError
+from intellwheels_schemas.errors import WireError, got_of
 from intellwheels_schemas.explain import did_you_mean, too_long
 from intellwheels_schemas.files import read_with_lines
 from intellwheels_schemas.messages import Bridge, Map, Record, Robot, Scene
@@ -121,7 +121,7 @@ def _read(path: Path) -> bytes:
         with path.open("rb") as file:
             data = file.read(MAX_SOURCE_BYTES + 1)
     except (OSError, ValueError) as error:
-        got = error.strerror if isinstance(error, OSError) else "no path"
+        got = got_of(error) if isinstance(error, OSError) else "no path"
         raise WireError("value", f"{path}: expected a file, got {got}", str(path)) from None
     if len(data) > MAX_SOURCE_BYTES:
         raise too_long(str(path), MAX_SOURCE_BYTES, "bytes", path.stat().st_size)

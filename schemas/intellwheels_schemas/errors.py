@@ -41,3 +41,8 @@ class RequestRefusedError(ValueError):
 def wrong_value(where: str, expected: str, got: object, code: ErrorCode = "value") -> WireError:
     """Return the error for a wrong value of a field: its place, what was expected and what was received."""
     return WireError(code, f"{where}: expected {expected}, got {got}", where)
+
+
+def got_of(error: OSError) -> str:
+    """Return what was there instead of a file that could be read: `none`, or the reason in the system's words."""
+    return "none" if isinstance(error, FileNotFoundError) else (error.strerror or str(error)).lower()

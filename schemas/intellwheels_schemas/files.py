@@ -14,7 +14,7 @@ from lxml import etree
 
 from intellwheels_schemas import elements, rules
 from intellwheels_schemas.codec import from_plain
-from intellwheels_schemas.errors import WireError
+from intellwheels_schemas.errors import WireError, got_of
 from intellwheels_schemas.explain import root_of, too_long
 from intellwheels_schemas.messages import Record
 
@@ -60,7 +60,7 @@ def read_with_lines(cls: type[_M], file: str | Path | Traversable) -> tuple[_M, 
     try:
         data = path.read_bytes()
     except OSError as error:
-        raise WireError("value", f"{path}: expected a file, got {error.strerror}", str(path)) from None
+        raise WireError("value", f"{path}: expected a file, got {got_of(error)}", str(path)) from None
     if len(data) > MAX_FILE_BYTES:
         raise too_long(str(path), MAX_FILE_BYTES, "bytes", len(data))
     return read_bytes(cls, data, str(path))

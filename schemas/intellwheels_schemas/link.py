@@ -101,9 +101,13 @@ def add_link_options(parser: argparse.ArgumentParser, *, listens: bool = False, 
     """
     group = parser.add_argument_group("connection")
     if listens:
-        said, unsaid = f" (default: {defaults.ENDPOINT}, unless --connect or --config is given)", ""
+        said = f" (default: {defaults.ENDPOINT}, unless --connect, --config or an --identity with endpoints is given)"
+        unsaid = " (default: the endpoints of --identity, or none)"
     else:
-        said, unsaid = "", f" (default: {defaults.ENDPOINT}, unless --listen or --config is given)"
+        said = ""
+        unsaid = (
+            f" (default: the endpoints of --identity, or {defaults.ENDPOINT}; none if --listen or --config is given)"
+        )
     group.add_argument(
         "--world",
         default=defaults.WORLD,

@@ -1069,9 +1069,11 @@ class Entity(Record, frozen=True, kw_only=True):
     turn_rate: TurnRate = 0.0
     """Rate of turn, positive anticlockwise: the mean over the last tick."""
     left_output: Power = 0.0
-    """Output of the left motor at the end of the last tick, formula (1) of the paper, positive forward."""
+    """Output of the left motor at the end of the last tick, equation (1) of the IntellWheels Simulator paper (2009),
+    positive forward."""
     right_output: Power = 0.0
-    """Output of the right motor at the end of the last tick, formula (1) of the paper, positive forward."""
+    """Output of the right motor at the end of the last tick, equation (1) of the IntellWheels Simulator paper (2009),
+    positive forward."""
     collision: bool = False
     """Whether an obstacle prevented the commanded motion in the last step."""
     contact: bool = False

@@ -21,7 +21,7 @@ from intellwheels_server.server_options import PLAY_SUFFIX, options_of, parser
 _ALWAYS = ("lifeline", "link_listens")
 WITH_LOG = {
     "resimulate": ("prove", "trace", *_ALWAYS),
-    "play": ("reported", "speed", "quit_at_end", "world", "connect", "listen", "config", *_ALWAYS),
+    "play": ("reported", "speed", "quit_at_end", "world", "connect", "listen", "config", "identity", *_ALWAYS),
 }
 """Options that a log which is run again or played back leaves open. All others are those of a live run."""
 PLAY_NAME_LENGTH = 32 - len(PLAY_SUFFIX)

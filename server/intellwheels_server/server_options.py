@@ -46,6 +46,7 @@ examples:
 
 Standard output has `ready ...` when agents may join, `running tick=0 run=R` when all expected agents have joined, and
 `ended tick=N hash=H run=R` when the end condition is met. Exit codes: 0 done, 1 refused or failed, 2 wrong usage.
+The command needs the extra `server`.
 """
 
 OF_A_LOG = {
@@ -88,7 +89,8 @@ def _add_world_options(group: argparse._ArgumentGroup) -> None:
     )
     group.add_argument(
         "--map", metavar="NAME|FILE",
-        help=f"the map: an included one, or a file (default: the scene's, or {DEFAULT_FLOOR})",
+        help="the map: an included one, or a file; the floor of another program needs the extra `floors`, or `ifc` for "
+        f".ifc (default: the scene's, or {DEFAULT_FLOOR})",
     )  # fmt: skip
     group.add_argument(
         "--seed", type=like_field(messages.Seed), metavar="TEXT",
@@ -96,11 +98,12 @@ def _add_world_options(group: argparse._ArgumentGroup) -> None:
     )  # fmt: skip
     group.add_argument(
         "--period", type=like_field(messages.Period), metavar="S",
-        help=f"simulated seconds per tick (default: the scene's, or {defaults.PERIOD:g})",
+        help=f"simulated seconds per tick, in [0.001, 1] (default: the scene's, or {defaults.PERIOD:g})",
     )  # fmt: skip
     group.add_argument(
         "--truth", action="store_true", default=None,
-        help="allow sensors that give the true pose (default: as the scene says, or no)",
+        help="allow sensors that give the true pose; what a scene allows, no option forbids (default: the "
+        "scene's, or no)",
     )  # fmt: skip
     group.add_argument(
         "--hide-truth",
@@ -111,23 +114,24 @@ def _add_world_options(group: argparse._ArgumentGroup) -> None:
     )
     group.add_argument(
         "--say-limit", type=whole(1, 1000), default=defaults.SAY_LIMIT, metavar="N",
-        help="largest number of characters in a message between agents (default: %(default)s)",
+        help="largest number of characters in a message between agents, in [1, 1000] (default: %(default)s)",
     )  # fmt: skip
     group.add_argument(
         "--say-range", type=like_field(messages.SayRange), metavar="M",
-        help=f"distance in metres up to which a message is heard (default: the scene's, or {defaults.SAY_RANGE:g})",
+        help="distance in metres up to which a message is heard, in (0, 20000] "
+        f"(default: the scene's, or {defaults.SAY_RANGE:g})",
     )  # fmt: skip
     group.add_argument(
         "--say-walls", action=argparse.BooleanOptionalAction,
         help="whether walls and closed doors block messages between agents (default: the scene's, or no)",
     )  # fmt: skip
     group.add_argument(
-        "--say-loss", type=share, metavar="P",
+        "--say-loss", type=share, metavar="SHARE",
         help=f"share of messages that a listener misses, in [0, 1] (default: the scene's, or {defaults.SAY_LOSS:g})",
     )  # fmt: skip
     group.add_argument(
         "--say-delay", type=like_field(messages.SayDelay), metavar="S",
-        help="simulated seconds by which a message is delayed, in addition to one tick "
+        help="simulated seconds by which a message is delayed, in addition to one tick, in [0, 3600] "
         f"(default: the scene's, or {defaults.SAY_DELAY:g})",
     )  # fmt: skip
     group.add_argument(
@@ -145,7 +149,7 @@ def _add_time_options(group: argparse._ArgumentGroup) -> None:
     )  # fmt: skip
     group.add_argument(
         "--speed", type=like_field(messages.Factor), default=1.0, metavar="F",
-        help="simulated time over real time, at pace realtime or with --play (default: %(default)g)",
+        help="simulated time over real time, in (0, 1000], at pace realtime or with --play (default: %(default)g)",
     )  # fmt: skip
     group.add_argument(
         "--miss", choices=("strict", "elastic"),
@@ -211,20 +215,22 @@ def _add_run_options(group: argparse._ArgumentGroup) -> None:
         "--resimulate",
         type=readable_file,
         metavar="FILE",
-        help="run an input log again, compare the hash of the state at every tick, and exit; exit code 1 if the log is "
-        "truncated or edited, or if a hash differs",
+        help="run an input log again, compare the hash of the state at every tick, and exit; exit code 1 if a hash "
+        "differs, if the log is edited or, without --trace, if it is truncated",
     )
     group.add_argument(
         "--prove", action="store_true",
         help="with --resimulate: if the log is complete and the run repeats exactly, print one line to quote, with "
-        "map, seed, versions, checksum and result; otherwise print no such line, and end with exit code 1",
+        "map, seed, versions, checksum and result; otherwise print no such line, and end with exit code 1; not with "
+        "--trace",
     )  # fmt: skip
     group.add_argument(
         "--trace",
         type=Path,
         metavar="FILE",
-        help="with --resimulate: write the true state at each tick; a truncated log is then written as far as it goes, "
-        "with exit code 0",
+        help="with --resimulate: write the true state at each tick (JSON Lines) instead of printing the result; hashes "
+        "are compared all the same; if the log is truncated, the trace ends where the log does, and the exit code is "
+        "0; not with --prove",
     )
     group.add_argument(
         "--play", type=readable_file, metavar="FILE",

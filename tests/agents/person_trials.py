@@ -2,7 +2,7 @@
 
     python -m tests.agents.person_trials --csv tests/agents/person_trials.csv          (the full size)
     python -m tests.agents.person_trials door --people 10 --width 0.9 --seeds 8
-    python -m tests.agents.person_trials corridor --seeds 3
+    python -m tests.agents.person_trials corridor --corridor-seeds 3
 
 A door is in a wall of 0.1 m between two rooms. People start at random places before it, with random headings, and want
 to a point behind it. A run of the door ends when all have passed, or after 60 s. The flow is the number of people less
@@ -21,14 +21,14 @@ import math
 import random
 import statistics
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass
-from pathlib import Path
 
 from intellwheels_agents.mind import Bridge, Mind
 from intellwheels_schemas.messages import Actions, Corner, Map, Measures, Position, Wall
 from tests.agents.arena import Arena
 from tests.agents.minds.corridor import Corridor, weidmann
+from tests.trial_command import add_runs, trial_parser
 
 TIMEOUT = 60.0
 """Length of a run at a door, s."""
@@ -188,20 +188,39 @@ def trials(given: argparse.Namespace) -> Iterator[Row]:
                 yield in_corridor(1.0, 3.0, seed, both_ways=True, settle=10.0, seconds=given.seconds)
 
 
-def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("trial", nargs="?", choices=("all", "door", "corridor"), default="all")
-    parser.add_argument("--people", type=int, nargs="+", default=[2, 4, 10])
-    parser.add_argument("--width", type=float, nargs="+", default=[0.8, 0.9, 1.0])
-    parser.add_argument("--seeds", type=int, default=200, help="runs of each door and number of people")
-    parser.add_argument("--corridor-seeds", type=int, default=5)
-    parser.add_argument("--density", type=float, nargs="*", default=[1.0, 2.0])
-    parser.add_argument("--no-both-ways", dest="both_ways", action="store_false")
-    parser.add_argument("--first", type=int, default=1)
-    parser.add_argument("--seconds", type=float, default=30.0, help="measured time of a corridor, s")
-    parser.add_argument("--through", action="store_true", help="the middle of the door is a goal on the way")
-    parser.add_argument("--csv", type=Path)
-    given = parser.parse_args()
+def main(arguments: Sequence[str] | None = None) -> None:
+    parser = trial_parser("tests.agents.person_trials", __doc__)
+    parser.add_argument(
+        "trial", nargs="?", choices=("all", "door", "corridor"), default="all", help="what to try (default: all)"
+    )
+    parser.add_argument(
+        "--people", type=int, nargs="+", default=[2, 4, 10], metavar="N",
+        help="numbers of people at a door (default: 2 4 10)",
+    )  # fmt: skip
+    parser.add_argument(
+        "--width", type=float, nargs="+", default=[0.8, 0.9, 1.0], metavar="M",
+        help="widths of the door in metres (default: 0.8 0.9 1)",
+    )  # fmt: skip
+    add_runs(parser, "--seeds", 200, "runs of each door and number of people")
+    parser.add_argument(
+        "--corridor-seeds", type=int, default=5, metavar="N", help="number of runs of each corridor (default: 5)"
+    )
+    parser.add_argument(
+        "--density", type=float, nargs="*", default=[1.0, 2.0], metavar="D",
+        help="people per square metre of corridors in which all walk one way; none leaves these out (default: 1 2)",
+    )  # fmt: skip
+    parser.add_argument(
+        "--no-both-ways", dest="both_ways", action="store_false",
+        help="leave out the corridor in which half of the people walk the other way (default: with it)",
+    )  # fmt: skip
+    parser.add_argument(
+        "--seconds", type=float, default=30.0, metavar="S", help="measured time of a corridor, s (default: 30)"
+    )
+    parser.add_argument(
+        "--through", action="store_true",
+        help="make the middle of the door a goal on the way (default: only the points behind it are goals)",
+    )  # fmt: skip
+    given = parser.parse_args(arguments)
     rows: list[Row] = []
     for row in trials(given):
         rows.append(row)

@@ -40,7 +40,7 @@ def test_the_cast_of_every_included_scene_can_start(name: str) -> None:
         ("figure6", "chair1", None, {"to": "gaol1"}, "option to: expected a place of the map .*; did you mean 'goal1'"),
         ("figure6", "chair1", None, {"MotorNose": "1"}, r"option MotorNose: expected a field .* mean MotorNoise\?$"),
         ("figure6", "chair1", "follo", {}, "expected one of aided, .* got 'follo'; did you mean 'follow'"),
-        ("figure6", "chair1", "./none.py", {}, "none.py: expected a Python file, got No such file"),
+        ("figure6", "chair1", "./none.py", {}, "none.py: expected a Python file, got none"),
         ("figure6", "door", None, {"swing": "up"}, "option swing: expected one of left, right, got 'up'"),
         ("lab", "real1", None, {"sped": "1"}, "option sped: expected an option of this mind"),
     ],

@@ -44,6 +44,12 @@ def test_list_has_every_included_file(kind: str, capsys: pytest.CaptureFixture[s
     assert listed == names(kind)  # type: ignore[arg-type]
 
 
+def test_maps_are_listed_under_both_names(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["list", "floors"]) == main(["list", "maps"]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert lines[: len(lines) // 2] == lines[len(lines) // 2 :]
+
+
 def test_list_has_minds_with_what_they_do(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["list", "minds"]) == 0
     lines = dict(line.split(maxsplit=1) for line in capsys.readouterr().out.splitlines())
@@ -60,7 +66,7 @@ def test_list_has_the_places_of_a_floor_with_their_poses(capsys: pytest.CaptureF
 @pytest.mark.parametrize(("words", "text"), [
     (["list", "places"], "expected a MAP after places, got none"),
     (["list", "minds", "ward"], "expected no MAP after minds, got 'ward'"),
-    (["list", "flors"], "KIND: expected one of floors, robots, scenes, minds, places, got 'flors'; did you mean"),
+    (["list", "flors"], "KIND: expected one of floors, maps, robots, scenes, minds, places, got 'flors'; did you mean"),
 ])  # fmt: skip
 def test_wrong_lists_are_refused(words: list[str], text: str, capsys: pytest.CaptureFixture[str]) -> None:
     with pytest.raises(SystemExit) as ended:

@@ -94,5 +94,5 @@ def test_a_file_is_read_for_what_it_defines(text: str, error: str | None, tmp_pa
     with pytest.raises(OptionError) as caught:
         check_mind_file(file)
     assert error in str(caught.value)
-    with pytest.raises(OptionError, match=r"none\.py: expected a Python file, got No such file"):
+    with pytest.raises(OptionError, match=r"none\.py: expected a Python file, got none"):
         check_mind_file(tmp_path / "none.py")

@@ -8,10 +8,12 @@ from pathlib import Path
 from tests.bench import bystanders, imports, learning, loads, network, record, ros, tick, viewer
 from tests.bench.rows import append, show
 
+ABOUT = f"{__doc__} The default benchmarks take about 6 minutes; `bystanders` also counts late ticks with ten pages."
+
 
 def main() -> None:
     """Run the named benchmarks, or the default ones; print the table and append the rows."""
-    parser = argparse.ArgumentParser(prog="python -m tests.bench", description=__doc__)
+    parser = argparse.ArgumentParser(prog="python -m tests.bench", description=ABOUT)
     parser.add_argument(
         "benches",
         nargs="*",

@@ -185,11 +185,11 @@ def test_a_floor_of_another_program_is_a_map(tmp_path: Path) -> None:
     assert len(floor(path).wall) == len(floor("m.yaml", beside=tmp_path).wall) == 1
     assert is_foreign(path)
     (tmp_path / "m.pgm").unlink()
-    with pytest.raises(WireError, match=r"m\.pgm: expected a file, got No such file"):
+    with pytest.raises(WireError, match=r"m\.pgm: expected a file, got none"):
         floor(path)
     with pytest.raises(WireError, match=r"m\.yaml: expected no '#' after the name"):
         floor(f"{path}#L1")
-    with pytest.raises(WireError, match=r"none\.dxf: expected a file, got No such file"):
+    with pytest.raises(WireError, match=r"none\.dxf: expected a file, got none"):
         imported(tmp_path / "none.dxf")
 
 

@@ -1,6 +1,6 @@
 from __future__ import annotations
 
-from intellwheels_schemas.errors import RequestRefusedError, WireError, wrong_value
+from intellwheels_schemas.errors import RequestRefusedError, WireError, got_of, wrong_value
 
 
 def test_errors_carry_code_words_and_place() -> None:
@@ -14,3 +14,8 @@ def test_wrong_value_says_where_what_was_expected_and_what_came() -> None:
     error = wrong_value("Actions.LeftMotor", "a number in [-1, 1]", "'fast'")
     assert (error.code, error.where) == ("value", "Actions.LeftMotor")
     assert error.text == "Actions.LeftMotor: expected a number in [-1, 1], got 'fast'"
+
+
+def test_file_that_is_not_there_is_none() -> None:
+    assert got_of(FileNotFoundError(2, "No such file or directory")) == "none"
+    assert got_of(PermissionError(13, "Permission denied")) == "permission denied"

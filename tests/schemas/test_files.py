@@ -71,7 +71,7 @@ def test_broken_xml_has_its_line(tmp_path: Path) -> None:
 
 
 def test_file_that_is_not_there_or_is_something_else_is_told(tmp_path: Path) -> None:
-    assert refusal(tmp_path / "none.xml").text == f"{tmp_path}/none.xml: expected a file, got No such file or directory"
+    assert refusal(tmp_path / "none.xml").text == f"{tmp_path}/none.xml: expected a file, got none"
     path = write(tmp_path, "")
     assert refusal(path, Scene).text == f"{path}:3: expected <Scene>, got <Map>"
 

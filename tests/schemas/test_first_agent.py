@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import re
+import signal
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
 
+from intellwheels_experiments.run.endpoints import free_endpoint
 from intellwheels_schemas.codec import Encoding, decode, encode
 from intellwheels_schemas.keys import Keys
 from intellwheels_schemas.messages import Actions, Joined, Measures, Record, Refused, Robot
@@ -62,9 +64,9 @@ def test_page_uses_the_keys_of_the_contract() -> None:
 
 
 @pytest.mark.process
-def test_whole_agent_of_the_page_has_22_lines_and_keeps_the_contract(tmp_path: Path) -> None:
+def test_whole_agent_of_the_page_has_25_lines_and_keeps_the_contract(tmp_path: Path) -> None:
     (program,) = re.findall(r"```python\n(.*?)```", PAGE, re.DOTALL)
-    assert len([line for line in program.splitlines() if line]) == 22
+    assert len([line for line in program.splitlines() if line]) == 25
     file = tmp_path / "agent.py"
     file.write_text(program, encoding="utf-8")
     check = (sys.executable, "-m", "intellwheels_experiments.conformance", "--", sys.executable, str(file))
@@ -72,3 +74,24 @@ def test_whole_agent_of_the_page_has_22_lines_and_keeps_the_contract(tmp_path: P
         [*check, "{name}", "{endpoint}"], capture_output=True, text=True, timeout=DEADLINE, check=False
     )
     assert done.returncode == 0, done.stdout + done.stderr
+
+
+@pytest.mark.process
+def test_whole_agent_of_the_page_waits_for_a_simulator_until_it_is_interrupted(tmp_path: Path) -> None:
+    (program,) = re.findall(r"```python\n(.*?)```", PAGE, re.DOTALL)
+    # It says when it is about to connect, so that the test need not guess.
+    file = tmp_path / "agent.py"
+    file.write_text(program.replace("with zenoh.open", "print('connects', flush=True)\nwith zenoh.open"))
+    command = [sys.executable, str(file), "chair1", free_endpoint()]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as agent:
+        assert agent.stdout is not None
+        try:
+            assert agent.stdout.readline() == "connects\n"
+            with pytest.raises(subprocess.TimeoutExpired):
+                agent.wait(1.0)
+            agent.send_signal(signal.SIGINT)
+            assert agent.wait(DEADLINE) == -signal.SIGINT
+            assert agent.stderr is not None
+            assert agent.stderr.read() == ""
+        finally:
+            agent.kill()

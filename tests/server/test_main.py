@@ -127,6 +127,14 @@ def test_proof_needs_a_log_and_is_all_there_is(words: list[str], capsys: pytest.
     assert "--prove: expected with --resimulate and without --trace" in capsys.readouterr().err
 
 
+def test_playback_takes_an_identity(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / "log").write_bytes(b"")
+    (tmp_path / "x.iwid").write_bytes(b"")
+    # The log is the first thing that is wrong, and not the option.
+    assert outcome("--play", str(tmp_path / "log"), "--identity", str(tmp_path / "x.iwid")) == 1
+    assert "--identity" not in capsys.readouterr().err
+
+
 def test_trace_of_a_cut_log_is_written_and_the_cut_is_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     written(tmp_path / "log")
     (tmp_path / "log").write_bytes((tmp_path / "log").read_bytes()[:-50])

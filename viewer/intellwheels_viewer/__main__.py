@@ -30,6 +30,7 @@ examples:
 
 It prints one line, `ready url=...`, when the page can be opened. It stores no part of the run, so you can stop and
 restart it at any time. The page has no login: do not expose it to a network that you do not trust.
+Exit codes: 0 done, 1 refused or failed, 2 wrong usage. The command needs the extra `viewer`.
 """
 
 
@@ -62,7 +63,7 @@ def parser() -> argparse.ArgumentParser:
     )  # fmt: skip
     kept.add_argument(
         "--seconds", type=number("seconds", 0.0, LONGEST, low_open=True), default=20.0, metavar="S",
-        help="with --record: simulated seconds to record, fewer if the run ends earlier (default: 20)",
+        help="with --record: simulated seconds to record, in (0, 600], fewer if the run ends earlier (default: 20)",
     )  # fmt: skip
     add_process_options(found)
     add_link_options(found, world="the only running world; if there are several, the page lets you choose")

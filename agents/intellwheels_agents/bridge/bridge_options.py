@@ -32,7 +32,7 @@ Standard output has lines that begin with one of these words:
     joined, run, left               the bridge joined the simulation, a new run began, the bridge left
     lab-joined, lab-run, lab-left   the same in the laboratory
     held, ready, resumed            with --resume confirm: the motors are off, Enter is awaited, the chair drives on
-    bridged                         the bridge has ended; the line counts:
+    bridged                         the bridge has ended; this line of output counts:
         poses, readings             poses reported to the simulator, readings of the chair
         overtaken, missing          readings dropped because a newer one was there; readings that never came
         lost_up, lost_down          readings and powers dropped by --loss
@@ -43,7 +43,7 @@ Standard output has lines that begin with one of these words:
     simulator-gone, simulator-back, removed, replaced, taken, released, mind-joined, mind-left, mind-lost,
     mind-returned, body-lost, body-returned
                                     events of the chair
-Exit codes: 0 done, 1 refused or failed, 2 wrong usage.
+Exit codes: 0 done, 1 refused or failed, 2 wrong usage. The driver serial needs the extra `bridge`.
 """
 DEFAULT_ROBOT: Final = "intellwheels"
 OTHER_DRIVER: Final = {
@@ -148,11 +148,12 @@ def _add_pose_options(result: argparse.ArgumentParser) -> None:
             type=like_field(messages.FigureRatio),
             default=1.0,
             metavar="R",
-            help=f"calibration, for calibrated and corrected poses: {meaning} (default: 1)",
+            help=f"calibration, for calibrated and corrected poses: {meaning}, in [0.5, 2] (default: 1)",
         )
     pose.add_argument(
         "--drift", type=like_field(messages.WayVariance), default=DRIFT, metavar="K",
-        help=f"variance of the travel of a wheel, in m2 per metre, for the covariance of poses (default: {DRIFT:g})",
+        help=f"variance of the travel of a wheel, in m2 per metre, in [0, 1], for the covariance of poses "
+        f"(default: {DRIFT:g})",
     )  # fmt: skip
     pose.add_argument(
         "--fix-every", type=whole(1, MAX_COUNT), default=20, metavar="TICKS",
@@ -161,8 +162,8 @@ def _add_pose_options(result: argparse.ArgumentParser) -> None:
     )  # fmt: skip
     pose.add_argument(
         "--fix-noise", type=like_field(messages.Length), default=0.05, metavar="M",
-        help="driver world, corrected poses: standard deviation of a fix on each axis, in metres, for a chair without "
-        "a GPS of its own (default: 0.05)",
+        help="driver world, corrected poses: standard deviation of a fix on each axis in metres, in [0, 1000], for a "
+        "chair without a GPS of its own (default: 0.05)",
     )  # fmt: skip
     pose.add_argument(
         "--clock-offset", type=number("seconds", -MAX_OFFSET, MAX_OFFSET), default=0.0, metavar="S",
@@ -198,15 +199,19 @@ def _add_line_options(result: argparse.ArgumentParser) -> None:
     faults = result.add_argument_group(
         "faults for experiments, on the line between chair and bridge, in both directions"
     )
-    faults.add_argument("--delay", type=_DELAY, default=0.0, metavar="S", help="delay in seconds (default: 0)")
+    faults.add_argument(
+        "--delay", type=_DELAY, default=0.0, metavar="S", help="delay in seconds, in [0, 3600] (default: 0)"
+    )
     faults.add_argument(
         "--jitter",
         type=_DELAY,
         default=0.0,
         metavar="S",
-        help="largest additional delay in seconds (default: 0)",
+        help="largest additional delay in seconds, in [0, 3600] (default: 0)",
     )
-    faults.add_argument("--loss", type=share, default=0.0, metavar="SHARE", help="share of messages lost (default: 0)")
+    faults.add_argument(
+        "--loss", type=share, default=0.0, metavar="SHARE", help="share of messages lost, in [0, 1] (default: 0)"
+    )
     faults.add_argument(
         "--seed", type=like_field(messages.Seed), default="1", metavar="TEXT", help="seed of the faults (default: 1)"
     )

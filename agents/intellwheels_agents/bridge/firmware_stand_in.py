@@ -280,7 +280,9 @@ def parser() -> CommandParser:
     result.add_argument(
         "--ask", type=readable_file, metavar="PIPE", help="named pipe to read faults from (default: standard input)"
     )
-    result.add_argument("--sonars", type=whole(0, 64), default=8, metavar="N", help="number of sonars (default: 8)")
+    result.add_argument(
+        "--sonars", type=whole(0, 64), default=8, metavar="N", help="number of sonars, in [0, 64] (default: 8)"
+    )
     result.add_argument(
         "--counts", type=number("a number", 0.0, 1e6, low_open=True), default=1730.0, metavar="N",
         help="encoder counts a second at full power (default: 1730, which is 1 m/s on 0.368 m wheels with 2000 a turn)",

@@ -3,17 +3,19 @@
     speed    speed at full forward, m/s (default 0.8)
     turn     turn rate at full turn, rad/s (default 1.0)
     words    deflection for the words forward, back, left and right; stop is always 0 (default 0.5)
-    margin   clearance kept around the chair, m; a quarter of it to the sides (default 0.05)
+    margin   clearance kept ahead and behind, m; a quarter of it to the sides, and in a turn in place (default 0.05)
     ahead    seconds that it looks ahead; more if braking takes longer (default 1.0)
 
 Sensors and commands may be late: each reading is placed where the sensor was when it measured, and the delay of
 commands is measured with the encoders. If its braking distance would be longer than its sensors can see, the chair
 drives more slowly and reports the mode `slow`. It never does what the user did not ask for: forward and turn are each
-reduced, to 0 if necessary, and never reversed. Moving away from obstacles is always possible. When it stops, it keeps
-room ahead and behind to turn in place, but it lets the user come as near as 0.104 m to an obstacle, even if that leaves
-too little room to turn. A chair whose corners swing far beyond its front (mid-wheel, front-wheel) must then back up
-before it can turn further. Likewise, a chair that extends far behind its wheels cannot turn in place away from a wall
-beside it.
+reduced, to 0 if necessary, and never reversed. It needs numpy: the extra `navigate`.
+
+Ahead and behind it also keeps the room that its corners need to turn in place, but no more than 0.085 m in all, or
+`margin` if that is more. A reading can be 0.02 m short, so with the default margin the user comes as near as 0.104 m to
+an obstacle. Driving straight away from an obstacle is always possible; turning away is not. A chair whose corners swing
+far beyond its front (mid-wheel, front-wheel) must first back up, and a chair that extends far behind its wheels cannot
+turn in place beside a wall.
 
 It cannot see what no sensor sees: anything behind a robot without rear sensors, anything above or below the sensors,
 and anything that has been between two cones ever since the run began. The mind adds two narrow cones ahead to the

@@ -1,6 +1,6 @@
 """Drives along a road and gives way to anybody who is on it or about to step onto it.
 
-    points   "x y x y": corners of the path after the start, m
+    points   "x y x y": corners of the path after the start, in the coordinates of the map's site, m
     via, to  places of the map; the path goes through points, then via in their order, then to; at least one of the
              three options is required
     speed    speed on the free road, m/s (default 5.0)

@@ -1,6 +1,6 @@
 """Drives without looking: with fixed motor powers, or with a script of them.
 
-    left, right   motor powers in [-1, 1] (default 0)
+    left, right   motor powers (default 0)
     script        "time:left,right; time:left,right": the powers from each time on, in simulated seconds; 0 before the
                   first time
     say           a message, sent once at the first tick

@@ -1,7 +1,7 @@
 """A model of a person who drives by joystick and sees the chair, for repeatable runs of manual driving.
 
-    points     "x y x y": corners of the path that the person intends, m
-    to         places of the map; the path goes through points, then these; at least one of both options is required
+    points     "x y x y": corners of the path that the person intends, in the coordinates of the map's site, m
+    to         places of the map; the path goes through points, then these; at least one of the two options is required
     speed      intended speed on straight stretches, m/s (default 0.6)
     reaction   delay from seeing to moving the hand, s (default 0.3)
     tremor     standard deviation of the hand tremor, in full deflections (default 0.05)

@@ -1,7 +1,7 @@
 """Drives as its user wants, without looking.
 
-    speed    share of the motor power at full forward, in [0, 1] (default 1)
-    turn     share of the motor power at full turn, in [0, 1] (default 1)
+    speed    share of the motor power at full forward (default 1)
+    turn     share of the motor power at full turn (default 1)
     words    deflection for the words forward, back, left and right; stop is always 0 (default 0.5)
 
 The user is whoever writes the Zenoh key `user/<agent>`: `iw-joystick`, the viewer, or a program of your own. If the

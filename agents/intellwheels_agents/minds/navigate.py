@@ -1,7 +1,8 @@
 """Drives to places on the map, around what is in the way, and touches nothing.
 
-    to, via  places of the map; the chair drives to all of `via`, then to `to`
-    points   "x y x y": points before those places, in the coordinates of the map's site, m
+    points   "x y x y": points to drive to, in the coordinates of the map's site, m
+    via, to  places of the map; the chair drives through points, then via in their order, then to; without any of the
+             three options it waits for a goal
     speed    highest speed, m/s (default 0.8)
     within   distance from the goal that counts as arrived, m (default 0.15)
     truth    true: use the true pose from a truth sensor, which the simulation must allow (default false)
@@ -16,11 +17,12 @@ odometry and a particle filter that matches scans, or cones of proximity sensors
 the viewer or by `UserInput.Goal`, and the messages "go PLACE" and "go X Y" replace the goals.
 
 Where it makes no progress, it says "open" to a closed doorway, leaves room for the leaf, and announces its path ("way
-X Y X Y ...", in metres). A chair with this mind that stands on an announced path drives off it and waits, if it has
-arrived itself, or if it makes no progress and its name comes later in alphabetical order than the sender's. It plans
-around what is not on the map, and backs out of where it is stuck. Sensors and commands may be late. If its braking
-distance would be longer than its sensors can see, it drives more slowly and reports the mode `slow`. It needs numpy:
-the extra `navigate`. It cannot see what is above or below its sensors and not on the map.
+X Y X Y ...", in metres). A chair with this mind that stands on an announced path gives way (it drives off the path and
+waits) in two cases: it has already arrived; or it makes no progress, and its name comes after the sender's in
+alphabetical order. The mind plans around what is not on the map, and backs out of where it is stuck. Sensors and
+commands may be late. If its braking distance would be longer than its sensors can see, it drives more slowly and
+reports the mode `slow`. It needs numpy: the extra `navigate`. It cannot see what is above or below its sensors and not
+on the map.
 """
 
 from __future__ import annotations

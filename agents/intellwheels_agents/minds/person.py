@@ -1,22 +1,23 @@
 """A pedestrian who walks to goals among others, by the social force model.
 
-    points   "x y x y": goals in their order, m
-    via, to  places of the map; the goals are points, then via in their order, then to
+    points   "x y x y": goals in their order, in the coordinates of the map's site, m
+    via, to  places of the map; the goals are points, then via in their order, then to; without any of the three
+             options it stands still
     speed    preferred walking speed, m/s (default 1.34)
     within   distance from a goal that counts as arrived, m (default 0.4)
     loop     true: start again with the first goal after the last (default false)
     with     agents to walk with as a group; they hear each other's positions ("at X Y", in metres)
 
 Forces alone do not slow a crowd down as real people do. So the speed is also limited by the gap ahead: to gap /
-`TIME_GAP`, and to (gap + `FOLLOWING_GAP`) / `FOLLOWING_TIME`. With these limits a crowd in a corridor is about as fast
-as Weidmann's at 0.5 to 2 people a square metre. If somebody would run into the pedestrian within `DODGE_TIME`, it gets
-out of the way. If it has not moved for `STUCK_TIME`, it walks where the way is free.
+0.25 s, and to (gap + 0.3 m) / 0.85 s. With these limits a crowd in a corridor is about as fast as Weidmann's at 0.5 to
+2 people a square metre. If somebody would run into the pedestrian within 0.6 s, it gets out of the way. If it has not
+moved for 1 s, it walks where the way is free.
 
 It perceives with a ring of proximity cones, encoders, a compass, and messages.
 
-Sources: social_force.py. A. Tordeux, M. Chraibi, A. Seyfried, Collision-free speed model for pedestrian dynamics,
-Traffic and Granular Flow '15, 2016 (speed from the gap). U. Weidmann, Transporttechnik der Fussgaenger, ETH Zurich,
-1993. All other numbers are our own choice.
+Sources: those of the forces are in `agents/intellwheels_agents/social_force.py`. A. Tordeux, M. Chraibi, A. Seyfried,
+Collision-free speed model for pedestrian dynamics, Traffic and Granular Flow '15, 2016 (speed from the gap).
+U. Weidmann, Transporttechnik der Fussgaenger, ETH Zurich, 1993. All other numbers are our own choice.
 """
 
 from __future__ import annotations

@@ -1,15 +1,16 @@
 """Drives to a place and around the obstacles that its proximity sensors see.
 
-    to       required: a place of the map
+    to       the goal (required)
     speed    speed with nothing near, m/s (default 0.6)
-    clear    clearance kept beside the body, m (default 0.06)
+    clear    clearance that a direction must leave on both sides of the body to be chosen, m (default 0.06)
     within   distance from the place that counts as arrived, m (default 0.2)
-    margin, ahead   as for the mind `aided`
+    margin   clearance at which it stops, on all sides, m; half of it in a turn in place (default 0.05)
+    ahead    seconds that it looks ahead; more if braking takes longer (default 1.0)
 
 It locates itself by odometry alone, and obstacles by its proximity sensors alone. Of the directions in which the body
-fits, it takes the one with the lowest cost. The obstacle check of `aided` then slows or stops that motion, with the
-full margin on all sides. If no direction has been free for a while, the chair backs up a little. A goal that the user
-sets, in the viewer or by `UserInput.Goal`, replaces the place.
+fits, it takes the one with the lowest cost. The obstacle check of `aided` then slows or stops that motion. If no
+direction has been free for a while, the chair backs up a little. A goal that the user sets, in the viewer or by
+`UserInput.Goal`, replaces the place. It needs numpy: the extra `navigate`.
 
 Source:
     The candidate directions and their cost are those of VFH+: Ulrich and Borenstein (1998), VFH+: reliable obstacle

@@ -8,7 +8,8 @@
     stop     distance kept from obstacles in the way, m (default 0.5)
     patience seconds that it waits after the way is free again (default 1.0)
     lead     true: say its position as it drives, for agents that follow (default false)
-    truth    true: use the true pose from a truth sensor, which the simulation must allow (default false: odometry)
+    truth    true: use the true pose from a truth sensor, which the simulation must allow; false: odometry
+             (default false)
 
 It follows the path by pure pursuit, with odometry from encoders and compass. It slows down for obstacles that could be
 in its way and waits in front of them, a closed door for example; it does not drive around them. A goal that the user

@@ -1,7 +1,7 @@
 """Lets a body do as much of what is wanted as the obstacles allow that its proximity sensors saw.
 
-It never does what was not wanted: forward and turn are each reduced, to 0 if necessary, and never reversed. Moving away
-from obstacles is always possible. The minds `aided` and `seek` drive with it.
+It never does what was not wanted: forward and turn are each reduced, to 0 if necessary, and never reversed. Driving
+straight away from an obstacle is always possible. The minds `aided` and `seek` drive with it.
 """
 
 from __future__ import annotations
@@ -68,8 +68,8 @@ class CollisionGuard:
             context: The agent's context.
             mind: What the mind is called.
             speed: Its highest speed, m/s.
-            by_itself: True if a mind drives instead of a user. Then the full margin is kept on all sides, and always
-                enough room to turn in place, however long the chair is.
+            by_itself: True if a mind drives instead of a user. Then the full margin is kept on all sides, half of it in
+                a turn in place, and always enough room to turn in place, however long the chair is.
 
         Raises:
             OptionError: The robot has no encoders, or an option is wrong.

@@ -25,14 +25,14 @@ examples:
 
 A recording has the topics /tf, /scene, /wedges, /grid, /log, /AGENT/pose, /AGENT/truth, /AGENT/goal,
 /AGENT/scan/SENSOR and /AGENT/odometry/SENSOR for Foxglove, and every message of the world as JSON under /iw.
-Its time is simulated time, counted from the time of day at which the run was met; with --from, from 0.
+Its time is simulated time, plus the time of day at which the recorder first saw the run; with --from it starts at 0.
 Ticks of which no state came are counted, and reported in /log and in the last line.
 
 In the live view, publish JSON to /user/AGENT, such as {"Forward": 0.5, "Turn": 0.1}, or {"linear": {"x": 0.5},
-"angular": {"z": 0.2}} in m/s and rad/s, to drive a chair. Anybody who can open the page can do so.
+"angular": {"z": 0.2}} in m/s and rad/s, to drive a chair. Anybody who can connect to the live view can do so.
 
 Standard output has the lines `ready file=... live=...` and `recorded file=... messages=... ticks=... missed=...`.
-Exit codes: 0 done, 1 refused or failed, 2 wrong usage.
+Exit codes: 0 done, 1 refused or failed, 2 wrong usage. The command needs the extra `foxglove`.
 """
 PORT: Final = 8765
 """Port of the live view, which Foxglove proposes."""
@@ -56,7 +56,8 @@ def parser() -> argparse.ArgumentParser:
     )  # fmt: skip
     result.add_argument(
         "--rotate", type=number("megabytes", 0.1, 1e6), metavar="MB",
-        help=f"begin another file, named FILE-2.mcap and so on, when one has this size (default: {ROTATE:g})",
+        help=f"begin another file, named FILE-2.mcap and so on, when one has so many megabytes, in [0.1, 1e6] "
+        f"(default: {ROTATE:g})",
     )  # fmt: skip
     live = result.add_argument_group("live view")
     live.add_argument("--live", action="store_true", help="serve the live view of Foxglove")
@@ -64,7 +65,7 @@ def parser() -> argparse.ArgumentParser:
     live.add_argument("--port", type=port, metavar="N", help=f"its port; 0 picks a free one (default: {PORT})")
     live.add_argument(
         "--hold", type=number("seconds", 0.1, 2.0), metavar="S",
-        help="seconds for which a published input drives a chair (default: 0.5)",
+        help="seconds for which a published input drives a chair, in [0.1, 2] (default: 0.5)",
     )  # fmt: skip
     live.add_argument("--take", action="store_true", help="drive chairs instead of their minds, while input comes")
     result.add_argument("--layout", action="store_true", help="print the layout for Foxglove, and exit")
@@ -91,7 +92,7 @@ def check_together(given: argparse.Namespace) -> None:
     if given.log is not None:
         if given.file is None or given.live:
             raise OptionError("--from: expected with a FILE.mcap and without --live, got otherwise")
-        if given.connect or given.listen or given.config is not None or given.world != defaults.WORLD:
+        if given.connect or given.listen or given.config or given.identity or given.world != defaults.WORLD:
             raise OptionError("--from: expected without a world and a connection, got both")
         if given.retry_for != math.inf:
             raise OptionError("--retry-for: expected without --from, got both")

@@ -28,14 +28,15 @@ examples:
   the description of a robot, for robot_state_publisher
       iw-ros --urdf intellwheels
 
-A ROS node with rmw_zenoh connects to a router at tcp/localhost:7447: that of ROS (rmw_zenohd), or iw-router, through
-which nodes reach iw-ros but not each other. The simulator and iw-ros connect to the same router, or iw-ros to the
-simulator and the router, with --connect and --ros-connect.
+A ROS node with rmw_zenoh connects to a router at tcp/localhost:7447. Through iw-router, nodes reach iw-ros but not each
+other. With several nodes that talk to each other, such as Nav2, start the router of ROS, rmw_zenohd, in its place. The
+simulator and iw-ros connect to the same router, or iw-ros to the simulator and the router, with --connect and
+--ros-connect.
 Nodes need the parameter use_sim_time. A `-` in a name becomes `_` in ROS.
 
 Standard output has the lines `ready domain=...`, `joined agent=...`, `run agent=...`, `watching agent=...`,
 `left agent=...`.
-Exit codes: 0 done, 1 refused or failed, 2 wrong usage.
+Exit codes: 0 done, 1 refused or failed, 2 wrong usage. The command needs the extra `ros`.
 """
 DEFAULT_ROBOT: Final = "intellwheels"
 ROLES: Final = ("both", "mind", "watch")
@@ -56,7 +57,7 @@ def parser() -> argparse.ArgumentParser:
     chair.add_argument(
         "--role", choices=ROLES, default="both",
         help="both: a body that ROS drives; mind: ROS drives a body that another process provides; watch: another mind "
-        "drives, and gets the goals of ROS (default: both)",
+        "drives, and receives goals from ROS (default: both)",
     )  # fmt: skip
     chair.add_argument("--robot", metavar="NAME|FILE", help=f"the body, with role both (default: {DEFAULT_ROBOT})")
     chair.add_argument(
@@ -74,15 +75,15 @@ def parser() -> argparse.ArgumentParser:
     )  # fmt: skip
     chair.add_argument(
         "--await", dest="await_command", type=number("seconds", 0.0, 3600.0), default=0.0, metavar="S",
-        help="in lockstep, wait at each tick up to S seconds, less than the simulator's --deadline, for a velocity "
-        "that answers it (default: 0)",
+        help="in lockstep, wait at each tick up to S seconds, in [0, 3600] and less than the simulator's --deadline, "
+        "for a velocity that answers it (default: 0)",
     )  # fmt: skip
     graph = result.add_argument_group("ROS")
     graph.add_argument(
         "--domain",
         type=whole(0, LARGEST_DOMAIN),
         metavar="N",
-        help=f"domain of ROS (default: ${DOMAIN_VARIABLE}, or 0)",
+        help=f"domain of ROS, in [0, {LARGEST_DOMAIN}] (default: ${DOMAIN_VARIABLE}, or 0)",
     )
     graph.add_argument("--humble", action="store_true", help="for nodes of ROS 2 Humble, which has no type hashes")
     graph.add_argument(
@@ -90,11 +91,13 @@ def parser() -> argparse.ArgumentParser:
         help="endpoint of the router of the ROS nodes; may be repeated (default: as the world's)",
     )  # fmt: skip
     graph.add_argument(
-        "--no-world", action="store_true", help="no /clock, /map and services: another iw-ros of this world has them"
-    )
+        "--no-world", action="store_true",
+        help="do not provide /clock, /map and the services: another iw-ros of this world does",
+    )  # fmt: skip
     graph.add_argument(
         "--resolution", type=number("metres", 0.001, 10.0), metavar="M",
-        help="size of a cell of /map (default: the smallest of 0.05 and its doubles with at most a million cells)",
+        help="size of a cell of /map in metres, in [0.001, 10] (default: the smallest of 0.05, 0.1, 0.2, ... "
+        "with which the map has at most a million cells)",
     )  # fmt: skip
     result.add_argument("--urdf", metavar="NAME|FILE", help="print the description of a robot, and exit")
     result.add_argument(
@@ -120,7 +123,7 @@ def check_together(given: argparse.Namespace) -> None:
     )  # fmt: skip
     for option, is_given in needs_chair:
         if is_given and given.name is None:
-            raise OptionError(f"{option}: expected with a chair, got no --name")
+            raise OptionError(f"{option}: expected with --name, got none")
     if given.await_command > 0.0 and given.role == "watch":
         raise OptionError("--await: expected a role with a mind, got --role watch")
     if given.resolution is not None and given.no_world:

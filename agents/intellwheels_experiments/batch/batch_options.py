@@ -15,7 +15,7 @@ a batch's lines, where standard output is no terminal:
   progress  how many runs are done, and how long the others take, as hours:minutes:seconds
   row       succeeded, and low and high: the 95 % interval of the success rate (Wilson); died: runs that ended early;
             missing: runs that were not made
-  compare   second is - if one row is judged alone; difference of the success rates, first minus second; found says
+  compare   second is `-` if one row is judged alone; difference of the success rates, first minus second; found says
             whether the expectation holds: as-expected, otherwise, undecided (too few runs to tell), not-asked (there
             is no expectation) or incomplete (runs are missing)
 """

@@ -43,7 +43,7 @@ def again(session: AgentSession) -> str:
 
 
 def late(session: AgentSession) -> str:
-    """Gets old Measures after newer ones, and an Error: does not answer them, and answers the next Measures."""
+    """Gets old Measures after newer ones, and an Error: does not answer the old ones, and answers the next Measures."""
     session.require_joined()
     old = session.measures()
     session.tick += 1

@@ -28,9 +28,11 @@ def add_scene_options(parser: argparse.ArgumentParser) -> None:
         help=f"an included scene ({', '.join(names('scenes'))}) or an XML file; none with --floor",
     )  # fmt: skip
     parser.add_argument(
-        "--floor", metavar="MAP",
-        help="run a floor in place of a scene: an included map, or a map file of any format; without --view for "
-        f"{FLOOR_SECONDS:g} s of simulated time",
+        "--floor", "--map", metavar="MAP",
+        help="run a map in place of a scene: an included map, or a map file of any format (those of "
+        "other programs need the extra `floors`, or `ifc` for .ifc); it has no agents without "
+        f"--doors, and runs for {FLOOR_SECONDS:g} s of simulated time or, with --view, until Ctrl-C; --listen lets "
+        "your agents join",
     )  # fmt: skip
     parser.add_argument("--doors", action="store_true", help="with --floor: start an agent for each leaf of its doors")
 

@@ -19,11 +19,14 @@ from intellwheels_schemas.version import UNKNOWN, versions_of
 Finish: TypeAlias = Literal["ended", "missed", "died", "interrupted", "overtime"]
 
 LINES_HELP: Final = """
-a run's lines, where standard output is no terminal:
-  agent    for each agent: its distance from its place, its contacts, its path, age (mean age of its commands, in s; 0
-           in lockstep) and turned_deg (largest angle from its first heading)
+a run's lines, where standard output is no terminal (on a terminal a table has the same, with `turned` in degrees):
+  agent    for each agent: place, its goal; reached, whether it got there; distance, what was left to it; contacts,
+           their number; path, its length; age, the mean age of its commands, 0 in lockstep; turned_deg, the largest
+           angle from its first heading; `-` where a value does not apply
   run      ticks and time are simulated, wall is real; factor is time / wall; late counts ticks that began too late
-  held, not-held    whether all conditions of the scene held; `failed` lines say which did not
+  held, not-held    whether all conditions of the scene held; `failed` lines say which did not; finish is how the run
+           ended: ended (as the scene says), missed (a lockstep answer did not come), died (a process ended),
+           interrupted, or overtime (--timeout)
 """
 """What the lines mean, for the help of the command."""
 _DISTRIBUTIONS: Final = ("intellwheels", "eclipse-zenoh", "msgspec", "numpy", "numba")

@@ -19,13 +19,25 @@ from intellwheels_schemas.process import SLICE, add_process_options, stop_on_sig
 from intellwheels_schemas.router_link import OPEN, open_router, router_settings
 from intellwheels_server.service.lab_router import lab_settings, read_lab, read_users, users_file
 
+EXAMPLES = """\
+examples:
+  iw-router                                                   for the processes of this machine
+  iw-router --listen tcp/0.0.0.0:7447                         for those of other machines too
+  iw-router --lab LAB.xml --listen tcp/0.0.0.0:7447           for the identities of a lab only (see iw-lab --help)
+  iw-router --print > router.json5 && zenohd -c router.json5  the official router with this configuration
+
+Standard output has `ready listen=...` when others can connect. Exit codes: 0 done, 1 failed, 2 wrong usage.
+"""
+
 
 def parser() -> argparse.ArgumentParser:
     """Return the parser of the command line."""
     found = CommandParser(
         prog="iw-router",
-        description="Run a router through which a simulator and its agents connect. Start each of them with "
+        description="Run a router through which a simulator and its agents connect. Start each of them with\n"
         "--connect ENDPOINT, where ENDPOINT is an endpoint of this router.",
+        epilog=EXAMPLES,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     found.add_argument(
         "--listen",

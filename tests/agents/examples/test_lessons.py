@@ -108,7 +108,8 @@ def test_lesson_3_opens_the_door_and_drives_through(stage: Stage) -> None:
 
 def test_lesson_4_passes(stage: Stage) -> None:
     (command,) = commands(4)
-    child = start(stage, "pytest", command, "-p", "no:randomly", "-W", "error")
+    # A student has pytest alone, without the plug-ins that the settings of the project need.
+    child = start(stage, "pytest", command, "-p", "no:xdist", "-p", "no:randomly", "-W", "error")
     assert stage.exit(child, RUN) == 0, stage.report()
     assert "3 passed" in stage.log(child)
 
@@ -146,6 +147,14 @@ def test_lesson_8_drives_and_turns_with_zenoh_alone(stage: Stage) -> None:
         peer.entity("chair1", lambda now: abs(now["X"] - begin["X"]) + abs(now["Y"] - begin["Y"]) > 0.5)
         peer.entity("chair1", lambda now: abs(now["Heading"] - begin["Heading"]) > 0.5)
         assert peer.entities()["chair1"].get("Contacts", 0) == 0
+
+
+def test_lesson_8_says_that_no_simulator_answers(stage: Stage) -> None:
+    _, agent, _ = commands(8)
+    child = start(stage, "agent", agent, stage.endpoint)
+    assert stage.exit(child, RUN) == 1
+    assert "no simulator answers" in stage.log(child)
+    assert "Traceback" not in stage.log(child)
 
 
 def test_lesson_8_shows_how_its_program_plays_a_chair_of_a_scene() -> None:

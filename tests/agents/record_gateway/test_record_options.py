@@ -18,6 +18,7 @@ from intellwheels_agents.record_gateway.__main__ import parser
     (["x.mcap", "--take"], "--take: expected with --live, got none"),
     (["--live", "--from", "LOG"], "--from: expected with a FILE.mcap and without --live"),
     (["x.mcap", "--from", "LOG", "--world", "lab"], "--from: expected without a world and a connection"),
+    (["x.mcap", "--from", "LOG", "--identity", "LOG"], "--from: expected without a world and a connection"),
     (["x.mcap", "--from", "LOG", "--retry-for", "5"], "--retry-for: expected without --from"),
 ])  # fmt: skip
 def test_options_without_a_meaning_are_refused(

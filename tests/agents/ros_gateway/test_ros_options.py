@@ -21,8 +21,8 @@ def test_options_that_go_together(words: list[str]) -> None:
 @pytest.mark.parametrize(("words", "text"), [
     (["--robot", "crate"], "--robot: expected a chair with role both, got no --name"),
     (["--name", "c", "--role", "mind", "--place", "p"], "--place: expected a chair with role both, got --role mind"),
-    (["--role", "mind"], "--role: expected with a chair, got no --name"),
-    (["--no-world"], "--no-world: expected with a chair, got no --name"),
+    (["--role", "mind"], "--role: expected with --name, got none"),
+    (["--no-world"], "--no-world: expected with --name, got none"),
     (["--name", "c", "--role", "watch", "--await", "1"], "--await: expected a role with a mind, got --role watch"),
     (["--name", "c", "--no-world", "--resolution", "1"], "--resolution: expected without --no-world, got both"),
 ])  # fmt: skip

@@ -8,6 +8,7 @@ import pytest
 
 from intellwheels_experiments.__main__ import main
 from intellwheels_experiments.run.floor_scene import FLOOR_SECONDS, write_floor_scene
+from intellwheels_experiments.run_parser import parser
 from intellwheels_maps import scene
 from intellwheels_schemas.errors import WireError
 
@@ -62,3 +63,7 @@ def test_a_floor_without_doors_is_refused(tmp_path: Path) -> None:
 def test_wrong_usage_is_one_line(words: list[str], text: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(words) == 2
     assert capsys.readouterr().err.startswith(f"iw-run: {text}")
+
+
+def test_the_option_has_the_name_that_the_simulator_gives_it_too() -> None:
+    assert parser().parse_args(["--map", "ward"]).floor == parser().parse_args(["--floor", "ward"]).floor == "ward"

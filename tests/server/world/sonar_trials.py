@@ -7,12 +7,11 @@ bound by four standard deviations, distances by their rounding and one step of t
 
 from __future__ import annotations
 
-import argparse
 import csv
 import math
 import random
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -20,6 +19,7 @@ from intellwheels_schemas.messages import Proximity
 from intellwheels_schemas.sonar_devices import DEVICES, THIN_DISTANCE, THIN_WIDTH, SonarDevice
 from tests.server.world.sonars import heard, many, readings, solid, sonar
 from tests.server.worlds import box_wall, cart, run, world
+from tests.trial_command import trial_parser
 
 KEPT = Path(__file__).parent / "sonar_trials.csv"
 _AT_ONCE = 64
@@ -230,14 +230,14 @@ def read(path: Path) -> list[Check]:
         ]  # fmt: skip
 
 
-def main() -> int:
+def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line; return 1 if a check fails."""
-    parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
-    parser.add_argument("--pings", type=int, default=20_000, metavar="N", help="pings for a share (default: 20000)")
+    parser = trial_parser("tests.server.world.sonar_trials", __doc__, csv=KEPT)
     parser.add_argument(
-        "--csv", type=Path, default=KEPT, metavar="FILE", help="where the result goes (default: the kept one)"
-    )
-    given = parser.parse_args()
+        "--pings", type=int, default=20_000, metavar="N",
+        help="number of pings from which a share is computed (default: 20000)",
+    )  # fmt: skip
+    given = parser.parse_args(arguments)
     found = checks(given.pings)
     with given.csv.open("w", newline="", encoding="utf-8") as text:
         writer = csv.writer(text, lineterminator="\n")
