@@ -61,25 +61,33 @@ class Footprint:
         front, back, side, radius = self._front, self._back, self._side, self.radius
         free = seconds
         for x, y, vx, vy in points:
-            fastest = own + hypot(vx, vy)
-            reach = radius + fastest * free + margin
-            if fastest * free < ROUNDING or x * x + y * y > reach * reach:
+            fastest = own + sqrt(vx * vx + vy * vy)
+            way = fastest * free
+            reach = radius + way + margin
+            if way < ROUNDING or x * x + y * y > reach * reach:
                 continue
             # A point that is already nearer than the margin may stay as near as it is.
             clearance = self.clearance(x, y)
             least = min(margin, clearance) - ROUNDING
+            # Nor can a point come too near that is farther than all of the way.
+            if clearance - least > way + ROUNDING:
+                continue
             time = 0.0
             while True:
                 # No point approaches faster than `fastest`, so a far point needs few checks.
                 spare = clearance - least
                 certain = min(time + max(spare, 0.0) / fastest, free)
                 time = min(time + max(spare, STEP) / fastest, free)
-                turn = turn_rate * time
-                moved_x, moved_y = displacement(speed * time, turn)
-                s, c = sincos(turn)
-                dx, dy = x + vx * time - moved_x, y + vy * time - moved_y
                 # `clearance`, inlined: a walker among others spends most of its time here.
-                along, across = c * dx + s * dy, abs(c * dy - s * dx) - side
+                if turn_rate == 0.0:
+                    dx, dy = x + vx * time - speed * time, y + vy * time
+                    along, across = dx, abs(dy) - side
+                else:
+                    turn = turn_rate * time
+                    moved_x, moved_y = displacement(speed * time, turn)
+                    s, c = sincos(turn)
+                    dx, dy = x + vx * time - moved_x, y + vy * time - moved_y
+                    along, across = c * dx + s * dy, abs(c * dy - s * dx) - side
                 along = max(along - front, -back - along)
                 if along > 0.0 and across > 0.0:
                     clearance = sqrt(along * along + across * across)

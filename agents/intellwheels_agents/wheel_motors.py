@@ -11,7 +11,7 @@ import math
 from collections import deque
 from dataclasses import dataclass
 from math import inf
-from typing import Final
+from typing import Final, NamedTuple
 
 from intellwheels_agents.portable_math import exp, log
 from intellwheels_schemas.messages import EncodersReading, Measures, Robot
@@ -30,8 +30,7 @@ SAME: Final = 0.0009
 """Errors that differ by less count as equal, (m/s)2: the square of 3 cm/s, the step of an encoder at 20 ms."""
 
 
-@dataclass(frozen=True, slots=True)
-class Wheels:
+class Wheels(NamedTuple):
     """Speeds of the wheels, m/s, or their travels, m."""
 
     left: float

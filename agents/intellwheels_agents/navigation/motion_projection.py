@@ -109,8 +109,11 @@ class MotionProjection:
         pieces = max(1, math.ceil(reach / STEP))
         travel, turn, reach = travel / pieces, turn / pieces, reach / pieces
         x, y, heading, moved = pose
-        for _ in range(pieces):
-            s, c = sincos(heading + turn / 2.0)
+        half = turn / 2.0
+        s, c = sincos(heading + half)
+        for piece in range(pieces):
+            if piece and turn != 0.0:
+                s, c = sincos(heading + half)
             x += travel * c
             y += travel * s
             heading += turn
