@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 import os
+import signal
 import subprocess
 import sys
 from collections.abc import Callable, Iterator
@@ -63,14 +64,39 @@ def _audited(open_session: Callable[..., zenoh.Session]) -> Callable[..., zenoh.
 zenoh.open = _audited(zenoh.open)
 
 
+_WARMING = pytest.StashKey[subprocess.Popen[str]]()
+
+
 def pytest_sessionstart(session: pytest.Session) -> None:
-    """Compile the kernels once, before any test waits for a process that would do it."""
+    """Begin to compile the kernels once, while the tests are collected: no test need wait for a process that does it."""
     if hasattr(session.config, "workerinput") or session.config.option.collectonly:
         return
     words = [sys.executable, "-c", "from intellwheels_server.world.warmup import warm; warm()"]
-    done = subprocess.run(words, capture_output=True, text=True, timeout=COMPILED, check=False)
-    if done.returncode != 0:
-        raise pytest.UsageError(f"the kernels cannot be compiled:\n{done.stderr}")
+    session.config.stash[_WARMING] = subprocess.Popen(
+        words, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, start_new_session=True
+    )
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_runtestloop(session: pytest.Session) -> None:
+    """Wait until the kernels are compiled: no test starts before, in this process or in a worker."""
+    warming = session.config.stash.get(_WARMING, None)
+    if warming is None:
+        return
+    try:
+        _, said = warming.communicate(timeout=COMPILED)
+    except subprocess.TimeoutExpired:
+        raise pytest.UsageError(f"the kernels are not compiled after {COMPILED:g} s") from None
+    if warming.returncode != 0:
+        raise pytest.UsageError(f"the kernels cannot be compiled:\n{said}")
+
+
+def pytest_unconfigure(config: pytest.Config) -> None:
+    """End the compiling of a session that ends before its tests."""
+    warming = config.stash.get(_WARMING, None)
+    if warming is not None and warming.poll() is None:
+        os.killpg(warming.pid, signal.SIGKILL)
+        warming.communicate()
 
 
 @pytest.hookimpl(wrapper=True, tryfirst=True)

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import dataclasses
+import functools
 import io
 import json
 import shutil
+import tempfile
 import threading
 from dataclasses import replace
 from pathlib import Path
@@ -27,7 +29,7 @@ from intellwheels_experiments.batch.batch_command import (
 from intellwheels_experiments.batch.batch_parts import Part
 from intellwheels_experiments.batch.experiment_rows import rows_of
 from intellwheels_experiments.batch.run_batch import Batch
-from intellwheels_experiments.batch.run_measures import measure_run
+from intellwheels_experiments.batch.run_measures import RunMeasures, RunSeries, measure_run
 from intellwheels_experiments.batch.run_store import StoredRun, run_folder, store_run
 from intellwheels_experiments.batch.scratch_folders import scratch_folder
 from intellwheels_experiments.batch.summary import Summary
@@ -51,9 +53,17 @@ def finished_batch(folder: Path, seeds: int = 2) -> tuple[Batch, Scene]:
     for row in wanted.rows:
         for seed in wanted.seeds:
             aside = 0.1 if row.name == "unlike" else 0.0
-            numbers, series = measure_run(straight(aside=aside), document, FLOOR, "chair", real=False)
+            numbers, series = measured(aside)
             store_run(wanted.out, StoredRun(row=row.name, seed=seed, measured=numbers, wall=float(seed)), series)
     return wanted, document
+
+
+@functools.cache
+def measured(aside: float) -> tuple[RunMeasures, RunSeries]:
+    """Return the measures of the run that starts beside the middle by so many metres."""
+    with tempfile.TemporaryDirectory() as folder:
+        document = scene(str(write_scene(Path(folder))))
+    return measure_run(straight(aside=aside), document, FLOOR, "chair", real=False)
 
 
 def shown(summary: Summary, *, terminal: bool = False) -> str:

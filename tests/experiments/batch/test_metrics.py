@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import math
 
 import numpy as np
@@ -20,6 +21,7 @@ def minimum_jerk(rate: float, seconds: float = 4.0, scale: float = 1.0) -> metri
     return np.asarray(scale * 30.0 * u**2 * (1.0 - u) ** 2 / seconds)
 
 
+@functools.cache
 def continuous_spectral_arc_length(seconds: float) -> float:
     """SPARC of that movement by integrals alone: nothing is sampled in time."""
     frequency = np.linspace(0.0, 10.0, 10_001)
