@@ -68,7 +68,7 @@ _WARMING = pytest.StashKey[subprocess.Popen[str]]()
 
 
 def pytest_sessionstart(session: pytest.Session) -> None:
-    """Begin to compile the kernels once, while the tests are collected: no test need wait for a process that does it."""
+    """Begin to compile the kernels once, while the tests are collected: no test waits for a process that does it."""
     if hasattr(session.config, "workerinput") or session.config.option.collectonly:
         return
     words = [sys.executable, "-c", "from intellwheels_server.world.warmup import warm; warm()"]
