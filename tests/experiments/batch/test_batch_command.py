@@ -6,9 +6,11 @@ import dataclasses
 import functools
 import io
 import json
+import pickle
 import shutil
 import tempfile
 import threading
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
@@ -16,6 +18,7 @@ import msgspec
 import pytest
 from rich.console import Console
 
+from intellwheels_experiments.batch import report_drawings
 from intellwheels_experiments.batch.batch_command import (
     OtherBatchError,
     merge_parts,
@@ -40,6 +43,25 @@ from tests.experiments.runs import straight
 from tests.experiments.scenes import write_scene
 
 FLOOR = floor("corridor15m")
+DRAWN: dict[bytes, object] = {}
+"""The drawings so far, by what was drawn: matplotlib takes longer than all else here."""
+
+
+@pytest.fixture(autouse=True)
+def drawn_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Draw what is the same once; `test_report_drawings` and `test_html_report` always draw."""
+    for name in ("paths", "along", "drift", "intervals"):
+        monkeypatch.setattr(report_drawings, name, remembered(getattr(report_drawings, name)))
+
+
+def remembered(draw: Callable[..., object]) -> Callable[..., object]:
+    def drawn(*arguments: object) -> object:
+        key = pickle.dumps((draw.__name__, arguments))
+        if key not in DRAWN:
+            DRAWN[key] = draw(*arguments)
+        return DRAWN[key]
+
+    return drawn
 
 
 def finished_batch(folder: Path, seeds: int = 2) -> tuple[Batch, Scene]:
