@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import gc
 import os
 import signal
 import subprocess
@@ -19,6 +20,9 @@ COMPILED = 600.0
 
 FOLDERS = (Path(__file__).parent / "e2e",)
 """Every test in these is marked `process`."""
+
+LONG = Path(__file__).parent / "agents" / "minds"
+"""The pure tests that take longest: chairs and people drive for minutes of simulated time."""
 
 FIXTURES = {"intellwheels", "here", "chromium"}
 """A test that uses one of these is marked `process`."""
@@ -48,6 +52,10 @@ sys.addaudithook(_guard.audit)
 # Images often set it. Then each of some hundred processes would compile all of our sources again.
 sys.dont_write_bytecode = False
 os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
+
+
+# Nothing of what is collected is garbage, so no search for garbage finds any until all is there.
+gc.disable()
 
 
 def _audited(open_session: Callable[..., zenoh.Session]) -> Callable[..., zenoh.Session]:
@@ -112,8 +120,15 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
     result = yield
     if hasattr(config, "workerinput"):
         # Long tests first: the short ones fill what is left of the last minute. `sort` keeps the order otherwise.
-        items.sort(key=lambda item: item.get_closest_marker("process") is None)
+        items.sort(key=lambda item: (item.get_closest_marker("process") is None, LONG not in item.path.parents))
     return result
+
+
+def pytest_collection_finish() -> None:
+    """Leave what was collected, which stays to the end, out of every later search for garbage."""
+    gc.enable()
+    gc.collect()
+    gc.freeze()
 
 
 @pytest.hookimpl(wrapper=True)

@@ -54,12 +54,17 @@ class Footprint:
         return self.free_of_moving(((x, y, 0.0, 0.0) for x, y in points), speed, turn_rate, seconds, margin)
 
     def free_of_moving(
-        self, points: Iterable[MovingPoint], speed: float, turn_rate: float, seconds: float, margin: float
-    ) -> float:
-        """Return the same as `free` among points that keep their velocities."""
+        self, points: Iterable[MovingPoint], speed: float, turn_rate: float, seconds: float, margin: float,
+        enough: float = 0.0,
+    ) -> float:  # fmt: skip
+        """Return the same as `free` among points that keep their velocities.
+
+        A time below `enough` seconds need not be the shortest: the search ends with the first one.
+        """
         own = abs(speed) + abs(turn_rate) * self.radius
         front, back, side, radius = self._front, self._back, self._side, self.radius
         free = seconds
+        moved_at, moved_x, moved_y, s, c = 0.0, 0.0, 0.0, 0.0, 1.0
         for x, y, vx, vy in points:
             fastest = own + sqrt(vx * vx + vy * vy)
             way = fastest * free
@@ -83,9 +88,11 @@ class Footprint:
                     dx, dy = x + vx * time - speed * time, y + vy * time
                     along, across = dx, abs(dy) - side
                 else:
-                    turn = turn_rate * time
-                    moved_x, moved_y = displacement(speed * time, turn)
-                    s, c = sincos(turn)
+                    # Most points are checked at the end of the way only.
+                    if time != moved_at:
+                        turn, moved_at = turn_rate * time, time
+                        moved_x, moved_y = displacement(speed * time, turn)
+                        s, c = sincos(turn)
                     dx, dy = x + vx * time - moved_x, y + vy * time - moved_y
                     along, across = c * dx + s * dy, abs(c * dy - s * dx) - side
                 along = max(along - front, -back - along)
@@ -95,6 +102,8 @@ class Footprint:
                     clearance = max(along, across)
                 if clearance < least:
                     free = certain
+                    if free < enough:
+                        return free
                     break
                 if time == free:
                     break

@@ -7,6 +7,7 @@ cannot tell a person from a chair or a wall; a pedestrian model does not need th
 from __future__ import annotations
 
 import math
+from functools import lru_cache
 from math import remainder
 from typing import NamedTuple
 
@@ -28,6 +29,8 @@ SMOOTHING = 0.3
 """Time constant of an object's velocity, s."""
 SIDE_MARGIN = 0.1
 """Metres by which a way out must be wider than the body, on either side."""
+bearing_sincos = lru_cache(maxsize=128)(sincos)
+"""The sine and cosine of a bearing: those of an object are asked for again and again in a tick."""
 SAME_OBJECT = 0.3
 """Farthest that an object may move in a tick and still be recognised as the same, m."""
 
@@ -111,7 +114,7 @@ class RangeRing:
 
     def _tracked(self, metres: float, bearing: float, pose: Odometry, known: list[NearObject]) -> NearObject:
         """Return an object, with a velocity if it is one of the known ones."""
-        s, c = sincos(bearing)
+        s, c = bearing_sincos(bearing)
         x, y = pose.x + metres * c, pose.y + metres * s
         last, least = None, SAME_OBJECT
         # How far its nearest point is from that of a known one; a step to the next cone counts as 0.

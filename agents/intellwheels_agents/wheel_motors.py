@@ -69,8 +69,8 @@ class Motors:
 
     def cycle(self, now: Wheels, wanted: Wheels) -> tuple[Wheels, Wheels]:
         """Return the speeds after a cycle, and the travels in it."""
-        left, left_travel = self._wheel(now.left, wanted.left)
-        right, right_travel = self._wheel(now.right, wanted.right)
+        left, left_travel = self.wheel(now.left, wanted.left)
+        right, right_travel = self.wheel(now.right, wanted.right)
         return Wheels(left, right), Wheels(left_travel, right_travel)
 
     def stopping(self, speed: float) -> float:
@@ -101,7 +101,8 @@ class Motors:
         lag = self.settling / (1.0 - self.kept) * log(speed / least) if self.kept > 0.0 else 0.0
         return lag + speed / self.limit
 
-    def _wheel(self, speed: float, wanted: float) -> tuple[float, float]:
+    def wheel(self, speed: float, wanted: float) -> tuple[float, float]:
+        """Return the speed of one wheel after a cycle, m/s, and its travel, m."""
         new = (1.0 - self.kept) * wanted + self.kept * speed
         most = self.limit * self.period
         if abs(new - speed) > most:
