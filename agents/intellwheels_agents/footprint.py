@@ -4,6 +4,8 @@ All coordinates are in the body's present frame. Obstacles are points. A body th
 the margin may still move away from it, so a chair is never locked in.
 """
 
+# ruff: noqa: FURB136, PLR1730 - calls of `min` and `max` would cost more than the rest of a check.
+
 from __future__ import annotations
 
 from collections.abc import Iterable
@@ -80,32 +82,35 @@ class Footprint:
             time = 0.0
             while True:
                 # No point approaches faster than `fastest`, so a far point needs few checks.
-                spare = clearance - least
-                certain = min(time + max(spare, 0.0) / fastest, free)
-                time = min(time + max(spare, STEP) / fastest, free)
+                spare, before = clearance - least, time
+                time += (spare if spare > STEP else STEP) / fastest
+                if time > free:
+                    time = free
                 # `clearance`, inlined: a walker among others spends most of its time here.
                 if turn_rate == 0.0:
-                    dx, dy = x + vx * time - speed * time, y + vy * time
-                    along, across = dx, abs(dy) - side
+                    along, across = x + vx * time - speed * time, abs(y + vy * time) - side
                 else:
-                    # Most points are checked at the end of the way only.
+                    # Most points are checked at the end of the way.
                     if time != moved_at:
                         turn, moved_at = turn_rate * time, time
                         moved_x, moved_y = displacement(speed * time, turn)
                         s, c = sincos(turn)
                     dx, dy = x + vx * time - moved_x, y + vy * time - moved_y
                     along, across = c * dx + s * dy, abs(c * dy - s * dx) - side
-                along = max(along - front, -back - along)
+                behind = -back - along
+                along -= front
+                if behind > along:
+                    along = behind
                 if along > 0.0 and across > 0.0:
                     clearance = sqrt(along * along + across * across)
                 else:
-                    clearance = max(along, across)
+                    clearance = along if along > across else across
                 if clearance < least:
-                    free = certain
+                    free = min(before + max(spare, 0.0) / fastest, free)
                     if free < enough:
                         return free
                     break
-                if time == free:
+                if time == free or clearance - least > fastest * (free - time) + ROUNDING:
                     break
         return free
 
