@@ -112,7 +112,7 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
     """Mark the tests that start processes, and keep tests that share a module's fixture in one worker."""
     for item in items:
         fixtures = set(getattr(item, "fixturenames", ()))
-        in_folder = any(folder in item.path.parents for folder in FOLDERS)
+        in_folder = any(_is_in(item.path, folder) for folder in FOLDERS)
         if in_folder or fixtures & FIXTURES or any(item.get_closest_marker(mark) for mark in MARKS):
             item.add_marker("process")
         if any(definition.scope == "module" for definition in _definitions(item)):
@@ -120,7 +120,7 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
     result = yield
     if hasattr(config, "workerinput"):
         # Long tests first: the short ones fill what is left of the last minute. `sort` keeps the order otherwise.
-        items.sort(key=lambda item: (item.get_closest_marker("process") is None, LONG not in item.path.parents))
+        items.sort(key=lambda item: (item.get_closest_marker("process") is None, not _is_in(item.path, LONG)))
     return result
 
 
@@ -139,6 +139,12 @@ def pytest_runtest_protocol(item: pytest.Item) -> Iterator[None]:
         return (yield)
     finally:
         _guard.test = ""
+
+
+@functools.cache
+def _is_in(path: Path, folder: Path) -> bool:
+    """Return whether a test file is in a folder; thousands of tests are in the same files."""
+    return folder in path.parents
 
 
 def _definitions(item: pytest.Item) -> Iterator[Any]:
