@@ -100,8 +100,10 @@ class RangeRing:
         ranges = self._ranges
         for reading in sensors.proximity if sensors else ():
             entry = self._sensors.get(reading.id)
-            metres = None if entry is None else distance(reading, entry[1])
-            if entry is not None and metres is not None:
+            if entry is None:
+                continue
+            metres = reading.value if reading.status == "ok" else distance(reading, entry[1])
+            if metres is not None:
                 ranges[entry[0]] = metres
         known, self.objects = self.objects, []
         before = ranges[-1]
