@@ -29,8 +29,9 @@ def narrow_places(floor: Map, robots: Mapping[str, Robot]) -> list[Finding]:
     findings = []
     solids = list(_solids(floor))
     circles = {name: _circles(robot) for name, robot in robots.items()}
+    reach = _reach(*circles.values())
     for index, place in enumerate(floor.grid.position if floor.grid else ()):
-        near = [solid for solid in solids if _may_meet(solid, place.x, place.y, _reach(*circles.values()))]
+        near = [solid for solid in solids if _may_meet(solid, place.x, place.y, reach)]
         for name, robot in robots.items():
             serves = not place.kinds or robot.kind in place.kinds
             goal = robot.kind == "wheelchair" and "goal" in place.kinds
