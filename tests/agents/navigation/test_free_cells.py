@@ -25,7 +25,7 @@ def test_each_cell_has_the_time_at_which_it_was_last_seen() -> None:
 
 
 def test_cells_are_told_apart_all_over_the_torus() -> None:
-    x, y = np.meshgrid(np.arange(SIDE), np.arange(SIDE))
+    x, y = np.meshgrid(np.arange(SIDE, dtype=np.float64), np.arange(SIDE, dtype=np.float64))
     cells = cells_at((x.ravel() - 300.5) * CELL, (y.ravel() - 40.5) * CELL, CELL)
     free = FreeCells()
     for part, time in ((cells[::2], 1.0), (cells[1::2], 2.0)):
