@@ -42,6 +42,7 @@ def test_ldlj_of_the_least_jerky_movement_is_minus_ln_204_8(rate: float) -> None
     assert found == pytest.approx(-math.log(204.8), abs=2.5 / rate)
 
 
+@pytest.mark.xdist_group("spectrum")  # which takes longer than all else here, and is cached
 @pytest.mark.parametrize("rate", RATES)
 def test_sparc_of_the_least_jerky_movement_is_that_of_its_continuous_spectrum(rate: float) -> None:
     found = metrics.spectral_arc_length(minimum_jerk(rate), 1.0 / rate)
