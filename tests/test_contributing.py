@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import re
 from importlib.util import find_spec
 from pathlib import Path
@@ -20,11 +21,17 @@ TO_BE_MADE = {
 
 FILES = [str(path.relative_to(ROOT)) for room in ROOMS for path in (ROOT / room).rglob("*") if path.is_file()]
 FILES += [path.name for path in ROOT.iterdir() if path.is_file()]
-SOURCE = "\n".join(
-    (ROOT / file).read_text()
+SOURCES = [
+    file
     for file in FILES
     if file.endswith((".py", ".toml")) and file not in ("tests/test_house.py", "tests/test_contributing.py")
-)
+]
+
+
+@functools.cache
+def words() -> set[str]:
+    """Return the words of all sources."""
+    return {word for file in SOURCES for word in re.findall(r"\w+", (ROOT / file).read_text())}
 
 
 def quoted(pattern: str) -> list[str]:
@@ -33,25 +40,33 @@ def quoted(pattern: str) -> list[str]:
     return sorted({word for word in re.findall(r"`([^`\n]+)`", text) if re.fullmatch(pattern, word)})
 
 
-@pytest.mark.parametrize("name", quoted(r"[\w./-]+\.(py|md|xml|csv|json|jsonl|json5|svg|toml)"))
-def test_file_is_there(name: str) -> None:
-    if name not in TO_BE_MADE:
-        assert [file for file in FILES if file == name or file.endswith(f"/{name}")], name
+def test_files_are_there() -> None:
+    named = set(quoted(r"[\w./-]+\.(py|md|xml|csv|json|jsonl|json5|svg|toml)")) - TO_BE_MADE
+    assert named
+    assert [name for name in named if not any(f"/{file}".endswith(f"/{name}") for file in FILES)] == []
 
 
-@pytest.mark.parametrize("name", quoted(r"\w[\w./-]*/[\w-]+/?"))
-def test_folder_or_package_is_there(name: str) -> None:
-    folder = name.rstrip("/")
-    if name in TO_BE_MADE or re.match(r"(in|out|user|ctl|join|leave|body|state|crew|iw)/", name):
-        return
-    assert any(f"/{folder}/" in f"/{file}" for file in FILES), name
+def test_folders_and_packages_are_there() -> None:
+    found = {name: name.rstrip("/") for name in quoted(r"\w[\w./-]*/[\w-]+/?") if name not in TO_BE_MADE}
+    named = {
+        name: folder
+        for name, folder in found.items()
+        if not re.match(r"(in|out|user|ctl|join|leave|body|state|crew|iw)/", name)
+    }
+    assert named
+    assert [name for name, folder in named.items() if not any(f"/{folder}/" in f"/{file}" for file in FILES)] == []
 
 
-@pytest.mark.parametrize("name", quoted(r"_?[a-z]\w*_\w+|[A-Z]\w+[a-z]\w*|[A-Z]+_[A-Z_]+|rows\.[A-Z_]+"))
-def test_name_stands_in_the_sources(name: str) -> None:
-    word = name.rpartition(".")[2]
-    snake = re.sub(r"(?<=[a-z])(?=[A-Z])", "_", word).lower()  # a field of the wire
-    assert re.search(rf"\b({word}|{snake})\b", SOURCE), name
+def test_names_stand_in_the_sources() -> None:
+    named = quoted(r"_?[a-z]\w*_\w+|[A-Z]\w+[a-z]\w*|[A-Z]+_[A-Z_]+|rows\.[A-Z_]+")
+    assert named
+    lacking = []
+    for name in named:
+        word = name.rpartition(".")[2]
+        snake = re.sub(r"(?<=[a-z])(?=[A-Z])", "_", word).lower()  # a field of the wire
+        if not {word, snake} & words():
+            lacking.append(name)
+    assert lacking == []
 
 
 @pytest.mark.parametrize("module", sorted(set(re.findall(r"python -m ([\w.]+)", TEXT))))

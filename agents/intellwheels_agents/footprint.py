@@ -4,6 +4,8 @@ All coordinates are in the body's present frame. Obstacles are points. A body th
 the margin may still move away from it, so a chair is never locked in.
 """
 
+# ruff: noqa: FURB136, PLR1730 - calls of `min` and `max` would cost more than the rest of a check.
+
 from __future__ import annotations
 
 from collections.abc import Iterable
@@ -54,41 +56,61 @@ class Footprint:
         return self.free_of_moving(((x, y, 0.0, 0.0) for x, y in points), speed, turn_rate, seconds, margin)
 
     def free_of_moving(
-        self, points: Iterable[MovingPoint], speed: float, turn_rate: float, seconds: float, margin: float
-    ) -> float:
-        """Return the same as `free` among points that keep their velocities."""
+        self, points: Iterable[MovingPoint], speed: float, turn_rate: float, seconds: float, margin: float,
+        enough: float = 0.0,
+    ) -> float:  # fmt: skip
+        """Return the same as `free` among points that keep their velocities.
+
+        A time below `enough` seconds need not be the shortest: the search ends with the first one.
+        """
         own = abs(speed) + abs(turn_rate) * self.radius
         front, back, side, radius = self._front, self._back, self._side, self.radius
         free = seconds
+        moved_at, moved_x, moved_y, s, c = 0.0, 0.0, 0.0, 0.0, 1.0
         for x, y, vx, vy in points:
-            fastest = own + hypot(vx, vy)
-            reach = radius + fastest * free + margin
-            if fastest * free < ROUNDING or x * x + y * y > reach * reach:
+            fastest = own + sqrt(vx * vx + vy * vy)
+            way = fastest * free
+            reach = radius + way + margin
+            if way < ROUNDING or x * x + y * y > reach * reach:
                 continue
             # A point that is already nearer than the margin may stay as near as it is.
             clearance = self.clearance(x, y)
             least = min(margin, clearance) - ROUNDING
+            # Nor can a point come too near that is farther than all of the way.
+            if clearance - least > way + ROUNDING:
+                continue
             time = 0.0
             while True:
                 # No point approaches faster than `fastest`, so a far point needs few checks.
-                spare = clearance - least
-                certain = min(time + max(spare, 0.0) / fastest, free)
-                time = min(time + max(spare, STEP) / fastest, free)
-                turn = turn_rate * time
-                moved_x, moved_y = displacement(speed * time, turn)
-                s, c = sincos(turn)
-                dx, dy = x + vx * time - moved_x, y + vy * time - moved_y
+                spare, before = clearance - least, time
+                time += (spare if spare > STEP else STEP) / fastest
+                if time > free:
+                    time = free
                 # `clearance`, inlined: a walker among others spends most of its time here.
-                along, across = c * dx + s * dy, abs(c * dy - s * dx) - side
-                along = max(along - front, -back - along)
+                if turn_rate == 0.0:
+                    along, across = x + vx * time - speed * time, abs(y + vy * time) - side
+                else:
+                    # Most points are checked at the end of the way.
+                    if time != moved_at:
+                        turn, moved_at = turn_rate * time, time
+                        moved_x, moved_y = displacement(speed * time, turn)
+                        s, c = sincos(turn)
+                    dx, dy = x + vx * time - moved_x, y + vy * time - moved_y
+                    along, across = c * dx + s * dy, abs(c * dy - s * dx) - side
+                behind = -back - along
+                along -= front
+                if behind > along:
+                    along = behind
                 if along > 0.0 and across > 0.0:
                     clearance = sqrt(along * along + across * across)
                 else:
-                    clearance = max(along, across)
+                    clearance = along if along > across else across
                 if clearance < least:
-                    free = certain
+                    free = min(before + max(spare, 0.0) / fastest, free)
+                    if free < enough:
+                        return free
                     break
-                if time == free:
+                if time == free or clearance - least > fastest * (free - time) + ROUNDING:
                     break
         return free
 

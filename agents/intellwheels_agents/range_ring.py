@@ -7,6 +7,8 @@ cannot tell a person from a chair or a wall; a pedestrian model does not need th
 from __future__ import annotations
 
 import math
+from functools import lru_cache
+from math import remainder
 from typing import NamedTuple
 
 import msgspec
@@ -27,6 +29,8 @@ SMOOTHING = 0.3
 """Time constant of an object's velocity, s."""
 SIDE_MARGIN = 0.1
 """Metres by which a way out must be wider than the body, on either side."""
+bearing_sincos = lru_cache(maxsize=128)(sincos)
+"""The sine and cosine of a bearing: those of an object are asked for again and again in a tick."""
 SAME_OBJECT = 0.3
 """Farthest that an object may move in a tick and still be recognised as the same, m."""
 
@@ -47,11 +51,6 @@ class NearObject(NamedTuple):
     bearing: float
     velocity_x: float = 0.0
     velocity_y: float = 0.0
-
-    def moved_from(self, other: NearObject) -> float:
-        """Return how far the nearest point is from another's, m; a step to the next cone counts as 0."""
-        turned = max(abs(wrapped(self.bearing - other.bearing)) - WIDTH, 0.0)
-        return abs(self.metres - other.metres) + self.metres * turned
 
 
 def with_ring(robot: Robot) -> Robot:
@@ -98,32 +97,42 @@ class RangeRing:
 
     def update(self, sensors: Sensors | None, pose: Odometry) -> None:
         """Update with the readings of a tick, taken at a pose. A cone that failed keeps its last range."""
+        ranges = self._ranges
         for reading in sensors.proximity if sensors else ():
             entry = self._sensors.get(reading.id)
-            metres = None if entry is None else distance(reading, entry[1])
-            if entry is not None and metres is not None:
-                self._ranges[entry[0]] = metres
+            if entry is None:
+                continue
+            metres = reading.value if reading.status == "ok" else distance(reading, entry[1])
+            if metres is not None:
+                ranges[entry[0]] = metres
         known, self.objects = self.objects, []
-        count = len(self._ranges)
-        for i, metres in enumerate(self._ranges):
-            after = self._ranges[(i + 1) % count]
+        before = ranges[-1]
+        for i, (metres, after) in enumerate(zip(ranges, [*ranges[1:], ranges[0]], strict=True)):
             # Two cones that see one object at their common edge have equal ranges: take the first.
-            if metres < self._ranges[i - 1] and metres <= after and metres <= RANGE:
+            if metres < before and metres <= after and metres <= RANGE:
                 bearing = pose.heading + self._bearings[i] + (WIDTH / 2.0 if metres == after else 0.0)
                 self.objects.append(self._tracked(metres, wrapped(bearing), pose, known))
+            before = metres
 
     def _tracked(self, metres: float, bearing: float, pose: Odometry, known: list[NearObject]) -> NearObject:
         """Return an object, with a velocity if it is one of the known ones."""
-        s, c = sincos(bearing)
+        s, c = bearing_sincos(bearing)
         x, y = pose.x + metres * c, pose.y + metres * s
-        found = NearObject(x, y, metres, bearing)
-        last = min(known, key=found.moved_from, default=None)
-        if last is None or found.moved_from(last) >= SAME_OBJECT:
-            return found
+        last, least = None, SAME_OBJECT
+        # How far its nearest point is from that of a known one; a step to the next cone counts as 0.
+        for other in known:
+            off = abs(metres - other.metres)
+            if off >= least:
+                continue
+            off += metres * max(abs(remainder(bearing - other.bearing, math.tau)) - WIDTH, 0.0)
+            if off < least:
+                last, least = other, off
+        if last is None:
+            return NearObject(x, y, metres, bearing)
         share = self._period / SMOOTHING
         vx = (1.0 - share) * last.velocity_x + (x - last.x) / SMOOTHING
         vy = (1.0 - share) * last.velocity_y + (y - last.y) / SMOOTHING
-        return found._replace(velocity_x=vx, velocity_y=vy)
+        return NearObject(x, y, metres, bearing, vx, vy)
 
     def gap(self, turned: int = 0, beside: float = 0.0) -> float:
         """Return the free distance in front of the body, m; infinite if nothing is in the way.
@@ -151,14 +160,20 @@ class RangeRing:
     def near(self, reach: float, heading: float) -> list[MovingPoint]:
         """Return the points within `reach` m, in the body frame, each with the velocity of the object nearest to it."""
         s, c = sincos(heading)
+        objects = [(each.bearing, c * each.velocity_x + s * each.velocity_y, c * each.velocity_y - s * each.velocity_x)
+                   for each in self.objects]  # fmt: skip
         found: list[MovingPoint] = []
         for bearing, (ray_s, ray_c), metres in zip(self._bearings, self._directions, self._ranges, strict=True):
             if metres > reach:
                 continue
             in_map = bearing + heading
-            owner = min(self.objects, key=lambda each: abs(wrapped(each.bearing - in_map)), default=None)
-            vx, vy = (0.0, 0.0) if owner is None else (owner.velocity_x, owner.velocity_y)
-            found.append((metres * ray_c, metres * ray_s, c * vx + s * vy, c * vy - s * vx))
+            # A loop instead of `min` with a key: a walker in a crowd spends much of its time here.
+            vx, vy, nearest = 0.0, 0.0, math.inf
+            for at, ahead, aside in objects:
+                off = abs(remainder(at - in_map, math.tau))
+                if off < nearest:
+                    vx, vy, nearest = ahead, aside, off
+            found.append((metres * ray_c, metres * ray_s, vx, vy))
         return found
 
 

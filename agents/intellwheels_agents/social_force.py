@@ -26,7 +26,7 @@ from collections.abc import Iterable, Sequence
 from intellwheels_agents.differential_drive import wrapped
 from intellwheels_agents.portable_math import atan2, cos, exp, hypot, sincos
 from intellwheels_agents.pure_pursuit import Point
-from intellwheels_agents.range_ring import NearObject
+from intellwheels_agents.range_ring import NearObject, bearing_sincos
 
 PREFERRED_SPEED = 1.34
 """v0, m/s."""
@@ -86,7 +86,7 @@ def repulsion(objects: Iterable[NearObject], wanted: Point, commanded: Point, ac
         force, away_x, away_y = elliptic(each, actual)
         if speed > 0.0 and abs(off) > HALF_FIELD_OF_VIEW:
             force *= BEHIND
-        to_y, to_x = sincos(each.bearing)
+        to_y, to_x = bearing_sincos(each.bearing)
         closing = (commanded[0] - each.velocity_x) * to_x + (commanded[1] - each.velocity_y) * to_y
         if speed > 0.0 and closing > 0.0 and abs(off) < math.pi / 2.0:
             # Pass the object on the side where it is not. The side that follows from the ellipse changes with what is
@@ -109,7 +109,7 @@ def elliptic(near: NearObject, velocity: Point) -> tuple[float, float, float]:
         Its size (m/s2), and x and y of the unit vector of its direction.
     """
     middle = near.metres + HALF_DEPTH
-    s, c = sincos(near.bearing)
+    s, c = bearing_sincos(near.bearing)
     x, y = -middle * c, -middle * s
     step_x, step_y = STEP * (near.velocity_x - velocity[0]), STEP * (near.velocity_y - velocity[1])
     later_x, later_y = x - step_x, y - step_y

@@ -11,7 +11,7 @@ import math
 from collections import deque
 from dataclasses import dataclass
 from math import inf
-from typing import Final
+from typing import Final, NamedTuple
 
 from intellwheels_agents.portable_math import exp, log
 from intellwheels_schemas.messages import EncodersReading, Measures, Robot
@@ -30,8 +30,7 @@ SAME: Final = 0.0009
 """Errors that differ by less count as equal, (m/s)2: the square of 3 cm/s, the step of an encoder at 20 ms."""
 
 
-@dataclass(frozen=True, slots=True)
-class Wheels:
+class Wheels(NamedTuple):
     """Speeds of the wheels, m/s, or their travels, m."""
 
     left: float
@@ -70,8 +69,8 @@ class Motors:
 
     def cycle(self, now: Wheels, wanted: Wheels) -> tuple[Wheels, Wheels]:
         """Return the speeds after a cycle, and the travels in it."""
-        left, left_travel = self._wheel(now.left, wanted.left)
-        right, right_travel = self._wheel(now.right, wanted.right)
+        left, left_travel = self.wheel(now.left, wanted.left)
+        right, right_travel = self.wheel(now.right, wanted.right)
         return Wheels(left, right), Wheels(left_travel, right_travel)
 
     def stopping(self, speed: float) -> float:
@@ -102,7 +101,8 @@ class Motors:
         lag = self.settling / (1.0 - self.kept) * log(speed / least) if self.kept > 0.0 else 0.0
         return lag + speed / self.limit
 
-    def _wheel(self, speed: float, wanted: float) -> tuple[float, float]:
+    def wheel(self, speed: float, wanted: float) -> tuple[float, float]:
+        """Return the speed of one wheel after a cycle, m/s, and its travel, m."""
         new = (1.0 - self.kept) * wanted + self.kept * speed
         most = self.limit * self.period
         if abs(new - speed) > most:

@@ -15,7 +15,7 @@ from typing import NamedTuple
 
 from intellwheels_maps.crossing import Point
 from intellwheels_maps.keyholes import find_fault
-from intellwheels_maps.plane_geometry import contains, edges, side
+from intellwheels_maps.plane_geometry import bounds, contains, edges, is_within, side
 from intellwheels_schemas.codec import MAX_BYTES, VERSION, Encoding, encode
 from intellwheels_schemas.explain import did_you_mean
 from intellwheels_schemas.messages import Corner, Doorway, Map, Robot, Scene, Wall
@@ -26,6 +26,9 @@ _SHORTEST = 1e-9
 _WIDTH_TOLERANCE = 0.01
 # m: a wall farther away than this belongs to another opening.
 _JAMB_REACH = 5.0
+
+_Piece = tuple[list[Point], tuple[float, float, float, float]]
+"""A polygon and its bounds."""
 
 
 # Bytes: the simulator delivers its map in one message, which has a key and a header too.
@@ -113,13 +116,21 @@ def opening(document: Map, doorway: Doorway) -> tuple[float, float]:
     Returns:
         Two distances in m, left first; inf if no wall is within 5 m, both 0 if the centre is inside a wall.
     """
+    return _opening([piece for wall in document.wall for piece in _bounded(wall_pieces(wall))], doorway)
+
+
+def _opening(pieces: Iterable[_Piece], doorway: Doorway) -> tuple[float, float]:
     heading = math.radians(doorway.heading_deg)
     left = (-math.sin(heading), math.cos(heading))
     centre = (doorway.x, doorway.y)
-    pieces = [piece for wall in document.wall for piece in wall_pieces(wall)]
-    if any(contains(piece, centre) for piece in pieces):
+    near = [piece for piece, box in pieces if is_within(box, centre, _JAMB_REACH + _WIDTH_TOLERANCE)]
+    if any(contains(piece, centre) for piece in near):
         return 0.0, 0.0
-    return _reach(centre, left, pieces), _reach(centre, (-left[0], -left[1]), pieces)
+    return _reach(centre, left, near), _reach(centre, (-left[0], -left[1]), near)
+
+
+def _bounded(pieces: Iterable[list[Point]]) -> list[_Piece]:
+    return [(piece, bounds(piece)) for piece in pieces]
 
 
 def wall_pieces(wall: Wall) -> list[list[Point]]:
@@ -211,9 +222,10 @@ def _check_routes(document: Map) -> Iterator[Finding]:
 
 
 def _check_doorways(document: Map) -> Iterator[Finding]:
+    pieces = [piece for wall in document.wall for piece in _bounded(wall_pieces(wall))] if document.doorway else []
     for index, doorway in enumerate(document.doorway):
         element = f"Map.Doorway[{index}]"
-        left, right = opening(document, doorway)
+        left, right = _opening(pieces, doorway)
         if left == 0.0:
             yield Finding(element, f"doorway {doorway.name!r}: expected an opening, got the inside of a wall")
         elif math.inf in (left, right):
@@ -230,9 +242,10 @@ def _check_doorways(document: Map) -> Iterator[Finding]:
 def _check_places(document: Map) -> Iterator[Finding]:
     walls = [(f"Wall[{index}]", piece) for index, wall in enumerate(document.wall) for piece in wall_pieces(wall)]
     walls += [(f"obstacle {obstacle.name!r}", ring_of(obstacle.corner)) for obstacle in document.obstacle]
+    solids = [(what, piece, bounds(piece)) for what, piece in walls]
     for index, place in enumerate(document.grid.position if document.grid else ()):
-        for what, piece in walls:
-            if contains(piece, (place.x, place.y)):
+        for what, piece, box in solids:
+            if is_within(box, (place.x, place.y)) and contains(piece, (place.x, place.y)):
                 yield Finding(f"Map.Grid.Position[{index}]", f"place {place.name!r} is inside {what}")
                 break
 

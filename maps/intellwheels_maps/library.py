@@ -8,6 +8,7 @@ its schema and its checks. Otherwise a `WireError` gives the file, the line and 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
+from functools import cache
 from importlib.resources import files
 from importlib.resources.abc import Traversable
 from pathlib import Path
@@ -67,10 +68,18 @@ def floor(name_or_path: str | Path, *, beside: Path | None = None) -> Map:
     Raises:
         WireError: There is no such map, or its file is invalid.
     """
+    if not is_path(name_or_path):
+        return _included_floor(str(name_or_path))
     file = _find("floors", name_or_path, beside)
     if isinstance(file, Path) and is_foreign(file):
         return imported(file).map
     return _load(Map, file, check_map)
+
+
+@cache
+def _included_floor(name: str) -> Map:
+    """Return an included map, read once: a document cannot be changed."""
+    return _load(Map, _find("floors", name, None), check_map)
 
 
 def imported(file: Path) -> Imported:
@@ -138,7 +147,14 @@ def robot(name_or_path: str | Path, *, beside: Path | None = None) -> Robot:
     Raises:
         WireError: There is no such robot, or its file is invalid.
     """
+    if not is_path(name_or_path):
+        return _included_robot(str(name_or_path))
     return _load(Robot, _find("robots", name_or_path, beside), check_robot)
+
+
+@cache
+def _included_robot(name: str) -> Robot:
+    return _load(Robot, _find("robots", name, None), check_robot)
 
 
 def scene(name_or_path: str | Path, *, beside: Path | None = None) -> Scene:

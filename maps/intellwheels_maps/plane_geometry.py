@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 
 from intellwheels_maps.crossing import Point
 
@@ -25,3 +25,15 @@ def contains(ring: Sequence[Point], point: Point) -> bool:
         if (ay > y) != (by > y) and x < ax + (y - ay) / (by - ay) * (bx - ax):
             inside = not inside
     return inside
+
+
+def bounds(points: Iterable[Point]) -> tuple[float, float, float, float]:
+    """Return the least and the greatest x, then the least and the greatest y of points."""
+    xs, ys = zip(*points, strict=True)
+    return min(xs), max(xs), min(ys), max(ys)
+
+
+def is_within(box: tuple[float, float, float, float], point: Point, margin: float = 0.0) -> bool:
+    """Return whether a point is in the box of some `bounds`, or at most so far beside it in x and in y."""
+    left, right, below, above = box
+    return left - margin <= point[0] <= right + margin and below - margin <= point[1] <= above + margin

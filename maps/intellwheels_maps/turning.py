@@ -12,7 +12,7 @@ from collections.abc import Iterable, Iterator, Mapping
 
 from intellwheels_maps.check import Finding, ring_of, wall_pieces
 from intellwheels_maps.crossing import Point
-from intellwheels_maps.plane_geometry import contains, edges
+from intellwheels_maps.plane_geometry import bounds, contains, edges
 from intellwheels_schemas.messages import Map, Place, Robot, Scene
 from intellwheels_schemas.rules import is_mobile, parts_of
 
@@ -29,8 +29,9 @@ def narrow_places(floor: Map, robots: Mapping[str, Robot]) -> list[Finding]:
     findings = []
     solids = list(_solids(floor))
     circles = {name: _circles(robot) for name, robot in robots.items()}
+    reach = _reach(*circles.values())
     for index, place in enumerate(floor.grid.position if floor.grid else ()):
-        near = [solid for solid in solids if _may_meet(solid, place.x, place.y, _reach(*circles.values()))]
+        near = [solid for solid in solids if _may_meet(solid, place.x, place.y, reach)]
         for name, robot in robots.items():
             serves = not place.kinds or robot.kind in place.kinds
             goal = robot.kind == "wheelchair" and "goal" in place.kinds
@@ -108,15 +109,10 @@ def _reach(*several: Iterable[Circle]) -> float:
 def _solids(floor: Map) -> Iterator[Solid]:
     for index, wall in enumerate(floor.wall):
         for piece in wall_pieces(wall):
-            yield f"Wall[{index}]", piece, wall.bottom, wall.height, _bounds(piece)
+            yield f"Wall[{index}]", piece, wall.bottom, wall.height, bounds(piece)
     for obstacle in floor.obstacle:
         ring = ring_of(obstacle.corner)
-        yield f"obstacle {obstacle.name!r}", ring, obstacle.bottom, obstacle.top, _bounds(ring)
-
-
-def _bounds(corners: Iterable[Point]) -> tuple[float, float, float, float]:
-    xs, ys = zip(*corners, strict=True)
-    return min(xs), max(xs), min(ys), max(ys)
+        yield f"obstacle {obstacle.name!r}", ring, obstacle.bottom, obstacle.top, bounds(ring)
 
 
 def _may_meet(solid: Solid, x: float, y: float, reach: float) -> bool:

@@ -2,7 +2,6 @@ from __future__ import annotations
 
 import math
 import random
-from fractions import Fraction
 from itertools import pairwise
 
 import pytest
@@ -11,7 +10,8 @@ from intellwheels_maps.crossing import Point, find_crossing, orientation
 
 
 def side(a: Point, b: Point, c: Point) -> int:
-    ax, ay, bx, by, cx, cy = map(Fraction, (*a, *b, *c))
+    # Whole multiples of 2^-200 have all bits of the coordinates, so this is exact, as with fractions, but faster.
+    ax, ay, bx, by, cx, cy = (int(value * 2.0**200) for value in (*a, *b, *c))
     value = (bx - ax) * (cy - ay) - (by - ay) * (cx - ax)
     return (value > 0) - (value < 0)
 

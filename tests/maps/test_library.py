@@ -206,3 +206,13 @@ def test_a_file_that_is_too_long_is_not_read(tmp_path: Path) -> None:
         file.truncate((64 << 20) + 1)  # a file of holes: no bytes are written
     with pytest.raises(WireError, match=r"m\.yaml.* at most 67,?108,?864 bytes"):
         floor(path)
+
+
+def test_included_document_is_read_once_and_a_file_each_time(tmp_path: Path) -> None:
+    assert floor("room") is floor("room")
+    assert robot("table") is robot("table")
+    path = write(tmp_path, "mine.xml", MAP.format(wall=WALL, place="end"))
+    before = floor(path)
+    path.write_text(path.read_text(encoding="utf-8").replace('"end"', '"goal"'), encoding="utf-8")
+    assert before.grid
+    assert floor(path).grid != before.grid

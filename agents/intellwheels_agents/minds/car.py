@@ -30,7 +30,7 @@ import msgspec
 from intellwheels_agents.differential_drive import Odometry, powers, wrapped
 from intellwheels_agents.mind import Context
 from intellwheels_agents.options import OptionError, Options
-from intellwheels_agents.portable_math import atan2, cos, dist, sin
+from intellwheels_agents.portable_math import atan2, dist, sin, sincos
 from intellwheels_agents.pure_pursuit import path_of
 from intellwheels_agents.range_scan import SENSOR_HEIGHT, distance, outline
 from intellwheels_schemas.messages import Actions, Goal, Measures, Proximity, Robot
@@ -88,7 +88,7 @@ class Mind:
         self._path = path_of(context)
         self._pose = Odometry(robot, context.position)
         self._period = context.parameters.period
-        self._fan = {sensor.id: (sensor, math.radians(sensor.direction_deg)) for sensor in robot.proximity}
+        self._fan = {sensor.id: (sensor, *sincos(math.radians(sensor.direction_deg))) for sensor in robot.proximity}
         self._speed = 0.0
 
     def decide(self, measures: Measures) -> Actions:
@@ -128,7 +128,8 @@ class Mind:
             metres = None if entry is None else distance(reading, entry[0])
             if entry is None or metres is None or math.isinf(metres):
                 continue
-            across = entry[0].y + metres * sin(entry[1])
+            sensor, s, c = entry
+            across = sensor.y + metres * s
             if abs(across) < self._half_width:
-                gap = min(gap, metres * cos(entry[1]))
+                gap = min(gap, metres * c)
         return gap

@@ -190,12 +190,13 @@ class Mind:
             gap = self._ring.gap()
             forward = min(speed * max(cos(off), 0.0), gap / TIME_GAP, (gap + FOLLOWING_GAP) / FOLLOWING_TIME)
         near = self._ring.near(STEP_RANGE, heading)
-        if self._footprint.free_of_moving(near, 0.0, 0.0, DODGE_TIME, MARGIN) < DODGE_TIME:
+        free = self._footprint.free_of_moving
+        if free(near, 0.0, 0.0, DODGE_TIME, MARGIN, DODGE_TIME) < DODGE_TIME:
             return powers(self._robot, *self._dodge(near, forward, turn_rate))
-        standing = [(x, y) for x, y, _, _ in near]
+        standing = [(x, y, 0.0, 0.0) for x, y, _, _ in near]
         # As wanted, or straight on, or a turn in place, or back to where it can turn.
         for ahead, turn in ((forward, turn_rate), (forward, 0.0), (0.0, turn_rate), (-BACKWARD, 0.0)):
-            share = self._footprint.free(standing, ahead, turn, LOOK_AHEAD, MARGIN) / LOOK_AHEAD
+            share = free(standing, ahead, turn, LOOK_AHEAD, MARGIN, 0.5 * LOOK_AHEAD) / LOOK_AHEAD
             if share > 0.5:
                 return powers(self._robot, ahead * share, turn * share)
         return 0.0, 0.0
@@ -204,7 +205,7 @@ class Mind:
         """Return the speed (m/s) and turn rate (rad/s) that avoid a collision for the longest time."""
         best, longest = (forward, turn_rate), -1.0
         for ahead, turn in ((forward, turn_rate), *self._dodges):
-            time = self._footprint.free_of_moving(near, ahead, turn, DODGE_TIME, MARGIN)
+            time = self._footprint.free_of_moving(near, ahead, turn, DODGE_TIME, MARGIN, longest)
             if time > longest:
                 best, longest = (ahead, turn), time
             if longest >= DODGE_TIME:

@@ -9,6 +9,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Sequence
+from functools import lru_cache
 from typing import Final, NamedTuple
 
 import numpy as np
@@ -201,13 +202,16 @@ class CollisionGuard:
         return Wheels(left * self._robot.top_speed, right * self._robot.top_speed)
 
 
-def _shares(speed: float, rate: float, creep_speeds: tuple[float, ...]) -> list[tuple[float, float]]:
+@lru_cache(maxsize=64)
+def _shares(speed: float, rate: float, creep_speeds: tuple[float, ...]) -> tuple[tuple[float, float], ...]:
     """Return the shares of forward and turn to try, the largest first; none if both are 0."""
     whole = speed + rate
     pairs = list(itertools.product(SHARES if speed else (0.0,), SHARES if rate else (0.0,)))
     if speed:
         pairs += ((share, share if rate else 0.0) for share in (creep / speed for creep in creep_speeds) if share < 1.0)
-    return sorted(
-        (pair for pair in pairs if any(pair)),
-        key=lambda pair: CURVE_WEIGHT * abs(pair[0] - pair[1]) - (pair[0] * speed + pair[1] * rate) / whole,
+    return tuple(
+        sorted(
+            (pair for pair in pairs if any(pair)),
+            key=lambda pair: CURVE_WEIGHT * abs(pair[0] - pair[1]) - (pair[0] * speed + pair[1] * rate) / whole,
+        )
     )

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Final, NamedTuple
 
 import numpy as np
@@ -57,22 +57,26 @@ class WatchedPoints(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class MotionProjection:
-    """Projects the motion of one body, from its outline, track (m) and motors."""
+    """Projects the motion of one body, from its outline, track (m) and motors.
+
+    Attributes:
+        radius: Distance from the centre of movement to the farthest corner, m.
+    """
 
     outline: Outline
     track: float
     motors: Motors
+    radius: float = field(init=False)
+
+    def __post_init__(self) -> None:
+        body = self.outline
+        object.__setattr__(self, "radius", hypot(max(body.front, body.back), body.side))
 
     def clearance(self, x: Floats, y: Floats, swing: float) -> Floats:
         """Return the distances from the footprint to points in m, negative inside; `swing` lengthens both ends."""
         body = self.outline
         middle, half = (body.front - body.back) / 2.0, (body.front + body.back) / 2.0 + swing
         return _outside(np.abs(x - middle) - half, np.abs(y) - body.side)
-
-    @property
-    def radius(self) -> float:
-        """Distance from the centre of movement to the farthest corner, m."""
-        return hypot(max(self.outline.front, self.outline.back), self.outline.side)
 
     def poses(self, now: Wheels, wanted: Wheels, seconds: float) -> list[tuple[float, float, float, float]]:
         """Return the poses of the coming motion until the body stands, as x, y, heading and path length.
@@ -103,14 +107,20 @@ class MotionProjection:
         passed: list[tuple[float, float, float, float]] | None = None,
     ) -> tuple[Wheels, tuple[float, float, float, float]]:
         """Return the wheel speeds and the pose a cycle later; `passed` takes the poses on the way."""
-        now, rolled = self.motors.cycle(now, wanted)
-        travel, turn = (rolled.left + rolled.right) / 2.0, (rolled.right - rolled.left) / self.track
+        wheel = self.motors.wheel
+        left, rolled_left = wheel(now.left, wanted.left)
+        right, rolled_right = wheel(now.right, wanted.right)
+        now = Wheels(left, right)
+        travel, turn = (rolled_left + rolled_right) / 2.0, (rolled_right - rolled_left) / self.track
         reach = abs(travel) + abs(turn) * self.radius
         pieces = max(1, math.ceil(reach / STEP))
         travel, turn, reach = travel / pieces, turn / pieces, reach / pieces
         x, y, heading, moved = pose
-        for _ in range(pieces):
-            s, c = sincos(heading + turn / 2.0)
+        half = turn / 2.0
+        s, c = sincos(heading + half)
+        for piece in range(pieces):
+            if piece and turn != 0.0:
+                s, c = sincos(heading + half)
             x += travel * c
             y += travel * s
             heading += turn

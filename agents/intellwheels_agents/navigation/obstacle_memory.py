@@ -17,13 +17,16 @@ import math
 from collections import deque
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Final, NamedTuple
 
 import numpy as np
 
+from intellwheels_agents import portable_math
 from intellwheels_agents.differential_drive import Odometry
+from intellwheels_agents.navigation.free_cells import FreeCells
 from intellwheels_agents.navigation.point_cells import NEIGHBOURS, Floats, Mask, PointCells, cells_at
-from intellwheels_agents.portable_math import cos, dist, hypot, sincos, tan
+from intellwheels_agents.portable_math import cos, dist, hypot, tan
 from intellwheels_agents.pure_pursuit import Point
 from intellwheels_agents.range_scan import Outline, distance, outline
 from intellwheels_schemas.messages import Measures, Proximity, ProximityReading, Robot
@@ -55,6 +58,9 @@ WALL_GAP: Final = 0.8
 _POSES_KEPT: Final = 40
 
 Pose = tuple[float, float, float]
+
+sincos = lru_cache(maxsize=256)(portable_math.sincos)
+"""Each beam asks for the directions of the body and of its own edges."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -122,10 +128,9 @@ class ObstacleMemory:
         self._travel = 0.0
         self._looked_at = -math.inf
         self._to_look: dict[str, None] = {}
-        # When each cell was seen free. What is older than `FREE_TIME` at a look does not count, and is dropped later.
-        self._free: dict[int, float] = {}
+        # What is older than `FREE_TIME` at a look does not count.
+        self._free = FreeCells()
         self._looked_time = -math.inf
-        self._free_limit = 1000
         self._last: dict[str, _Sight] = {}
         self._covered = _lattice_of(self._outline, cell)
         self._ring = sorted(self._beams, key=lambda name: math.remainder(self._beams[name].bearing, math.tau))
@@ -150,9 +155,6 @@ class ObstacleMemory:
         if looks:
             self._looked_at = self._travel
             self._looked_time = measures.time
-            if len(self._free) > self._free_limit:
-                self._free = {cell: time for cell, time in self._free.items() if measures.time - time <= FREE_TIME}
-                self._free_limit = 2 * len(self._free) + 1000
             self._set_free(pose, *self._covered, measures.time)
             self._drop_lone()
             self._to_look.update(dict.fromkeys(self._beams))
@@ -209,8 +211,8 @@ class ObstacleMemory:
 
     def _clear(self, beam: _Beam, metres: float, then: Pose, tick: int) -> None:
         """Drop the points that a beam saw past from a pose, and that no later reading saw."""
-        clear = metres - self._clearing
-        if clear <= 0.0:
+        clear, stored = metres - self._clearing, self._stored
+        if clear <= 0.0 or not stored.cell.size:
             return
         # A point of the body's frame now, in that of the beam then: turned by (turn_s, turn_c), then moved.
         now = self._poses[-1][1]
@@ -222,27 +224,30 @@ class ObstacleMemory:
             moved_x, moved_y = then_c * dx + then_s * dy, then_c * dy - then_s * dx
             off_x, off_y = off_x + c * moved_x + s * moved_y, off_y + c * moved_y - s * moved_x
             s, c = sincos(beam.bearing + then[2] - now[2])
-        stored = self._stored
         x, y = stored.values[stored.X], stored.values[stored.Y]
         along = c * x + s * y + off_x
+        passed = (along > 0.0) & (along < clear)
+        # Most beams have no point before them that they see past.
+        if not passed.any():
+            return
         across = np.abs(c * y - s * x + off_y)
-        passed = (along > 0.0) & (along < clear) & (across < along * beam.tangent - beam.slack)
-        stored.drop(passed & (along * along + across * across < clear * clear) & (stored.values[stored.TICK] <= tick))
+        passed &= across < along * beam.tangent - beam.slack
+        if passed.any():
+            passed &= (along * along + across * across < clear * clear) & (stored.values[stored.TICK] <= tick)
+            stored.drop(passed)
 
     def _drop_lone(self) -> None:
         stored = self._stored
         lone = stored.live & (stored.values[stored.TRAVEL] < self._travel - LONE_AGE)
-        lone[lone] = [
-            not any(cell + step in stored.columns for step in NEIGHBOURS) for cell in stored.cell[lone].tolist()
-        ]
+        known = stored.columns.keys()
+        lone[lone] = [known.isdisjoint(map(cell.__add__, NEIGHBOURS)) for cell in stored.cell[lone].tolist()]
         stored.drop(lone)
 
     def _set_free(self, pose: Pose, x: Floats, y: Floats, time: float) -> None:
         """Note when cells were seen free, by places in the body's frame at a pose."""
         px, py, heading = pose
         s, c = sincos(heading)
-        cells = cells_at(px + c * x - s * y, py + s * x + c * y, self._cell)
-        self._free.update(dict.fromkeys(cells.tolist(), time))
+        self._free.note(cells_at(px + c * x - s * y, py + s * x + c * y, self._cell), time)
 
     def _mark(
         self,
@@ -267,16 +272,13 @@ class ObstacleMemory:
         dx, dy = map_x - x, map_y - y
         here_x, here_y = c * dx + s * dy, c * dy - s * dx
         outside = ~_within(self._outline, here_x, here_y)
-        cells, free = cells_at(map_x, map_y, self._cell), self._free
+        cells = cells_at(map_x, map_y, self._cell)
         if not appeared:
-            looked, never = self._looked_time, -math.inf
-            seen_free = [looked - free.get(cell, never) <= FREE_TIME for cell in cells.tolist()]
-            possible = outside & ~np.array(seen_free)
+            possible = outside & ~(self._looked_time - self._free.times(cells) <= FREE_TIME)
             outside = possible if possible.any() else outside
         self._stored.put(cells[outside], map_x[outside], map_y[outside], here_x[outside], here_y[outside],
                          self._travel, tick)  # fmt: skip
-        for cell in cells[outside].tolist():
-            free.pop(cell, None)
+        self._free.forget(cells[outside])
 
     def _walls_between(self, now: Pose) -> Iterator[Point]:
         """Yield points of the walls that may connect the arcs of neighbouring beams, in the frame of the body now."""

@@ -14,15 +14,15 @@ Floats = npt.NDArray[np.float64]
 Cells = npt.NDArray[np.int64]
 Mask = npt.NDArray[np.bool_]
 
-_ROW: Final = 1 << 32
+ROW: Final = 1 << 32
 """A cell is its column times this, plus its row."""
-NEIGHBOURS: Final = tuple(_ROW * i + j for i in (-1, 0, 1) for j in (-1, 0, 1) if i or j)
+NEIGHBOURS: Final = tuple(ROW * i + j for i in (-1, 0, 1) for j in (-1, 0, 1) if i or j)
 """What to add to a cell to get each of the eight around it."""
 
 
 def cells_at(x: Floats, y: Floats, cell: float) -> Cells:
     """Return the cells of points; x, y and the size of a cell are in m."""
-    return np.floor(x / cell).astype(np.int64) * _ROW + np.floor(y / cell).astype(np.int64)
+    return np.floor(x / cell).astype(np.int64) * ROW + np.floor(y / cell).astype(np.int64)
 
 
 class PointCells:
@@ -67,17 +67,18 @@ class PointCells:
     def put(self, cells: Cells, map_x: Floats, map_y: Floats, x: Floats, y: Floats, travel: float, tick: int) -> None:
         """Store points. A cell that is stored already, or that is there twice, has its last point."""
         known = size = len(self.cell)
-        columns = []
+        found = []
         for cell in cells.tolist():
             column = self.columns.get(cell)
             if column is None:
                 column = self.columns[cell] = size
                 size += 1
-            columns.append(column)
+            found.append(column)
         if size > known:
             self.cell = np.concatenate([self.cell, np.empty(size - known, dtype=np.int64)])
             self.values = np.concatenate([self.values, np.empty((6, size - known))], axis=1)
             self.live = np.concatenate([self.live, np.ones(size - known, dtype=bool)])
+        columns = np.array(found, dtype=np.int64)
         self.cell[columns] = cells
         for row, values in ((self.MAP_X, map_x), (self.MAP_Y, map_y), (self.X, x), (self.Y, y)):
             self.values[row, columns] = values

@@ -24,8 +24,12 @@ TOUCH = 1e-9
 """Depth up to which two bodies touch and do not overlap, m; as in contact."""
 
 
+_Arrays = tuple[list[str], Floats, Floats, Floats, Ints]
+"""Of all bodies: the names, the poses, the radii, the parts, and where those of each body start."""
+
+
 class OccupiedSpace:
-    """The space that walls and bodies occupy. Its arrays are built again after a body was added or removed."""
+    """The space that walls and bodies occupy. Its arrays are built again after a body was moved or removed."""
 
     def __init__(self, walls: Walls, floor: Map) -> None:
         self._walls = walls
@@ -33,14 +37,15 @@ class OccupiedSpace:
         self._parts: dict[str, Floats] = {}
         self._radii: dict[str, float] = {}
         self._poses: dict[str, tuple[float, float, float]] = {}
-        self._arrays: tuple[list[str], Floats, Floats, Floats, Ints] | None = None
+        self._arrays: _Arrays | None = None
 
     def add(self, name: str, model: BodyModel, x: float, y: float, heading: float) -> None:
         """Add a body at a pose, or move it there."""
+        known = name in self._parts
         self._parts[name] = part_rows(model.shape.boxes)
         self._radii[name] = radius_of(model.shape.boxes)
         self._poses[name] = (float(x), float(y), float(heading))
-        self._arrays = None
+        self._arrays = None if known or self._arrays is None else self._extended(self._arrays, name)
 
     def remove(self, name: str) -> None:
         """Remove a body."""
@@ -90,7 +95,19 @@ class OccupiedSpace:
             return depth, describe_wall(self._floor, wall)
         return depth, f"agent '{names[body]}'"
 
-    def _blocks(self) -> tuple[list[str], Floats, Floats, Floats, Ints]:
+    def _extended(self, arrays: _Arrays, name: str) -> _Arrays:
+        """Return the arrays with one more body. To make them anew takes longer the more bodies there are."""
+        names, poses, radii, parts, starts = arrays
+        pose = np.array(self._poses[name]).reshape(3, 1)
+        return (
+            [*names, name],
+            np.concatenate([poses, pose], axis=1),
+            np.append(radii, self._radii[name]),
+            np.concatenate([parts, self._parts[name]]),
+            np.append(starts, starts[-1] + len(self._parts[name])),
+        )
+
+    def _blocks(self) -> _Arrays:
         if self._arrays is None:
             names = list(self._parts)
             counts = [len(self._parts[name]) for name in names]

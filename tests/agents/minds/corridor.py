@@ -79,8 +79,12 @@ class Corridor:
         self._ways = np.array([-1.0 if both_ways and i % 2 else 1.0 for i in range(self.count)])
         rng = np.random.default_rng(seed)
         starts = self._random(rng) if random_starts else self._lattice(rng)
-        for i, (x, y) in enumerate(starts):
-            self._join(f"walker{i}", x, y, float(self._ways[i]))
+        # All images join at once: with each join, the sensors of all bodies are laid out anew.
+        images = [
+            image for i, (x, y) in enumerate(starts) for image in self._join(f"walker{i}", x, y, float(self._ways[i]))
+        ]
+        self.arena.state, outputs = apply(self.arena.state, images)
+        assert {outcome.code for outcome in outputs.outcomes} == {"ok"}, outputs.outcomes
         index = self.arena.state.body_set.index
         self._real = np.array([index[f"walker{i}"] for i in range(self.count)])
         self._images = [np.array([index[f"walker{i}-{image}"] for i in range(self.count)]) for image in IMAGES]
@@ -112,15 +116,19 @@ class Corridor:
                 found, draws = [], 0
         return found
 
-    def _join(self, name: str, x: float, y: float, way: float) -> None:
+    def _join(self, name: str, x: float, y: float, way: float) -> list[Join]:
+        """Let a walker join; return the joins of his images."""
         options = {"points": f"{1e4 * way:g} {y:.3f}", "MotorNoise": "0.05"}
         heading = 0.0 if way > 0.0 else math.pi
         self.arena.join(name, "person", "person", None, options, Position(x=x, y=y, heading=heading))
-        bare = msgspec.structs.replace(robot("person"), proximity=(), compass=(), encoders=())
-        for image, shift in zip(IMAGES, (-self.length, self.length), strict=True):
-            body = msgspec.structs.replace(bare, format=None, position=Position(x=x + shift, y=y, heading=heading))
-            self.arena.state, outputs = apply(self.arena.state, [Join(agent=f"{name}-{image}", robot=body)])
-            assert outputs.outcomes[0].code == "ok", outputs.outcomes[0].text
+        bare = msgspec.structs.replace(robot("person"), proximity=(), compass=(), encoders=(), format=None)
+        return [
+            Join(
+                agent=f"{name}-{image}",
+                robot=msgspec.structs.replace(bare, position=Position(x=x + shift, y=y, heading=heading)),
+            )
+            for image, shift in zip(IMAGES, (-self.length, self.length), strict=True)
+        ]
 
     def step(self) -> None:
         """Let everybody decide once, and the world take a step."""

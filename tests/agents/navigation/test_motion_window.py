@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import math
 
 import msgspec
@@ -14,7 +15,6 @@ from intellwheels_agents.navigation.motion_window import ACCELERATION, MARGIN, T
 from intellwheels_schemas.messages import Robot
 from tests.agents.navigation.rooms import CHAIR, room, weights
 
-GIVEN = weights(room(size=12.0))
 NOTHING = np.zeros((0, 5))
 
 
@@ -22,13 +22,12 @@ def window(body: Robot = CHAIR, period: float = 0.05) -> MotionWindow:
     return MotionWindow(body, boxes_of(body)[:1], period, 0.8)
 
 
-def goal(x: float, y: float) -> CostToGo:
-    found = CostToGo.to_point(GIVEN, (x, y), 0.1)
+@functools.cache
+def ahead() -> CostToGo:
+    """Return the costs to a goal 8 m ahead of where the bodies start."""
+    found = CostToGo.to_point(weights(room(size=12.0)), (10.0, 6.0), 0.1)
     found.expand(10**7)
     return found
-
-
-AHEAD = goal(10.0, 6.0)
 
 
 def drive(
@@ -54,7 +53,7 @@ def drive(
         )
         if body.shape[0]:
             least = min(least, float(one.gaps(body[:, 0], body[:, 1]).min()))
-        one.choose((x, y, heading), AHEAD, body)
+        one.choose((x, y, heading), ahead(), body)
         keep = CHAIR.acceleration_curve ** (period / 0.05)
         v = keep * one.actual.speed + (1.0 - keep) * one.last.speed
         w = keep * one.actual.rate + (1.0 - keep) * one.last.rate
@@ -76,7 +75,7 @@ def test_body_arrives_where_nothing_is_in_the_way(period: float) -> None:
 
 def test_speed_grows_at_the_comfortable_rate() -> None:
     one = window()
-    one.choose((2.0, 6.0, 0.0), AHEAD, NOTHING)
+    one.choose((2.0, 6.0, 0.0), ahead(), NOTHING)
     assert one.last.speed == pytest.approx(ACCELERATION * 0.05)
     assert abs(one.last.rate) <= TURN_RATE
 
@@ -109,7 +108,7 @@ def test_body_that_is_too_near_may_leave_and_never_comes_nearer() -> None:
 def test_without_a_safe_command_it_brakes() -> None:
     one = window()
     one.last = one.actual = type(one.last)(0.8, 0.0)
-    choice = one.choose((2.0, 6.0, 0.0), AHEAD, wall(0.72, -1.0, 1.0))
+    choice = one.choose((2.0, 6.0, 0.0), ahead(), wall(0.72, -1.0, 1.0))
     assert choice.command == (0.0, 0.0)
     assert not choice.moves
 

@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 import dataclasses
+import functools
 import io
 import json
+import pickle
 import shutil
+import tempfile
 import threading
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
@@ -14,6 +18,7 @@ import msgspec
 import pytest
 from rich.console import Console
 
+from intellwheels_experiments.batch import report_drawings
 from intellwheels_experiments.batch.batch_command import (
     OtherBatchError,
     merge_parts,
@@ -27,7 +32,7 @@ from intellwheels_experiments.batch.batch_command import (
 from intellwheels_experiments.batch.batch_parts import Part
 from intellwheels_experiments.batch.experiment_rows import rows_of
 from intellwheels_experiments.batch.run_batch import Batch
-from intellwheels_experiments.batch.run_measures import measure_run
+from intellwheels_experiments.batch.run_measures import RunMeasures, RunSeries, measure_run
 from intellwheels_experiments.batch.run_store import StoredRun, run_folder, store_run
 from intellwheels_experiments.batch.scratch_folders import scratch_folder
 from intellwheels_experiments.batch.summary import Summary
@@ -38,6 +43,25 @@ from tests.experiments.runs import straight
 from tests.experiments.scenes import write_scene
 
 FLOOR = floor("corridor15m")
+DRAWN: dict[bytes, object] = {}
+"""The drawings so far, by what was drawn: matplotlib takes longer than all else here."""
+
+
+@pytest.fixture(autouse=True)
+def drawn_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Draw what is the same once; `test_report_drawings` and `test_html_report` always draw."""
+    for name in ("paths", "along", "drift", "intervals"):
+        monkeypatch.setattr(report_drawings, name, remembered(getattr(report_drawings, name)))
+
+
+def remembered(draw: Callable[..., object]) -> Callable[..., object]:
+    def drawn(*arguments: object) -> object:
+        key = pickle.dumps((draw.__name__, arguments))
+        if key not in DRAWN:
+            DRAWN[key] = draw(*arguments)
+        return DRAWN[key]
+
+    return drawn
 
 
 def finished_batch(folder: Path, seeds: int = 2) -> tuple[Batch, Scene]:
@@ -51,9 +75,17 @@ def finished_batch(folder: Path, seeds: int = 2) -> tuple[Batch, Scene]:
     for row in wanted.rows:
         for seed in wanted.seeds:
             aside = 0.1 if row.name == "unlike" else 0.0
-            numbers, series = measure_run(straight(aside=aside), document, FLOOR, "chair", real=False)
+            numbers, series = measured(aside)
             store_run(wanted.out, StoredRun(row=row.name, seed=seed, measured=numbers, wall=float(seed)), series)
     return wanted, document
+
+
+@functools.cache
+def measured(aside: float) -> tuple[RunMeasures, RunSeries]:
+    """Return the measures of the run that starts beside the middle by so many metres."""
+    with tempfile.TemporaryDirectory() as folder:
+        document = scene(str(write_scene(Path(folder))))
+    return measure_run(straight(aside=aside), document, FLOOR, "chair", real=False)
 
 
 def shown(summary: Summary, *, terminal: bool = False) -> str:

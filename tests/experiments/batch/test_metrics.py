@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import math
 
 import numpy as np
@@ -20,6 +21,7 @@ def minimum_jerk(rate: float, seconds: float = 4.0, scale: float = 1.0) -> metri
     return np.asarray(scale * 30.0 * u**2 * (1.0 - u) ** 2 / seconds)
 
 
+@functools.cache
 def continuous_spectral_arc_length(seconds: float) -> float:
     """SPARC of that movement by integrals alone: nothing is sampled in time."""
     frequency = np.linspace(0.0, 10.0, 10_001)
@@ -40,6 +42,7 @@ def test_ldlj_of_the_least_jerky_movement_is_minus_ln_204_8(rate: float) -> None
     assert found == pytest.approx(-math.log(204.8), abs=2.5 / rate)
 
 
+@pytest.mark.xdist_group("spectrum")  # which takes longer than all else here, and is cached
 @pytest.mark.parametrize("rate", RATES)
 def test_sparc_of_the_least_jerky_movement_is_that_of_its_continuous_spectrum(rate: float) -> None:
     found = metrics.spectral_arc_length(minimum_jerk(rate), 1.0 / rate)

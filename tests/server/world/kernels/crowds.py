@@ -54,6 +54,7 @@ class Floor:
         self.allowed: Floats = np.zeros(len(shapes))
         self.twist: Floats = np.zeros((2, len(shapes)))
         self.tick_number = 0
+        self.room = 4
         self.outcome: Floats = np.zeros((6, len(shapes)))
         self.flags: Ints = np.zeros((4, len(shapes)), dtype=np.int64)
         self.hits: Ints = np.empty((0, 6), dtype=np.int64)
@@ -66,16 +67,15 @@ class Floor:
 
     def tick(self) -> None:
         """Move all by one tick."""
-        room = 4
         while True:
-            hits, numbers = np.empty((room, 6), dtype=np.int64), np.empty((room, 6))
+            hits, numbers = np.empty((self.room, 6), dtype=np.int64), np.empty((self.room, 6))
             outcomes = Outcomes(self.outcome, self.flags, hits, numbers)
             used = contact.resolve(
                 self.bodies, self.walls, self.pose, self.twist, self.allowed, self.tick_number, outcomes
             )
-            if used <= room:
+            if used <= self.room:
                 break
-            room = used
+            self.room = used
         order = np.lexsort((hits[:used, 1], hits[:used, 0]))
         self.hits, self.hit_numbers = hits[:used][order], numbers[:used][order]
         self.pose = self.outcome[END_X : END_HEADING + 1].copy()
