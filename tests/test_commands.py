@@ -73,7 +73,7 @@ LACKING: dict[str, tuple[list[str], str]] = {
 }
 """A use of each command that needs an extra, and the extra."""
 
-WITHOUT_EXTRA = {"iw-router", "iw-lab", "iw-check-agent"}
+WITHOUT_EXTRA = {"iw-router", "iw-lab", "iw-check-agent", "iw-ciber"}
 """The commands that the base installation runs."""
 
 BASE_ONLY = """
