@@ -35,6 +35,7 @@ A unit of a lab is 1 m. Robots start at the places of the map without kinds, in 
 agent asks for. Beacons are the places of kind beacon, targets the zones. A cycle is a tick, and has 50 ms if the
 simulator's period is the usual one.
 
+A robot that meets an obstacle slides along it; in the Ciber-Rato simulator it only turned.
 Scores are not kept. RobotBeacon, Panel and the binary protocol are refused. A viewer shows the robots of this iw-ciber.
 Anybody who can send datagrams to the port can drive a robot of its own; by default only this machine can.
 

@@ -5,7 +5,11 @@ the robot turns by the difference of both over the diameter. The motor gives hal
 gave before, times a normal random number.
 
 A body of the contract has boxes: 15 of them fill the disc, with their corners on its edge, so that a robot fits where
-the disc fits. Between the corners 13 mm to 25 mm are missing.
+the disc fits. Between the corners up to 24 mm are missing.
+
+Three things differ. A robot that meets an obstacle slides along it; there it only turned. An obstacle sensor measures
+the nearest point in its cone; there it was the nearest of three rays and of all corners, up to 1/cos(15 degrees) times
+as far. The speed of a wheel lags without steps within a cycle, so the travel of the first cycles is a little longer.
 
 Source:
     The public tools of the simulator (github.com/iris-ua/ciberRatoTools): its robot, motor and sensors, and the noise

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from xml.etree import ElementTree
 
+import pytest
+
 from intellwheels_agents.ciber_gateway.ciber_robot import ciber_robot
 from intellwheels_agents.ciber_gateway.client_messages import Registration
 from intellwheels_agents.ciber_gateway.lab_frame import lab_of
@@ -19,8 +21,10 @@ from intellwheels_agents.ciber_gateway.simulator_messages import (
     reply,
     robot_shown,
 )
+from intellwheels_maps.library import imported
 from tests.agents.ciber_gateway.stand_in_clients import GRID, LAB, cut
 from tests.maps.importers.drawn_floors import read
+from tests.maps.importers.test_public_floors import FOLDER
 
 FLOOR = lab_of(read({"MyLab.xml": LAB, "MyGrid.xml": GRID}).map)
 
@@ -66,3 +70,19 @@ def test_a_robot_with_any_name_is_well_formed() -> None:
         robot_shown(1, 'a"<&>b', 9, (1.0, 2.0, 3.14159265), "Running", collisions=2, collision=True, visited="01")
     )
     assert (robot.attrib["Name"], robot.attrib["VisitedMask"], robot[0].attrib["Dir"]) == ('a"<&>b', "01", "180")
+
+
+@pytest.mark.skipif(not FOLDER.is_dir(), reason="needs the public floors in the folder PUBLIC_FLOORS")
+def test_a_public_lab_is_shown_as_in_its_files() -> None:
+    lab = lab_of(imported(FOLDER / "CiberRTSS08_FinalLab.xml").map)
+    drawn = ElementTree.parse(FOLDER / "CiberRTSS08_FinalLab.xml").getroot()
+    grid = ElementTree.parse(FOLDER / "CiberRTSS08_FinalGrid.xml").getroot()
+    shown = cut(lab_shown(lab, 2.0))
+    assert shown.attrib == drawn.attrib
+    for name in ("Beacon", "Target", "Wall"):
+        assert len(shown.findall(name)) == len(drawn.findall(name))
+    corners = [sorted((float(one.attrib["X"]), float(one.attrib["Y"])) for one in wall) for wall in drawn.iter("Wall")]
+    assert [
+        sorted((float(one.attrib["X"]), float(one.attrib["Y"])) for one in wall) for wall in shown.iter("Wall")
+    ] == corners
+    assert [one.attrib for one in cut(grid_shown(lab))] == [one.attrib for one in grid]
