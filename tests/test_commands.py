@@ -73,7 +73,7 @@ LACKING: dict[str, tuple[list[str], str]] = {
 }
 """A use of each command that needs an extra, and the extra."""
 
-WITHOUT_EXTRA = {"iw-router", "iw-lab", "iw-check-agent"}
+WITHOUT_EXTRA = {"iw-router", "iw-lab", "iw-check-agent", "iw-ciber"}
 """The commands that the base installation runs."""
 
 BASE_ONLY = """
@@ -109,8 +109,8 @@ def with_base_only(uses: list[tuple[str, list[str]]]) -> list[tuple[int, str, st
 def test_without_its_extra_a_command_says_which_one_it_needs() -> None:
     assert LACKING.keys() | WITHOUT_EXTRA == SCRIPTS.keys()
     uses = [(name, words) for name, (words, _) in LACKING.items()]
-    uses += [("iw-run", ["figure6", "--view"]), ("iw-run", ["table1", "--seeds", "2"])]
-    extras = [extra for _, extra in LACKING.values()] + ["server,viewer", "server,experiments"]
+    uses += [("iw-run", ["figure6", "--view"]), ("iw-run", ["table1", "--seeds", "2"]), ("iw-record", ["--ros2", "b"])]
+    extras = [extra for _, extra in LACKING.values()] + ["server,viewer", "server,experiments", "foxglove,ros"]
     for (name, words), extra, (code, out, err) in zip(uses, extras, with_base_only(uses), strict=True):
         assert (code, out) == (2, ""), (name, words, err)
         assert err.startswith("iw-server: " if name == "iw" else f"{name}: ")

@@ -84,6 +84,9 @@ def _imports(path: Path) -> Iterator[str]:
 
 FILES = list(sources())
 OPENERS = {
+    "intellwheels_agents.ciber_gateway.ciber_process",
+    "intellwheels_agents.ciber_gateway.reception",
+    "intellwheels_agents.ciber_gateway.robot_client",
     "intellwheels_agents.record_gateway.log_source",
     "intellwheels_agents.record_gateway.panel_driver",
     "intellwheels_agents.record_gateway.record_process",

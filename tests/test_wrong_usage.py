@@ -22,6 +22,7 @@ import pytest
 from intellwheels_agents import __main__ as agent
 from intellwheels_agents.bridge import __main__ as bridge
 from intellwheels_agents.bridge import firmware_stand_in
+from intellwheels_agents.ciber_gateway import __main__ as ciber
 from intellwheels_agents.iw_command import main as iw
 from intellwheels_agents.joystick import __main__ as joystick
 from intellwheels_agents.record_gateway import __main__ as record
@@ -63,6 +64,7 @@ WRONG: dict[str, Sequence[str]] = {
     "ENDPOINT": ENDPOINTS, "ADDRESS": ("", "http://x", "127.0.0.1:80", "no host", "192.0.2.1"),
     "DEVICE|URL": ("", "http://x"), "TEXT": ("x" * 65, "\x01"), "X,Y,DEG": ("", "1,2", "1,2,x", "nan,0,0", "0,0,361"),
     "FILE": INPUTS, "LOG": INPUTS, "PIPE": INPUTS, "FILE.svg": OUTPUTS, "FILE.html": OUTPUTS, "DIR": FOLDERS,
+    "BAG": (*FOLDERS, "folder"),
     "FOLDER": FOLDERS, "PATH": ("text.xml", "none/x"), "PLACE": PLACES, "ROW": ("", "nosuch"),
     "AGENT=PLACE": ("", "x", "=start1", "chair1=", "No=start1", "chair1=a b"),
     "AGENT=COMMAND": ("", "x", "=./x", "nobody=./x", "chair1=", "chair1='", "chair1=./no/such {nmae}"),
@@ -77,7 +79,7 @@ OWN: dict[str, Sequence[str]] = {
     "iw-run --json": OUTPUTS, "iw-run --log": OUTPUTS,
     "iw-run --speed": (*NUMBERS, "5000"), "iw-server --speed": (*NUMBERS, "5000"),
     "iw-server --period": (*NUMBERS, "2"),
-    "iw-record --port": (*WHOLE, "65536"),
+    "iw-record --port": (*WHOLE, "65536"), "iw-ciber --port": (*WHOLE, "65536"),
     "iw-viewer --allow-host": ("", "http://x", "a b", "a:80"), "iw-viewer --port": (*WHOLE, "65536"),
     "iw-run --view-port": (*WHOLE, "65536"), "python -m intellwheels_agents.bridge.firmware_stand_in --counts": NUMBERS,
     "iw list KIND": ("", "nosuch"), "python -m intellwheels_schemas check FILE": INPUTS,
@@ -117,6 +119,7 @@ COMMANDS = {
     "iw-joystick": Command(joystick.main, joystick.parser, ["chair1"]),
     "iw-viewer": Command(viewer.main, viewer.parser),
     "iw-ros": Command(ros.main, ros.parser),
+    "iw-ciber": Command(ciber.main, ciber.parser),
     "iw-router": Command(router.main, router.parser),
     "iw-lab": Command(lab_keys.main, lab_keys.parser, ["keys"]),
     "iw-check-agent": Command(check_agent.main, check_agent.parser, [], ["--", "true"]),
@@ -155,7 +158,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     monkeypatch.setenv("TMPDIR", str(tmp_path))
     over = threading.Event()
     over.set()
-    for module in (agent, bridge, check_agent, firmware_stand_in, joystick, ros, router, run, server, viewer):
+    for module in (agent, bridge, check_agent, ciber, firmware_stand_in, joystick, ros, router, run, server, viewer):
         # Signals are not what is tested, and each call would leave a thread behind.
         monkeypatch.setattr(module, "stop_on_signals", lambda *_: over)
     monkeypatch.setattr(record, "stop_on_signals", lambda *_: over)
@@ -272,6 +275,7 @@ SAMPLE = (
     ("iw-viewer", "--host=192.0.2.1", "--host"),
     ("iw-router", "--listen=x", "--listen"),
     ("iw-ros", "--ros-connect=x", "--ros-connect"),
+    ("iw-ciber", "--host=192.0.2.1", "--host"),
     ("iw-check-agent", "--connect=x", "--", "true", "--connect"),
     ("iw", "list", "places", "nosuch", "MAP"),
 )

@@ -34,6 +34,7 @@ COMMANDS = {
     "joystick": "drive a chair by hand",
     "bridge": "put a real chair into a simulation",
     "ros": "show a world to ROS 2 nodes, and let them drive a chair",
+    "ciber": "let agents and viewers of the Ciber-Rato simulator take part in a world",
     "check-agent": "check a program in any language against the contract",
     "router": "the router where simulators and agents meet",
     "lab": "passwords and identity files for those who share a router",

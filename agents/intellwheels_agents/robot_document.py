@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import contextlib
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import msgspec
@@ -40,6 +40,23 @@ def split_options(given: Mapping[str, str]) -> tuple[dict[str, str], dict[str, s
     """Return the options that set fields of the robot document, and the options of the mind."""
     robot_options = {name: value for name, value in given.items() if name[:1].isupper()}
     return robot_options, {name: value for name, value in given.items() if name not in robot_options}
+
+
+def fields_of(given: Sequence[str]) -> dict[str, str]:
+    """Return the fields of a robot that `--option` sets, by name.
+
+    Raises:
+        WireError: One is no field with a value, or comes twice.
+    """
+    pairs: dict[str, str] = {}
+    for text in given:
+        name, equals, value = text.partition("=")
+        if not equals or not name[:1].isupper() or name in pairs:
+            raise WireError(
+                "value", f"--option: expected FIELD=VALUE, each field of the robot once, got {text!r}", "--option"
+            )
+        pairs[name] = value
+    return pairs
 
 
 def equipped(robot: Robot, changes: Mapping[str, str]) -> Robot:

@@ -114,7 +114,7 @@ def test_directions_on_the_axes_are_exact() -> None:
 # ---------------------------------------------------------------- the guard
 
 
-GATEWAYS: Final = {"ros_gateway", "record_gateway"}
+GATEWAYS: Final = {"ros_gateway", "record_gateway", "ciber_gateway"}
 """Packages that exchange the numbers of a world with other programs: no run with those repeats by itself."""
 
 

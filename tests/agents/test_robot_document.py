@@ -5,8 +5,9 @@ from __future__ import annotations
 import pytest
 
 from intellwheels_agents.options import OptionError
-from intellwheels_agents.robot_document import default_robot, equipped, joining, split_options
+from intellwheels_agents.robot_document import default_robot, equipped, fields_of, joining, split_options
 from intellwheels_maps import robot as included
+from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.messages import Compass, Encoders, Robot
 from intellwheels_schemas.sonar_devices import DEVICES
 
@@ -122,3 +123,10 @@ def test_whole_agent_joins_with_its_body_and_without_the_files_format() -> None:
 def test_mind_joins_without_a_body() -> None:
     robot = joining(ROBOT, agent="chair1", role="mind", instance="0" * 16, place=None, barrier=False)
     assert robot == Robot(name="chair1", role="mind", instance="0" * 16, barrier=False)
+
+
+def test_fields_of_options() -> None:
+    assert fields_of(["TopSpeed=1", "Lidar.Noise=0"]) == {"TopSpeed": "1", "Lidar.Noise": "0"}
+    for wrong in (["x"], ["speed=1"], ["A=1", "A=2"]):
+        with pytest.raises(WireError, match="--option: expected FIELD=VALUE"):
+            fields_of(wrong)

@@ -51,12 +51,12 @@ def process(*words: str) -> Iterator[subprocess.Popen[str]]:
             stream.close()
 
 
-def wait_for(child: subprocess.Popen[str], word: str) -> None:
-    """Read the child's lines until one begins with the word."""
+def wait_for(child: subprocess.Popen[str], word: str) -> str:
+    """Read the child's lines until one begins with the word, and return it."""
     assert child.stdout is not None
     for line in child.stdout:
         if line.startswith(word):
-            return
+            return line
     raise RuntimeError(f"expected a line '{word}' of {child.args!r}, got the end")
 
 

@@ -1,8 +1,9 @@
 """`iw-record`: records a world to MCAP, shows it live to Foxglove, and makes recordings of input logs.
 
-`translator` turns each message of a world into messages of Foxglove and a copy as JSON. `map_cells`,
-`scene_messages` and `motion_messages` make them, `run_times` dates them and counts missed ticks. All of these are pure.
+`translator` turns each message of a world into messages of Foxglove and a copy as JSON. `scene_messages` and
+`motion_messages` make them, `run_times` dates them and counts missed ticks. All of these are pure.
 `message_sinks` writes the file and serves the live view, `world_source` is on the network, `log_source` plays a log.
+`ros_translator` makes messages of ROS with the pure files of `iw-ros`, and `bag_writer` a bag of them.
 `publish_panel` makes user input of what a page publishes, and `panel_driver` sends it.
 """
 

@@ -33,7 +33,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
             return _print_layout()
         where = link_of(given)
         record_options.check_together(given)
-        lacking = missing_extra("foxglove", *(["server"] if given.log is not None else []))
+        lacking = missing_extra(
+            "foxglove", *(["ros"] if given.ros2 is not None else []), *(["server"] if given.log is not None else [])
+        )
         if lacking is not None:
             _log(lacking)
             return 2

@@ -11,7 +11,7 @@ from typing import Final
 from intellwheels_agents.options import OptionError
 from intellwheels_schemas import defaults
 from intellwheels_schemas.command_parser import CommandParser, number, port, positive_seconds, readable_file
-from intellwheels_schemas.output_paths import check_output_file
+from intellwheels_schemas.output_paths import check_output_file, check_output_folder
 
 EXAMPLES: Final = """\
 examples:
@@ -22,10 +22,15 @@ examples:
       iw-record --layout > layout.json
   make a recording of an input log
       iw-record run.mcap --from run.jsonl
+  write a bag for `ros2 bag play`, of a world or of an input log
+      iw-record --ros2 run
+      iw-record --ros2 run --from run.jsonl
 
 A recording has the topics /tf, /scene, /wedges, /grid, /log, /AGENT/pose, /AGENT/truth, /AGENT/goal,
 /AGENT/scan/SENSOR and /AGENT/odometry/SENSOR for Foxglove, and every message of the world as JSON under /iw.
 Its time is simulated time, plus the time of day at which the recorder first saw the run; with --from it starts at 0.
+A bag has the topics of iw-ros for every chair, with /clock and /map, and the time of a recording. Play it with
+`ros2 bag play run`, and give nodes use_sim_time. It is complete only when iw-record has ended.
 Ticks of which no state came are counted, and reported in /log and in the last line.
 
 In the live view, publish JSON to /user/AGENT, such as {"Forward": 0.5, "Turn": 0.1}, or {"linear": {"x": 0.5},
@@ -37,6 +42,8 @@ Exit codes: 0 done, 1 refused or failed, 2 wrong usage. The command needs the ex
 PORT: Final = 8765
 """Port of the live view, which Foxglove proposes."""
 HOST: Final = "127.0.0.1"
+STORAGES: Final = ("mcap", "sqlite3")
+"""How a bag can be stored; the first is that of ROS 2 since Iron."""
 ROTATE: Final = 1000.0
 """Size of a file, MB."""
 
@@ -45,7 +52,7 @@ def parser() -> argparse.ArgumentParser:
     """Return the parser of this command's own options."""
     result = CommandParser(
         prog="iw-record",
-        description="Record a world to MCAP files, or show it live to Foxglove, or both.",
+        description="Record a world to MCAP files or a bag of ROS 2, or show it live to Foxglove.",
         epilog=EXAMPLES,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
@@ -59,6 +66,12 @@ def parser() -> argparse.ArgumentParser:
         help=f"begin another file, named FILE-2.mcap and so on, when one has so many megabytes, in [0.1, 1e6] "
         f"(default: {ROTATE:g})",
     )  # fmt: skip
+    bag = result.add_argument_group("ROS 2")
+    bag.add_argument(
+        "--ros2", type=Path, metavar="BAG",
+        help="write a bag too, or only: a folder that does not exist yet; needs the extra `ros`",
+    )  # fmt: skip
+    bag.add_argument("--storage", choices=STORAGES, help=f"how it is stored (default: {STORAGES[0]})")
     live = result.add_argument_group("live view")
     live.add_argument("--live", action="store_true", help="serve the live view of Foxglove")
     live.add_argument("--host", metavar="ADDRESS", help=f"address to serve it at (default: {HOST}, this machine only)")
@@ -83,15 +96,21 @@ def check_together(given: argparse.Namespace) -> None:
         OptionError: They do not; the text names one.
         WireError: The file cannot be written.
     """
-    if given.file is None and not given.live:
-        raise OptionError("FILE.mcap: expected a file, or --live, got neither")
+    if given.file is None and given.ros2 is None and not given.live:
+        raise OptionError("FILE.mcap: expected a file, --ros2 or --live, got none of them")
     if given.file is not None:
         check_output_file(given.file, "FILE.mcap")
+    if given.ros2 is not None:
+        check_output_folder(given.ros2, "--ros2")
+        if given.ros2.exists():
+            raise OptionError(f"--ros2: expected a folder that does not exist, got {given.ros2}")
+    elif given.storage is not None:
+        raise OptionError("--storage: expected with --ros2, got none")
     if given.rotate is not None and given.file is None:
         raise OptionError("--rotate: expected with a FILE.mcap, got none")
     if given.log is not None:
-        if given.file is None or given.live:
-            raise OptionError("--from: expected with a FILE.mcap and without --live, got otherwise")
+        if given.live or (given.file is None and given.ros2 is None):
+            raise OptionError("--from: expected with a FILE.mcap or --ros2 and without --live, got otherwise")
         if given.connect or given.listen or given.config or given.identity or given.world != defaults.WORLD:
             raise OptionError("--from: expected without a world and a connection, got both")
         if given.retry_for != math.inf:

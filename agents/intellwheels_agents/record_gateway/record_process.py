@@ -8,7 +8,7 @@ import sys
 import threading
 import time
 from contextlib import ExitStack
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from intellwheels_agents.record_gateway import record_options
 from intellwheels_agents.record_gateway.log_source import WORLD, LogSteps, playing
@@ -20,6 +20,9 @@ from intellwheels_agents.record_gateway.world_source import WorldSource
 from intellwheels_schemas import link
 from intellwheels_schemas.json_schema import json_schemas
 from intellwheels_schemas.keys import Keys
+
+if TYPE_CHECKING:
+    from intellwheels_agents.record_gateway.bag_writer import BagWriter
 
 HOLD = 0.5
 """Seconds for which a published input drives a chair."""
@@ -50,6 +53,7 @@ def record(given: argparse.Namespace, where: link.Link, stop: threading.Event) -
             where, timeout = link.Link(WORLD, connect=(endpoint,)), LOG_CONNECT
         keys = Keys(where.world)
         translator = Translator(keys, time.time if given.log is None else _zero)
+        bag = None if given.ros2 is None else _bag(given, keys, translator)
         sinks = MessageSinks(json_schemas(grows=True), given.file, most)
         try:
             port = None
@@ -60,8 +64,10 @@ def record(given: argparse.Namespace, where: link.Link, stop: threading.Event) -
             session = link.open_session(where, stop, timeout=timeout, waiting=lambda why: _log(f"waiting why={why!r}"))
             if session is None:
                 return 0
-            with session, WorldSource(session, keys, translator, sinks.write, _log) as source:
+            source = WorldSource(session, keys, translator, sinks.write, _log, others=() if bag is None else (bag,))
+            with session, source:
                 words = [] if given.file is None else [f"file={given.file}"]
+                words += [] if given.ros2 is None else [f"bag={given.ros2}"]
                 words += [] if port is None else [f"live=ws://{given.host or record_options.HOST}:{port}"]
                 _print(f"ready {' '.join(words)}")
                 if given.log is not None:
@@ -70,12 +76,16 @@ def record(given: argparse.Namespace, where: link.Link, stop: threading.Event) -
                     _follow(given, session, keys, source, translator, sinks, panel, stop)
                 dropped = source.inbox.dropped
         finally:
-            sinks.close({
-                "ticks": str(translator.ticks.seen), "missed": str(translator.ticks.missed),
-                "refused": str(translator.refused), "world": where.world,
-            })  # fmt: skip
+            with ExitStack() as ending:
+                if bag is not None:
+                    ending.callback(bag.close)
+                sinks.close({
+                    "ticks": str(translator.ticks.seen), "missed": str(translator.ticks.missed),
+                    "refused": str(translator.refused), "world": where.world,
+                })  # fmt: skip
         _print(
             f"recorded {'' if given.file is None else f'file={given.file} '}files={len(sinks.files)} "
+            f"{'' if bag is None else f'bag={given.ros2} bag_messages={bag.messages} '}"
             f"messages={sinks.messages} ticks={translator.ticks.seen} missed={translator.ticks.missed} "
             f"refused={translator.refused + dropped}"
         )
@@ -97,6 +107,14 @@ def _follow(
             for topic in panel.subscribed():
                 sinks.repeat(topic)
         sinks.tend()
+
+
+def _bag(given: argparse.Namespace, keys: Keys, translator: Translator) -> BagWriter:
+    # Both need the extra `ros`.
+    from intellwheels_agents.record_gateway.bag_writer import BagWriter  # noqa: PLC0415
+    from intellwheels_agents.record_gateway.ros_translator import RosTranslator  # noqa: PLC0415
+
+    return BagWriter(given.ros2, given.storage or record_options.STORAGES[0], RosTranslator(keys, translator))
 
 
 def _zero() -> float:

@@ -30,7 +30,7 @@ from foxglove.messages import (
     Vector3,
 )
 
-from intellwheels_agents.record_gateway.map_cells import MapCells
+from intellwheels_agents.map_cells import MapCells
 from intellwheels_agents.record_gateway.motion_messages import MAP, frame_of, stamp_of, start_frame_of
 from intellwheels_maps.check import ring_of, wall_pieces
 from intellwheels_schemas.agent_colours import FIXTURES, RGB, THING, colour_of

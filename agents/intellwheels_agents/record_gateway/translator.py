@@ -12,9 +12,9 @@ from typing import Any, Final, NamedTuple
 
 from foxglove.messages import LogLevel
 
+from intellwheels_agents.map_cells import map_cells
 from intellwheels_agents.record_gateway import motion_messages as motion
 from intellwheels_agents.record_gateway import scene_messages as scene
-from intellwheels_agents.record_gateway.map_cells import map_cells
 from intellwheels_agents.record_gateway.run_times import RunTimes, Ticks
 from intellwheels_schemas.codec import decode, encode, encoding_of
 from intellwheels_schemas.errors import WireError

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack
-from typing import Any, Final
+from typing import Any, Final, Protocol
 
 from intellwheels_agents.record_gateway.translator import Entry, Translator
 from intellwheels_schemas import link
@@ -24,6 +24,18 @@ WAIT: Final = 0.05
 """Longest wait for a message, s."""
 
 
+class OtherRecording(Protocol):
+    """A recording that takes the messages themselves."""
+
+    def take(self, key: str, data: bytes, encoding: str) -> None:
+        """Record a message."""
+        ...
+
+    def take_map(self, document: Map) -> None:
+        """Record a map that was asked for."""
+        ...
+
+
 class WorldSource:
     """What a world publishes, and answers.
 
@@ -33,11 +45,12 @@ class WorldSource:
         translator: What is recorded.
         write: Takes each entry.
         log: Takes lines for the log of the process.
+        others: Other recordings, which take each message after the translator.
     """
 
     def __init__(
         self, session: Any, keys: Keys, translator: Translator, write: Callable[[Entry], None],
-        log: Callable[[str], None],
+        log: Callable[[str], None], *, others: Sequence[OtherRecording] = (),
     ) -> None:  # fmt: skip
         self.inbox = Inbox()
         self._session = session
@@ -45,6 +58,7 @@ class WorldSource:
         self._translator = translator
         self._write = write
         self._log = log
+        self._others = others
         self._asked_at = -TRY_EVERY
         self._stack = ExitStack()
 
@@ -72,7 +86,7 @@ class WorldSource:
             arrivals = self.inbox.take()
         for arrival in arrivals:
             if isinstance(arrival, Put):
-                self._record(self._translator.take(arrival.key, arrival.data, arrival.encoding))
+                self._take(arrival.key, arrival.data, arrival.encoding)
             elif isinstance(arrival, Presence) and arrival.alive:
                 self._translator.wants_map = self._translator.wants_bodies = True
                 self._asked_at = -TRY_EVERY
@@ -91,7 +105,7 @@ class WorldSource:
             self._translator.wants_bodies = False
             for key in (keys.clock, keys.every_body, keys.every_state):
                 for answer in self._answers(key, stop):
-                    self._record(self._translator.take(answer.key, answer.data, answer.encoding))
+                    self._take(answer.key, answer.data, answer.encoding)
         if wants_map:
             for answer in self._answers(keys.map, stop):
                 try:
@@ -100,6 +114,8 @@ class WorldSource:
                     self._log(f"dropped key={keys.map} why={error.text!r}")
                 else:
                     self._record(self._translator.take_map(document))
+                    for other in self._others:
+                        other.take_map(document)
                     break
 
     def _answers(self, key: str, stop: threading.Event) -> Iterator[link.Answer]:
@@ -108,6 +124,11 @@ class WorldSource:
         except ConnectionError:
             return
         yield from (answer for answer in answers if answer.ok)
+
+    def _take(self, key: str, data: bytes, encoding: str) -> None:
+        self._record(self._translator.take(key, data, encoding))
+        for other in self._others:
+            other.take(key, data, encoding)
 
     def _record(self, entries: list[Entry]) -> None:
         for entry in entries:

@@ -7,7 +7,7 @@ import sys
 from collections.abc import Sequence
 
 from intellwheels_agents.options import OptionError
-from intellwheels_agents.robot_document import equipped
+from intellwheels_agents.robot_document import equipped, fields_of
 from intellwheels_agents.ros_gateway import ros_options
 from intellwheels_agents.ros_gateway.ros_names import sensor_names
 from intellwheels_agents.ros_gateway.urdf import urdf
@@ -81,7 +81,7 @@ def _body(given: argparse.Namespace) -> Robot:
     with naming("--robot"):
         robot = robot_file(ros_options.DEFAULT_ROBOT if given.robot is None else given.robot)
     try:
-        robot = equipped(robot, ros_options.fields_of(given.option))
+        robot = equipped(robot, fields_of(given.option))
     except OptionError as error:
         raise OptionError(f"--option: {error}") from None
     with naming("--robot"):

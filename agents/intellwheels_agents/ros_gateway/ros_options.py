@@ -5,13 +5,13 @@ from __future__ import annotations
 import argparse
 import math
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import Final
 
 from intellwheels_agents.options import OptionError
 from intellwheels_agents.ros_gateway.rmw_wire import LARGEST_DOMAIN
 from intellwheels_schemas.command_parser import CommandParser, number, positive_seconds, whole
-from intellwheels_schemas.errors import WireError, wrong_value
+from intellwheels_schemas.errors import wrong_value
 
 EXAMPLES: Final = """\
 examples:
@@ -142,20 +142,3 @@ def domain_of(given: argparse.Namespace, environment: Mapping[str, str] = os.env
     if not (text.isascii() and text.isdigit() and len(text) <= 3 and int(text) <= LARGEST_DOMAIN):
         raise wrong_value(DOMAIN_VARIABLE, f"a whole number in [0, {LARGEST_DOMAIN}]", repr(text[:40]))
     return int(text)
-
-
-def fields_of(given: Sequence[str]) -> dict[str, str]:
-    """Return the fields of a robot that `--option` sets, by name.
-
-    Raises:
-        WireError: One is no field with a value, or comes twice.
-    """
-    pairs: dict[str, str] = {}
-    for text in given:
-        name, equals, value = text.partition("=")
-        if not equals or not name[:1].isupper() or name in pairs:
-            raise WireError(
-                "value", f"--option: expected FIELD=VALUE, each field of the robot once, got {text!r}", "--option"
-            )
-        pairs[name] = value
-    return pairs

@@ -25,7 +25,7 @@ _EVENT_INFO: Final = "service_msgs/msg/ServiceEventInfo"
 
 
 @cache
-def _store() -> Typestore:
+def type_store() -> Typestore:
     """Return the types of ROS 2 Kilted and those of `simulation_interfaces`."""
     store = get_typestore(Stores.ROS2_KILTED)
     store.max_sequence_length = LONGEST_SEQUENCE
@@ -69,18 +69,18 @@ def _parsed(name: str, text: str) -> Any:
 @cache
 def ros_type(name: str) -> RosType:
     """Return a type of a message or a service by its name, such as `sensor_msgs/msg/Imu`."""
-    return RosType(name, _store().hash_rihs01(name))
+    return RosType(name, type_store().hash_rihs01(name))
 
 
 @cache
 def made_of(name: str) -> Any:
     """Return the class of a message by the name of its type."""
-    return _store().types[name]
+    return type_store().types[name]
 
 
 def encode_message(message: Any) -> bytes:
     """Return a message in CDR, little endian, with its header of four bytes."""
-    return bytes(_store().serialize_cdr(message, message.__msgtype__, little_endian=True))
+    return bytes(type_store().serialize_cdr(message, message.__msgtype__, little_endian=True))
 
 
 def decode_message(name: str, data: bytes) -> Any:
@@ -94,7 +94,7 @@ def decode_message(name: str, data: bytes) -> Any:
         WireError: The bytes are not such a message.
     """
     try:
-        return _store().deserialize_cdr(data, name)
+        return type_store().deserialize_cdr(data, name)
     except SerdeError as error:
         raise WireError("malformed", f"{name}: expected a message in CDR, got {len(data)} bytes: {error}") from None
     # The code that rosbags generates indexes into the bytes. What it raises on foreign bytes is not documented.
@@ -105,7 +105,7 @@ def decode_message(name: str, data: bytes) -> Any:
 
 def blank(name: str) -> Any:
     """Return a message of a type with zeros, empty texts and empty lists."""
-    fields = (field for field in _store().fielddefs[name][1])
+    fields = (field for field in type_store().fielddefs[name][1])
     return made_of(name)(**{field: _blank_value(of) for field, of in fields})
 
 

@@ -7,9 +7,10 @@ import time
 from collections.abc import Callable, Sequence
 from typing import Any, Final, Protocol, TypeVar
 
+from intellwheels_agents.map_cells import fitting_size, plan_of
 from intellwheels_agents.ros_gateway.chair_messages import Topic
 from intellwheels_agents.ros_gateway.clock_topic import CLOCK, ClockTopic
-from intellwheels_agents.ros_gateway.floor_grid import MOST_WANTED, cells_of, fitting_resolution, floor_grid
+from intellwheels_agents.ros_gateway.floor_grid import floor_grid
 from intellwheels_agents.ros_gateway.rmw_wire import LATCHED
 from intellwheels_schemas import link
 from intellwheels_schemas.codec import decode, encode, encoding_of
@@ -24,6 +25,10 @@ ANSWER_TIMEOUT: Final = 5.0
 """Seconds to wait for what the simulator answers at once."""
 CONTROL_TIMEOUT: Final = 600.0
 """Seconds to wait for a control verb: many steps take minutes."""
+MOST_WANTED: Final = 50_000_000
+"""Cells of `/map` with a resolution that somebody asked for."""
+MOST_ROWS_WANTED: Final = 3_000_000
+"""Rows that the walls of such a map cross: some ten seconds of work."""
 TRY_EVERY: Final = 1.0
 """Seconds between two requests for the map."""
 
@@ -160,10 +165,16 @@ class WorldTopics:
             return
         self._waiting = False
         self._map_due = float("inf")
-        resolution = self._resolution or fitting_resolution(document)
-        if (cells := cells_of(document, resolution)) > MOST_WANTED:
-            resolution = fitting_resolution(document)
-            wrong = f"--resolution: expected at most {MOST_WANTED} cells of /map, got {cells}"
-            self._log(f"{wrong}: {resolution:g} is used")
+        resolution = self._resolution or fitting_size(document)
+        if self._resolution is not None:
+            plan = plan_of(document, resolution)
+            wrong = ""
+            if plan.cells > MOST_WANTED:
+                wrong = f"expected at most {MOST_WANTED} cells of /map, got {plan.cells}"
+            elif plan.rows > MOST_ROWS_WANTED:
+                wrong = f"expected at most {MOST_ROWS_WANTED} rows of cells along walls, got {plan.rows}"
+            if wrong:
+                resolution = fitting_size(document)
+                self._log(f"--resolution: {wrong}: {resolution:g} is used")
         self._node.publish(MAP_TOPIC.name, floor_grid(document, resolution, self.clock.time))
         self._log(f"published topic=/map name={document.name} resolution={resolution:g}")

@@ -21,4 +21,4 @@ def test_the_layout_is_json_and_each_panel_of_it_is_configured(capsys: pytest.Ca
 
 def test_neither_file_nor_live_view_is_refused(capsys: pytest.CaptureFixture[str]) -> None:
     assert main([]) == 2
-    assert capsys.readouterr().err == "iw-record: FILE.mcap: expected a file, or --live, got neither\n"
+    assert capsys.readouterr().err == "iw-record: FILE.mcap: expected a file, --ros2 or --live, got none of them\n"

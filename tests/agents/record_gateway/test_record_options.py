@@ -12,11 +12,14 @@ from intellwheels_agents.record_gateway.__main__ import parser
 
 
 @pytest.mark.parametrize(("words", "text"), [
-    ([], "FILE.mcap: expected a file, or --live, got neither"),
+    ([], "FILE.mcap: expected a file, --ros2 or --live, got none of them"),
+    (["x.mcap", "--storage", "mcap"], "--storage: expected with --ros2, got none"),
+    (["--ros2", "there"], "--ros2: expected a folder that does not exist, got there"),
+    (["--ros2", "bag", "--rotate", "5"], "--rotate: expected with a FILE.mcap, got none"),
     (["--live", "--rotate", "5"], "--rotate: expected with a FILE.mcap, got none"),
     (["x.mcap", "--port", "5"], "--port: expected with --live, got none"),
     (["x.mcap", "--take"], "--take: expected with --live, got none"),
-    (["--live", "--from", "LOG"], "--from: expected with a FILE.mcap and without --live"),
+    (["--live", "--from", "LOG"], "--from: expected with a FILE.mcap or --ros2 and without --live"),
     (["x.mcap", "--from", "LOG", "--world", "lab"], "--from: expected without a world and a connection"),
     (["x.mcap", "--from", "LOG", "--identity", "LOG"], "--from: expected without a world and a connection"),
     (["x.mcap", "--from", "LOG", "--retry-for", "5"], "--retry-for: expected without --from"),
@@ -26,5 +29,6 @@ def test_options_without_a_meaning_are_refused(
 ) -> None:
     monkeypatch.chdir(tmp_path)
     Path("LOG").touch()
+    Path("there").mkdir()
     with pytest.raises(OptionError, match=text):
         record_options.check_together(parser().parse_args(words))

@@ -6,8 +6,8 @@ import math
 
 import pytest
 
+from intellwheels_agents.map_cells import map_cells
 from intellwheels_agents.record_gateway import scene_messages as scene
-from intellwheels_agents.record_gateway.map_cells import map_cells
 from intellwheels_maps import floor, names, robot
 from intellwheels_schemas.messages import Proximity, ProximityReading, Robot
 from intellwheels_schemas.rules import parts_of

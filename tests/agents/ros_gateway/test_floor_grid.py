@@ -8,14 +8,8 @@ import numpy as np
 import pytest
 from shapely.geometry import Point, Polygon
 
-from intellwheels_agents.ros_gateway.floor_grid import (
-    OCCUPIED,
-    RESOLUTION,
-    cells_of,
-    fitting_resolution,
-    floor_grid,
-    solids,
-)
+from intellwheels_agents.map_cells import RESOLUTION, solids
+from intellwheels_agents.ros_gateway.floor_grid import OCCUPIED, floor_grid
 from intellwheels_maps import floor
 from intellwheels_schemas.messages import Corner, Map, Obstacle, Wall
 
@@ -64,13 +58,6 @@ def test_grid_of_the_ward_agrees_with_its_polygons() -> None:
         assert occupied == (distance == 0.0) or distance <= half
 
 
-def test_large_map_gets_larger_cells() -> None:
-    wall = Wall(thickness=0.1, corner=corners((0.0, 0.0), (200.0, 100.0)))
-    document = Map(format="iw.v1", name="m", wall=(wall,))
-    assert fitting_resolution(floor("ward")) == RESOLUTION
-    assert fitting_resolution(document) == 0.2
-
-
 def test_hole_of_a_ring_and_overlapping_solids() -> None:
     # A C: its opening is free, and a second solid over its back changes nothing.
     shape = corners((0.0, 0.0), (2.0, 0.0), (2.0, 0.5), (0.5, 0.5), (0.5, 1.5), (2.0, 1.5), (2.0, 2.0), (0.0, 2.0))
@@ -80,15 +67,6 @@ def test_hole_of_a_ring_and_overlapping_solids() -> None:
     cells = grid.data.reshape(grid.info.height, grid.info.width)
     assert (cells[6:24, 6:9] == OCCUPIED).all()
     assert not cells[12:19, 12:25].any()
-
-
-def test_thousands_of_long_walls_are_no_burden() -> None:
-    walls = tuple(
-        Wall(thickness=0.02, corner=corners((0.0, index * 0.01), (40.0, 40.0 - index * 0.01))) for index in range(2000)
-    )
-    document = Map(format="iw.v1", name="m", wall=walls)
-    assert cells_of(document, 0.1) > 400 * 400
-    assert floor_grid(document, 0.1, 0.0).data.any()
 
 
 def test_empty_map_has_a_grid() -> None:

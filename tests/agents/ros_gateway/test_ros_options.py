@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from intellwheels_agents.options import OptionError
-from intellwheels_agents.ros_gateway.ros_options import check_together, domain_of, fields_of, parser
+from intellwheels_agents.ros_gateway.ros_options import check_together, domain_of, parser
 from intellwheels_schemas.errors import WireError
 
 
@@ -38,10 +38,3 @@ def test_domain_is_that_of_the_option_or_of_ros() -> None:
     assert domain_of(parser().parse_args([]), {}) == 0
     with pytest.raises(WireError, match=r"ROS_DOMAIN_ID: expected a whole number in \[0, 232\], got '300'"):
         domain_of(parser().parse_args([]), {"ROS_DOMAIN_ID": "300"})
-
-
-def test_fields_of_a_robot() -> None:
-    assert fields_of(["TopSpeed=1", "Lidar.Noise=0"]) == {"TopSpeed": "1", "Lidar.Noise": "0"}
-    for wrong in (["x"], ["speed=1"], ["A=1", "A=2"]):
-        with pytest.raises(WireError, match="--option: expected FIELD=VALUE"):
-            fields_of(wrong)

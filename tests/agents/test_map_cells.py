@@ -7,7 +7,7 @@ import random
 
 import pytest
 
-from intellwheels_agents.record_gateway.map_cells import MOST_CELLS, MapCells, map_cells
+from intellwheels_agents.map_cells import MOST_CELLS, MOST_ROWS, RESOLUTION, MapCells, fitting_size, map_cells, plan_of
 from intellwheels_maps import floor, names
 from intellwheels_schemas.messages import Corner, Map, Obstacle, Wall
 
@@ -68,3 +68,27 @@ def test_a_map_of_the_largest_size_has_larger_cells() -> None:
 
 def test_an_empty_map_has_free_cells() -> None:
     assert sum(map_cells(Map(format="iw.v1", name="empty")).cells) == 0
+
+
+def test_a_large_map_gets_larger_cells() -> None:
+    assert fitting_size(floor("ward")) == RESOLUTION
+    assert fitting_size(drawn((0.0, 0.0), (200.0, 100.0), thickness=0.1)) == 0.2
+
+
+def test_thousands_of_long_walls_are_no_burden() -> None:
+    walls = tuple(
+        Wall(thickness=0.02, corner=(Corner(x=0.0, y=index * 0.01), Corner(x=40.0, y=40.0 - index * 0.01)))
+        for index in range(2000)
+    )
+    document = Map(format="iw.v1", name="m", wall=walls)
+    assert plan_of(document, 0.1).cells > 400 * 400
+    assert plan_of(document, 0.1).rows > 4 * MOST_ROWS
+    cells = map_cells(document)
+    assert plan_of(document, cells.size).rows <= MOST_ROWS
+    assert any(cells.cells)
+
+
+def test_the_size_that_is_asked_for_is_used() -> None:
+    cells = map_cells(drawn((0, 0), (2, 0), (2, 1), (0, 1)), 0.25)
+    assert (cells.size, cells.columns, cells.rows) == (0.25, 12, 8)
+    assert plan_of(drawn((0, 0), (2, 0), (2, 1), (0, 1)), 0.25).cells == 96

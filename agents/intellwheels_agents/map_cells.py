@@ -45,18 +45,52 @@ class MapCells(NamedTuple):
     cells: bytes
 
 
-def map_cells(document: Map) -> MapCells:
-    """Return the cells of a map, of `RESOLUTION` or, for a large map, the first of its doubles within the limits."""
-    rings = [ring for ring in solids(document) if len(ring) >= 2]
-    size = RESOLUTION
+class GridPlan(NamedTuple):
+    """What a grid of a map would cost.
+
+    Attributes:
+        cells: Its cells.
+        rows: The rows that all edges cross together.
+    """
+
+    cells: int
+    rows: int
+
+
+def plan_of(document: Map, size: float) -> GridPlan:
+    """Return what the grid of a map costs.
+
+    Args:
+        document: The map.
+        size: Size of a cell, m.
+    """
+    rings = _rings(document)
+    _, _, columns, rows = _extent(document, rings, size)
+    return GridPlan(columns * rows, _rows(rings, size))
+
+
+def fitting_size(document: Map, wanted: float = RESOLUTION) -> float:
+    """Return the smallest size of a cell, m, of `wanted` and its doubles, within `MOST_CELLS` and `MOST_ROWS`."""
+    size, rings = wanted, _rings(document)
+    # Each edge crosses a row at least, so larger cells help no more when most edges are short.
+    most_rows = max(MOST_ROWS, 2 * len([point for ring in rings for point in ring]))
     while True:
-        west, south, columns, rows = _extent(document, rings, size)
-        heights = sum(abs(a[1] - b[1]) / size + 1.0 for ring in rings for a, b in _edges(ring))
-        # Each edge crosses a row at least, so larger cells help no more when most edges are short.
-        short = sum(map(len, rings)) * 2.0
-        if columns * rows <= MOST_CELLS and heights <= max(MOST_ROWS, short):
-            break
+        _, _, columns, rows = _extent(document, rings, size)
+        if columns * rows <= MOST_CELLS and _rows(rings, size) <= most_rows:
+            return size
         size *= 2.0
+
+
+def map_cells(document: Map, size: float | None = None) -> MapCells:
+    """Return the cells of a map.
+
+    Args:
+        document: The map.
+        size: Size of a cell, m; None for the one that fits.
+    """
+    size = fitting_size(document) if size is None else size
+    rings = _rings(document)
+    west, south, columns, rows = _extent(document, rings, size)
     cells = [bytearray(columns) for _ in range(rows)]
     for ring in rings:
         in_cells = [((x - west) / size, (y - south) / size) for x, y in ring]
@@ -74,6 +108,14 @@ def solids(document: Map) -> Iterator[Sequence[Point]]:
     for obstacle in document.obstacle:
         if obstacle.bottom < OVERHEAD:
             yield ring_of(obstacle.corner)
+
+
+def _rings(document: Map) -> list[Sequence[Point]]:
+    return [ring for ring in solids(document) if len(ring) >= 2]
+
+
+def _rows(rings: Sequence[Sequence[Point]], size: float) -> int:
+    return round(math.fsum(abs(a[1] - b[1]) / size + 1.0 for ring in rings for a, b in _edges(ring)))
 
 
 def _edges(ring: Sequence[Point]) -> Iterator[tuple[Point, Point]]:
