@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from tests.bench import bystanders, imports, learning, loads, network, record, ros, tick, viewer
+from tests.bench import bystanders, drivers, imports, learning, loads, network, record, ros, tick, viewer
 from tests.bench.rows import append, show
 
 
@@ -17,8 +17,9 @@ def main() -> None:
         nargs="*",
         metavar="BENCH",
         help="tick: the cost of a tick, part by part; network: whole processes; viewer: a page; loads: loading maps; "
-        "imports: floors of other programs; ros and record: gateways; learning: steps of learning environments; "
-        "bystanders: late ticks beside a frozen viewer, 25 minutes (default: all but bystanders)",
+        "imports: floors of other programs; ros and record: gateways; drivers: those of real chairs; learning: steps "
+        "of learning environments; bystanders: late ticks beside a frozen viewer, 25 minutes (default: all but "
+        "bystanders)",
     )
     parser.add_argument(
         "--quick",
@@ -30,7 +31,17 @@ def main() -> None:
         help="the CSV file (default: tests/bench/results.csv of the checkout)",
     )  # fmt: skip
     options = parser.parse_args()
-    wanted = options.benches or ["tick", "network", "viewer", "loads", "imports", "ros", "record", "learning"]
+    wanted = options.benches or [
+        "tick",
+        "network",
+        "viewer",
+        "loads",
+        "imports",
+        "ros",
+        "record",
+        "drivers",
+        "learning",
+    ]
     rows = []
     if "tick" in wanted:
         rows += tick.bench((1, 10) if options.quick else (1, 10, 100, 1000), quick=options.quick)
@@ -46,6 +57,8 @@ def main() -> None:
         rows += ros.bench(rounds=5, seconds=1.0) if options.quick else ros.bench()
     if "record" in wanted:
         rows += record.bench(rounds=20) if options.quick else record.bench()
+    if "drivers" in wanted:
+        rows += drivers.bench(rounds=50, powers=4) if options.quick else drivers.bench()
     if "learning" in wanted:
         rows += learning.bench(steps=8, rounds=2) if options.quick else learning.bench()
     if "bystanders" in wanted:

@@ -35,6 +35,7 @@ def test_benchmarks_run_and_say_every_share_of_a_tick(tmp_path: Path) -> None:
             "ros",
             "imports",
             "record",
+            "drivers",
             "learning",
             "bystanders",
             "--quick",
@@ -63,6 +64,7 @@ def test_benchmarks_run_and_say_every_share_of_a_tick(tmp_path: Path) -> None:
         "ros",
         "imports",
         "record",
+        "drivers",
         "learning",
         "bystanders",
     }

@@ -14,7 +14,7 @@ from intellwheels_agents.bridge.luci_driver import LuciDriver
 from intellwheels_agents.bridge.luci_options import luci_address
 from intellwheels_agents.bridge.pose_source import DRIFT
 from intellwheels_agents.bridge.rnet_driver import RnetDriver
-from intellwheels_agents.bridge.rnet_options import bus_options
+from intellwheels_agents.bridge.rnet_options import bus_options, check_bus
 from intellwheels_agents.bridge.serial_driver import SerialDriver, check_port
 from intellwheels_schemas.extras import missing_extra
 from intellwheels_schemas.messages import Robot
@@ -83,7 +83,7 @@ def check_usage(command: argparse.ArgumentParser, given: argparse.Namespace) -> 
 
 
 def check_values(given: argparse.Namespace) -> None:
-    """Check the values of the driver's options.
+    """Check the values of the options of real hardware.
 
     Raises:
         WireError: One is wrong; the text names the option.
@@ -92,6 +92,8 @@ def check_values(given: argparse.Namespace) -> None:
         check_port(given.port)
     if given.address is not None:
         luci_address(given.address)
+    if given.driver == "rnet":
+        check_bus(given.interface, given.channel)
     bus_options(given.can_option)
 
 

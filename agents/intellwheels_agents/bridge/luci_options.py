@@ -30,6 +30,14 @@ def add_luci_options(result: argparse.ArgumentParser) -> None:
     )  # fmt: skip
 
 
+def listen_address(text: str) -> str:
+    """Return the address at which a stand-in listens: the type of its `--listen`. Port 0 is a free one."""
+    form = _ADDRESS.fullmatch(text)
+    if form is None or form[2] is None or int(form[2]) > 65535:
+        raise argparse.ArgumentTypeError(f"expected HOST:PORT, got {text[:100]!r}")
+    return text
+
+
 def luci_address(text: str) -> str:
     """Return an address with its port.
 

@@ -23,6 +23,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 from intellwheels_agents.bridge.command_pipe import CommandPipe
 from intellwheels_agents.bridge.joystick_chair import JoystickChair
+from intellwheels_agents.bridge.luci_options import listen_address
 from intellwheels_agents.bridge.luci_readings import GRAVITY, STICK
 from intellwheels_agents.bridge.luci_schema import IMU_MPU, SERVICE, message, parsed
 from intellwheels_schemas.command_parser import CommandParser, number, readable_file
@@ -207,7 +208,7 @@ def parser() -> CommandParser:
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     result.add_argument(
-        "--listen", default="127.0.0.1:50051", metavar="HOST:PORT",
+        "--listen", type=listen_address, default="127.0.0.1:50051", metavar="HOST:PORT",
         help="address of the service; port 0 for a free one (default: 127.0.0.1:50051)",
     )  # fmt: skip
     result.add_argument(

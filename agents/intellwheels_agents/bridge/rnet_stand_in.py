@@ -35,7 +35,7 @@ from intellwheels_agents.bridge.rnet_frames import (
     decode_frame,
     joystick_frame,
 )
-from intellwheels_agents.bridge.rnet_options import add_bus_options, bus_options
+from intellwheels_agents.bridge.rnet_options import add_bus_options, bus_options, check_bus
 from intellwheels_schemas.command_parser import CommandParser, number, readable_file, whole
 from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.extras import missing_extra
@@ -193,14 +193,20 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if lacking is not None:
         _log(lacking)
         return 2
+    try:
+        check_bus(given.interface, given.channel)
+        options = bus_options(given.can_option)
+    except WireError as error:
+        _log(error.text)
+        return 2
     stop = stop_on_signals(given.lifeline)
     chair = RnetChair(given.device, given.top_speed)
     commands = CommandPipe(
         given.ask, chair.command, lambda line: _log(f"expected a fault and its numbers, got {line!r}")
     )
     try:
-        _use_bus(given.interface, given.channel, bus_options(given.can_option), chair, commands.poll, stop)
-    except (OSError, WireError) as error:
+        _use_bus(given.interface, given.channel, options, chair, commands.poll, stop)
+    except OSError as error:
         _log(str(error))
         return 1
     _print(f"foreign frames={chair.foreign}")

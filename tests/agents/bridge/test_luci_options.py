@@ -4,7 +4,7 @@ import argparse
 
 import pytest
 
-from intellwheels_agents.bridge.luci_options import add_luci_options, luci_address
+from intellwheels_agents.bridge.luci_options import add_luci_options, listen_address, luci_address
 from intellwheels_schemas.errors import WireError
 
 
@@ -26,6 +26,13 @@ def test_an_address_has_a_port(text: str, address: str) -> None:
 def test_anything_else_is_refused(text: str) -> None:
     with pytest.raises(WireError, match="--address: expected HOST or HOST:PORT, got"):
         luci_address(text)
+
+
+def test_a_stand_in_listens_at_a_port() -> None:
+    assert listen_address("127.0.0.1:0") == "127.0.0.1:0"
+    for text in ("127.0.0.1", "h:70000", ""):
+        with pytest.raises(argparse.ArgumentTypeError, match="expected HOST:PORT, got"):
+            listen_address(text)
 
 
 def test_the_centre_is_that_of_the_maker_s_client_unless_said_otherwise() -> None:

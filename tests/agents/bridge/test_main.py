@@ -17,7 +17,7 @@ from intellwheels_agents.bridge import main
             "--allow-injection: expected with the driver rnet, got luci",
         ),
         (["luci", "--name", "c", "--address", "http://h"], "--address: expected HOST or HOST:PORT, got 'http://h'"),
-        (["rnet", "--name", "c", "--channel", "x", "--can-option", "fd=1"], "--can-option: expected NAME=VALUE, each"),
+        (["rnet", "--name", "c", "--channel", "x", "--can-option", "fd=1"], "--can-option: expected KEY=VALUE, each"),
         (["world", "--name", "Chair 1"], "--name: expected a name"),
         (["world", "--name", "chair1", "--robot", "tank"], "got 'tank'"),
         (["world", "--name", "chair1", "--chair", "table"], "--chair: expected a robot with encoders"),

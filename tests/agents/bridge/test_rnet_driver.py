@@ -42,10 +42,9 @@ class Line:
             self.driver.begin_run("a" * 16)
         self.driver.start()
 
-    def put(self, frame: Frame, **more: bool) -> None:
-        self.bus.send(
-            can.Message(**{"arbitration_id": frame.identifier, "is_extended_id": True, "data": frame.data, **more})
-        )
+    def put(self, frame: Frame, *, remote: bool = False) -> None:
+        data = None if remote else frame.data
+        self.bus.send(can.Message(arbitration_id=frame.identifier, is_remote_frame=remote, data=data))
 
     def until(
         self,
@@ -171,7 +170,7 @@ def test_wrong_frames_are_named_and_do_not_count_as_a_joystick(driving: Line) ->
     line.put(Frame(0x02000100, b"\x00"))
     line.put(Frame(0x02000100, b"\x00\x80"))
     line.put(Frame(0x0A040100, b"\xff"))
-    line.put(Frame(0x02000100, b""), is_remote_frame=True)
+    line.put(Frame(0x02000100, b""), remote=True)
     line.until_read(2)
     assert line.driver.faults()["garbage"] == 4
     assert line.told == [
