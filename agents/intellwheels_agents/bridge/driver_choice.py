@@ -106,7 +106,7 @@ def real_driver(given: argparse.Namespace, chair: Robot, stop: threading.Event, 
         )  # fmt: skip
     if given.driver == "rnet":
         if given.allow_injection:
-            _log(INJECTION_WARNING)
+            _log(f"{INJECTION_WARNING}\n")
         return RnetDriver(
             given.interface, given.channel, chair, stop, options=bus_options(given.can_option),
             inject=given.allow_injection, waiting=_waiting, tell=_dropped,

@@ -39,8 +39,10 @@ MAX_POINTS: Final = 4096
 """Points of one message that are used; a message of the largest size may have more."""
 WITHOUT_MAGNET: Final = 10.0
 """Degrees by which one wheel turns while the other one reads 0 throughout: the other one has lost its magnet."""
-SMALLEST_MOTION: Final = 0.5
-"""Turn of a wheel after which angles that never exceed 2 pi are taken for radians."""
+WRAP: Final = 5.0
+"""Jump of an angle in radians that wraps. One in degrees may jump as far in a fast chair, but then leaves [0, 2 pi]."""
+AFTER_WRAP: Final = 0.3
+"""Turn after such a jump, still within [0, 2 pi], at which the angles are taken for radians."""
 STICK: Final = 100
 """Full deflection of a joystick on the wire."""
 
@@ -144,6 +146,8 @@ class WheelTurns:
         # The other wheel's way when this one began to read 0.
         self._zero_since: list[float | None] = [None, None]
         self._are_degrees = False
+        # The way of each wheel when its angle jumped as radians do.
+        self._wrapped_at = [math.inf, math.inf]
 
     def update(self, left: float, right: float) -> tuple[int, int]:
         """Return the counts of the left and right wheel since the start, after another pair of angles.
@@ -166,9 +170,12 @@ class WheelTurns:
             self._last[side] = angle
             self._turned[side] += self._signs[side] * turned
             self._way[side] += abs(turned)
+            if abs(turned) > WRAP:
+                self._wrapped_at[side] = self._way[side]
         self._check_magnets(angles)
-        self._are_degrees = self._are_degrees or max(angles) > 2.0 * math.pi
-        if not self._are_degrees and max(self._way) > SMALLEST_MOTION:
+        self._are_degrees = self._are_degrees or max(angles) > 2.0 * math.pi + 0.01
+        since_wrap = max(way - at for way, at in zip(self._way, self._wrapped_at, strict=True))
+        if not self._are_degrees and since_wrap > AFTER_WRAP:
             raise _value_error("EncoderData", "degrees", f"angles up to 2 pi only: {left:g} and {right:g}")
         return round(self._turned[0] * self._per_degree), round(self._turned[1] * self._per_degree)
 

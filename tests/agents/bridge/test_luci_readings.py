@@ -105,12 +105,21 @@ def test_an_angle_out_of_range_is_named_and_changes_nothing(angle: float) -> Non
     assert turns.update(100.0, 100.0) == (0, 0)
 
 
-def test_angles_in_radians_are_named_as_soon_as_a_wheel_has_turned() -> None:
+def test_angles_in_radians_are_named_after_a_turn_of_a_wheel() -> None:
     turns = WheelTurns(360)
-    turns.update(1.0, 1.0)
-    turns.update(1.4, 1.4)
+    for step in range(1, 63):
+        turns.update(0.1 * step, 0.1 * step - 0.05)
+    turns.update(0.1, 0.05)
     with pytest.raises(WireError, match="EncoderData: expected degrees, got angles up to 2 pi only"):
-        turns.update(1.8, 1.8)
+        turns.update(0.5, 0.45)
+
+
+@pytest.mark.parametrize("step", [0.1, 1.5, 5.5])
+def test_angles_in_degrees_that_begin_near_zero_are_taken(step: float) -> None:
+    turns = WheelTurns(360)
+    for number in range(100):
+        left, right = turns.update((0.2 + step * number) % 360.0, (0.4 + step * number) % 360.0)
+    assert left == right == round(99 * step)
 
 
 def test_a_single_zero_is_made_up_for_and_a_lost_magnet_is_named() -> None:
