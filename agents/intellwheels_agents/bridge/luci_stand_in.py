@@ -41,7 +41,7 @@ faults and other events, one a line:
   vanish S        the unit is gone for S seconds
   silence S       its streams send nothing for S seconds
   garbage S       its streams send malformed messages for S seconds
-  huge S          its streams send messages of a megabyte for S seconds
+  huge S          its streams send messages of 300 kB for S seconds
   radians S       wheel angles are in radians for S seconds
   magnet S        the encoder of the left wheel has no magnet for S seconds
   centre N        the joystick takes an override of N for its centre (from then on)
@@ -129,7 +129,7 @@ class LuciChair:
             if self.has("garbage"):
                 return b"\x0d\x00\xff"
             if self.has("huge"):
-                return b"\x0a" + b"\xff" * 1_000_000
+                return b"\x0a" + b"\xff" * 300_000
             return bytes(self._message(method).SerializeToString())
 
     def _message(self, method: str) -> Any:

@@ -6,7 +6,7 @@
 It sends the frames that `rnet_frames.py` lists. Its motors obey the newest joystick frame of a period of 10 ms, whoever
 sent it, and stop 0.2 s after the last one. Faults are commanded on standard input or a named pipe; `FAULTS` lists them.
 Standard output has `ready channel=...`, and `moving ms=...`, `stopped ms=... silence=...` as they happen, as of the
-firmware stand-in, and `foreign frames=N` at the end: frames on the bus that it did not send itself.
+firmware stand-in.
 """
 
 from __future__ import annotations
@@ -52,6 +52,7 @@ faults and other events, one a line:
   speed P         the user chooses a top speed of P percent
   battery P       the battery has P percent
   silence S       the joystick module sends nothing for S seconds
+  count           print how many frames on the bus were not its own: `foreign frames=N`
   garbage S       frames with wrong lengths and values are on the bus for S seconds
 """
 
@@ -93,6 +94,8 @@ class RnetChair:
                 self._speed = int(percent)
             case "battery", [percent]:
                 self._battery = int(percent)
+            case "count", []:
+                self.chair.messages.append(f"foreign frames={self.foreign}")
             case _:
                 raise ValueError(line)
 
@@ -209,7 +212,6 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except OSError as error:
         _log(str(error))
         return 1
-    _print(f"foreign frames={chair.foreign}")
     return 0
 
 

@@ -38,7 +38,8 @@ def test_its_own_frames_that_come_back_are_not_foreign() -> None:
     chair = RnetChair(1, 1.0)
     for frame in steps(chair, 20):
         chair.receive(frame)
-    assert chair.foreign == 0
+    chair.command("count")
+    assert chair.chair.take_messages()[-1] == "foreign frames=0"
 
 
 def test_its_user_steers_and_its_joystick_module_may_fall_silent() -> None:
