@@ -21,7 +21,7 @@ import pytest
 
 from intellwheels_agents import __main__ as agent
 from intellwheels_agents.bridge import __main__ as bridge
-from intellwheels_agents.bridge import firmware_stand_in
+from intellwheels_agents.bridge import firmware_stand_in, luci_stand_in, rnet_stand_in
 from intellwheels_agents.ciber_gateway import __main__ as ciber
 from intellwheels_agents.iw_command import main as iw
 from intellwheels_agents.joystick import __main__ as joystick
@@ -59,6 +59,8 @@ WRONG: dict[str, Sequence[str]] = {
     "S": NUMBERS, "F": NUMBERS, "MB": NUMBERS, "M": NUMBERS, "P": NUMBERS, "R": NUMBERS, "K": NUMBERS, "SHARE": NUMBERS,
     "N": WHOLE, "TICK": WHOLE, "TICKS": WHOLE, "FD": WHOLE,
     "NAME": NAMES, "AGENT": NAMES, "A,B,C": NAMES[1:],
+    "HOST[:PORT]": ("", "http://h", "a b", "h:0"), "HOST:PORT": ("", "h", "h:x", "h:99999", "a b:1"), "BUS": ("",),
+    "V": NUMBERS, "X": (*WHOLE, "16"), "KEY=VALUE": ("", "x", "=1", "a b=1", "bitrate=1"),
     "NAME|FILE": DOCUMENTS, "SCENE": DOCUMENTS, "MAP": DOCUMENTS,
     "MIND": ("", "nosuch", "no/such.py", "folder/", "text.py"),
     "ENDPOINT": ENDPOINTS, "ADDRESS": ("", "http://x", "127.0.0.1:80", "no host", "192.0.2.1"),
@@ -100,6 +102,13 @@ WITH: dict[str, Sequence[str]] = {
 """What else an option needs to be looked at."""
 
 
+DRIVER = {
+    "iw-bridge --port": "serial", "iw-bridge --address": "luci", "iw-bridge --channel": "rnet",
+    "iw-bridge --interface": "rnet --channel can0", "iw-bridge --can-option": "rnet --channel can0",
+}  # fmt: skip
+"""The driver with which an option of the bridge is looked at, and what the driver needs."""
+
+
 @dataclass(frozen=True)
 class Command:
     """A command and a usage of it that is right."""
@@ -127,6 +136,8 @@ COMMANDS = {
     "python -m intellwheels_schemas": Command(schemas.main, schemas._parser),
     "python -m intellwheels_schemas.present": Command(present.main, present.parser),
     firmware_stand_in.PROGRAM: Command(firmware_stand_in.main, firmware_stand_in.parser),
+    luci_stand_in.PROGRAM: Command(luci_stand_in.main, luci_stand_in.parser),
+    rnet_stand_in.PROGRAM: Command(rnet_stand_in.main, rnet_stand_in.parser, ["--channel", "can0"]),
 }
 """Every command with options."""
 
@@ -158,7 +169,8 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     monkeypatch.setenv("TMPDIR", str(tmp_path))
     over = threading.Event()
     over.set()
-    for module in (agent, bridge, check_agent, ciber, firmware_stand_in, joystick, ros, router, run, server, viewer):
+    stand_ins = (firmware_stand_in, luci_stand_in, rnet_stand_in)
+    for module in (agent, bridge, check_agent, ciber, *stand_ins, joystick, ros, router, run, server, viewer):
         # Signals are not what is tested, and each call would leave a thread behind.
         monkeypatch.setattr(module, "stop_on_signals", lambda *_: over)
     monkeypatch.setattr(record, "stop_on_signals", lambda *_: over)
@@ -192,8 +204,8 @@ def wrong_words(name: str, command: Command) -> Iterator[tuple[str, list[str]]]:
             assert isinstance(action.metavar, str), own
             assert action.metavar in WRONG, f"{own}: expected wrong values for {action.metavar} in WRONG"
             values = WRONG[action.metavar]
-        if own == f"{name} --port" and name == "iw-bridge":
-            words = ["serial", "--name", "chair1"]
+        if own in DRIVER:
+            words = [*DRIVER[own].split(), "--name", "chair1"]
         for value in values:
             yield option, [*words, f"{option}={value}", *command.after]
         yield option, [*words, option]

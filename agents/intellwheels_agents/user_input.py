@@ -50,6 +50,11 @@ def mixed(forward: float, turn: float) -> tuple[float, float]:
     return left / largest, right / largest
 
 
+def unmixed(left: float, right: float) -> tuple[float, float]:
+    """Return forward and turn, in [-1, 1], for motor powers: the inverse of `mixed`."""
+    return (left + right) / 2.0, (right - left) / 2.0
+
+
 def takes_drive(robot: Robot, options: Options) -> Robot:  # noqa: ARG001 - the signature of `Equip`
     """Return the robot with driving and words declared as user input."""
     return msgspec.structs.replace(robot, user_input=("drive", "words"))

@@ -12,6 +12,8 @@ MODULES: Final = {
     "joystick": ("pygame",),
     "experiments": ("numpy", "scipy", "shapely", "matplotlib"),
     "bridge": ("serial",),
+    "luci": ("grpc", "google"),
+    "rnet": ("can",),
     "navigate": ("numpy",),
     "ros": ("rosbags",),
     "floors": ("numpy", "shapely", "yaml", "PIL", "ezdxf"),

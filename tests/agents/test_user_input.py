@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from intellwheels_agents.options import Options
-from intellwheels_agents.user_input import Goals, mixed, takes_goals, wanted
+from intellwheels_agents.user_input import Goals, mixed, takes_goals, unmixed, wanted
 from intellwheels_maps import robot
 from intellwheels_schemas.messages import Goal, UserInput
 from intellwheels_server.world.kernels.motor_power import user_power
@@ -15,6 +15,12 @@ from intellwheels_server.world.kernels.motor_power import user_power
 @pytest.mark.parametrize("turn", [-1.0, 0.0, 0.2, 1.0])
 def test_powers_match_the_simulators_under_a_lease(forward: float, turn: float) -> None:
     assert mixed(forward, turn) == user_power(forward, turn)
+
+
+def test_forward_and_turn_of_powers_give_these_powers_again() -> None:
+    for powers in ((0.5, 0.4), (-1.0, 1.0), (1.0, 1.0), (0.0, -0.7)):
+        assert mixed(*unmixed(*powers)) == pytest.approx(powers)
+    assert unmixed(-0.2, 0.2) == (0.0, 0.2)
 
 
 def test_no_user_wants_nothing() -> None:

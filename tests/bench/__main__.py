@@ -5,10 +5,12 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from tests.bench import bystanders, ciber, imports, learning, loads, network, record, ros, tick, viewer
+from tests.bench import bystanders, ciber, drivers, imports, learning, loads, network, record, ros, tick, viewer
 from tests.bench.rows import append, show
 
 ABOUT = f"{__doc__} The default benchmarks take about 6 minutes; `bystanders` also counts late ticks with ten pages."
+DEFAULT = ("tick", "network", "viewer", "loads", "imports", "ros", "record", "ciber", "drivers", "learning")
+"""The benchmarks that run if none is named."""
 
 
 def main() -> None:
@@ -19,8 +21,9 @@ def main() -> None:
         nargs="*",
         metavar="BENCH",
         help="tick: the cost of a tick, part by part; network: whole processes; viewer: a page; loads: loading maps; "
-        "imports: floors of other programs; ros, record and ciber: gateways; learning: steps of learning environments; "
-        "bystanders: late ticks beside a frozen viewer, 25 minutes (default: all but bystanders)",
+        "imports: floors of other programs; ros, record and ciber: gateways; drivers: those of real chairs; learning: "
+        "steps of learning environments; bystanders: late ticks beside a frozen viewer, 25 minutes (default: all but "
+        "bystanders)",
     )
     parser.add_argument(
         "--quick",
@@ -32,7 +35,7 @@ def main() -> None:
         help="the CSV file (default: tests/bench/results.csv of the checkout)",
     )  # fmt: skip
     options = parser.parse_args()
-    wanted = options.benches or ["tick", "network", "viewer", "loads", "imports", "ros", "record", "ciber", "learning"]
+    wanted = options.benches or list(DEFAULT)
     rows = []
     if "tick" in wanted:
         rows += tick.bench((1, 10) if options.quick else (1, 10, 100, 1000), quick=options.quick)
@@ -50,6 +53,8 @@ def main() -> None:
         rows += record.bench(rounds=20) if options.quick else record.bench()
     if "ciber" in wanted:
         rows += ciber.bench(rounds=20, seconds=0.0) if options.quick else ciber.bench()
+    if "drivers" in wanted:
+        rows += drivers.bench(rounds=50, powers=4) if options.quick else drivers.bench()
     if "learning" in wanted:
         rows += learning.bench(steps=8, rounds=2) if options.quick else learning.bench()
     if "bystanders" in wanted:

@@ -36,6 +36,7 @@ def test_benchmarks_run_and_say_every_share_of_a_tick(tmp_path: Path) -> None:
             "imports",
             "record",
             "ciber",
+            "drivers",
             "learning",
             "bystanders",
             "--quick",
@@ -65,6 +66,7 @@ def test_benchmarks_run_and_say_every_share_of_a_tick(tmp_path: Path) -> None:
         "imports",
         "record",
         "ciber",
+        "drivers",
         "learning",
         "bystanders",
     }

@@ -4,7 +4,8 @@ A `Driver` is one end: it reads encoders, sonars, battery and joystick from the 
 power. `RealChair` is the other end, the body in the simulation: it reports a pose with covariance and time stamp, and
 receives `out/<agent>/power`. The pose comes from encoders and position fixes only, never from the true state.
 
-`serial_driver` is the only file that knows pyserial. `world_driver` uses a chair in another simulation as hardware.
+`serial_driver` is the only file that knows pyserial; `luci_driver` knows grpc and `rnet_driver` python-can, as their
+stand-ins do. `world_driver` uses a chair in another simulation as hardware.
 """
 
 from __future__ import annotations

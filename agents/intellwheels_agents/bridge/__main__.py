@@ -6,11 +6,11 @@ import argparse
 import sys
 import threading
 from collections.abc import Sequence
-from typing import Literal
 
 from intellwheels_agents.agent_peer import run_agent
 from intellwheels_agents.bridge import bridge_options
 from intellwheels_agents.bridge.chair_joystick import ChairJoystick
+from intellwheels_agents.bridge.driver_choice import DRIVERS, check_usage, check_values, real_driver
 from intellwheels_agents.bridge.event_notices import EventNotices
 from intellwheels_agents.bridge.hardware_driver import Driver
 from intellwheels_agents.bridge.line_faults import Faults
@@ -20,7 +20,6 @@ from intellwheels_agents.bridge.pose_source import Calibration, PoseSource
 from intellwheels_agents.bridge.real_chair import RealChair
 from intellwheels_agents.bridge.resume_gate import ResumeGate
 from intellwheels_agents.bridge.sensor_merge import SensorMerge
-from intellwheels_agents.bridge.serial_driver import SerialDriver, check_port
 from intellwheels_agents.bridge.terminal_lines import read_lines
 from intellwheels_agents.bridge.world_driver import WorldDriver, with_receiver
 from intellwheels_agents.joystick.joystick_peer import operate
@@ -32,7 +31,6 @@ from intellwheels_schemas.codec import Encoding, decode, encoding_of
 from intellwheels_schemas.command_parser import naming
 from intellwheels_schemas.endpoint_form import check_endpoint
 from intellwheels_schemas.errors import WireError
-from intellwheels_schemas.extras import missing_extra
 from intellwheels_schemas.keys import Keys
 from intellwheels_schemas.link import Link, add_link_options, link_of, open_session
 from intellwheels_schemas.messages import Body, Event, Robot
@@ -53,17 +51,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command and return its exit code: 0 done, 1 refused or failed, 2 wrong usage."""
     command = parser()
     given = command.parse_args(arguments)
-    if (given.driver == "serial") != (given.port is not None):
-        got = "none" if given.port is None else repr(given.port)
-        command.error(f"--port: expected a device with the driver serial, none with the driver world, got {got}")
-    other = "serial" if given.driver == "world" else "world"
-    for option in bridge_options.OTHER_DRIVER[given.driver]:
-        value = getattr(given, option.removeprefix("--").replace("-", "_"))
-        if value != command.get_default(option.removeprefix("--").replace("-", "_")):
-            command.error(f"{option}: expected with the driver {other}, got {given.driver}")
-    lacking = missing_extra("bridge") if given.driver == "serial" else None
+    lacking = check_usage(command, given)
     if lacking is not None:
-        _log(f"the driver serial: {lacking}")
+        _log(lacking)
         return 2
     # First, because a signal may arrive while the other arguments are read.
     stop = stop_on_signals(given.lifeline)
@@ -89,23 +79,26 @@ class _BridgeProcess:
         for option, place in (("--place", given.place), ("--lab-place", given.lab_place)):
             if place is not None:
                 check_word(place, option)
-        if given.port is not None:
-            check_port(given.port)
+        check_values(given)
+        kind = DRIVERS[given.driver]
         robot = _changed(_robot("--robot", given.robot), "--option", given.option)
         chair = _robot("--robot", given.robot) if given.chair is None else _robot("--chair", given.chair)
         chair = _changed(chair, "--chair-option", given.chair_option)
         faults = Faults(given.delay, given.jitter, given.loss, f"{given.seed}/{self._agent}")
-        default: Literal["real", "simulated"] = "real" if given.driver == "serial" else "simulated"
-        hardware = given.hardware or default
+        hardware = given.hardware or kind.hardware
         resume = given.resume or ("confirm" if hardware == "real" else "auto")
         self._gate = ResumeGate(self._agent, confirm=resume == "confirm", tell=_print, prompt=_log)
         self._motors = MotorDeadman(faults, gate=self._gate)
-        self._driver = self._world_driver(chair) if given.driver == "world" else self._serial_driver(chair)
+        self._driver = self._world_driver(chair) if given.driver == "world" else real_driver(given, chair, stop, _print)
         calibration = Calibration(given.wheel_ratio, given.wheel_scale, given.track_ratio)
         self._source = PoseSource(
-            chair, given.pose, calibration, drift=given.drift, restarts_at_start=self._driver.restarts_at_start
+            chair,
+            given.pose,
+            calibration,
+            drift=kind.drift if given.drift is None else given.drift,
+            restarts_at_start=self._driver.restarts_at_start,
         )
-        merge = SensorMerge(robot, chair, given.sensors, hardware)
+        merge = SensorMerge(robot, chair, given.sensors, hardware, has_motion=kind.has_motion)
         self._joystick = ChairJoystick(stop)
         self._chair = RealChair(
             self._driver, self._source, self._motors, merge, faults=faults, on_reading=self._joystick.on_reading,
@@ -248,12 +241,6 @@ class _BridgeProcess:
             )  # fmt: skip
 
         return WorldDriver(chair, self._motors, join, self._stop)
-
-    def _serial_driver(self, chair: Robot) -> Driver:
-        return SerialDriver(
-            self._given.port, self._given.baud, chair.proximity, self._stop,
-            waiting=lambda reason: print(f"waiting why={reason!r}", file=sys.stderr, flush=True),
-        )  # fmt: skip
 
     def _summary(self) -> str:
         counts, source = self._chair.statistics, self._source

@@ -6,7 +6,10 @@ import argparse
 import math
 from typing import Final
 
+from intellwheels_agents.bridge.driver_choice import DRIVERS
+from intellwheels_agents.bridge.luci_options import add_luci_options
 from intellwheels_agents.bridge.pose_source import DRIFT, POSE_SOURCES
+from intellwheels_agents.bridge.rnet_options import add_bus_options
 from intellwheels_agents.bridge.sensor_merge import SENSORS
 from intellwheels_schemas import messages
 from intellwheels_schemas.command_parser import CommandParser, like_field, number, positive_seconds, share, whole
@@ -16,6 +19,10 @@ examples:
   a chair with its controller on a serial line; any program that joins with role mind can drive it
       iw-bridge serial --port /dev/ttyUSB0 --name chair1 --robot intellwheels --place start1
       iw-agent avoid --name chair1 --role mind
+  a chair with a LUCI unit, driven over the network
+      iw-bridge luci --address 192.168.1.50 --name chair1 --robot intellwheels --place start1
+  a chair with R-Net electronics, which its user drives: the bridge listens to the CAN bus and sends nothing
+      iw-bridge rnet --channel can0 --name chair1 --robot intellwheels --place start1
   a chair in the simulation `lab` instead of hardware; its right wheel is 0.2 % too large, its pose is raw odometry
       iw-server --map ward
       iw-server --world lab --listen tcp/127.0.0.1:7448 --map ward --hide-truth
@@ -38,19 +45,16 @@ Standard output has lines that begin with one of these words:
         lost_up, lost_down          readings and powers dropped by --loss
         stale                       how often the chair fell silent
         age_mean, age_max           age of the reported poses, in s
-        garbage, reopened, unwritten    on a serial line: bytes or lines that were no message, how often the port was
-                                    opened again, powers that could not be written
+        garbage, reopened, unwritten    of a real chair: messages that were malformed or wrong, how often the connection
+                                    was opened again, powers that could not be sent
+        injected                    with rnet: joystick frames sent
+    chair                           with rnet: battery and speed setting in percent, largest motor current, on change
     simulator-gone, simulator-back, removed, replaced, taken, released, mind-joined, mind-left, mind-lost,
     mind-returned, body-lost, body-returned
                                     events of the chair
 Exit codes: 0 done, 1 refused or failed, 2 wrong usage. The driver serial needs the extra `bridge`.
 """
 DEFAULT_ROBOT: Final = "intellwheels"
-OTHER_DRIVER: Final = {
-    "serial": ("--lab-world", "--lab-connect", "--lab-place", "--lab-role", "--fix-every", "--fix-noise"),
-    "world": ("--baud",),
-}
-"""Options of the other driver, which a driver refuses."""
 MAX_COUNT: Final = 2**31 - 1
 """Largest value of --baud and --fix-every."""
 MAX_OFFSET: Final = 1e12
@@ -68,8 +72,9 @@ def parser() -> argparse.ArgumentParser:
     )
     result.add_argument(
         "driver",
-        choices=("world", "serial"),
-        help="where the chair is: in another simulation, the laboratory (world), or on a serial line (serial)",
+        choices=tuple(DRIVERS),
+        help="where the chair is: in another simulation, the laboratory (world), on a serial line (serial), behind a "
+        "LUCI unit on the network (luci), or on the CAN bus of R-Net electronics (rnet)",
     )
     body = result.add_argument_group("body")
     body.add_argument(
@@ -100,7 +105,7 @@ def parser() -> argparse.ArgumentParser:
     body.add_argument(
         "--sensors", choices=SENSORS, default="virtual",
         help="which sensors the mind gets: the virtual ones of --robot, the real sonars of --chair, or both; with "
-        "both, a real sonar is named real-ID (default: virtual)",
+        "both, a real sonar is named real-ID (default: virtual); with the driver luci also its inertial unit",
     )  # fmt: skip
     chair = result.add_argument_group("the chair")
     chair.add_argument(
@@ -115,7 +120,7 @@ def parser() -> argparse.ArgumentParser:
     chair.add_argument(
         "--hardware", choices=("real", "simulated"),
         help="what the chair is; a real one can join only in real time at speed 1 "
-        "(default: simulated for world, real for serial)",
+        "(default: simulated for world, real for the others)",
     )  # fmt: skip
     chair.add_argument(
         "--joystick", action="store_true", help="send the input of the chair's own joystick to the simulation"
@@ -151,9 +156,9 @@ def _add_pose_options(result: argparse.ArgumentParser) -> None:
             help=f"calibration, for calibrated and corrected poses: {meaning}, in [0.5, 2] (default: 1)",
         )
     pose.add_argument(
-        "--drift", type=like_field(messages.WayVariance), default=DRIFT, metavar="K",
+        "--drift", type=like_field(messages.WayVariance), metavar="K",
         help=f"variance of the travel of a wheel, in m2 per metre, in [0, 1], for the covariance of poses "
-        f"(default: {DRIFT:g})",
+        f"(default: {DRIFT:g}; with rnet, which has no encoders, {DRIVERS['rnet'].drift:g})",
     )  # fmt: skip
     pose.add_argument(
         "--fix-every", type=whole(1, MAX_COUNT), default=20, metavar="TICKS",
@@ -196,6 +201,14 @@ def _add_line_options(result: argparse.ArgumentParser) -> None:
         metavar="N",
         help="speed of the line in bits a second (default: 115200)",
     )
+    add_luci_options(result)
+    rnet = result.add_argument_group("driver rnet")
+    add_bus_options(rnet)
+    rnet.add_argument(
+        "--allow-injection", action="store_true",
+        help="drive the chair by joystick frames on its bus, against the maker's intention; without it, the bridge "
+        "only listens and sends nothing",
+    )  # fmt: skip
     faults = result.add_argument_group(
         "faults for experiments, on the line between chair and bridge, in both directions"
     )

@@ -46,6 +46,8 @@ class Reading:
         fix: A position from outside, if there is one.
         battery: Volts, or None.
         forward, turn: The chair's own joystick, in [-1, 1], or None without one.
+        motion: What the chair's own inertial unit measured: acceleration forward and to the left in m/s2, and turn
+            rate in rad/s, anticlockwise; or None without one.
     """
 
     epoch: str
@@ -60,6 +62,7 @@ class Reading:
     battery: float | None = None
     forward: float | None = None
     turn: float | None = None
+    motion: tuple[float, float, float] | None = None
 
 
 class Driver(Protocol):

@@ -5,6 +5,8 @@
     real      the chair's own sonars, under their own ids, and no virtual ones
     both      the virtual ones, and the chair's own sonars as `real-<id>`
 
+With `real` and `both` the chair's own inertial unit counts like a sonar, if the driver reads one.
+
 Encoders and odometry are always the chair's own: the simulator does not turn the wheels of a real chair.
 """
 
@@ -18,7 +20,7 @@ from intellwheels_agents.bridge.hardware_driver import Reading
 from intellwheels_agents.bridge.pose_source import PoseSource
 from intellwheels_agents.differential_drive import wrapped
 from intellwheels_agents.portable_math import sincos
-from intellwheels_schemas.messages import EncodersReading, OdometryReading, Position, Robot, Sensors
+from intellwheels_schemas.messages import IMU, EncodersReading, IMUReading, OdometryReading, Position, Robot, Sensors
 
 SensorsName = Literal["virtual", "real", "both"]
 SENSORS: Final = get_args(SensorsName)
@@ -33,7 +35,13 @@ class SensorMerge:
     """
 
     def __init__(
-        self, robot: Robot, chair: Robot, sensors: SensorsName, hardware: Literal["real", "simulated"] = "real"
+        self,
+        robot: Robot,
+        chair: Robot,
+        sensors: SensorsName,
+        hardware: Literal["real", "simulated"] = "real",
+        *,
+        has_motion: bool = False,
     ) -> None:
         """Create the document.
 
@@ -42,6 +50,7 @@ class SensorMerge:
             chair: The chair as built, with its own sonars.
             sensors: Which of the two the mind gets.
             hardware: `simulated` when the chair is one of another simulation.
+            has_motion: Whether its driver reads an inertial unit; the one that the chair declares is then the real one.
         """
         prefix = PREFIX if sensors == "both" else ""
         own = () if sensors == "virtual" else chair.proximity
@@ -54,6 +63,9 @@ class SensorMerge:
             )
             for sensor in own
         )  # fmt: skip
+        units = () if sensors == "virtual" or not has_motion else chair.imu[:1]
+        # Its errors are in the readings, as those of the sonars are.
+        self._units = tuple(IMU(id=prefix + one.id, source="real") for one in units)
         self.robot = msgspec.structs.replace(
             robot,
             type="real",
@@ -62,6 +74,7 @@ class SensorMerge:
             wheel_scale=1.0,
             track_ratio=1.0,
             proximity=(() if sensors == "real" else robot.proximity) + forwarded,
+            imu=(() if sensors == "real" and has_motion else robot.imu) + self._units,
             encoders=tuple(msgspec.structs.replace(one, source="real", drift=0.0) for one in robot.encoders),
             odometry=tuple(msgspec.structs.replace(one, source="real") for one in robot.odometry),
         )
@@ -75,6 +88,11 @@ class SensorMerge:
                 msgspec.structs.replace(one, id=self._names[one.id], tick=None)
                 for one in reading.proximity
                 if one.id in self._names
+            ),
+            imu=tuple(
+                IMUReading(id=one.id, forward=reading.motion[0], left=reading.motion[1], turn_rate=reading.motion[2])
+                for one in self._units
+                if reading.motion is not None
             ),
             encoders=tuple(
                 EncodersReading(id=one.id, left=source.left, right=source.right) for one in self.robot.encoders

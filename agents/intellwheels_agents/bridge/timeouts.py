@@ -24,6 +24,12 @@ POWER_POLL: Final = 0.01
 """Time between two checks for a changed power: the longest that a new power waits."""
 REOPEN_PERIOD: Final = 0.2
 """Time between two attempts to open a serial device."""
+STREAM_TIMEOUT: Final = 0.5
+"""Time without a message of a sensor's stream after which its last value is no longer reported."""
+CONNECT_TIMEOUT: Final = 5.0
+"""Time for a new network connection to a chair to bring its first reading."""
+STATUS_PERIOD: Final = 10.0
+"""Time between two lines about the battery and the speed setting of an R-Net chair."""
 QUIET_LINE: Final = 1.0
 """Time on an open line without valid telemetry before the bridge says that it waits for the controller."""
 INTERRUPTION: Final = 1.0

@@ -31,6 +31,10 @@ class WrappingCounter:
             self._total += to_signed(value - self._total)
         return self._total
 
+    def is_behind(self, value: int) -> bool:
+        """Return whether a value lies before the last one, as after a restart of the controller."""
+        return self._total is not None and to_signed(value - self._total) < 0
+
     def reset(self) -> None:
         """Start again at the next value, because the controller has restarted."""
         self._total = None

@@ -7,13 +7,15 @@ import inspect
 import pytest
 
 from intellwheels_agents.bridge.hardware_driver import Driver, Fix, Reading
+from intellwheels_agents.bridge.luci_driver import LuciDriver
+from intellwheels_agents.bridge.rnet_driver import RnetDriver
 from intellwheels_agents.bridge.serial_driver import SerialDriver
 from intellwheels_agents.bridge.world_driver import WorldDriver
 
 ASKED = [name for name, _ in inspect.getmembers(Driver, inspect.isfunction) if not name.startswith("_")]
 
 
-@pytest.mark.parametrize("driver", [WorldDriver, SerialDriver])
+@pytest.mark.parametrize("driver", [WorldDriver, SerialDriver, LuciDriver, RnetDriver])
 @pytest.mark.parametrize("method", ASKED)
 def test_a_driver_takes_what_the_bridge_gives_it(driver: type, method: str) -> None:
     wanted = inspect.signature(getattr(Driver, method)).parameters.values()
@@ -24,7 +26,7 @@ def test_a_driver_takes_what_the_bridge_gives_it(driver: type, method: str) -> N
 def test_what_was_not_measured_is_none() -> None:
     reading = Reading(epoch="1", seq=0, stamp=0.0, received=0.0, left=0, right=0)
     assert (reading.tick, reading.proximity, reading.fix) == (None, (), None)
-    assert (reading.battery, reading.forward, reading.turn) == (None, None, None)
+    assert (reading.battery, reading.forward, reading.turn, reading.motion) == (None, None, None, None)
 
 
 def test_a_position_without_an_offset_is_that_of_the_centre_of_movement() -> None:

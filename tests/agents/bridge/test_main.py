@@ -9,7 +9,15 @@ from intellwheels_agents.bridge import main
     ("words", "expected"),
     [
         (["serial", "--name", "chair1"], "--port: expected a device with the driver serial"),
-        (["world", "--name", "chair1", "--port", "x"], "--port: expected a device with the driver serial"),
+        (["world", "--name", "chair1", "--port", "x"], "--port: expected with the driver serial, got world"),
+        (["luci", "--name", "chair1"], "--address: expected the host of the unit with the driver luci, got none"),
+        (["rnet", "--name", "chair1"], "--channel: expected a CAN bus with the driver rnet, got none"),
+        (
+            ["luci", "--name", "c", "--address", "h", "--allow-injection"],
+            "--allow-injection: expected with the driver rnet, got luci",
+        ),
+        (["luci", "--name", "c", "--address", "http://h"], "--address: expected HOST or HOST:PORT, got 'http://h'"),
+        (["rnet", "--name", "c", "--channel", "x", "--can-option", "fd=1"], "--can-option: expected KEY=VALUE, each"),
         (["world", "--name", "Chair 1"], "--name: expected a name"),
         (["world", "--name", "chair1", "--robot", "tank"], "got 'tank'"),
         (["world", "--name", "chair1", "--chair", "table"], "--chair: expected a robot with encoders"),
@@ -38,7 +46,13 @@ def test_wrong_usage_is_refused_with_exit_code_2(
 
 @pytest.mark.process
 @pytest.mark.parametrize(
-    "driver", [["world", "--lab-connect", "tcp/127.0.0.1:1"], ["serial", "--port", "/nowhere/tty"]]
+    "driver",
+    [
+        ["world", "--lab-connect", "tcp/127.0.0.1:1"],
+        ["serial", "--port", "/nowhere/tty"],
+        ["luci", "--address", "127.0.0.1:1"],
+        ["rnet", "--channel", "nowhere0"],
+    ],
 )
 def test_a_missing_chair_ends_the_bridge_with_exit_code_1(
     driver: list[str], capsys: pytest.CaptureFixture[str]

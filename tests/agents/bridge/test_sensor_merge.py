@@ -8,7 +8,7 @@ import pytest
 from intellwheels_agents.bridge.pose_source import PoseSource
 from intellwheels_agents.bridge.sensor_merge import SensorMerge, SensorsName
 from intellwheels_maps import robot
-from intellwheels_schemas.messages import Odometry, Position, Proximity, ProximityReading, Robot
+from intellwheels_schemas.messages import IMU, Odometry, Position, Proximity, ProximityReading, Robot
 from intellwheels_schemas.rules import check_robot
 from tests.agents.bridge.readings import reading
 
@@ -66,3 +66,29 @@ def test_odometry_is_the_pose_relative_to_the_start() -> None:
 def test_a_chair_of_another_simulation_is_simulated_hardware() -> None:
     assert SensorMerge(BODY, CHAIR, "virtual", "simulated").robot.hardware == "simulated"
     assert Robot().hardware == "real"
+
+
+@pytest.mark.parametrize(
+    ("sensors", "has_motion", "units"),
+    [
+        ("virtual", True, [("imu", "simulated")]),
+        ("real", True, [("imu", "real")]),
+        ("both", True, [("imu", "simulated"), ("real-imu", "real")]),
+        ("real", False, [("imu", "simulated")]),
+    ],
+)
+def test_a_real_inertial_unit_counts_like_a_sonar(
+    sensors: SensorsName, has_motion: bool, units: list[tuple[str, str]]
+) -> None:
+    chair = msgspec.structs.replace(BODY, imu=(IMU(id="imu", noise=0.1),))
+    made = SensorMerge(chair, chair, sensors, has_motion=has_motion)
+    check_robot(made.robot)
+    assert [(one.id, one.source) for one in made.robot.imu] == units
+    source = PoseSource(CHAIR, "raw")
+    source.set_start(Position(x=0.0, y=0.0, heading=0.0))
+    real = [name for name, kind in units if kind == "real"]
+    heard = made.sensors(reading(1, motion=(0.5, -0.1, 0.2)), source).imu
+    assert [(one.id, one.forward, one.left, one.turn_rate) for one in heard] == [
+        (name, 0.5, -0.1, 0.2) for name in real
+    ]
+    assert made.sensors(reading(2), source).imu == ()

@@ -46,3 +46,11 @@ def test_a_reset_counter_starts_at_the_next_value() -> None:
     counter.extend(MAX_UNSIGNED)
     counter.reset()
     assert counter.extend(7) == 7
+
+
+def test_a_value_before_the_last_one_is_behind() -> None:
+    counter = WrappingCounter()
+    assert not counter.is_behind(0)
+    counter.extend(MAX_UNSIGNED)
+    assert counter.is_behind(MAX_UNSIGNED - 1)
+    assert not counter.is_behind(5)
