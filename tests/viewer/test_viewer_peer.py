@@ -49,7 +49,7 @@ def watching(endpoint: str, world: str = "main", *, chosen: bool = False) -> Ite
         stop.set()
         made.close()
         made._opener.join(10.0)
-        assert not made._opener.is_alive()
+        assert made._opener is None or not made._opener.is_alive()
 
 
 def sees(network: Network, there: Callable[[Snapshot], object], what: str = "what is to be seen") -> Snapshot:

@@ -25,6 +25,7 @@ from intellwheels_schemas.codec import Encoding, decode, encode, encoding_of
 from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.keys import Keys
 from intellwheels_schemas.messages import Body, Clock, Error, Result, Take, UserInput
+from intellwheels_schemas.process import start_network_thread
 
 ANSWER_TIMEOUT: Final = 1.5
 """Seconds to wait for an answer: less than a lease."""
@@ -74,7 +75,7 @@ class _LeaseRequests:
 
     def start(self, take: Take) -> None:
         """Send a request; the answer goes to `answers`."""
-        threading.Thread(target=lambda: self.answers.put(self.ask(take)), name="take", daemon=True).start()
+        start_network_thread("take", lambda: self.answers.put(self.ask(take)))
 
     def ask(self, take: Take) -> Result | None:
         """Send a request and return its answer, or None without one."""
