@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from tests.bench import bystanders, imports, learning, loads, network, record, ros, tick, viewer
+from tests.bench import bystanders, imports, inputs, learning, loads, network, record, ros, tick, viewer
 from tests.bench.rows import append, show
 
 
@@ -17,7 +17,7 @@ def main() -> None:
         nargs="*",
         metavar="BENCH",
         help="tick: the cost of a tick, part by part; network: whole processes; viewer: a page; loads: loading maps; "
-        "imports: floors of other programs; ros and record: gateways; learning: steps of learning environments; "
+        "imports: floors of other programs; inputs: from an input to the motors; ros and record: gateways; learning: steps of learning environments; "
         "bystanders: late ticks beside a frozen viewer, 25 minutes (default: all but bystanders)",
     )
     parser.add_argument(
@@ -30,7 +30,7 @@ def main() -> None:
         help="the CSV file (default: tests/bench/results.csv of the checkout)",
     )  # fmt: skip
     options = parser.parse_args()
-    wanted = options.benches or ["tick", "network", "viewer", "loads", "imports", "ros", "record", "learning"]
+    wanted = options.benches or ["tick", "network", "viewer", "loads", "imports", "inputs", "ros", "record", "learning"]
     rows = []
     if "tick" in wanted:
         rows += tick.bench((1, 10) if options.quick else (1, 10, 100, 1000), quick=options.quick)
@@ -42,6 +42,8 @@ def main() -> None:
         rows += loads.bench(corners=500, shapes=("circle",), settle=0.3) if options.quick else loads.bench()
     if "imports" in wanted:
         rows += imports.bench(side=200) if options.quick else imports.bench()
+    if "inputs" in wanted:
+        rows += inputs.bench(rounds=3) if options.quick else inputs.bench()
     if "ros" in wanted:
         rows += ros.bench(rounds=5, seconds=1.0) if options.quick else ros.bench()
     if "record" in wanted:

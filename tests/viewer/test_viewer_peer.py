@@ -48,8 +48,9 @@ def watching(endpoint: str, world: str = "main", *, chosen: bool = False) -> Ite
     finally:
         stop.set()
         made.close()
+        assert made._opener is not None
         made._opener.join(10.0)
-        assert made._opener is None or not made._opener.is_alive()
+        assert not made._opener.is_alive()
 
 
 def sees(network: Network, there: Callable[[Snapshot], object], what: str = "what is to be seen") -> Snapshot:

@@ -27,6 +27,8 @@ QUEUE_LENGTH: Final = 16
 """Largest number of words that wait to be sent. When more come, the oldest are dropped."""
 MAX_LINE: Final = 4096
 """Bytes of the longest line; a longer one is dropped."""
+SAID: Final = {**{word: word for word in WORDS}, "reverse": "back"}
+"""The word of the contract for each word that a recogniser knows. `reverse` is recognised more surely than `back`."""
 _WORD = re.compile(WORD_PATTERN)
 
 

@@ -1,0 +1,36 @@
+"""Streams of Lab Streaming Layer for tests, which stay on this machine. Import it before anything loads liblsl."""
+
+from __future__ import annotations
+
+import os
+import tempfile
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+_FOLDER = tempfile.mkdtemp(prefix="iw-lsl-")
+CONFIG = Path(_FOLDER) / "lsl_api.cfg"
+"""The configuration of liblsl. The session is this process's own, so that other tests see none of its streams."""
+CONFIG.write_text(
+    "[ports]\nIPv6 = disable\n[multicast]\nResolveScope = machine\nMachineAddresses = {127.0.0.1}\n"
+    "AddressesOverride = {127.0.0.1}\n[lab]\nKnownPeers = {127.0.0.1}\n"
+    f"SessionID = test-{os.getpid()}\n[log]\nlevel = -3\n"
+)
+os.environ["LSLAPICFG"] = str(CONFIG)
+
+
+def pylsl() -> Any:
+    """Return pylsl, or skip the test."""
+    return pytest.importorskip("pylsl", reason="streams need the extra `lsl`", exc_type=ImportError)
+
+
+def outlet(name: str, kind: str = "EEG", channels: int = 2, *, labels: Sequence[str] = (), text: bool = False) -> Any:
+    """Return an outlet: the other end of a stream, until it is deleted."""
+    lsl = pylsl()
+    info = lsl.StreamInfo(name, kind, channels, 0, lsl.cf_string if text else lsl.cf_float32, "")
+    described = info.desc().append_child("channels")
+    for label in labels:
+        described.append_child("channel").append_child_value("label", label)
+    return lsl.StreamOutlet(info)

@@ -1,0 +1,88 @@
+"""Latency of `iw-joystick`, from the source of the input to the motors of a chair at 20 Hz, as its `--latency` reports."""
+
+from __future__ import annotations
+
+import os
+import random
+import signal
+import subprocess
+import tempfile
+import threading
+import wave
+from collections.abc import Callable
+from contextlib import ExitStack
+from pathlib import Path
+
+from tests.agents.joystick import spoken, streams
+from tests.bench.network import WORLD, process, wait_for
+from tests.bench.rows import Row
+from tests.bench.sink import endpoint
+
+Joystick = subprocess.Popen[str]
+SAMPLE_PERIOD = 0.01
+"""Seconds between two samples of the stream."""
+
+
+def bench(*, rounds: int = 40) -> list[Row]:
+    """Return the rows; `rounds` is the number of starts and stops of each source."""
+    pauses = random.Random(1)
+
+    def words(child: Joystick) -> None:
+        assert child.stdin is not None
+        for _ in range(rounds):
+            for word in ("forward", "stop"):
+                child.stdin.write(f"{word}\n")
+                child.stdin.flush()
+                threading.Event().wait(pauses.uniform(0.3, 0.4))
+
+    out = streams.outlet("bench")
+
+    def samples(_child: Joystick) -> None:
+        for _ in range(rounds):
+            for value in (1.0, 0.0):
+                for _ in range(pauses.randint(30, 40)):
+                    out.push_sample([value, 0.0])
+                    threading.Event().wait(SAMPLE_PERIOD)
+
+    with tempfile.TemporaryDirectory() as folder:
+        file = Path(folder) / "said.wav"
+        with wave.open(str(file), "wb") as sound:
+            sound.setnchannels(1)
+            sound.setsampwidth(2)
+            sound.setframerate(spoken.RATE)
+            sound.writeframes((spoken.said("forward") + spoken.said("stop")) * max(1, rounds // 4))
+        return [
+            *_rows("words on a pipe", ["words"], words),
+            *_rows("lsl, 100 Hz", ["lsl", "--stream-name", "bench", "--axes", "forward=0"], samples),
+            *_rows("voice, from the end of a word", ["voice", "--audio", str(file)], lambda child: None),
+        ]
+
+
+def _rows(case: str, source: list[str], drive: Callable[[Joystick], None]) -> list[Row]:
+    address = endpoint()
+    where = ("--world", WORLD, "--connect", address)
+    with ExitStack() as stack:
+        simulator = stack.enter_context(
+            process("intellwheels_server", "--map", "corridor15m", "--world", WORLD, "--listen", address)
+        )
+        wait_for(simulator, "ready")
+        agent = stack.enter_context(process(
+            "intellwheels_agents", "joystick", "--name", "chair1", "--robot", "rear-wheel",
+            "--option", "AccelerationCurve=0", *where,
+        ))  # fmt: skip
+        wait_for(agent, "joined")
+        child = stack.enter_context(process(
+            "intellwheels_agents.joystick", "chair1", "--forward", "0.05", "--latency", *where, "--source", *source
+        ))  # fmt: skip
+        wait_for(child, "ready")
+        drive(child)
+        if "voice" not in source:  # which ends with its file
+            os.killpg(child.pid, signal.SIGTERM)
+        assert child.stdout is not None
+        (line,) = [line for line in child.stdout if line.startswith("latency")]
+    figures = dict(word.split("=") for word in line.split()[1:])
+    names = {"put_median": "source to network, median", "start_median": "source to motors, median",
+             "start_max": "source to motors, maximum", "stop_median": "source to motors of a stop, median"}  # fmt: skip
+    return [
+        Row("inputs", case, text, 1e3 * float(figures[name]), "ms") for name, text in names.items() if name in figures
+    ]
