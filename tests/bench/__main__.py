@@ -17,8 +17,9 @@ def main() -> None:
         nargs="*",
         metavar="BENCH",
         help="tick: the cost of a tick, part by part; network: whole processes; viewer: a page; loads: loading maps; "
-        "imports: floors of other programs; inputs: from an input to the motors; ros and record: gateways; learning: steps of learning environments; "
-        "bystanders: late ticks beside a frozen viewer, 25 minutes (default: all but bystanders)",
+        "imports: floors of other programs; inputs: from an input to the motors; ros and record: gateways; learning: "
+        "steps of learning environments; bystanders: late ticks beside a frozen viewer, 25 minutes (default: all but "
+        "bystanders)",
     )
     parser.add_argument(
         "--quick",

@@ -1,4 +1,4 @@
-"""Latency of `iw-joystick`, from the source of the input to the motors of a chair at 20 Hz, as its `--latency` reports."""
+"""Latency from the source of an input to the motors of a chair at 20 Hz, as `iw-joystick --latency` reports it."""
 
 from __future__ import annotations
 
@@ -19,6 +19,13 @@ from tests.bench.rows import Row
 from tests.bench.sink import endpoint
 
 Joystick = subprocess.Popen[str]
+NAMES = {
+    "put_median": "source to network, median",
+    "start_median": "source to motors, median",
+    "start_max": "source to motors, maximum",
+    "stop_median": "source to motors of a stop, median",
+}
+"""The figures by their names in the line that the command prints."""
 SAMPLE_PERIOD = 0.01
 """Seconds between two samples of the stream."""
 
@@ -81,8 +88,5 @@ def _rows(case: str, source: list[str], drive: Callable[[Joystick], None]) -> li
         assert child.stdout is not None
         (line,) = [line for line in child.stdout if line.startswith("latency")]
     figures = dict(word.split("=") for word in line.split()[1:])
-    names = {"put_median": "source to network, median", "start_median": "source to motors, median",
-             "start_max": "source to motors, maximum", "stop_median": "source to motors of a stop, median"}  # fmt: skip
-    return [
-        Row("inputs", case, text, 1e3 * float(figures[name]), "ms") for name, text in names.items() if name in figures
-    ]
+    known = {name: float(figures[name]) for name in NAMES if name in figures}
+    return [Row("inputs", case, NAMES[name], 1e3 * value, "ms") for name, value in known.items()]
