@@ -77,6 +77,7 @@ def imported(path: Path) -> Iterator[str]:
 
 FILES = list(sources())
 OPENERS = {
+    "intellwheels_agents.joystick.joystick_options",
     "intellwheels_agents.record_gateway.log_source",
     "intellwheels_agents.record_gateway.panel_driver",
     "intellwheels_agents.record_gateway.record_process",
