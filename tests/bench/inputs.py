@@ -9,8 +9,8 @@ import subprocess
 import tempfile
 import threading
 import wave
-from collections.abc import Callable
-from contextlib import ExitStack
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 
 from tests.agents.joystick import spoken, streams
@@ -51,7 +51,7 @@ def bench(*, rounds: int = 40) -> list[Row]:
                     out.push_sample([value, 0.0])
                     threading.Event().wait(SAMPLE_PERIOD)
 
-    with tempfile.TemporaryDirectory() as folder:
+    with tempfile.TemporaryDirectory() as folder, _chair() as where:
         file = Path(folder) / "said.wav"
         with wave.open(str(file), "wb") as sound:
             sound.setnchannels(1)
@@ -59,15 +59,17 @@ def bench(*, rounds: int = 40) -> list[Row]:
             sound.setframerate(spoken.RATE)
             sound.writeframes((spoken.said("forward") + spoken.said("stop")) * max(1, rounds // 4))
         return [
-            *_rows("words on a pipe", ["words"], words),
-            *_rows("lsl, 100 Hz", ["lsl", "--stream-name", "bench", "--axes", "forward=0"], samples),
-            *_rows("voice, from the end of a word", ["voice", "--audio", str(file)], lambda child: None),
+            *_rows("words on a pipe", where, ["words"], words),
+            *_rows("lsl, 100 Hz", where, ["lsl", "--stream-name", "bench", "--axes", "forward=0"], samples),
+            *_rows("voice, from the end of a word", where, ["voice", "--audio", str(file)], None),
         ]
 
 
-def _rows(case: str, source: list[str], drive: Callable[[Joystick], None]) -> list[Row]:
+@contextmanager
+def _chair() -> Iterator[list[str]]:
+    """A world with a chair whose motors obey at once. Gives the options that lead to it."""
     address = endpoint()
-    where = ("--world", WORLD, "--connect", address)
+    where = ["--world", WORLD, "--connect", address]
     with ExitStack() as stack:
         simulator = stack.enter_context(
             process("intellwheels_server", "--map", "corridor15m", "--world", WORLD, "--listen", address)
@@ -78,12 +80,16 @@ def _rows(case: str, source: list[str], drive: Callable[[Joystick], None]) -> li
             "--option", "AccelerationCurve=0", *where,
         ))  # fmt: skip
         wait_for(agent, "joined")
-        child = stack.enter_context(process(
-            "intellwheels_agents.joystick", "chair1", "--forward", "0.05", "--latency", *where, "--source", *source
-        ))  # fmt: skip
+        yield where
+
+
+def _rows(case: str, where: list[str], source: list[str], drive: Callable[[Joystick], None] | None) -> list[Row]:
+    """Return the rows of a source. Without something that drives, it ends by itself."""
+    words = ("chair1", "--forward", "0.05", "--latency", *where, "--source", *source)
+    with process("intellwheels_agents.joystick", *words) as child:
         wait_for(child, "ready")
-        drive(child)
-        if "voice" not in source:  # which ends with its file
+        if drive is not None:
+            drive(child)
             os.killpg(child.pid, signal.SIGTERM)
         assert child.stdout is not None
         (line,) = [line for line in child.stdout if line.startswith("latency")]

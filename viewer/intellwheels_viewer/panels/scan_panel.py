@@ -33,7 +33,7 @@ _NAMES: Final = tuple(COMMANDS)
 _HINTS: Final[dict[Method, str]] = {
     "auto": "Hold <code>Space</code> to drive the highlighted way.",
     "step": "<code>Space</code> moves the highlight. Hold <code>Enter</code> to drive.",
-    "dwell": "Rest the pointer on a command to drive. Leave it to stop.",
+    "dwell": f"Rest the pointer on a command to drive, for at most {ScanSettings().hold:g} s. Leave it to stop.",
 }
 _SCRIPT: Final = """
 (() => {
@@ -128,8 +128,9 @@ class ScanPanel:
         script = _SCRIPT.replace("%UUID%", element_id(self.message)).replace("%PERIOD%", f"{1000.0 / RATE:g}")
         gui.add_html(f'<img src="x:" alt="" style="display:none" onerror="{html.escape(script)}">')
         self._scan = SwitchScan(ScanSettings())
-        for setting in (self.method, self.seconds, self.confirm):
-            updated(setting, lambda _: self._restart())
+        updated(self.method, lambda _: self._restart())
+        updated(self.seconds, lambda _: self._restart())
+        updated(self.confirm, lambda _: self._restart())
         updated(self.message, self._heard)
 
     def show(self, snapshot: Snapshot, choices: Choices) -> None:
