@@ -53,7 +53,8 @@ class WavInput:
                 self.rate, channels, width = file.getframerate(), file.getnchannels(), file.getsampwidth()
                 data = file.readframes(file.getnframes())
         except (wave.Error, EOFError) as error:
-            raise DeviceError(f"--audio {path}: expected a WAV file of 16-bit samples, got {error}") from None
+            got = str(error) or "one that ends early"
+            raise DeviceError(f"--audio {path}: expected a WAV file of 16-bit samples, got {got}") from None
         if width != 2:
             raise DeviceError(f"--audio {path}: expected samples of 16 bits, got {8 * width}")
         frame = 2 * channels

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import atexit
 import os
+import shutil
 import tempfile
 from collections.abc import Sequence
 from pathlib import Path
@@ -10,7 +12,11 @@ from typing import Any
 
 import pytest
 
+from intellwheels_agents.joystick.lsl_source import pylsl_of
+from intellwheels_agents.joystick.pygame_source import DeviceError
+
 _FOLDER = tempfile.mkdtemp(prefix="iw-lsl-")
+atexit.register(shutil.rmtree, _FOLDER, ignore_errors=True)
 CONFIG = Path(_FOLDER) / "lsl_api.cfg"
 """The configuration of liblsl. The session is this process's own, so that other tests see none of its streams."""
 CONFIG.write_text(
@@ -23,7 +29,10 @@ os.environ["LSLAPICFG"] = str(CONFIG)
 
 def pylsl() -> Any:
     """Return pylsl, or skip the test."""
-    return pytest.importorskip("pylsl", reason="streams need the extra `lsl`", exc_type=ImportError)
+    try:
+        return pylsl_of()
+    except DeviceError as error:
+        pytest.skip(str(error))
 
 
 def outlet(name: str, kind: str = "EEG", channels: int = 2, *, labels: Sequence[str] = (), text: bool = False) -> Any:
