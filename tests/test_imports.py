@@ -87,6 +87,7 @@ OPENERS = {
     "intellwheels_agents.ciber_gateway.ciber_process",
     "intellwheels_agents.ciber_gateway.reception",
     "intellwheels_agents.ciber_gateway.robot_client",
+    "intellwheels_agents.joystick.joystick_options",
     "intellwheels_agents.record_gateway.log_source",
     "intellwheels_agents.record_gateway.panel_driver",
     "intellwheels_agents.record_gateway.record_process",

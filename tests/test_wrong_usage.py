@@ -25,6 +25,7 @@ from intellwheels_agents.bridge import firmware_stand_in, luci_stand_in, rnet_st
 from intellwheels_agents.ciber_gateway import __main__ as ciber
 from intellwheels_agents.iw_command import main as iw
 from intellwheels_agents.joystick import __main__ as joystick
+from intellwheels_agents.joystick import joystick_options
 from intellwheels_agents.record_gateway import __main__ as record
 from intellwheels_agents.ros_gateway import __main__ as ros
 from intellwheels_experiments import __main__ as run
@@ -73,6 +74,11 @@ WRONG: dict[str, Sequence[str]] = {
     "AGENT=MIND": ("", "x", "=drive", "nobody=drive", "chair1="),
     "AGENT.NAME=VALUE": ("", "x", "=1", "nobody.x=1", "chair1.=1"),
     "I/N": ("", "x", "2", "0/2", "3/2", "1/0", "-1/2", "1/2/3"),
+    "KEY,KEY": ("", "escape", "a,a", "a,b,c", "\x01"),
+    "SIGNAL=KEY,...": ("", "x", "puff=a", "hard-puff=", "hard-puff=left"),
+    "STREAM": ("", "\x01", "x" * 257, "'\""), "ON[,OFF]": ("", "x", "nan", "1,2", "1,"),
+    "AXIS=CHANNEL,...": ("", "x", "up=1", "forward=", "forward=1*0", "turn=1,turn=2"),
+    "COMMAND=CHANNEL,...": ("", "x", "up=1", "left=", "left=1*nan"), "HZ": (*WHOLE, "8000"), "mic|-|FILE.wav": INPUTS,
     "NAME=VALUE": (*PAIRS, *NO_NUMBERS), "FIELD=VALUE": (*PAIRS, *NO_NUMBERS, "MotorNoise=x"),
 }  # fmt: skip
 """Wrong values of an option, by its metavar."""
@@ -97,6 +103,14 @@ WITH: dict[str, Sequence[str]] = {
     "iw-record --take": ("--live",),
     "iw-server --trace": ("--resimulate", "/dev/null"), "iw-server --reported": ("--play", "/dev/null"),
     "iw-joystick --script": ("--source", "script"),
+    **{
+        f"iw-joystick --{name}": ("--source", "lsl", "--stream-name", "x")
+        for name in ("stream-name", "stream-type", "axes", "commands", "threshold", "dead-zone")
+    },
+    "iw-joystick --dwell": ("--source", "scan", "--scan", "dwell"),
+    "iw-joystick --scan-period": ("--source", "scan"), "iw-joystick --switch-keys": ("--source", "scan"),
+    "iw-joystick --signals": ("--source", "sip-puff"),
+    "iw-joystick --audio": ("--source", "voice"), "iw-joystick --audio-rate": ("--source", "voice", "--audio", "-"),
     "iw-ros --robot": ("--name", "c"), "iw-ros --option": ("--name", "c"), "iw-ros --place": ("--name", "c"),
 }  # fmt: skip
 """What else an option needs to be looked at."""
@@ -125,7 +139,7 @@ COMMANDS = {
     "iw-record": Command(record.main, record.parser, ["run.mcap"]),
     "iw-agent": Command(agent.main, agent.parser, ["avoid"]),
     "iw-bridge": Command(bridge.main, bridge.parser, ["world", "--name", "chair1"]),
-    "iw-joystick": Command(joystick.main, joystick.parser, ["chair1"]),
+    "iw-joystick": Command(joystick.main, joystick_options.parser, ["chair1"]),
     "iw-viewer": Command(viewer.main, viewer.parser),
     "iw-ros": Command(ros.main, ros.parser),
     "iw-ciber": Command(ciber.main, ciber.parser),

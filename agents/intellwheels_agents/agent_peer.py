@@ -9,7 +9,6 @@ instead of 152 µs, echo of measures on loopback), and in lockstep every tick wa
 
 from __future__ import annotations
 
-import contextlib
 import math
 import queue
 import sys
@@ -41,7 +40,7 @@ from intellwheels_schemas.codec import MAX_BYTES, Encoding, decode, encoding_of
 from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.keys import Keys
 from intellwheels_schemas.messages import Map, Robot
-from intellwheels_schemas.process import THREADS_END
+from intellwheels_schemas.process import start_network_thread
 from intellwheels_schemas.repliers import by_simulator
 
 SLICE = 0.2
@@ -111,21 +110,11 @@ def run_agent(
         return 1
     if session is None:
         return 0
-    with contextlib.ExitStack() as stack:
-        # Last, when the session is closed, which ends their queries.
-        asking: list[threading.Thread] = []
-        stack.callback(_join, asking)
-        stack.enter_context(session)
+    with session:
         remaining = max(0.0, retry_for - (time.monotonic() - started))
         return _AgentPeer(
-            session, robot, make, options, where, encoding, remaining, tell or _print, on_presence or _ignore, asking
+            session, robot, make, options, where, encoding, remaining, tell or _print, on_presence or _ignore
         ).run(stop)
-
-
-def _join(threads: list[threading.Thread]) -> None:
-    deadline = time.monotonic() + THREADS_END
-    for thread in threads:
-        thread.join(max(0.0, deadline - time.monotonic()))
 
 
 class _AgentPeer:
@@ -142,7 +131,6 @@ class _AgentPeer:
         retry_for: float,
         tell: Callable[[str], None],
         on_presence: Callable[[bool], None],
-        asking: list[threading.Thread],
     ) -> None:
         agent = robot.name or ""
         keys = Keys(where.world)
@@ -152,7 +140,6 @@ class _AgentPeer:
         self._on_presence = on_presence
         self._encoding = encoding
         self._keys = keys
-        self._asking = asking
         self._map_key = keys.map
         self._body_key = keys.body(agent)
         self._join_key = keys.join(agent)
@@ -312,9 +299,7 @@ class _AgentPeer:
                 answers = []
             self._arrivals.put(_Answered(request, answers))
 
-        self._asking[:] = [thread for thread in self._asking if thread.is_alive()]
-        self._asking.append(threading.Thread(target=ask, name=request, daemon=True))
-        self._asking[-1].start()
+        start_network_thread(request, ask)
 
     def _claims(self) -> list[str]:
         return link.tokens(self._session, self._keys.every_claim)

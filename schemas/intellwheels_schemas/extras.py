@@ -10,6 +10,8 @@ MODULES: Final = {
     "server": ("numpy", "numba", "shapely"),
     "viewer": ("numpy", "viser", "PIL", "mapbox_earcut"),
     "joystick": ("pygame",),
+    "lsl": ("pylsl",),
+    "voice": ("pocketsphinx", "sounddevice"),
     "experiments": ("numpy", "scipy", "shapely", "matplotlib"),
     "bridge": ("serial",),
     "luci": ("grpc", "google"),

@@ -15,7 +15,7 @@ import signal
 import sys
 import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from types import FrameType
 
 from intellwheels_schemas.command_parser import open_descriptor
@@ -34,6 +34,9 @@ that ends while one of its threads is inside Zenoh is aborted."""
 
 GRACE = 3.0
 """Time in which a process must end after its lifeline has closed, s."""
+
+_network_threads: dict[threading.Thread, Callable[[], object] | None] = {}
+_network_lock = threading.Lock()
 
 
 def add_process_options(parser: argparse.ArgumentParser) -> None:
@@ -75,6 +78,46 @@ def stop_on_signals(lifeline: int | None = None) -> threading.Event:
     if lifeline is not None:
         threading.Thread(target=_watch, args=(lifeline, stop), name="lifeline", daemon=True).start()
     return stop
+
+
+def start_network_thread(
+    name: str, work: Callable[[], object], *, end: Callable[[], object] | None = None
+) -> threading.Thread:
+    """Start a thread that uses the network, and let Python wait for it when it ends, at most `THREADS_END`.
+
+    A daemon thread alone is not waited for, and aborts the process if it returns from Zenoh while Python ends. A thread
+    that is no daemon is waited for without limit.
+
+    Args:
+        name: The thread's name.
+        work: What the thread does.
+        end: Makes the work return, if it does not return by itself. Called when Python ends, before the wait.
+
+    Returns:
+        The thread, for who wants to join it earlier.
+    """
+    thread = threading.Thread(target=work, name=name, daemon=True)
+    with _network_lock:
+        for ended in [other for other in _network_threads if other.ident is not None and not other.is_alive()]:
+            del _network_threads[ended]
+        _network_threads[thread] = end
+        thread.start()
+    return thread
+
+
+def join_network_threads() -> None:
+    """Wait for the threads of `start_network_thread`, at most `THREADS_END` s in all. Python calls it when it ends."""
+    with _network_lock:
+        threads = dict(_network_threads)
+    for thread, end in threads.items():
+        if end is not None and thread.is_alive():
+            end()
+    deadline = time.monotonic() + THREADS_END
+    for thread in threads:
+        thread.join(max(0.0, deadline - time.monotonic()))
+
+
+atexit.register(join_network_threads)
 
 
 def _ignore_signals() -> None:

@@ -5,11 +5,15 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from tests.bench import bystanders, ciber, drivers, imports, learning, loads, network, record, ros, tick, viewer
+from tests.bench import (
+    bystanders, ciber, drivers, imports, inputs, learning, loads, network, record, ros, tick, viewer,
+)  # fmt: skip
 from tests.bench.rows import append, show
 
 ABOUT = f"{__doc__} The default benchmarks take about 6 minutes; `bystanders` also counts late ticks with ten pages."
-DEFAULT = ("tick", "network", "viewer", "loads", "imports", "ros", "record", "ciber", "drivers", "learning")
+DEFAULT = (
+    "tick", "network", "viewer", "loads", "imports", "inputs", "ros", "record", "ciber", "drivers", "learning",
+)  # fmt: skip
 """The benchmarks that run if none is named."""
 
 
@@ -21,7 +25,8 @@ def main() -> None:
         nargs="*",
         metavar="BENCH",
         help="tick: the cost of a tick, part by part; network: whole processes; viewer: a page; loads: loading maps; "
-        "imports: floors of other programs; ros, record and ciber: gateways; drivers: those of real chairs; learning: "
+        "imports: floors of other programs; inputs: from an input to the motors; ros, record and ciber: gateways; "
+        "drivers: those of real chairs; learning: "
         "steps of learning environments; bystanders: late ticks beside a frozen viewer, 25 minutes (default: all but "
         "bystanders)",
     )
@@ -47,6 +52,8 @@ def main() -> None:
         rows += loads.bench(corners=500, shapes=("circle",), settle=0.3) if options.quick else loads.bench()
     if "imports" in wanted:
         rows += imports.bench(side=200) if options.quick else imports.bench()
+    if "inputs" in wanted:
+        rows += inputs.bench(rounds=3) if options.quick else inputs.bench()
     if "ros" in wanted:
         rows += ros.bench(rounds=5, seconds=1.0) if options.quick else ros.bench()
     if "record" in wanted:

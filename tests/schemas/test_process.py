@@ -100,3 +100,45 @@ def test_a_reader_that_leaves_early_is_no_error() -> None:
         os.close(reading)
         _, err = child.communicate("go\n", timeout=60.0)
     assert (child.returncode, err) == (0, "")
+
+
+THREADS = """
+import sys, threading, time
+from intellwheels_schemas.process import start_network_thread
+closed, slow = threading.Event(), threading.Event()
+def waits():
+    assert closed.wait(10.0)
+    print("closed", flush=True)
+def works():
+    slow.set()
+    sys.stdin.readline()
+    print("answered", flush=True)
+start_network_thread("waits", waits, end=closed.set)
+start_network_thread("ended", lambda: None).join()
+start_network_thread("works", works)
+slow.wait(10.0)
+print("ending", flush=True)
+"""
+
+
+def test_python_ends_after_the_threads_that_use_the_network() -> None:
+    command = [sys.executable, "-c", THREADS]
+    with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as child:
+        assert child.stdout is not None
+        assert child.stdout.readline() == "ending\n"
+        assert child.stdout.readline() == "closed\n"
+        assert child.communicate("go\n", timeout=10.0)[0] == "answered\n"
+        assert child.returncode == 0
+
+
+STUCK = """
+import threading
+from intellwheels_schemas import process
+process.THREADS_END = 0.1
+process.start_network_thread("stuck", threading.Event().wait)
+"""
+
+
+def test_a_thread_that_never_returns_cannot_keep_python_from_ending() -> None:
+    done = subprocess.run([sys.executable, "-c", STUCK], capture_output=True, text=True, timeout=60.0, check=False)
+    assert (done.returncode, done.stderr) == (0, "")

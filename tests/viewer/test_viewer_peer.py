@@ -48,6 +48,7 @@ def watching(endpoint: str, world: str = "main", *, chosen: bool = False) -> Ite
     finally:
         stop.set()
         made.close()
+        assert made._opener is not None
         made._opener.join(10.0)
         assert not made._opener.is_alive()
 

@@ -13,6 +13,7 @@ from intellwheels_viewer.panels.callbacks import clicked
 from intellwheels_viewer.panels.choices import Choices
 from intellwheels_viewer.panels.drive_panel import DrivePanel
 from intellwheels_viewer.panels.place import PlacePanel
+from intellwheels_viewer.panels.scan_panel import ScanPanel
 from intellwheels_viewer.panels.stick_input import StickInput
 
 if TYPE_CHECKING:
@@ -37,6 +38,7 @@ class ControlCalls:
 class _Parts:
     stick: StickInput
     drive: DrivePanel
+    scan: ScanPanel
     goal: viser.GuiButtonHandle
     place: PlacePanel
     tabs: tuple[viser.GuiTabHandle, ...]
@@ -72,6 +74,7 @@ class ControlTabs:
                 self._parts = None
         if self._parts is not None:
             self._parts.drive.show(snapshot, choices)
+            self._parts.scan.show(snapshot, choices)
             self._parts.place.show(snapshot, choices)
             self._parts.goal.visible = takes_goals(snapshot, choices.selected)
 
@@ -81,6 +84,7 @@ class ControlTabs:
         drive_tab = self._group.add_tab("Drive")
         with drive_tab:
             drive = DrivePanel(gui, stick, on_stick=calls.stick, on_say=calls.say)
+            scan = ScanPanel(gui, on_stick=calls.stick)
             goal = gui.add_button("Set a goal", icon=viser.Icon.FLAG, color="gray", visible=False)
             clicked(goal, calls.aim)
         place_tab = self._group.add_tab("Place")
@@ -93,4 +97,4 @@ class ControlTabs:
                 on_remove=calls.remove,
                 on_undo=calls.undo,
             )
-        return _Parts(stick, drive, goal, place, (drive_tab, place_tab))
+        return _Parts(stick, drive, scan, goal, place, (drive_tab, place_tab))

@@ -18,6 +18,7 @@ from typing import Final, Protocol
 
 from intellwheels_schemas.keys import Verb
 from intellwheels_schemas.messages import Goal, Record, Result, Take, UserInput
+from intellwheels_schemas.process import start_network_thread
 
 LEASE: Final = 6.0
 """Seconds of a lease. It is renewed at half of it while the page drives."""
@@ -67,9 +68,7 @@ class RequestQueue:
     def __init__(self, simulator: Simulator, refused: Callable[[str, str], None]) -> None:
         self._simulator, self._refused = simulator, refused
         self._waiting: queue.SimpleQueue[_Pending | None] = queue.SimpleQueue()
-        # A daemon thread, so a simulator that does not answer cannot keep the viewer from ending.
-        self._worker = threading.Thread(target=self._work, name="wishes", daemon=True)
-        self._worker.start()
+        self._worker = start_network_thread("wishes", self._work, end=self.close)
 
     def ask(
         self,

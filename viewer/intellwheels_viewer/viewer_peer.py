@@ -38,6 +38,7 @@ from intellwheels_schemas.messages import (
     WorldState,
 )
 from intellwheels_schemas.names import is_name
+from intellwheels_schemas.process import start_network_thread
 from intellwheels_schemas.repliers import by_simulator
 from intellwheels_schemas.zenoh_inbox import Inbox, Presence, Put
 from intellwheels_viewer.run_guard import Dated, RunGuard
@@ -113,17 +114,17 @@ class Network:
         self._closed = False
         self._lock = threading.Lock()
         self.failure = ""
-        self._opener = threading.Thread(target=self._open, name="link", daemon=True)
+        self._opener: threading.Thread | None = None
 
     def start(self) -> None:
         """Start looking for a simulator."""
-        self._opener.start()
+        self._opener = start_network_thread("link", self._open)
 
     def close(self) -> None:
         """Close the link."""
         self._stop.set()
-        # A process that ends while another thread is inside Zenoh is aborted. The opener checks `stop` often.
-        if self._opener.is_alive():
+        # The opener checks `stop` often.
+        if self._opener is not None:
             self._opener.join(OPEN_LIMIT)
         with self._lock:
             self._closed = True
@@ -273,7 +274,7 @@ class Network:
         if world.asking or not missing_bodies or now - world.asked < FETCH_EVERY or world.name not in self._alive:
             return
         world.asking, world.asked = True, now
-        threading.Thread(target=self._ask_for, args=(world,), name="fetch", daemon=True).start()
+        start_network_thread("fetch", partial(self._ask_for, world))
 
     def _ask_for(self, world: _World) -> None:
         """Query everything that was published before we subscribed, and queue the answers for the drawing thread."""

@@ -35,7 +35,7 @@ from intellwheels_schemas.keys import Keys
 from intellwheels_schemas.link import Link, add_link_options, link_of, open_session
 from intellwheels_schemas.messages import Body, Event, Robot
 from intellwheels_schemas.names import check_agent, check_name, check_word, new_hex
-from intellwheels_schemas.process import SLICE, THREADS_END, add_process_options, stop_on_signals
+from intellwheels_schemas.process import SLICE, THREADS_END, add_process_options, start_network_thread, stop_on_signals
 from intellwheels_schemas.zenoh_inbox import Arrival, Inbox, Put
 
 
@@ -116,16 +116,16 @@ class _BridgeProcess:
         self._driver.start()
         writer = MotorWriter(self._motors, self._driver, lambda: self._chair.lockstep)
         threads = [threading.Thread(target=writer.run, args=(stop,), name="motors")]
-        threads.append(threading.Thread(target=self._watch_events, name="events", daemon=True))
         if self._gate.confirm:
             threads.append(threading.Thread(target=self._read_confirmations, name="confirm", daemon=True))
-        if given.joystick:
-            threads.append(threading.Thread(target=self._operate, name="joystick", daemon=True))
         try:
             if not self._await_hardware():
                 return 1 if self._driver.failure or not stop.is_set() else 0
             for thread in threads:
                 thread.start()
+            threads.append(start_network_thread("events", self._watch_events))
+            if given.joystick:
+                threads.append(start_network_thread("joystick", self._operate))
             code = run_agent(
                 self._body, self._chair.begin, {}, where=self._where, encoding=self._encoding,
                 retry_for=given.retry_for, stop=stop, tell=self._tell, on_presence=self._on_presence,

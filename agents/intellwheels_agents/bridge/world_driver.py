@@ -21,7 +21,7 @@ from intellwheels_agents.bridge.timeouts import POWER_TIMEOUT
 from intellwheels_agents.mind import Context, Make
 from intellwheels_agents.options import OptionError
 from intellwheels_schemas.messages import GPS, Actions, GPSReading, Measures, Pace, Robot, Sensors
-from intellwheels_schemas.process import THREADS_END
+from intellwheels_schemas.process import THREADS_END, start_network_thread
 
 MAX_READINGS: Final = 1200
 """Readings kept until they are read: a minute at 20 Hz."""
@@ -86,13 +86,13 @@ class WorldDriver:
         self._period = 0.05
         self._run = ""
         self._fix_tick = -1
-        self._thread = threading.Thread(target=self._run_laboratory, name="laboratory", daemon=True)
+        self._thread: threading.Thread | None = None
 
     # ------------------------------------------------------------ the driver
 
     def start(self) -> None:
         """Join the laboratory."""
-        self._thread.start()
+        self._thread = start_network_thread("laboratory", self._run_laboratory)
 
     def read(self) -> list[Reading]:
         """Return the readings since the last call; of two lockstep worlds only those of the paired run."""
@@ -132,7 +132,7 @@ class WorldDriver:
 
     def close(self) -> None:
         """Leave the laboratory; `stop` is set already."""
-        if self._thread.is_alive():
+        if self._thread is not None:
             self._thread.join(timeout=THREADS_END)
 
     # ------------------------------------------------------------ in the laboratory

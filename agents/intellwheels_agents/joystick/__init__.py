@@ -1,9 +1,10 @@
 """`iw-joystick`: drives a chair by hand, through `user/<agent>`.
 
-A source (keyboard, terminal, gamepad, script, words) gives an `InputState`. `InputTiming` decides when it is sent,
-`LeaseClient` keeps the lease of `--take`. These are pure; `pygame_source` knows pygame, `terminal_source` the terminal
-and `joystick_peer` the network. Only this process repeats the input: when it dies, the simulator hears nothing and
-cuts the power of the motors after 0.3 s.
+A source gives an `InputState`. What its keys, samples or words mean is pure (`key_bindings`, `scan_keys`,
+`sip_and_puff`, `lsl_channels`, `words_source`), and so are `InputTiming`, which decides when a state is sent, and
+`LeaseClient`, which keeps the lease of `--take`. `pygame_source` knows pygame, `terminal_source` the terminal,
+`lsl_source` pylsl, `voice_words` PocketSphinx, `audio_inputs` the sound, and `joystick_peer` the network. Only this
+process repeats the input: when it dies, the simulator hears nothing and cuts the power of the motors after 0.3 s.
 """
 
 from __future__ import annotations

@@ -6,10 +6,15 @@ import argparse
 import sys
 import threading
 from collections.abc import Sequence
-from contextlib import ExitStack
+from contextlib import ExitStack, closing
 
-from intellwheels_agents.joystick.input_state import Source
+from intellwheels_agents.joystick.audio_inputs import AudioInput, Microphone, PipeInput, WavInput
+from intellwheels_agents.joystick.input_state import KeyReader, Source
+from intellwheels_agents.joystick.joystick_options import check, parser
 from intellwheels_agents.joystick.joystick_peer import operate
+from intellwheels_agents.joystick.key_bindings import DrivingKeys
+from intellwheels_agents.joystick.lsl_channels import ChannelError, ChannelMap
+from intellwheels_agents.joystick.lsl_source import FIND_SECONDS, LslSource, MissingPylslError
 from intellwheels_agents.joystick.pygame_source import (
     DeviceError,
     GamepadSource,
@@ -18,124 +23,38 @@ from intellwheels_agents.joystick.pygame_source import (
     has_display,
     has_gamepad,
 )
+from intellwheels_agents.joystick.scan_keys import ScanKeys
 from intellwheels_agents.joystick.script_source import ScriptError, ScriptSource, read
+from intellwheels_agents.joystick.sip_and_puff import SipAndPuff
 from intellwheels_agents.joystick.terminal_source import TerminalSource
+from intellwheels_agents.joystick.voice_source import VoiceSource
+from intellwheels_agents.joystick.voice_words import MissingPocketsphinxError, WordRecogniser
 from intellwheels_agents.joystick.words_source import SpokenWords, WordsSource
-from intellwheels_schemas.command_parser import CommandParser, positive_seconds, readable_file, share
 from intellwheels_schemas.errors import WireError
-from intellwheels_schemas.link import add_link_options, link_of
+from intellwheels_schemas.extras import missing_extra
+from intellwheels_schemas.link import link_of
 from intellwheels_schemas.names import check_agent
-from intellwheels_schemas.process import add_process_options, stop_on_signals
-
-EXAMPLES = """\
-examples:
-  drive an agent whose mind accepts user input, with a gamepad or the keyboard
-      iw-agent aided --name chair1 &  iw-joystick chair1
-  take a chair from any mind, and give it back at the end
-      iw-joystick chair1 --take
-  drive by voice, with a recogniser that prints one of forward, back, left, right and stop; any other word is passed to
-  the mind
-      recogniser | iw-joystick chair1 --source words
-  drive over ssh, with the keys of the terminal; releasing them cuts the motors' power within 0.4 s
-      iw-joystick chair1 --source terminal
-  play a script: on each line seconds, forward, turn, and optionally buttons and a word
-      iw-joystick chair1 --source script --script drive.txt
-
-The arrow keys, W A S D and I J K L give 0.6 of --forward and --turn, with shift all of it; space stops.
-Use it with worlds at pace realtime. At the paces lockstep and free a run is too fast to steer by hand.
-Each message is valid for 0.3 s and is repeated while the input lasts.
-Standard output has the lines `ready agent=...`, `taken agent=...`, `released agent=...`, `ended agent=...`.
-Exit codes: 0 done, 1 refused or failed, 2 wrong usage.
-"""
-OF_SOURCES = {
-    "clock": ("script",),
-    "forward": ("auto", "keyboard", "terminal", "gamepad", "words"),
-    "turn": ("auto", "keyboard", "terminal", "gamepad", "words"),
-    "hold": ("words",),
-}
-"""Options that only some sources use, which the others refuse."""
-
-
-def parser() -> argparse.ArgumentParser:
-    """Return the command line."""
-    result = CommandParser(
-        prog="iw-joystick",
-        description="Drive a chair by hand: send a person's input to the Zenoh key user/AGENT.",
-        epilog=EXAMPLES,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-    )
-    result.add_argument("agent", metavar="AGENT", help="the agent to drive")
-    result.add_argument(
-        "--source",
-        choices=("auto", "keyboard", "terminal", "gamepad", "script", "words"),
-        default="auto",
-        help="input device. gamepad: its first stick; keyboard: the keys, in a window; terminal: the keys, in this "
-        "terminal; words: words on standard input; script: a file; auto: a gamepad if one is connected, else keyboard, "
-        "or terminal if there is no display (default: auto)",
-    )
-    result.add_argument("--script", type=readable_file, metavar="FILE", help="with --source script: the file to play")
-    result.add_argument(
-        "--clock",
-        choices=("wall", "simulated"),
-        default="wall",
-        help="with --source script: clock for the times in the script (default: wall)",
-    )
-    result.add_argument(
-        "--take",
-        action="store_true",
-        help="drive the chair instead of its mind, until this command ends or loses contact",
-    )
-    result.add_argument(
-        "--forward",
-        type=share,
-        default=1.0,
-        metavar="SHARE",
-        help="input sent when the stick is fully forward, in [0, 1]; the mind decides what 1 means (joystick: full "
-        "motor power; aided: its option `speed`; with --take: full motor power); not with --source script (default: 1)",
-    )
-    result.add_argument(
-        "--turn",
-        type=share,
-        default=0.5,
-        metavar="SHARE",
-        help="input sent when the stick is fully to one side, in [0, 1]; not with --source script (default: 0.5)",
-    )
-    result.add_argument(
-        "--hold",
-        type=positive_seconds,
-        default=2.0,
-        metavar="S",
-        help="with --source words: seconds for which a word drives the chair (default: 2)",
-    )
-    result.add_argument(
-        "--retry-for",
-        type=positive_seconds,
-        metavar="S",
-        help="give up after S seconds without a router or simulator (default: never)",
-    )
-    add_link_options(result)
-    add_process_options(result)
-    return result
+from intellwheels_schemas.process import stop_on_signals
+from intellwheels_schemas.switch_scan import ScanSettings
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command and return its exit code: 0 done, 1 refused or failed, 2 wrong usage."""
     command_line = parser()
     options = command_line.parse_args(arguments)
-    if (options.source == "script") != (options.script is not None):
-        got = "none" if options.script is None else repr(str(options.script))
-        command_line.error(f"--script: expected a file with --source script, none with another source, got {got}")
-    for name, sources in OF_SOURCES.items():
-        if options.source not in sources and getattr(options, name) != command_line.get_default(name):
-            command_line.error(f"--{name}: expected with --source {' or '.join(sources)}, got {options.source}")
+    check(command_line, options)
     # First, because a signal may arrive while the other arguments are read.
     stop = stop_on_signals(options.lifeline)
     try:
         agent, where = check_agent(options.agent, "AGENT"), link_of(options)
         with ExitStack() as stack:
             source = _source(options, stop, stack)
-            return operate(where, agent, source, take=options.take, stop=stop, retry_for=options.retry_for)
-    except (ScriptError, WireError, MissingPygameError) as error:
+            return operate(
+                where, agent, source, take=options.take, stop=stop, retry_for=options.retry_for, latency=options.latency
+            )
+    except (
+        ScriptError, ChannelError, WireError, MissingPygameError, MissingPylslError, MissingPocketsphinxError
+    ) as error:  # fmt: skip
         print(f"iw-joystick: {error}", file=sys.stderr)
         return 2
     except (DeviceError, OSError) as error:
@@ -151,11 +70,48 @@ def _source(options: argparse.Namespace, stop: threading.Event, stack: ExitStack
         return ScriptSource(read(options.script), simulated=options.clock == "simulated", stop=stop)
     if name == "words":
         return WordsSource(SpokenWords(*shares, options.hold), sys.stdin.fileno())
+    if name == "voice":
+        audio = _audio(options, stop, stack)
+        return VoiceSource(WordRecogniser(audio.rate), audio, SpokenWords(*shares, options.hold))
+    if name == "lsl":
+        channels = ChannelMap(
+            axes=options.axes, commands=options.commands, dead_zone=options.dead_zone,
+            on=options.threshold[0], off=options.threshold[1], forward=shares[0], turn=shares[1],
+        )  # fmt: skip
+        return LslSource(options.stream_name, options.stream_type, channels, stop, options.retry_for or FIND_SECONDS)
     if name == "gamepad":
         return GamepadSource(*shares)
-    if name == "terminal":
-        return stack.enter_context(TerminalSource(*shares, sys.stdin.fileno()))
-    return KeyboardSource(f"iw-joystick {options.agent}", *shares)
+    reader, in_terminal = _reader(options), name == "terminal" or options.keys_from == "terminal"
+    if name in ("scan", "sip-puff") and options.keys_from == "auto":
+        in_terminal = not has_display() or missing_extra("joystick") is not None
+    if in_terminal:
+        return stack.enter_context(TerminalSource(reader, sys.stdin.fileno()))
+    return KeyboardSource(f"iw-joystick {options.agent}", reader)
+
+
+def _reader(options: argparse.Namespace) -> KeyReader:
+    """Return the meaning of the keys."""
+    shares = options.forward, options.turn
+    if options.source == "scan":
+        settings = ScanSettings(
+            method=options.scan, period=options.scan_period, dwell=options.dwell, confirm=options.confirm,
+            latch=options.latch, hold=options.hold,
+        )  # fmt: skip
+        return ScanKeys(settings, options.switch_keys, *shares)
+    if options.source == "sip-puff":
+        return SipAndPuff(options.signals, *shares, latch=options.latch, hold=options.hold)
+    return DrivingKeys(*shares)
+
+
+def _audio(options: argparse.Namespace, stop: threading.Event, stack: ExitStack) -> AudioInput:
+    if options.audio == "-":
+        return PipeInput(sys.stdin.fileno(), options.audio_rate)
+    if options.audio == "mic":
+        lacking = missing_extra("voice")
+        if lacking is not None:
+            raise MissingPocketsphinxError(f"--source voice: {lacking}")
+        return stack.enter_context(closing(Microphone(options.audio_rate)))
+    return WavInput(options.audio, stop)
 
 
 def _automatic() -> str:

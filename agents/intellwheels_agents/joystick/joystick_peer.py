@@ -10,30 +10,43 @@ import queue
 import sys
 import threading
 import time
-from contextlib import suppress
+from collections import deque
+from contextlib import ExitStack, suppress
 from typing import Final
 
 import msgspec
 import zenoh
 
+from intellwheels_agents.joystick.input_latency import InputLatency
 from intellwheels_agents.joystick.input_state import Source
 from intellwheels_agents.joystick.input_timing import REPEAT_PERIOD, InputTiming
 from intellwheels_agents.joystick.lease_client import LeaseClient
 from intellwheels_schemas import link, zenoh_inbox
 from intellwheels_schemas.channels import CHANNELS
-from intellwheels_schemas.codec import Encoding, decode, encode, encoding_of
+from intellwheels_schemas.codec import MAX_BYTES, Encoding, decode, encode, encoding_of
 from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.keys import Keys
-from intellwheels_schemas.messages import Body, Clock, Error, Result, Take, UserInput
+from intellwheels_schemas.messages import Body, Clock, Error, Result, Take, UserInput, WorldState
+from intellwheels_schemas.process import start_network_thread
 
 ANSWER_TIMEOUT: Final = 1.5
 """Seconds to wait for an answer: less than a lease."""
 FINAL_TIMEOUT: Final = ANSWER_TIMEOUT + 1.0
 """Seconds to wait at the end for an outstanding answer: its own time-out, and a second for a busy machine."""
 
+STATES_KEPT: Final = 256
+"""States that may wait to be read: two seconds of a world in four parts."""
+
 
 def operate(
-    where: link.Link, agent: str, source: Source, *, take: bool, stop: threading.Event, retry_for: float | None
+    where: link.Link,
+    agent: str,
+    source: Source,
+    *,
+    take: bool,
+    stop: threading.Event,
+    retry_for: float | None,
+    latency: bool = False,
 ) -> int:
     """Send the input of a source until it ends or `stop` is set; return the exit code: 0, or 1 when refused.
 
@@ -44,6 +57,7 @@ def operate(
         take: Whether to take the chair from its mind, by a lease.
         stop: Set when the process must end.
         retry_for: Seconds to look for a router or simulator; None for no limit.
+        latency: Whether to measure the time from the device to the motors, and print it at the end.
     """
     try:
         session = link.open_session(where, stop, timeout=retry_for, waiting=lambda why: _log(f"waiting why={why!r}"))
@@ -58,10 +72,39 @@ def operate(
         clock = session.declare_subscriber(keys.clock, inbox.on_sample)
         errors = session.declare_subscriber(keys.error(agent), inbox.on_sample)
         publisher = link.declare(session, keys.user(agent), CHANNELS["user"], Encoding.JSON)
-        with publisher, clock, errors:
+        with ExitStack() as stack:
+            for declared in (publisher, clock, errors):
+                stack.enter_context(declared)
+            watch = _MotorWatch(agent) if latency else None
+            if watch is not None:
+                stack.enter_context(session.declare_subscriber(keys.every_state, watch.on_sample))
             requests = _LeaseRequests(session, keys.ctl("take", agent))
             _check_agent(session, keys.body(agent), agent, take=take)
-            return _Loop(agent, source, requests, inbox, publisher, take=take).run(stop)
+            return _Loop(agent, source, requests, inbox, publisher, take=take, watch=watch).run(stop)
+
+
+class _MotorWatch:
+    """Takes the motor outputs of the chair from the state of the world, with their times of arrival."""
+
+    def __init__(self, agent: str) -> None:
+        self.latency = InputLatency()
+        self._agent = agent
+        self._arrived: deque[tuple[float, bytes, str]] = deque(maxlen=STATES_KEPT)
+
+    def on_sample(self, sample: zenoh.Sample) -> None:
+        """Keep a state, on a thread of Zenoh."""
+        if len(sample.payload) <= MAX_BYTES:
+            self._arrived.append((time.monotonic(), sample.payload.to_bytes(), str(sample.encoding)))
+
+    def work(self) -> None:
+        """Read the states that have arrived."""
+        while self._arrived:
+            at, data, encoding = self._arrived.popleft()
+            with suppress(WireError):  # any peer can publish
+                state = decode(WorldState, data, encoding_of(encoding, data), strict=False)
+                for entity in state.entity:
+                    if entity.name == self._agent:
+                        self.latency.saw(entity.left_output, entity.right_output, at)
 
 
 class _LeaseRequests:
@@ -74,7 +117,7 @@ class _LeaseRequests:
 
     def start(self, take: Take) -> None:
         """Send a request; the answer goes to `answers`."""
-        threading.Thread(target=lambda: self.answers.put(self.ask(take)), name="take", daemon=True).start()
+        start_network_thread("take", lambda: self.answers.put(self.ask(take)))
 
     def ask(self, take: Take) -> Result | None:
         """Send a request and return its answer, or None without one."""
@@ -98,7 +141,9 @@ class _Loop:
         publisher: zenoh.Publisher,
         *,
         take: bool,
+        watch: _MotorWatch | None = None,
     ) -> None:
+        self._watch = watch
         self._agent = agent
         self._source = source
         self._requests = requests
@@ -123,8 +168,13 @@ class _Loop:
                     if lease.failure:
                         _log(f"not taken agent={self._agent} why={lease.failure!r}")
                         return 1
+                if self._watch is not None:
+                    self._watch.work()
                 if lease is None or lease.lease is not None:
-                    self._send(self._timing.message(state, now))
+                    message = self._timing.message(state, now)
+                    self._send(message)
+                    if self._watch is not None and message is not None:
+                        self._watch.latency.sent(state, time.monotonic())
                 self._source.wait(REPEAT_PERIOD)
         finally:
             self._end()
@@ -153,6 +203,8 @@ class _Loop:
             result = self._requests.ask(release)
             if result is not None and result.code == "ok":
                 _print(f"released agent={self._agent}")
+        if self._watch is not None:
+            _print(f"latency agent={self._agent} {self._watch.latency.summary()}")
         _print(f"ended agent={self._agent}")
 
     def _send(self, user: UserInput | None) -> None:

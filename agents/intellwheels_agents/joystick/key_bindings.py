@@ -41,6 +41,29 @@ def from_keys(held: Collection[str], forward: float, turn: float) -> InputState:
     )
 
 
+class DrivingKeys:
+    """The keys that drive, as a `KeyReader`.
+
+    Args:
+        forward: Share of full forward for a key with shift, in [0, 1].
+        turn: The same share of full turn.
+    """
+
+    keys = frozenset({"space"}.union(*FORWARD_KEYS, *TURN_KEYS))
+    help = (
+        "arrows, W A S D or I J K L drive, Q E or U O for bends",
+        "shift for full power, space stops, 0-9 are buttons, escape ends",
+    )
+    caption = ""
+
+    def __init__(self, forward: float, turn: float) -> None:
+        self._shares = forward, turn
+
+    def read(self, held: Collection[str], now: float) -> InputState:  # noqa: ARG002 - as `KeyReader` has it
+        """Return the state of the held keys."""
+        return from_keys(held, *self._shares)
+
+
 def _axis(held: Collection[str], positive: tuple[str, ...], negative: tuple[str, ...]) -> int:
     def is_held(names: tuple[str, ...]) -> bool:
         return any(name in held for name in names)
@@ -64,10 +87,10 @@ def from_stick(axis: Callable[[int], float], buttons: Collection[int], forward: 
     )
 
 
-def without_dead_zone(value: float) -> float:
+def without_dead_zone(value: float, dead_zone: float = DEAD_ZONE) -> float:
     """Return an axis value without its dead zone, rounded so that a trembling stick does not change the state."""
     size = min(abs(value), 1.0)
-    if size <= DEAD_ZONE:
+    if size <= dead_zone:
         return 0.0
-    share = round((size - DEAD_ZONE) / (1.0 - DEAD_ZONE), 2)
+    share = round((size - dead_zone) / (1.0 - dead_zone), 2)
     return share if value > 0.0 else -share

@@ -11,13 +11,12 @@ import sys
 from types import ModuleType
 from typing import Any
 
-from intellwheels_agents.joystick.input_state import NEUTRAL, InputState
-from intellwheels_agents.joystick.key_bindings import from_keys, from_stick
+from intellwheels_agents.joystick.input_state import NEUTRAL, InputState, KeyReader
+from intellwheels_agents.joystick.key_bindings import from_stick
 from intellwheels_schemas.extras import missing_extra
 
 WINDOW_SIZE = (560, 150)
 """In pixels."""
-_HELP = ("arrows, W A S D or I J K L drive, shift for full power, space stops", "0-9 are buttons, escape ends")
 _INVISIBLE = ("offscreen", "dummy")
 _NO_DISPLAY = (
     "no display for the keyboard's window: expected a display (DISPLAY or WAYLAND_DISPLAY) or, with --source terminal, "
@@ -70,11 +69,10 @@ class KeyboardSource:
 
     Args:
         title: Title of the window.
-        forward: Share of full forward for a key, in [0, 1].
-        turn: Share of full turn, in [0, 1].
+        reader: The meaning of the keys.
     """
 
-    def __init__(self, title: str, forward: float, turn: float) -> None:
+    def __init__(self, title: str, reader: KeyReader) -> None:
         self._pygame = pygame = pygame_of(window=True)
         try:
             self._screen = pygame.display.set_mode(WINDOW_SIZE)
@@ -87,10 +85,10 @@ class KeyboardSource:
         pygame.display.set_caption(title)
         pygame.font.init()
         self._font = pygame.font.Font(None, 24)
-        self._shares = forward, turn
+        self._reader = reader
         self._held: set[str] = set()
         self._is_closed = False
-        self._shown: InputState | None = None
+        self._shown: tuple[InputState, str] | None = None
 
     def wait(self, seconds: float) -> None:
         """Wait for a key event, at most some seconds."""
@@ -103,8 +101,8 @@ class KeyboardSource:
         if self._is_closed:
             self._pygame.quit()
             return None
-        state = from_keys(self._held, *self._shares)
-        if state != self._shown:
+        state = self._reader.read(self._held, now)
+        if (state, self._reader.caption) != self._shown:
             self._show(state)
         return state
 
@@ -120,17 +118,19 @@ class KeyboardSource:
             self._held.clear()
 
     def _show(self, state: InputState) -> None:
-        self._shown = state
+        self._shown = state, self._reader.caption
         self._screen.fill((24, 26, 30))
-        text = f"forward {state.forward:+.2f}   turn {state.turn:+.2f}   buttons {state.buttons or '-'}"
-        for row, line in enumerate((text, *_HELP)):
+        numbers = f"forward {state.forward:+.2f}   turn {state.turn:+.2f}   buttons {state.buttons or '-'}"
+        for row, line in enumerate((self._reader.caption or numbers, *self._reader.help)):
             self._screen.blit(self._font.render(line, True, (230, 230, 230)), (16, 20 + 40 * row))
         self._pygame.display.flip()
 
 
 def _name(pygame: ModuleType, key: int) -> str:
     name = str(pygame.key.name(key))
-    return "shift" if name in ("left shift", "right shift") else name.strip("[]")
+    if name in ("left shift", "right shift"):
+        return "shift"
+    return "enter" if name == "return" else name.strip("[]")
 
 
 class GamepadSource:

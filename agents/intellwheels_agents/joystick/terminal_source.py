@@ -19,24 +19,22 @@ import sys
 import termios
 import time
 import tty
+from collections.abc import Collection
 from contextlib import suppress
+from dataclasses import replace
 from types import TracebackType
 from typing import Any, Final, Self
 
-from intellwheels_agents.joystick.input_state import InputState
-from intellwheels_agents.joystick.key_bindings import FORWARD_KEYS, TURN_KEYS, from_keys
+from intellwheels_agents.joystick.input_state import STALE_AFTER, InputState, KeyReader
+from intellwheels_agents.joystick.key_bindings import DrivingKeys
 from intellwheels_agents.joystick.pygame_source import DeviceError
 
-KEY_TIMEOUT: Final = 0.3
-"""Seconds that a key counts as held after its last character: the silence that stops a chair."""
+KEY_TIMEOUT: Final = STALE_AFTER
+"""Seconds that a key counts as held after its last character."""
 ESCAPE_TIMEOUT: Final = 0.1
 """Seconds after which an Escape that nothing follows is the key, not the start of a sequence."""
-HELP: Final = (
-    "arrows, W A S D or I J K L drive, Q E or U O for bends, shift for full power, space stops, 0-9 are buttons, "
-    "Escape ends; a key counts for 0.3 s"
-)
 _END: Final = ("\x04", "escape")
-_DRIVING: Final = {"space"}.union(*FORWARD_KEYS, *TURN_KEYS)
+_NAMES: Final = {" ": "space", "\r": "enter", "\n": "enter", "\t": "tab"}
 _ARROWS: Final = {"A": "up", "B": "down", "C": "right", "D": "left"}
 # The sequences of xterm and the Linux console: ESC [ A, ESC O A, and ESC [ 1 ; 2 A with shift.
 _SEQUENCE: Final = re.compile(r"\x1b(?:\[|O)(?:\d{0,4};(?P<modifier>\d{1,4})|[\d;]{0,8})(?P<final>[@-~])")
@@ -44,9 +42,14 @@ _UNFINISHED: Final = re.compile(r"\x1b(?:(?:\[|O)[\d;]{0,8})?\Z")
 
 
 class TerminalKeys:
-    """Turns the characters of a terminal into held keys. Pure: the time is an argument."""
+    """Turns the characters of a terminal into held keys. Pure: the time is an argument.
 
-    def __init__(self) -> None:
+    Args:
+        keys: The names of the keys that count, beside the digits.
+    """
+
+    def __init__(self, keys: Collection[str] = DrivingKeys.keys) -> None:
+        self._keys = keys
         self.has_ended = False
         self._until: dict[str, float] = {}
         self._rest = ""
@@ -69,7 +72,7 @@ class TerminalKeys:
                 self._press(name, False, now)
             else:
                 name, text = text[0], text[1:]
-                self._press("space" if name == " " else name.lower(), name.isupper(), now)
+                self._press(_NAMES.get(name, name.lower()), name.isupper(), now)
 
     def held(self, now: float) -> set[str]:
         """Return the names of the keys that count as held at a time in seconds, as in `key_bindings`."""
@@ -80,11 +83,11 @@ class TerminalKeys:
 
     def _press(self, name: str, shift: bool, now: float) -> None:
         self.has_ended |= name in _END
-        if name not in _DRIVING and not name.isdigit():
+        if name not in self._keys and not name.isdigit():
             return
-        if name in _DRIVING:
+        if name in self._keys:
             # A second direction replaces the first, which no longer repeats: its release could not be seen.
-            self._until = {other: until for other, until in self._until.items() if other.isdigit()}
+            self._until = {other: until for other, until in self._until.items() if other not in self._keys}
             self._until["shift"] = now + KEY_TIMEOUT if shift else now
         self._until[name] = now + KEY_TIMEOUT
 
@@ -93,37 +96,40 @@ class TerminalSource:
     """The keys of a terminal. Leaving the `with` restores the terminal.
 
     Args:
-        forward: Share of full forward for a key, in [0, 1].
-        turn: Share of full turn, in [0, 1].
+        reader: The meaning of the keys.
         descriptor: The terminal.
 
     Raises:
         DeviceError: The descriptor is no terminal, or the process is in its background.
     """
 
-    def __init__(self, forward: float, turn: float, descriptor: int) -> None:
+    def __init__(self, reader: KeyReader, descriptor: int) -> None:
         if not os.isatty(descriptor):
-            raise DeviceError("--source terminal: expected a terminal on standard input, got a pipe or a file")
+            raise DeviceError("keys of the terminal: expected a terminal on standard input, got a pipe or a file")
         try:
             if os.tcgetpgrp(descriptor) != os.getpgrp():
-                raise DeviceError("--source terminal: expected to run in the foreground, got the background (no &)")
+                raise DeviceError("keys of the terminal: expected to run in the foreground, got the background (no &)")
         except OSError:
             pass  # not the controlling terminal: no job control
-        self._shares = forward, turn
+        self._reader = reader
         self._descriptor = descriptor
-        self._keys = TerminalKeys()
+        self._keys = TerminalKeys(reader.keys)
+        self._at: float | None = None
+        self._caption = ""
         self._saved: list[Any] | None = None
 
     def __enter__(self) -> Self:
         self._saved = termios.tcgetattr(self._descriptor)
         # Characters at once and without echo; Ctrl-C still sends its signal.
         tty.setcbreak(self._descriptor)
-        print(f"iw-joystick: {HELP}", file=sys.stderr, flush=True)  # noqa: T201 - for the person at the terminal
+        self._tell(f"iw-joystick: {', '.join(self._reader.help)}; a key counts for {KEY_TIMEOUT:g} s\n")
         return self
 
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
+        if self._caption:
+            self._tell("\n")
         if self._saved is not None:
             # Keys that were typed while the chair was driven must not reach the shell.
             with suppress(termios.error):  # the terminal has hung up
@@ -131,6 +137,7 @@ class TerminalSource:
 
     def wait(self, seconds: float) -> None:
         """Wait for a character, at most some seconds."""
+        self._at = None
         if self._keys.has_ended or not select.select([self._descriptor], [], [], seconds)[0]:
             return
         try:
@@ -138,11 +145,24 @@ class TerminalSource:
         except OSError:  # the terminal has hung up
             data = b""
         if data:
-            self._keys.feed(data.decode("ascii", "replace"), time.monotonic())
+            self._at = time.monotonic()
+            self._keys.feed(data.decode("ascii", "replace"), self._at)
         else:
             self._keys.has_ended = True
 
     def state(self, now: float, time: float | None) -> InputState | None:  # noqa: ARG002 - as `Source` has it
         """Return the state of the held keys, or None after Escape, Ctrl-D or the end of the terminal."""
         held = self._keys.held(now)
-        return None if self._keys.has_ended else from_keys(held, *self._shares)
+        if self._keys.has_ended:
+            return None
+        state = replace(self._reader.read(held, now), at=self._at)
+        if self._reader.caption != self._caption:
+            self._caption = self._reader.caption
+            # On the same line, which it replaces.
+            self._tell(f"\r\x1b[K{self._caption}")
+        return state
+
+    def _tell(self, text: str) -> None:
+        """Write for the person at the terminal."""
+        sys.stderr.write(text)
+        sys.stderr.flush()

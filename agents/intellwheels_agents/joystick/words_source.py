@@ -14,7 +14,9 @@ import os
 import re
 import select
 import sys
+import time
 from collections import deque
+from dataclasses import replace
 from typing import Final
 
 from intellwheels_agents.joystick.input_state import InputState
@@ -27,6 +29,8 @@ QUEUE_LENGTH: Final = 16
 """Largest number of words that wait to be sent. When more come, the oldest are dropped."""
 MAX_LINE: Final = 4096
 """Bytes of the longest line; a longer one is dropped."""
+SAID: Final = {**{word: word for word in WORDS}, "reverse": "back"}
+"""The word of the contract for each word that a recogniser knows. `reverse` is recognised more surely than `back`."""
 _WORD = re.compile(WORD_PATTERN)
 
 
@@ -90,6 +94,7 @@ class WordsSource:
         self._descriptor = descriptor
         self._rest = b""
         self._new: list[str] = []
+        self._at: float | None = None
         self._ended = False
 
     def wait(self, seconds: float) -> None:
@@ -98,6 +103,7 @@ class WordsSource:
         if not select.select(open_inputs, (), (), seconds)[0]:
             return
         data = os.read(self._descriptor, MAX_LINE)
+        self._at = time.monotonic()
         self._ended = not data
         *lines, self._rest = (self._rest + data).split(b"\n")
         if self._ended:
@@ -113,7 +119,8 @@ class WordsSource:
             self._spoken.add(word, now)
         self._new = []
         if not self._ended:
-            return self._spoken.state(now)
+            at, self._at = self._at, None
+            return replace(self._spoken.state(now), at=at)
         self._spoken.end()
         last = self._spoken.state(now)
         return None if last.is_neutral else last

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import queue
-import threading
 from collections.abc import Callable, Mapping
 from typing import Any, Final
 
@@ -17,6 +16,7 @@ from intellwheels_schemas.codec import Encoding, decode, encode, encoding_of
 from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.keys import Keys
 from intellwheels_schemas.messages import Result, Robot, Take, UserInput
+from intellwheels_schemas.process import start_network_thread
 
 ANSWER_TIMEOUT: Final = 1.5
 """Seconds to wait for a lease: less than a lease lasts."""
@@ -90,4 +90,4 @@ class PanelDriver:
             else:
                 self._answers.put((agent, result))
 
-        threading.Thread(target=ask, name="take", daemon=True).start()
+        start_network_thread("take", ask)

@@ -30,7 +30,7 @@ from intellwheels_schemas.codec import Encoding
 from intellwheels_schemas.keys import Keys
 from intellwheels_schemas.messages import Robot, Truth
 from intellwheels_schemas.names import new_hex
-from intellwheels_schemas.process import THREADS_END
+from intellwheels_schemas.process import THREADS_END, start_network_thread
 
 NODE = "intellwheels"
 """Name of the gateway's nodes: `/intellwheels` for the world, `/<name>/intellwheels` for a chair."""
@@ -170,14 +170,15 @@ class _Running:
         self._over = threading.Event()
         self._topics = topics
         self._stop = stop
-        self._thread = threading.Thread(target=self._run, name="world", daemon=True)
+        self._thread: threading.Thread | None = None
 
     def __enter__(self) -> None:
-        self._thread.start()
+        self._thread = start_network_thread("world", self._run)
 
     def __exit__(self, *_: object) -> None:
         self._over.set()
-        self._thread.join(THREADS_END)
+        if self._thread is not None:
+            self._thread.join(THREADS_END)
 
     def _run(self) -> None:
         try:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 import threading
 from pathlib import Path
@@ -20,7 +21,9 @@ from intellwheels_schemas.link import Link
 def test_the_options_reach_the_loop(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     asked: list[tuple[str, str, bool]] = []
 
-    def operate(where: Link, agent: str, source: Source, *, take: bool, stop: threading.Event, retry_for: float) -> int:
+    def operate(
+        where: Link, agent: str, source: Source, *, take: bool, stop: threading.Event, retry_for: float, latency: bool
+    ) -> int:
         assert isinstance(source, ScriptSource)
         assert source.state(0.0, None) == InputState(0.5, 0.0)
         asked.append((where.world, agent, take))
@@ -48,7 +51,7 @@ def test_wrong_usage_is_exit_2(tmp_path: Path, capsys: pytest.CaptureFixture[str
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        (["--hold", "3"], "--hold: expected with --source words, got auto"),
+        (["--hold", "3"], "--hold: expected with --source words or voice or scan or sip-puff, got auto"),
         (["--source", "gamepad", "--clock", "simulated"], "--clock: expected with --source script, got gamepad"),
         (["--source", "script", "--script", "/dev/null", "--turn", "1"], "--turn: expected with --source auto or "),
     ],
@@ -67,6 +70,19 @@ def test_a_missing_script_is_wrong_usage(tmp_path: Path, capsys: pytest.CaptureF
         main(["chair1", "--source", "script", "--script", str(tmp_path / "none.txt")])
     assert ended.value.code == 2
     assert re.search(r"--script: expected a file that exists, got .*none\.txt", capsys.readouterr().err)
+
+
+@pytest.mark.parametrize("words", [["--source", "scan"], ["--source", "sip-puff", "--latch"]])
+def test_keys_of_switches_come_from_the_terminal_without_a_display(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], words: list[str]
+) -> None:
+    monkeypatch.setattr(command, "has_display", lambda: False)
+    reading, writing = os.pipe()
+    monkeypatch.setattr("sys.stdin", SimpleNamespace(fileno=lambda: reading))
+    assert main(["chair1", *words]) == 1
+    assert "keys of the terminal: expected a terminal on standard input" in capsys.readouterr().err
+    os.close(reading)
+    os.close(writing)
 
 
 @pytest.mark.parametrize(

@@ -8,7 +8,9 @@ import pytest
 
 from intellwheels_agents.joystick import pygame_source
 from intellwheels_agents.joystick.input_state import NEUTRAL, InputState
-from intellwheels_agents.joystick.key_bindings import GENTLE
+from intellwheels_agents.joystick.key_bindings import GENTLE, DrivingKeys
+from intellwheels_agents.joystick.scan_keys import ScanKeys
+from intellwheels_schemas.switch_scan import ScanSettings
 
 pygame = pytest.importorskip("pygame", reason="keyboard and gamepad need the extra `joystick`")
 
@@ -16,7 +18,7 @@ pygame = pytest.importorskip("pygame", reason="keyboard and gamepad need the ext
 @pytest.fixture
 def keyboard(monkeypatch: pytest.MonkeyPatch) -> Iterator[pygame_source.KeyboardSource]:
     monkeypatch.setenv("SDL_VIDEODRIVER", "dummy")
-    yield pygame_source.KeyboardSource("test", 1.0, 0.5)
+    yield pygame_source.KeyboardSource("test", DrivingKeys(1.0, 0.5))
     pygame.quit()
 
 
@@ -34,6 +36,19 @@ def test_a_key_counts_from_press_to_release(keyboard: pygame_source.KeyboardSour
     assert post(keyboard, pygame.KEYDOWN, key=pygame.K_KP3) == InputState(1.0, 0.5, (3,))
     assert post(keyboard, pygame.KEYUP, key=pygame.K_LSHIFT) == InputState(GENTLE, GENTLE * 0.5, (3,))
     assert post(keyboard, pygame.KEYUP, key=pygame.K_UP) == InputState(0.0, GENTLE * 0.5, (3,))
+
+
+def test_the_window_shows_a_scan_and_its_switch_drives(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("SDL_VIDEODRIVER", "dummy")
+    reader = ScanKeys(ScanSettings(period=60.0), ("enter",), 0.8, 0.4)
+    source = pygame_source.KeyboardSource("test", reader)
+    assert source.state(0.0, None) == NEUTRAL
+    assert source._shown == (NEUTRAL, reader.caption)
+    assert post(source, pygame.KEYDOWN, key=pygame.K_RETURN) == InputState(0.8)
+    assert source._shown == (InputState(0.8), reader.caption)
+    assert ">FORWARD<" in reader.caption
+    assert post(source, pygame.KEYUP, key=pygame.K_RETURN) == NEUTRAL
+    pygame.quit()
 
 
 def test_losing_the_focus_releases_all_keys(keyboard: pygame_source.KeyboardSource) -> None:
@@ -104,6 +119,6 @@ def test_without_a_display_both_ways_are_named_and_no_library_prints(
     for name in ("SDL_VIDEODRIVER", "DISPLAY", "WAYLAND_DISPLAY"):
         monkeypatch.delenv(name, raising=False)
     with pytest.raises(pygame_source.DeviceError, match=r"expected a display .* a terminal on standard input"):
-        pygame_source.KeyboardSource("test", 1.0, 0.5)
+        pygame_source.KeyboardSource("test", DrivingKeys(1.0, 0.5))
     assert not pygame.display.get_init()
     assert capfd.readouterr() == ("", "")

@@ -5,12 +5,12 @@ from __future__ import annotations
 import os
 import termios
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Collection, Iterator
 
 import pytest
 
 from intellwheels_agents.joystick.input_state import NEUTRAL, InputState
-from intellwheels_agents.joystick.key_bindings import GENTLE
+from intellwheels_agents.joystick.key_bindings import GENTLE, DrivingKeys
 from intellwheels_agents.joystick.pygame_source import DeviceError
 from intellwheels_agents.joystick.terminal_source import ESCAPE_TIMEOUT, KEY_TIMEOUT, TerminalKeys, TerminalSource
 
@@ -40,7 +40,7 @@ def held(text: str) -> set[str]:
         ("wwww ", {"space"}),
         ("w\x1b[H", {"w"}),
         ("w\x1b[15~", {"w"}),
-        ("x\t\xff", set()),
+        ("x\t\xff\n", set()),
     ],
 )
 def test_characters_and_sequences_are_keys(text: str, names: set[str]) -> None:
@@ -98,7 +98,7 @@ def until(source: TerminalSource, found: Callable[[InputState | None], bool]) ->
 def test_a_key_drives_while_it_repeats_and_the_terminal_is_restored(terminal: tuple[int, int]) -> None:
     ours, theirs = terminal
     before = termios.tcgetattr(theirs)
-    with TerminalSource(1.0, 0.5, theirs) as source:
+    with TerminalSource(DrivingKeys(1.0, 0.5), theirs) as source:
         assert not termios.tcgetattr(theirs)[3] & (termios.ICANON | termios.ECHO)
         assert source.state(time.monotonic(), None) == NEUTRAL
         os.write(ours, b"W")
@@ -114,7 +114,7 @@ def test_a_key_drives_while_it_repeats_and_the_terminal_is_restored(terminal: tu
 
 def test_a_terminal_that_hangs_up_ends_it() -> None:
     ours, theirs = os.openpty()
-    with TerminalSource(1.0, 0.5, theirs) as source:
+    with TerminalSource(DrivingKeys(1.0, 0.5), theirs) as source:
         os.close(ours)
         until(source, lambda state: state is None)
     os.close(theirs)
@@ -123,6 +123,39 @@ def test_a_terminal_that_hangs_up_ends_it() -> None:
 def test_a_pipe_is_no_terminal() -> None:
     reading, writing = os.pipe()
     with pytest.raises(DeviceError, match="expected a terminal on standard input, got a pipe or a file"):
-        TerminalSource(1.0, 0.5, reading)
+        TerminalSource(DrivingKeys(1.0, 0.5), reading)
     os.close(reading)
     os.close(writing)
+
+
+def test_other_keys_count_when_they_are_asked_for() -> None:
+    for text, name in ((" ", "space"), ("\n", "enter"), ("\r", "enter"), ("\t", "tab"), ("X", "x"), ("1", "1")):
+        keys = TerminalKeys({"space", "enter", "tab", "x", "1"})
+        keys.feed(text, 1.0)
+        assert keys.held(1.0) - {"shift"} == {name}
+
+
+class Captioned(DrivingKeys):
+    """Shows how often it was read."""
+
+    caption = "0"
+
+    def read(self, held: Collection[str], now: float) -> InputState:
+        self.caption = str(int(self.caption) + 1)
+        return super().read(held, now)
+
+
+def test_a_caption_is_shown_in_one_line_and_a_key_has_its_time(
+    terminal: tuple[int, int], capsys: pytest.CaptureFixture[str]
+) -> None:
+    ours, theirs = terminal
+    with TerminalSource(Captioned(1.0, 0.5), theirs) as source:
+        state = source.state(time.monotonic(), None)
+        assert state is not None
+        assert state.at is None
+        began = time.monotonic()
+        os.write(ours, b"W")
+        until(source, lambda state: state is not None and state.at is not None and state.at >= began)
+    shown = capsys.readouterr().err
+    assert "\r\x1b[K1\r\x1b[K2" in shown
+    assert shown.endswith("\n")

@@ -24,6 +24,7 @@ from intellwheels_viewer.panels.page_keys import PageKeys
 from intellwheels_viewer.panels.place import PlacePanel
 from intellwheels_viewer.panels.plan_panel import PlanPanel
 from intellwheels_viewer.panels.playback import PlaybackPanel
+from intellwheels_viewer.panels.scan_panel import ScanPanel
 from intellwheels_viewer.panels.selected import SelectedPanel
 from intellwheels_viewer.panels.stick_input import StickInput
 from intellwheels_viewer.snapshot import Snapshot
@@ -64,6 +65,7 @@ class Board:
             self.agents = AgentsPanel(gui, self.note("select"))
         with tabs.add_tab("Drive"):
             self.drive = DrivePanel(gui, stick, on_stick=self.note("stick"), on_say=self.note("say"))
+            self.scan = ScanPanel(gui, on_stick=self.note("stick"))
         with tabs.add_tab("Place"):
             self.place = PlacePanel(
                 gui, on_choose=self.note("choose"), on_turn=self.note("turn"), on_turn_selected=self.note("turn by"),
@@ -95,6 +97,7 @@ class Board:
         self.events.show(snapshot)
         self.plan.show(snapshot, choices)
         self.drive.show(snapshot, choices)
+        self.scan.show(snapshot, choices)
         self.place.show(snapshot, choices)
 
 

@@ -10,7 +10,8 @@ from typing import Any, cast
 import pytest
 from playwright.sync_api import Page
 
-from intellwheels_viewer.panels.callbacks import element_id
+from intellwheels_viewer.panels.callbacks import assign, element_id
+from intellwheels_viewer.panels.scan_panel import OFF
 from intellwheels_viewer.panels.stick_input import GENTLE
 from tests.viewer.panels import made_up
 from tests.viewer.panels.board import FAULTS, Board, opened, served
@@ -117,6 +118,49 @@ def test_the_stick_drives_as_far_as_it_is_pulled_and_springs_back(page: Page, bo
     page.mouse.move(x - 500, y, steps=3)
     board.wait(lambda calls: held(calls, 0.0, 1.0))
     page.mouse.up()
+    board.wait(released)
+
+
+@pytest.fixture
+def scanning(page: Page, board: Board) -> Iterator[Page]:
+    page.wait_for_function("window.__iwScan")
+    yield page
+    page.mouse.move(1, 1)
+    choose(board, OFF)
+    page.wait_for_selector("#iw-scan", state="detached")
+
+
+def choose(board: Board, method: str, seconds: float = 5.0) -> None:
+    """Choose a method of scanning. `test_scan_panel` chooses as a page does."""
+    assign(board.scan.method, method)
+    assign(board.scan.seconds, seconds)
+    board.scan._restart()
+
+
+def test_a_switch_drives_the_highlighted_way_and_does_not_pause(scanning: Page, board: Board) -> None:
+    choose(board, "One switch")
+    scanning.wait_for_selector("#iw-scan .lit[data-scan='1']")
+    scanning.keyboard.down(" ")
+    board.wait(lambda calls: held(calls, GENTLE, 0.0) >= 5)
+    scanning.wait_for_selector("#iw-scan .driving[data-scan='1']")
+    scanning.keyboard.up(" ")
+    board.wait(released)
+    scanning.keyboard.down(" ")
+    board.wait(lambda calls: not released(calls))
+    scanning.evaluate("window.dispatchEvent(new Event('blur'))")
+    board.wait(released)
+    scanning.keyboard.up(" ")
+    assert {call[0] for call in board.calls} == {"stick"}
+
+
+def test_a_pointer_that_rests_on_a_command_drives_until_it_leaves(scanning: Page, board: Board) -> None:
+    choose(board, "Dwell", 0.4)
+    scanning.wait_for_selector("#iw-scan")
+    assert scanning.evaluate(FAULTS) == []
+    scanning.locator("#iw-scan [data-scan='2']").hover()
+    # The board is drawn again under the pointer, which does not move.
+    board.wait(lambda calls: held(calls, 0.0, GENTLE) >= 5)
+    scanning.mouse.move(1, 1)
     board.wait(released)
 
 

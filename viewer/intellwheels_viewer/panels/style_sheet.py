@@ -72,6 +72,14 @@ user-select:none}
 text-align:center}
 .iw-knob{position:absolute;left:37px;top:37px;width:40px;height:40px;border-radius:50%;background:var(--iw-ink);
 opacity:.82;pointer-events:none}
+.iw-scan{display:grid;grid-template-columns:repeat(3,1fr);gap:6px;padding:4px 0 6px;user-select:none}
+.iw-scan .cell{position:relative;min-height:64px;display:flex;align-items:center;justify-content:center;
+border-radius:6px;background:var(--iw-tint);overflow:hidden}
+.iw-scan .lit,.iw-scan .armed{outline:3px solid var(--iw-ink);outline-offset:-3px;font-weight:600}
+.iw-scan .armed{outline-style:dashed}.iw-scan .driving{background:var(--iw-ink);color:var(--iw-floor);font-weight:600}
+.iw-scan i{position:absolute;left:0;bottom:0;height:6px;width:100%;background:var(--iw-ink);transform-origin:0 0;
+animation:iw-rest linear}
+@keyframes iw-rest{from{transform:scaleX(0)}to{transform:scaleX(1)}}
 body:has(#iw-drive-off) .iw-drive{opacity:.5}body:has(#iw-drive-off) .iw-stick{cursor:not-allowed}
 """
 

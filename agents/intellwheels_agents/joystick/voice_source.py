@@ -1,0 +1,89 @@
+"""Driving by voice, without a network: sound in, input states out.
+
+A word drives for a limited time, as with `--source words`. When no sound arrives for 0.3 s the chair stops, because
+`stop` could not be heard.
+"""
+
+from __future__ import annotations
+
+import sys
+import time
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Protocol
+
+from intellwheels_agents.joystick.audio_inputs import AudioInput
+from intellwheels_agents.joystick.input_state import NEUTRAL, STALE_AFTER, InputState
+from intellwheels_agents.joystick.voice_words import Spoken
+from intellwheels_agents.joystick.words_source import SpokenWords
+
+
+class Recogniser(Protocol):
+    """Recognises words in sound, as `voice_words.WordRecogniser` does."""
+
+    def feed(self, data: bytes) -> Sequence[Spoken]:
+        """Return the words that have become known."""
+        ...
+
+    def end(self) -> Sequence[Spoken]:
+        """Return the last words."""
+        ...
+
+
+class VoiceSource:
+    """Listens until the sound ends.
+
+    Args:
+        recogniser: Finds the words.
+        audio: The sound.
+        spoken: What the words mean and for how long.
+    """
+
+    def __init__(self, recogniser: Recogniser, audio: AudioInput, spoken: SpokenWords) -> None:
+        self._recogniser = recogniser
+        self._audio = audio
+        self._spoken = spoken
+        self._new: list[tuple[str, float]] = []
+        self._heard_at = time.monotonic()
+        self._said_at: float | None = None
+        self._is_stale = self._has_ended = False
+
+    def wait(self, seconds: float) -> None:
+        """Listen, at most some seconds."""
+        if self._has_ended:
+            time.sleep(seconds)
+            return
+        data = self._audio.read(seconds)
+        now = time.monotonic()
+        if data is None:
+            self._has_ended = True
+            self._note(self._recogniser.end(), now)
+        elif data:
+            self._heard_at = now
+            self._note(self._recogniser.feed(data), now)
+
+    def state(self, now: float, time: float | None) -> InputState | None:  # noqa: ARG002 - as `Source` has it
+        """Return the state now, or None after the end of the sound and of the last word."""
+        is_stale = now - self._heard_at > STALE_AFTER and not self._has_ended
+        if is_stale != self._is_stale:
+            self._is_stale = is_stale
+            _log("stale: no sound arrives" if is_stale else "fresh: sound arrives")
+        if is_stale:
+            self._spoken.end()
+            self._new = []
+            return NEUTRAL
+        for word, at in self._new:
+            self._spoken.add(word, now)
+            self._said_at = at
+            _log(f"heard word={word}")
+        self._new = []
+        state = replace(self._spoken.state(now), at=self._said_at)
+        self._said_at = None
+        return None if self._has_ended and state.is_neutral else state
+
+    def _note(self, spoken: Sequence[Spoken], now: float) -> None:
+        self._new += [(word, now - age) for word, age in spoken]
+
+
+def _log(line: str) -> None:
+    print(f"iw-joystick: {line}", file=sys.stderr, flush=True)  # noqa: T201 - the log

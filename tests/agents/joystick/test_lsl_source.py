@@ -1,0 +1,97 @@
+"""A stream as a source, with real outlets in this process: found, read, stale, lost, and back."""
+
+from __future__ import annotations
+
+import sys
+import threading
+import time
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+
+from intellwheels_agents.joystick.input_state import NEUTRAL, InputState
+from intellwheels_agents.joystick.lsl_channels import ChannelError, ChannelMap, parse_uses
+from intellwheels_agents.joystick.lsl_source import LslSource, stream_text
+from intellwheels_agents.joystick.pygame_source import DeviceError
+from tests.agents.joystick import streams
+
+DEADLINE = 20.0
+AXES = ChannelMap(axes=parse_uses("forward=0,turn=1", "--axes"))
+
+
+def until(source: LslSource, found: Callable[[InputState], bool], tell: Callable[[], object] = lambda: None) -> None:
+    """Run the source until its state is so, with something done before each look."""
+    deadline = time.monotonic() + DEADLINE
+    while True:
+        tell()
+        source.wait(0.02)
+        state = source.state(time.monotonic(), None)
+        if state is not None and found(state):
+            return
+        assert time.monotonic() < deadline, state
+
+
+@pytest.mark.process
+def test_a_stream_drives_until_it_is_stale_or_lost_and_again_when_it_is_back(
+    capfd: pytest.CaptureFixture[str],
+) -> None:
+    out: list[Any] = [streams.outlet("back")]
+    source = LslSource("back", "EEG", AXES, threading.Event())
+    until(source, lambda state: state == InputState(1.0, -0.5), lambda: out[0].push_sample([1.0, -0.56]))
+    state = source.state(time.monotonic(), None)
+    assert state is not None
+    assert state.at is not None
+    assert -0.01 <= time.monotonic() - state.at < 0.3
+    # Nothing comes: stale. What is not finite does not make it fresh.
+    until(source, lambda state: state.is_neutral)
+    out[0].push_sample([float("nan"), 0.0])
+    until(source, lambda _: "expected a finite number, got 'nan'" in source._told)
+    assert source.state(time.monotonic(), None) == NEUTRAL
+    until(source, lambda state: state == InputState(1.0), lambda: out[0].push_sample([1.0, 0.0]))
+    out.clear()
+    until(source, lambda _: source._inlet is None)
+    assert source.state(time.monotonic(), None) == NEUTRAL
+    out.append(streams.outlet("back"))
+    until(source, lambda state: state == InputState(-1.0), lambda: out[0].push_sample([-1.0, 0.0]))
+    told = [line.rpartition(": ")[2] for line in capfd.readouterr().err.splitlines() if "iw-joystick" in line]
+    assert [line for line in told if line in ("stale", "fresh", "lost")][:4] == ["fresh", "stale", "fresh", "lost"]
+    # Another stream of that name, with too few channels, ends it with a reason.
+    out.clear()
+    until(source, lambda _: source._inlet is None)
+    out.append(streams.outlet("back", channels=1))
+    with pytest.raises(ChannelError, match=r"--axes: expected a channel in \[0, 0\], got turn=1"):
+        until(source, lambda _: False)
+
+
+@pytest.mark.process
+def test_labels_and_texts_of_a_stream() -> None:
+    labelled = streams.outlet("labelled", labels=("Fz", "Cz"))
+    source = LslSource("labelled", None, ChannelMap(axes=parse_uses("forward=Cz", "--axes")), threading.Event())
+    until(source, lambda state: state == InputState(1.0), lambda: labelled.push_sample([0.0, 1.0]))
+    words = streams.outlet("markers", "Markers", 1, text=True)
+    source = LslSource(None, "Markers", ChannelMap(forward=0.5), threading.Event())
+    until(source, lambda state: state == InputState(-0.5, word="back"), lambda: words.push_sample(["reverse"]))
+
+
+@pytest.mark.process
+def test_an_unknown_or_ambiguous_stream_is_refused_with_those_that_are_there() -> None:
+    here = [streams.outlet("twin", "EMG"), streams.outlet("twin", "gaze")]
+    with pytest.raises(DeviceError, match=r"expected a stream with name 'none', got .*'twin' \(EMG, 2 channels, irreg"):
+        LslSource("none", None, AXES, threading.Event(), find=0.1)
+    with pytest.raises(DeviceError, match=r"expected one stream with name 'twin', got .*; give --stream-name and"):
+        LslSource("twin", None, AXES, threading.Event())
+    assert len(here) == 2
+
+
+@pytest.mark.parametrize("text", ["", "x" * 257, "a\nb", "'\""])
+def test_a_name_that_cannot_be_looked_for_is_refused(text: str) -> None:
+    with pytest.raises(ChannelError, match="expected a printable text of 1 to 256 characters"):
+        stream_text(text)
+    assert stream_text("Muse's EEG") == "Muse's EEG"
+
+
+def test_without_the_extra_it_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "pylsl", None)
+    with pytest.raises(DeviceError, match=r"pip install '\.\[lsl\]'"):
+        LslSource("x", None, AXES, threading.Event())

@@ -1,0 +1,89 @@
+"""What words of a recogniser do, and what silence of the sound does. The recogniser is a stand-in."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+
+import pytest
+
+from intellwheels_agents.joystick.input_state import NEUTRAL, InputState
+from intellwheels_agents.joystick.voice_source import VoiceSource
+from intellwheels_agents.joystick.voice_words import Spoken
+from intellwheels_agents.joystick.words_source import SpokenWords
+
+
+class Listening:
+    """A recogniser whose sound is its words, and an input that gives what the test puts in."""
+
+    rate = 16000
+
+    def __init__(self) -> None:
+        self.pieces: list[bytes | None] = []
+
+    def read(self, seconds: float) -> bytes | None:
+        return self.pieces.pop(0) if self.pieces else b""
+
+    def feed(self, data: bytes) -> list[Spoken]:
+        return [Spoken(word, 0.25) for word in data.decode().split()]
+
+    def end(self) -> list[Spoken]:
+        return []
+
+
+@pytest.fixture
+def now(monkeypatch: pytest.MonkeyPatch) -> list[float]:
+    clock = [100.0]
+    monkeypatch.setattr(
+        f"{VoiceSource.__module__}.time", SimpleNamespace(monotonic=lambda: clock[0], sleep=lambda _: 0)
+    )
+    return clock
+
+
+def source(listening: Listening) -> VoiceSource:
+    return VoiceSource(listening, listening, SpokenWords(0.5, 0.25, 2.0))
+
+
+def hears(
+    made: VoiceSource, listening: Listening, now: list[float], piece: bytes | None, after: float
+) -> InputState | None:
+    now[0] += after
+    listening.pieces.append(piece)
+    made.wait(0.05)
+    return made.state(now[0], None)
+
+
+def test_a_word_drives_while_sound_arrives_and_has_the_time_at_which_it_ended(now: list[float]) -> None:
+    listening = Listening()
+    made = source(listening)
+    state = hears(made, listening, now, b"forward", 0.1)
+    assert state == InputState(0.5, word="forward")
+    assert state is not None
+    assert state.at == pytest.approx(now[0] - 0.25)
+    assert [hears(made, listening, now, b" ", 0.1) for _ in range(19)] == [state] * 19
+    assert hears(made, listening, now, b" ", 0.15) == NEUTRAL
+
+
+def test_no_sound_for_0_3_s_stops_and_the_word_does_not_come_back(
+    now: list[float], capsys: pytest.CaptureFixture[str]
+) -> None:
+    listening = Listening()
+    made = source(listening)
+    hears(made, listening, now, b"left", 0.1)
+    assert hears(made, listening, now, b"", 0.29) == InputState(0.0, 0.25, word="left")
+    assert hears(made, listening, now, b"", 0.02) == NEUTRAL
+    assert hears(made, listening, now, b" ", 0.02) == NEUTRAL
+    assert capsys.readouterr().err.splitlines()[-2:] == [
+        "iw-joystick: stale: no sound arrives", "iw-joystick: fresh: sound arrives",
+    ]  # fmt: skip
+
+
+def test_the_end_of_the_sound_ends_it(now: list[float]) -> None:
+    listening = Listening()
+    made = source(listening)
+    hears(made, listening, now, b"forward", 0.1)
+    last = hears(made, listening, now, None, 0.1)
+    for _ in range(100):
+        if last is None:
+            break
+        last = hears(made, listening, now, None, 0.05)
+    assert last is None
