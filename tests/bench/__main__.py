@@ -6,7 +6,18 @@ import argparse
 from pathlib import Path
 
 from tests.bench import (
-    bystanders, ciber, drivers, imports, inputs, learning, loads, network, record, ros, tick, viewer,
+    bystanders,
+    ciber,
+    drivers,
+    imports,
+    inputs,
+    learning,
+    loads,
+    network,
+    record,
+    ros,
+    tick,
+    viewer,
 )  # fmt: skip
 from tests.bench.rows import append, show
 
