@@ -41,6 +41,7 @@ from intellwheels_schemas.codec import MAX_BYTES, Encoding, decode, encoding_of
 from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.keys import Keys
 from intellwheels_schemas.messages import Map, Robot
+from intellwheels_schemas.own_rights import denied_join
 from intellwheels_schemas.process import THREADS_END
 from intellwheels_schemas.repliers import by_simulator
 
@@ -63,10 +64,11 @@ ARRIVAL_LIMIT = MAX_BYTES
 
 
 class _Answered(NamedTuple):
-    """What the simulator answered to a query; nothing if nobody answered."""
+    """What the simulator answered to a query; nothing if nobody answered, and why in words if that is known."""
 
     request: Literal["join", "clock", "body"]
     answers: list[link.Answer]
+    denied: str = ""
 
 
 def run_agent(
@@ -146,13 +148,13 @@ class _AgentPeer:
     ) -> None:
         agent = robot.name or ""
         keys = Keys(where.world)
-        denied = where.denial(robot.role, agent)
         self._session = session
         self._tell = tell
         self._on_presence = on_presence
         self._encoding = encoding
         self._keys = keys
         self._asking = asking
+        self._joins_as = where.world, robot.role, agent
         self._map_key = keys.map
         self._body_key = keys.body(agent)
         self._join_key = keys.join(agent)
@@ -170,8 +172,7 @@ class _AgentPeer:
             options=options,
             encoding=encoding,
             fetch_map=self._fetch_map,
-            # A denial looks like silence. The identity file knows why.
-            simulator=f"{where.where()} ({denied})" if denied else where.where(),
+            simulator=where.where(),
             retry_for=retry_for,
         )
         role, instance = robot.role, robot.instance or ""
@@ -310,7 +311,12 @@ class _AgentPeer:
                 answers = by_simulator(answers, self._keys, self._claims)
             except (ConnectionError, zenoh.ZError):
                 answers = []
-            self._arrivals.put(_Answered(request, answers))
+            denied = ""
+            if request == "join" and not any(answer.ok for answer in answers):
+                # A denial looks like silence, and a token that is not let through like one that is missing.
+                with contextlib.suppress(zenoh.ZError):
+                    denied = denied_join(self._session, *self._joins_as)
+            self._arrivals.put(_Answered(request, [] if denied else answers, denied))
 
         self._asking[:] = [thread for thread in self._asking if thread.is_alive()]
         self._asking.append(threading.Thread(target=ask, name=request, daemon=True))
@@ -320,14 +326,14 @@ class _AgentPeer:
         return link.tokens(self._session, self._keys.every_claim)
 
     def _replied(self, arrival: _Answered, now: float) -> list[Output]:
-        request, answers = arrival
+        request, answers, denied = arrival
         if request == "body":
             return self._harness.bodied(any(answer.ok for answer in answers))
         if request == "clock":
             clocks = [(answer.data, encoding_of(answer.encoding, answer.data)) for answer in answers if answer.ok]
             return self._harness.clocked(clocks)
         if not answers:
-            return self._harness.unanswered(now)
+            return self._harness.unanswered(now, denied)
         answer = answers[0]
         try:
             payload = answer.data, encoding_of(answer.encoding, answer.data)

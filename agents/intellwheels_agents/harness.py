@@ -182,11 +182,11 @@ class Harness:
             return self._over(_TAKEN.get(refused.code, 1) if never_joined else 1, text)
         return self._retry_after(now, TOKEN_RETRY if refused.code == "no-token" else RETRY, text)
 
-    def unanswered(self, now: float) -> list[Output]:
-        """Handle a join without an answer."""
+    def unanswered(self, now: float, denied: str = "") -> list[Output]:
+        """Handle a join without an answer. `denied` says why the router did not let it through, if that is known."""
         if self.phase is not Phase.ASKING:
             return []
-        return self._retry_after(now, RETRY, self._nobody())
+        return self._retry_after(now, RETRY, denied or self._nobody())
 
     def present(self, now: float) -> list[Output]:
         """Handle the appearance of a simulator."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ipaddress
 import re
 import socket
 from collections.abc import Iterable
@@ -41,6 +42,21 @@ def check_endpoint(text: str, option: str) -> None:
         return
     expected = f"{option}: expected an endpoint such as {defaults.ENDPOINT}, got {shown(text)}"
     raise WireError("value", f"{expected}{_hint(text, found)}", option)
+
+
+def is_loopback(endpoint: str) -> bool:
+    """Return whether only this machine can connect to an endpoint; a host name other than localhost counts as wide."""
+    protocol, _, address = endpoint.partition("/")
+    if protocol in OTHER_PROTOCOLS:
+        return protocol != "vsock"
+    found = _ADDRESS.fullmatch(address)
+    if found is None:
+        return False
+    host = found[1].strip("[]").partition("%")[0]
+    try:
+        return ipaddress.ip_address(host).is_loopback
+    except ValueError:
+        return host.lower() == "localhost"
 
 
 def check_free(endpoints: Iterable[str]) -> None:

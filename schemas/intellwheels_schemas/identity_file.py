@@ -13,19 +13,12 @@ import msgspec
 from msgspec import Meta
 
 from intellwheels_schemas.errors import WireError
-from intellwheels_schemas.messages import LabRole, May, Name, Role
+from intellwheels_schemas.messages import May, Name
 
 ENDING: Final = ".iwid"
 """Ending of the names of these files."""
 MAX_BYTES: Final = 65_536
 """Longest file."""
-
-
-_JOINS: Final[dict[Role, tuple[LabRole, ...]]] = {
-    "both": ("agent", "gateway"), "mind": ("agent", "mind", "gateway"), "body": ("bridge",),
-}  # fmt: skip
-"""The roles of a lab that allow a role of an agent."""
-_WORDS: Final[dict[Role, str]] = {"both": "body and mind", "mind": "mind", "body": "body"}
 
 
 class IdentityFile(msgspec.Struct, frozen=True, kw_only=True, rename="pascal", forbid_unknown_fields=True):
@@ -46,22 +39,9 @@ class IdentityFile(msgspec.Struct, frozen=True, kw_only=True, rename="pascal", f
     connect: tuple[str, ...] = ()
     may: tuple[May, ...] = ()
 
-    def denial(self, world: str, role: Role, agent: str) -> str:
-        """Return in words why this identity may not join as an agent; empty if it may, or if the file does not say."""
-        given = [may for may in self.may if may.world == world and may.role in _JOINS[role]]
-        names = [pattern for may in given for pattern in may.agents]
-        if not self.may or any(_matches(pattern, agent) for pattern in names):
-            return ""
-        instead = f"only {', '.join(names)}" if names else "nobody"
-        return f"{self.name} may not be the {_WORDS[role]} of '{agent}' in world {world}, {instead}"
-
     def __repr__(self) -> str:
         """Return the name without the password, so that no traceback shows it."""
         return f"IdentityFile(name={self.name!r})"
-
-
-def _matches(pattern: str, name: str) -> bool:
-    return name.startswith(pattern[:-1]) if pattern.endswith("*") else name == pattern
 
 
 def read_identity(path: Path) -> IdentityFile:

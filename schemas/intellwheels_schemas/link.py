@@ -25,8 +25,8 @@ from intellwheels_schemas.command_parser import readable_file
 from intellwheels_schemas.endpoint_form import cannot_listen, check_endpoint, config_reason, zenoh_reason
 from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.identity_file import read_identity
-from intellwheels_schemas.messages import Role
 from intellwheels_schemas.names import check_name
+from intellwheels_schemas.own_rights import remember, unanswered
 from intellwheels_schemas.zenoh_inbox import Inbox
 
 QUEUE_ROOM: Final = 16
@@ -85,10 +85,6 @@ class Link:
     def where(self) -> str:
         """Return the endpoints of this link, for people."""
         return ", ".join(self.listen + self.connect) or str(self.config or defaults.ENDPOINT)
-
-    def denial(self, role: Role, agent: str) -> str:
-        """Return in words why this identity may not join as an agent; empty if nothing is known against it."""
-        return "" if self.identity is None else read_identity(self.identity).denial(self.world, role, agent)
 
 
 def add_link_options(parser: argparse.ArgumentParser, *, listens: bool = False, world: str = defaults.WORLD) -> None:
@@ -221,13 +217,17 @@ def open_session(
     while not stop.is_set():
         began = time.monotonic()
         try:
-            return zenoh.open(config)
+            session = zenoh.open(config)
         except zenoh.ZError as error:
             if link.listen:
                 raise ConnectionError(cannot_listen(", ".join(link.listen), zenoh_reason(str(error)))) from None
             words = f"nobody answers at {link.where()}"
             if link.identity is not None:
                 words += f", or it does not know the name and password in {link.identity}"
+        else:
+            if link.identity is not None:
+                remember(session, read_identity(link.identity))
+            return session
         if waiting is not None:
             waiting(words)
             waiting = None
@@ -297,7 +297,8 @@ def query(
         stop: Ends the wait.
 
     Raises:
-        ConnectionError: There was no reply. There is no simulator, or access is not allowed; Zenoh does not say which.
+        NotAllowedError: There was no reply, as this session may not ask that.
+        ConnectionError: There was no reply.
     """
     answers: deque[Answer] = deque()
     done = threading.Event()
@@ -325,7 +326,7 @@ def query(
     while not done.wait(_SLICE) and time.monotonic() < deadline and (stop is None or not stop.is_set()):
         pass
     if not answers:
-        raise ConnectionError(f"no simulator at {selector.partition('?')[0]}, or not allowed")
+        raise unanswered(session, selector.partition("?")[0])
     return list(answers)
 
 

@@ -19,7 +19,7 @@ import zenoh
 from intellwheels_agents.joystick.input_state import Source
 from intellwheels_agents.joystick.input_timing import REPEAT_PERIOD, InputTiming
 from intellwheels_agents.joystick.lease_client import LeaseClient
-from intellwheels_schemas import link, zenoh_inbox
+from intellwheels_schemas import link, own_rights, zenoh_inbox
 from intellwheels_schemas.channels import CHANNELS
 from intellwheels_schemas.codec import Encoding, decode, encode, encoding_of
 from intellwheels_schemas.errors import WireError
@@ -59,7 +59,15 @@ def operate(
         errors = session.declare_subscriber(keys.error(agent), inbox.on_sample)
         publisher = link.declare(session, keys.user(agent), CHANNELS["user"], Encoding.JSON)
         with publisher, clock, errors:
-            requests = _LeaseRequests(session, keys.ctl("take", agent))
+            take_key = keys.ctl("take", agent)
+            # A put that is not allowed is dropped in silence.
+            denied = own_rights.denied(session, keys.user(agent), "put", sure=True)
+            if not denied and take:
+                denied = own_rights.denied(session, take_key, "query", sure=True)
+            if denied:
+                _log(f"not driven agent={agent} why={denied!r}")
+                return 1
+            requests = _LeaseRequests(session, take_key)
             _check_agent(session, keys.body(agent), agent, take=take)
             return _Loop(agent, source, requests, inbox, publisher, take=take).run(stop)
 
@@ -186,6 +194,9 @@ def _check_agent(session: zenoh.Session, key: str, agent: str, *, take: bool) ->
     try:
         answers = link.query(session, key, timeout=ANSWER_TIMEOUT)
         body = decode(Body, answers[0].data, encoding_of(answers[0].encoding, answers[0].data), strict=False)
+    except own_rights.NotAllowedError as error:
+        _log(f"waiting why={str(error)!r}")
+        return
     except (ConnectionError, WireError):
         _log(f"waiting why='no agent {agent} yet'")
         return

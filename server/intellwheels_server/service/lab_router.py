@@ -5,10 +5,11 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-from intellwheels_schemas.access_rules import rules_for
+from intellwheels_schemas.access_rules import Rule, rules_for
 from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.files import read_with_lines
 from intellwheels_schemas.messages import Lab
+from intellwheels_schemas.rights import rights_key
 
 
 def read_lab(path: Path) -> Lab:
@@ -56,23 +57,22 @@ def lab_settings(lab: Lab, users: Path) -> dict[str, Any]:
     rules: list[dict[str, Any]] = []
     policies: list[dict[str, Any]] = []
     for identity in lab.identity:
-        own = [rule for may in identity.may for rule in rules_for(may)]
+        rights = (rights_key(identity.name),)
+        own = [Rule(("query",), "ingress", rights), Rule(("reply",), "egress", rights)]
+        own += [rule for may in identity.may for rule in rules_for(may)]
         names = [f"{identity.name}/{number}" for number in range(len(own))]
         for name, rule in zip(names, own, strict=True):
             rules.append({
                 "id": name, "permission": "allow", "flows": [rule.flow], "messages": list(rule.messages),
                 "key_exprs": list(rule.keys),
             })  # fmt: skip
-        if names:
-            policies.append({"rules": names, "subjects": [identity.name]})
+        policies.append({"rules": names, "subjects": [identity.name]})
     return {
         "access_control": {
             "enabled": True,
             "default_permission": "deny",
             "rules": rules,
-            "subjects": [
-                {"id": identity.name, "usernames": [identity.name]} for identity in lab.identity if identity.may
-            ],
+            "subjects": [{"id": identity.name, "usernames": [identity.name]} for identity in lab.identity],
             "policies": policies,
         },
         "transport/auth/usrpwd": {"dictionary_file": str(users)},

@@ -6,6 +6,7 @@ It forwards messages and reads none of them. `--print` prints its configuration,
 from __future__ import annotations
 
 import argparse
+import os
 import sys
 from collections.abc import Sequence
 from pathlib import Path
@@ -15,8 +16,11 @@ from intellwheels_schemas import defaults
 from intellwheels_schemas.command_parser import CommandParser, readable_file
 from intellwheels_schemas.endpoint_form import check_endpoint
 from intellwheels_schemas.errors import WireError
+from intellwheels_schemas.messages import Lab
+from intellwheels_schemas.own_rights import answer_rights
+from intellwheels_schemas.panic_watch import PanicWatch
 from intellwheels_schemas.process import SLICE, add_process_options, stop_on_signals
-from intellwheels_schemas.router_link import OPEN, open_router, router_settings
+from intellwheels_schemas.router_link import open_router, open_words, router_settings
 from intellwheels_server.service.lab_router import lab_settings, read_lab, read_users, users_file
 
 
@@ -41,8 +45,8 @@ def parser() -> argparse.ArgumentParser:
     return found
 
 
-def _settings_of(file: Path, *, printed: bool) -> dict[str, Any]:
-    lab, users = read_lab(file), users_file(file)
+def _settings_of(lab: Lab, file: Path, *, printed: bool) -> dict[str, Any]:
+    users = users_file(file)
     known = {} if printed else read_users(users)
     lacking = [] if printed else [identity.name for identity in lab.identity if identity.name not in known]
     if lacking:
@@ -58,7 +62,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         for endpoint in listen:
             check_endpoint(endpoint, "--listen")
-        more = None if options.lab is None else _settings_of(options.lab, printed=options.print)
+        lab = None if options.lab is None else read_lab(options.lab)
+        more = None if lab is None else _settings_of(lab, options.lab, printed=options.print)
     except WireError as error:
         print(f"iw-router: {error}", file=sys.stderr)
         return 2
@@ -66,17 +71,28 @@ def main(arguments: Sequence[str] | None = None) -> int:
         print(router_settings(listen, more), end="")
         return 0
     stop = stop_on_signals(options.lifeline)
+    watch = PanicWatch(lambda line: _begin_again(watch, line))
     try:
-        with open_router(listen, more):
+        with open_router(listen, more) as session:
+            queryables = [] if lab is None else answer_rights(session, lab.identity)
             if more is None:
-                print(f"iw-router: {OPEN}", file=sys.stderr, flush=True)
+                print(f"iw-router: {open_words(listen)}", file=sys.stderr, flush=True)
             print(f"ready listen={','.join(listen)}", flush=True)
             while not stop.wait(SLICE):
                 pass
+            for queryable in queryables:
+                queryable.undeclare()
     except ConnectionError as error:
         print(f"iw-router: {error}", file=sys.stderr)
         return 1
     return 0
+
+
+def _begin_again(watch: PanicWatch, line: str) -> None:
+    """Replace this process by a new one, which listens at the same endpoints. A router keeps nothing."""
+    watch.close()
+    print(f"iw-router: restarted why={line!r}", file=sys.stderr, flush=True)
+    os.execv(sys.executable, sys.orig_argv)  # noqa: S606 - this process's own command line
 
 
 if __name__ == "__main__":

@@ -28,7 +28,7 @@ def test_zenoh_accepts_the_settings_and_default_is_deny() -> None:
     rules = json.loads(zenoh.Config.from_json5(text).get_json("access_control"))
     assert (rules["enabled"], rules["default_permission"]) == (True, "deny")
     assert {rule["permission"] for rule in rules["rules"]} == {"allow"}
-    assert [policy["subjects"] for policy in rules["policies"]] == [["sim"], ["student1"]]
+    assert [policy["subjects"] for policy in rules["policies"]] == [["sim"], ["student1"], ["idle"]]
     assert len({rule["id"] for rule in rules["rules"]}) == len(rules["rules"])
     assert json.loads(text)["transport"]["auth"]["usrpwd"] == {"dictionary_file": "/x/room3.users"}
 

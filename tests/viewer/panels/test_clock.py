@@ -11,6 +11,7 @@ from intellwheels_viewer.panels.choices import Choices
 from intellwheels_viewer.panels.clock import ClockPanel, clock_html
 from intellwheels_viewer.snapshot import Snapshot
 from tests.viewer.panels import made_up
+from tests.viewer.panels.made_up import LOOKS_ONLY
 from tests.viewer.panels.panel import Calls, enter, press
 
 
@@ -90,7 +91,7 @@ def test_what_cannot_act_is_disabled(gui: viser.GuiApi, calls: Calls) -> None:
     shown = panel(gui, calls)
     shown.show(at("running"), Choices())
     assert disabled(shown) == [False] * 4
-    shown.show(at("running"), Choices(allowed=False))
+    shown.show(at("running"), Choices(rights=LOOKS_ONLY))
     assert disabled(shown) == [True] * 4
     shown.show(replace(at("running"), phase="silent"), Choices())
     assert disabled(shown) == [True] * 4

@@ -19,6 +19,7 @@ from intellwheels_viewer.panels.connection import (
 )
 from intellwheels_viewer.snapshot import Phase, Snapshot
 from tests.viewer.panels import made_up
+from tests.viewer.panels.made_up import LOOKS_ONLY
 from tests.viewer.panels.panel import Calls, enter
 
 
@@ -55,7 +56,7 @@ def test_what_is_wrong_comes_with_what_to_do(phase: str, words: list[str]) -> No
 
 def test_who_may_only_look_is_told() -> None:
     snapshot = made_up.snapshot()
-    assert "View only" in connection_html(snapshot, Choices(allowed=False))
+    assert "View only" in connection_html(snapshot, Choices(rights=LOOKS_ONLY))
     assert "View only" not in connection_html(snapshot, Choices())
 
 

@@ -40,8 +40,8 @@ def drive_html(snapshot: Snapshot, choices: Choices) -> str:
     """Return the agent that is driven, or how to drive the selected one, or why it cannot be driven."""
     if snapshot.phase != "live":
         words = note("No world is running", "wait")
-    elif not choices.allowed:
-        words = note(f"{VIEW_ONLY}: this viewer is not allowed to control the simulation.", "wait")
+    elif why := choices.rights.why_not_drive(snapshot.world, choices.selected):
+        words = note(f"{VIEW_ONLY}: {why}", "wait")
     elif choices.selected is None:
         words = note("Nothing is selected. Click a chair.")
     elif not can_drive(snapshot, choices):
@@ -57,7 +57,9 @@ def drive_html(snapshot: Snapshot, choices: Choices) -> str:
 
 def can_drive(snapshot: Snapshot, choices: Choices) -> bool:
     """Return whether the selected body can be driven from this page."""
-    if snapshot.phase != "live" or not choices.allowed or choices.selected is None:
+    if snapshot.phase != "live" or choices.selected is None:
+        return False
+    if choices.rights.why_not_drive(snapshot.world, choices.selected):
         return False
     body = snapshot.bodies.get(choices.selected)
     return body is not None and snapshot.entity(choices.selected) is not None and body.robot.top_speed > 0
@@ -126,7 +128,7 @@ class DrivePanel:
         self._stick.enable(self._able)
         for button in self._buttons:
             button.disabled = not self._able
-        may_say = snapshot.phase == "live" and choices.allowed
+        may_say = snapshot.phase == "live" and not choices.rights.why_not(snapshot.world, "say")
         self._text.disabled = self._to.disabled = self._say.disabled = not may_say
         to = (EVERYBODY,) if choices.selected is None else (EVERYBODY, choices.selected)
         if to != self._to.options:
