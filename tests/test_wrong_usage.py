@@ -56,7 +56,7 @@ PAIRS = ("", "x", "=1", "nobody.x=1", "chair1.=1", "Nosuch=1", "nosuch=1")
 WRONG: dict[str, Sequence[str]] = {
     "S": NUMBERS, "F": NUMBERS, "MB": NUMBERS, "M": NUMBERS, "P": NUMBERS, "R": NUMBERS, "K": NUMBERS, "SHARE": NUMBERS,
     "N": WHOLE, "TICK": WHOLE, "TICKS": WHOLE, "FD": WHOLE,
-    "NAME": NAMES, "AGENT": NAMES, "A,B,C": NAMES[1:],
+    "HEADER": ("", "a b", "x:"), "NAME": NAMES, "AGENT": NAMES, "A,B,C": NAMES[1:],
     "NAME|FILE": DOCUMENTS, "SCENE": DOCUMENTS, "MAP": DOCUMENTS,
     "MIND": ("", "nosuch", "no/such.py", "folder/", "text.py"),
     "ENDPOINT": ENDPOINTS, "ADDRESS": ("", "http://x", "127.0.0.1:80", "no host", "192.0.2.1"),

@@ -294,6 +294,15 @@ def test_missing_simulator_is_retried_each_second_and_logged_once(mind: Recorder
     assert harness.unanswered(1.3) == []
 
 
+def test_denial_is_logged_in_place_of_a_missing_simulator(mind: Recorder) -> None:
+    harness = Harness(ROBOT, mind.make, retry_for=2.0)
+    harness.start(0.0)
+    denied = "student1 may not be the mind of 'lab1' in world main, nobody there"
+    assert harness.unanswered(0.5, denied) == [Log(f"waiting why={denied!r}")]
+    harness.wake(1.5)
+    assert harness.unanswered(1.6, denied) == [Exit(1, denied)]
+
+
 def test_simulator_that_appears_is_asked_at_once(mind: Recorder) -> None:
     harness = Harness(ROBOT, mind.make)
     harness.start(0.0)

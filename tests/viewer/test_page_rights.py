@@ -31,6 +31,8 @@ def test_student_drives_the_own_chair_only() -> None:
     assert rights.why_not_drive("main", "st2-a") == "student1 may not write user/st2-a in world main"
     assert rights.why_not_see("ward") == "student1 may not read state/* in world ward, only in main"
     assert rights.summary("main") == "As student1 this page may steer st1-*"
+    assert rights.where_to_look() == "student1 may look at main"
+    assert PageRights(holders=(Identity(name="idle"),)).where_to_look() == "idle may look at no world"
 
 
 def test_the_narrowest_right_counts() -> None:

@@ -65,7 +65,7 @@ def parser() -> argparse.ArgumentParser:
         help="let programs that send no Origin steer too, though other machines can reach the page",
     )  # fmt: skip
     page.add_argument(
-        "--user-header", metavar="NAME",
+        "--user-header", metavar="HEADER",
         help="with --lab: the header in which a proxy names the user, such as X-Remote-User",
     )  # fmt: skip
     page.add_argument(

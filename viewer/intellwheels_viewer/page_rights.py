@@ -78,6 +78,14 @@ class PageRights:
         keys = Keys(world)
         return next((why for who in self.holders if (why := denial(who, keys.every_state, "read"))), "")
 
+    def where_to_look(self) -> str:
+        """Return which worlds the page may show, for people; empty if nothing limits it."""
+        lines = []
+        for who in self.holders:
+            worlds = sorted({may.world for may in who.may if not denial(who, Keys(may.world).every_state, "read")})
+            lines.append(f"{who.name} may look at {', '.join(worlds) or 'no world'}")
+        return ". ".join(lines)
+
     def why_not_place(self, world: str, agent: str | None) -> str:
         """Return why the page may neither place a thing nor change the selected body; empty if it may do either."""
         verbs: tuple[Verb, ...] = ("spawn", "teleport", "delete")

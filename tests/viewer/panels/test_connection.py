@@ -58,6 +58,9 @@ def test_who_may_only_look_is_told() -> None:
     snapshot = made_up.snapshot()
     assert "View only" in connection_html(snapshot, Choices(rights=LOOKS_ONLY))
     assert "View only" not in connection_html(snapshot, Choices())
+    assert "As guest this page may steer chair2" in connection_html(snapshot, Choices(rights=made_up.DENIED))
+    unseen = replace(snapshot, phase="no-world", world="ward")
+    assert "guest may not read state/* in world ward" in connection_html(unseen, Choices(rights=made_up.DENIED))
 
 
 def test_a_run_that_is_over_and_whose_processes_have_ended_says_so() -> None:

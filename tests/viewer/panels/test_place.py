@@ -67,3 +67,6 @@ def test_what_cannot_act_is_disabled(gui: viser.GuiApi, calls: Calls) -> None:
     assert (shown._remove.label, shown._remove.disabled) == ("Remove", True)
     shown.show(made_up.snapshot(), replace(made_up.choices(), rights=LOOKS_ONLY))
     assert shown._remove.disabled
+    shown.show(made_up.snapshot(), replace(made_up.choices(), rights=made_up.DENIED))
+    assert shown._remove.disabled
+    assert "guest may not ctl/spawn in world main" in shown._words.content

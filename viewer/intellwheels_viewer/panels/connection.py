@@ -71,6 +71,8 @@ def connection_html(snapshot: Snapshot, choices: Choices) -> str:
 def rights_words(snapshot: Snapshot, choices: Choices) -> str:
     """Return what this page may do, or that it may only look and why; empty if nothing limits it."""
     world = snapshot.world
+    if not world and snapshot.phase == "no-world":
+        return choices.rights.where_to_look()
     if unseen := choices.rights.why_not_see(world):
         return f"{VIEW_ONLY}: {unseen}" if snapshot.phase == "live" else unseen
     return choices.rights.summary(world) if snapshot.phase == "live" else ""
