@@ -77,7 +77,7 @@ OWN: dict[str, Sequence[str]] = {
     "iw-run --speed": (*NUMBERS, "5000"), "iw-server --speed": (*NUMBERS, "5000"),
     "iw-server --period": (*NUMBERS, "2"),
     "iw-record --port": (*WHOLE, "65536"),
-    "iw-viewer --allow-host": ("", "http://x", "a b", "a:80"), "iw-viewer --port": (*WHOLE, "65536"),
+    "iw-viewer --allow-host": ("", "http://x", "a b", "a:x"), "iw-viewer --port": (*WHOLE, "65536"),
     "iw-run --view-port": (*WHOLE, "65536"), "python -m intellwheels_agents.bridge.firmware_stand_in --counts": NUMBERS,
     "iw list KIND": ("", "nosuch"), "python -m intellwheels_schemas check FILE": INPUTS,
     "iw-server --log": OUTPUTS, "iw-server --runs": FOLDERS, "iw-server --trace": OUTPUTS,

@@ -315,7 +315,7 @@ class _AgentPeer:
             if request == "join" and not any(answer.ok for answer in answers):
                 # A denial looks like silence, and a token that is not let through like one that is missing.
                 with contextlib.suppress(zenoh.ZError):
-                    denied = denied_join(self._session, *self._joins_as)
+                    denied = denied_join(self._session, *self._joins_as, sure=bool(answers))
             self._arrivals.put(_Answered(request, [] if denied else answers, denied))
 
         self._asking[:] = [thread for thread in self._asking if thread.is_alive()]

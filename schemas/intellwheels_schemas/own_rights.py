@@ -79,9 +79,9 @@ def denied(session: zenoh.Session, key: str, does: Does, *, sure: bool = False) 
     return "" if own is None else denial(own, key, does)
 
 
-def denied_join(session: zenoh.Session, world: str, role: Role, agent: str) -> str:
+def denied_join(session: zenoh.Session, world: str, role: Role, agent: str, *, sure: bool = False) -> str:
     """Return in words that this session may not join as an agent; empty if it may, or if nobody knows."""
-    own = own_rights(session)
+    own = own_rights(session, sure=sure)
     return "" if own is None else join_denial(own, world, role, agent)
 
 

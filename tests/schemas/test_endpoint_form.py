@@ -95,7 +95,8 @@ def test_zenohs_own_places_are_left_out() -> None:
     ("endpoint", "loopback"),
     [
         ("tcp/127.0.0.1:7447", True), ("tcp/127.1.2.3:7447", True), ("tcp/[::1]:7447", True),
-        ("tls/LocalHost:7447", True), ("unixsock-stream//run/iw.sock", True), ("serial//dev/ttyUSB0#baudrate=9600", True),
+        ("tls/LocalHost:7447", True), ("unixsock-stream//run/iw.sock", True),
+        ("serial//dev/ttyUSB0#baudrate=9600", True),
         ("tcp/0.0.0.0:7447", False),
         ("tcp/[::]:7447", False), ("tcp/10.0.0.5:7447", False), ("tcp/lab-pc:7447", False), ("vsock/1:2", False),
     ],
