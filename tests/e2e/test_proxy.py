@@ -66,7 +66,7 @@ class Site:
     @contextmanager
     def page(self, user: str | None, origin: str | None = None, **more: str) -> Iterator[Browser]:
         """Open the page as a browser does: its websocket has the page's address without the last slash."""
-        with connect(
+        connection = connect(
             f"wss://localhost:{self.port}/sim",
             ssl=self.trust,
             origin=Origin(origin or f"https://localhost:{self.port}"),
@@ -75,7 +75,8 @@ class Site:
             max_size=None,
             open_timeout=DEADLINE,
             compression=None,
-        ) as connection:
+        )
+        with connection:
             browser = Browser(connection)
             browser.look()
             yield browser
