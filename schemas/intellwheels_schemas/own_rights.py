@@ -67,10 +67,11 @@ def own_rights(session: zenoh.Session, *, sure: bool = False) -> Identity | None
 def unanswered(session: zenoh.Session, key: str) -> ConnectionError:
     """Return the error of a query that nobody answered: a denial if it is one."""
     own = own_rights(session)
-    if own is None:
-        return ConnectionError(f"no simulator at {key}, or not allowed")
-    denied = denial(own, key)
-    return NotAllowedError(denied) if denied else ConnectionError(f"no simulator at {key}")
+    if own is not None and (denied := denial(own, key)):
+        return NotAllowedError(denied)
+    # A router that does not say so may deny it all the same.
+    knows = own is not None and own_rights(session, sure=True) is not None
+    return ConnectionError(f"no simulator at {key}" if knows else f"no simulator at {key}, or not allowed")
 
 
 def denied(session: zenoh.Session, key: str, does: Does, *, sure: bool = False) -> str:

@@ -53,13 +53,15 @@ def test_router_s_word_counts_before_that_of_the_file(router: tuple[zenoh.Sessio
         assert known.may[0].role == "operator"
         assert own_rights(session, sure=True) is None
         assert denied_service(session, "main") == ""
-        with pytest.raises(ConnectionError, match=r"^no simulator at iw/v1/main/ctl/pause$"):
+        with pytest.raises(ConnectionError, match=r"^no simulator at iw/v1/main/ctl/pause, or not allowed$"):
             link.query(session, "iw/v1/main/ctl/pause", timeout=1.0)
         (answering,) = answer_rights(hub, [STUDENT])
         try:
             assert own_rights(session, sure=True) == STUDENT
             with pytest.raises(NotAllowedError, match=r"^student1 may not ctl/pause in world main$"):
                 link.query(session, "iw/v1/main/ctl/pause", timeout=1.0)
+            with pytest.raises(ConnectionError, match=r"^no simulator at iw/v1/main/map$"):
+                link.query(session, "iw/v1/main/map", timeout=1.0)
             assert denied(session, "iw/v1/main/user/a", "put") == "student1 may not write user/a in world main"
             assert denied(session, "iw/v1/main/clock", "read") == ""
             assert denied_service(session, "main") == "student1 may not be the simulator of world main"
