@@ -24,6 +24,7 @@ from intellwheels_schemas.files import write_file
 from intellwheels_schemas.messages import Identity, Lab, May
 from tests.e2e.stage import DEADLINE, Peer, Stage, free_port
 from tests.viewer.browser import Browser
+from tests.viewer.panels.board import CHROMIUM, browser
 
 pytestmark = [pytest.mark.process, pytest.mark.filterwarnings("ignore::DeprecationWarning")]
 
@@ -173,3 +174,18 @@ def test_who_may_only_look_has_no_controls_whatever_is_sent(site: Site) -> None:
         browser.enter("Pause", True)
         browser.wait(lambda: any("View only" in str(one) for one in browser.heard))
     assert site.peer.clock()["State"] == "running"
+
+
+@pytest.mark.browser
+def test_real_browser_finds_its_websocket_below_the_path(site: Site) -> None:
+    if CHROMIUM is None:
+        if os.environ.get("REQUIRE_BROWSER") == "1":
+            pytest.fail("no Chromium")
+        pytest.skip("no Chromium")
+    with browser() as chromium:
+        login = {"username": "teacher", "password": "secret"}
+        context = chromium.new_context(http_credentials=login, ignore_https_errors=True)
+        page = context.new_page()
+        page.goto(f"https://localhost:{site.port}/sim/")
+        page.get_by_text("As teacher this page may").wait_for(timeout=60_000)
+        context.close()
