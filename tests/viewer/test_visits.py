@@ -30,3 +30,8 @@ def test_who_may_only_look_is_told_why(door: Door, headers: dict[str, str], why:
 def test_user_has_the_rights_of_the_lab() -> None:
     rights = USERS.rights({"x-remote-user": "teacher"})
     assert (rights.looks_only, rights.holders) == ("", (TEACHER,))
+
+
+def test_page_without_a_login_that_others_reach_says_so() -> None:
+    assert Door(wide=True).warning.startswith("open: other machines reach the page without a login")
+    assert Door().warning == Door(wide=True, user_header="x-remote-user").warning == ""

@@ -214,6 +214,8 @@ def serve(options: Options, link: Link, stop: threading.Event) -> int:
     except ConnectionError as error:
         sys.stderr.write(f"iw-viewer: {error}\n")
         return 1
+    if options.door.warning:
+        sys.stderr.write(f"iw-viewer: {options.door.warning}\n")
     sys.stdout.write(f"ready url={url_of(options.host, viewer.server.get_port())}\n")
     sys.stdout.flush()
     viewer.run()

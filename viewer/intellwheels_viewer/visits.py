@@ -25,6 +25,13 @@ class Door:
     user_header: str = ""
     lab: Lab | None = None
 
+    @property
+    def warning(self) -> str:
+        """What the viewer says at every start if other machines reach its page without a login; empty otherwise."""
+        if not self.wide or self.user_header:
+            return ""
+        return "open: other machines reach the page without a login; viewer/PROXY.md shows a proxy that has one"
+
     def rights(self, headers: Mapping[str, str]) -> PageRights:
         """Return the rights of a browser.
 
