@@ -15,7 +15,7 @@ import viser
 from intellwheels_viewer.panels.callbacks import assign, clicked, updated
 from intellwheels_viewer.panels.choices import Choices
 from intellwheels_viewer.panels.stick_input import GENTLE, RATE, StickInput
-from intellwheels_viewer.panels.style_sheet import STYLE_SHEET, block, note
+from intellwheels_viewer.panels.style_sheet import STYLE_SHEET, block, note, prose
 from intellwheels_viewer.snapshot import Snapshot
 from intellwheels_viewer.steering import VIEW_ONLY
 
@@ -52,6 +52,8 @@ def drive_html(snapshot: Snapshot, choices: Choices) -> str:
         words = note(f"You are driving {choices.selected}", "good")
     else:
         words = note(f"Hold the stick or the keys I J K L to drive {choices.selected}.")
+    if snapshot.phase == "live" and (unsaid := choices.rights.why_not(snapshot.world, "say")):
+        words += f'<div class="iw-small">{prose(unsaid)}</div>'
     return block("drive", words)
 
 
