@@ -121,6 +121,14 @@ def rules_for(may: May) -> list[Rule]:
     return [Rule(messages, flow, tuple(keys)) for (messages, flow), keys in found.items()]
 
 
+def written_keys(may: May) -> list[str]:
+    """Return the key expressions on which an identity that is no simulator may put, or send queries."""
+    if may.role == "simulator":
+        return []
+    rules = [rule for rule in rules_for(may) if rule.flow == "ingress"]
+    return [key for rule in rules if {"put", "query"} & {*rule.messages} for key in rule.keys]
+
+
 def _declared(name: str, may: May) -> list[str]:
     """Return what a reader declares beyond the keys that it gets: an agent subscribes to all of its own."""
     if name == "alive":

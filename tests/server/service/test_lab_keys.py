@@ -7,8 +7,8 @@ import pytest
 from intellwheels_schemas.files import write_file
 from intellwheels_schemas.identity_file import read_identity
 from intellwheels_server.service import router
+from intellwheels_server.service.lab_files import read_users
 from intellwheels_server.service.lab_keys import RESTART, main
-from intellwheels_server.service.lab_router import read_users
 from tests.server.service.test_lab_router import LAB
 
 

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import datetime
 import json
 from pathlib import Path
 
@@ -10,8 +11,10 @@ from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.files import write_file
 from intellwheels_schemas.messages import Identity, Lab, May
 from intellwheels_schemas.router_link import router_settings
-from intellwheels_server.service.lab_router import lab_settings, read_lab, read_users, users_file
+from intellwheels_server.service.lab_files import LabFiles, read_lab, read_users
+from intellwheels_server.service.lab_router import lab_settings
 
+TODAY = datetime.date(2026, 11, 1)
 LAB = Lab(
     format="iw.v1",
     name="room3",
@@ -24,7 +27,7 @@ LAB = Lab(
 
 
 def test_zenoh_accepts_the_settings_and_default_is_deny() -> None:
-    text = router_settings(["tcp/127.0.0.1:7000"], lab_settings(LAB, Path("/x/room3.users")))
+    text = router_settings(["tcp/127.0.0.1:7000"], lab_settings(LAB, LabFiles(Path("/x/room3.xml")), TODAY))
     rules = json.loads(zenoh.Config.from_json5(text).get_json("access_control"))
     assert (rules["enabled"], rules["default_permission"]) == (True, "deny")
     assert {rule["permission"] for rule in rules["rules"]} == {"allow"}
@@ -37,7 +40,7 @@ def test_lab_is_read_with_file_and_line_in_its_errors(tmp_path: Path) -> None:
     path = tmp_path / "room3.xml"
     path.write_text(write_file(LAB))
     assert read_lab(path) == LAB
-    assert users_file(path) == tmp_path / "room3.users"
+    assert LabFiles(path).users == tmp_path / "room3.users"
     path.write_text(write_file(LAB).replace('Name="idle"', 'Name="sim"'))
     with pytest.raises(WireError) as caught:
         read_lab(path)
