@@ -121,12 +121,10 @@ def rules_for(may: May) -> list[Rule]:
     return [Rule(messages, flow, tuple(keys)) for (messages, flow), keys in found.items()]
 
 
-def written_keys(may: May) -> list[str]:
-    """Return the key expressions on which an identity that is no simulator may put, or send queries."""
-    if may.role == "simulator":
-        return []
-    rules = [rule for rule in rules_for(may) if rule.flow == "ingress"]
-    return [key for rule in rules if {"put", "query"} & {*rule.messages} for key in rule.keys]
+def written_keys(name: str, may: May) -> list[str]:
+    """Return the key expressions of a channel on which an entry of an identity may put, or send queries."""
+    allowed = ACCESS[name].get(may.role, "") in ("writes", "both")
+    return _keys(name, CHANNELS[name], may, writes=True) if allowed else []
 
 
 def _declared(name: str, may: May) -> list[str]:
