@@ -83,15 +83,15 @@ ATTACKS: dict[str, Attack] = {
     "speak in its name": Attack("puts", f"in/{OWN}/say", {"Session": MARK, "Text": "hello"}, "student1"),
     "join in its name": Attack("asks", f"join/{OWN}", {"Name": OWN, "Instance": MARK}, "student1"),
     "steal the key of a bridge": Attack("asks", f"join/{REAL}", {"Name": REAL, "Instance": MARK}, "bridge1"),
-    "read its session": Attack("reads", f"in/{OWN}/*"),
-    "read its user's lease": Attack("reads", "user/**"),
+    "read its session": Attack("reads", f"in/{OWN}/actions", {}, "teacher"),
+    "read the codes of its poses": Attack("reads", f"in/{REAL}/pose", {}, "teacher"),
     "steer it": Attack("puts", f"user/{OWN}", {"Lease": MARK, "Forward": 1.0, "Turn": 0.0}, "student1"),
     "make it leave": Attack("asks", f"leave/{OWN}", {}, "student1"),
     "keep its token after its death": Attack("appears", f"in/{OWN}/alive/both/{MARK}", {}, "student1"),
     "appear as a bridge": Attack("appears", f"in/{REAL}/alive/body/{MARK}", {}, "bridge1"),
     "report its pose": Attack("puts", f"in/{REAL}/pose", _POSE, "bridge1"),
     "give its motors power": Attack("puts", f"out/{REAL}/power", _RUN | {"LeftMotor": 1.0, "RightMotor": -1.0}),
-    "read its powers": Attack("reads", f"out/{REAL}/power"),
+    "read its powers": Attack("reads", f"out/{REAL}/power", {}, "bridge1"),
     "make it deaf": Attack("puts", f"out/{REAL}/measures", _RUN),
     "silence a mind with another run": Attack("puts", f"out/{OWN}/measures", _RUN),
     "say that it was deleted": Attack("puts", f"out/{OWN}/error", _RUN | {"Code": "deleted", "Text": "deleted"}),
@@ -140,7 +140,11 @@ class Room:
             stage.line(child, "joined")
         self.teacher = self.session("teacher", "certificate")
         self.heard: deque[tuple[str, bytes]] = deque(maxlen=20_000)
-        for key in ("in/**", "user/**", "out/**", "state/*", "clock", "event", "map", "body/*"):
+        # The recorder may read these, and no wider keys.
+        for key in (
+            "in/*/actions", "in/*/say", "in/*/pose", "user/*", "out/*/measures", "out/*/power", "out/*/error",
+            "state/*", "clock", "event", "map", "body/*",
+        ):  # fmt: skip
             self.teacher.declare_subscriber(f"iw/v1/main/{key}", self._hear)
         self.student = self.session("student1", "certificate")
         self.other = self.session("simulator", "password")

@@ -9,6 +9,7 @@ from intellwheels_schemas.endpoint_form import (
     check_endpoint,
     check_free,
     config_reason,
+    host_of,
     is_free,
     zenoh_reason,
 )
@@ -88,3 +89,9 @@ def test_zenohs_own_places_are_left_out() -> None:
     )
     assert config_reason(serde) == "in line 1: unknown `x`"
     assert config_reason("odd at /src/lib.rs:9.") == "odd"
+
+
+def test_host_of_an_endpoint() -> None:
+    assert [host_of(text) for text in ("tls/lab.org:7447", "tcp/[::1]:7447#x=1", "unixsock-stream/x")] == [
+        "lab.org", "::1", "",
+    ]  # fmt: skip

@@ -16,11 +16,15 @@ from intellwheels_schemas.command_parser import CommandParser, readable_file
 from intellwheels_schemas.endpoint_form import check_endpoint, host_of
 from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.extras import missing_extra
+from intellwheels_schemas.files import write_file
 from intellwheels_schemas.identity_file import ENDING, IdentityFile, identity_text, read_identity, write_secret
+from intellwheels_schemas.lab_rules import check_lab
 from intellwheels_schemas.messages import Identity, Lab
+from intellwheels_schemas.names import check_agent
 from intellwheels_schemas.process import add_process_options
 from intellwheels_server.service.lab_files import LabFiles, read_lab, read_users
 from intellwheels_server.service.lab_router import has_expired
+from intellwheels_server.service.lab_template import new_lab
 
 RESTART: Final = (
     "restart iw-router: it reads names, passwords and rules when it starts, and keeps old sessions till then"
@@ -37,6 +41,12 @@ def parser() -> argparse.ArgumentParser:
         "beside the lab's document.",
     )
     actions = found.add_subparsers(dest="action", metavar="ACTION")
+    new = actions.add_parser("new", help="write the document of a new lab, to start from")
+    new.add_argument("--students", type=_students, default=20, metavar="N", help="how many students (default: 20)")
+    new.add_argument(
+        "--chair", action="append", default=[], metavar="NAME", help="name of a real chair; may be repeated"
+    )
+    new.add_argument("--lab", type=Path, default=Path("LAB.xml"), metavar="FILE", help="the lab (default: LAB.xml)")
     keys = actions.add_parser(
         "keys", help="make what is lacking: passwords, and the certificates of the lab and its router; drop what is old"
     )
@@ -44,11 +54,12 @@ def parser() -> argparse.ArgumentParser:
         "--host", action="append", default=[], metavar="HOST",
         help="name or address under which others reach the router by tls/; may be repeated, and is remembered",
     )  # fmt: skip
-    invite = actions.add_parser("invite", help="write the identity file of one identity, for --identity of any command")
+    invite = actions.add_parser("invite", help="write identity files, for --identity of any command")
     renew = actions.add_parser("renew", help="write it again, with a later end; the old file counts until its own end")
     revoke = actions.add_parser("revoke", help="give an identity another password, so that its old file is void")
-    for one in (invite, renew, revoke):
-        one.add_argument("name", metavar="NAME", help="the identity, as in the lab's document")
+    for one in (invite, renew):
+        one.add_argument("names", nargs="*", metavar="NAME", help="identities, as in the lab's document (default: all)")
+    revoke.add_argument("names", nargs="+", metavar="NAME", help="identities, as in the lab's document")
     for one in (keys, invite, renew, revoke):
         one.add_argument(
             "--lab", type=readable_file, default=Path("LAB.xml"), metavar="FILE", help="the lab (default: LAB.xml)"
@@ -71,9 +82,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
     command = parser()
     options = command.parse_args(arguments)
     if options.action is None:
-        command.error("ACTION: expected keys, invite, renew or revoke, got none")
+        command.error("ACTION: expected new, keys, invite, renew or revoke, got none")
     today = datetime.datetime.now(datetime.UTC).date()
     try:
+        if options.action == "new":
+            return _new(options)
         return _LabDesk(options, LabFiles(options.lab), read_lab(options.lab), today).run()
     except WireError as error:
         _log(str(error))
@@ -94,19 +107,23 @@ class _LabDesk:
     def run(self) -> int:
         """Check everything, and do what was asked."""
         options = self._options
-        identity = None if options.action == "keys" else self._named(options.name)
+        named = [] if options.action == "keys" else [self._named(name) for name in options.names]
         for endpoint in getattr(options, "connect", ()):
             check_endpoint(endpoint, "--connect")
         lacking = missing_extra("lab") if self._signs else None
         if lacking is not None:
             raise WireError("value", f"certificates: {lacking}")
-        if identity is None:
+        if options.action == "keys":
             self._users()
             self._certificates()
         elif options.action == "revoke":
-            self._users(revoked=identity.name)
+            self._users(revoked=[identity.name for identity in named])
         else:
-            self._invite(identity)
+            everybody = [identity for identity in self._lab.identity if not has_expired(identity, self._today)]
+            if options.out is not None and len(named) != 1:
+                raise WireError("value", f"--out: expected with one NAME, got {len(named)}", "--out")
+            for identity in named or everybody:
+                self._invite(identity)
         return 0
 
     def _named(self, name: str) -> Identity:
@@ -119,12 +136,12 @@ class _LabDesk:
             return identity
         raise WireError("value", f"NAME: expected an identity of {self._options.lab}, got '{name}'")
 
-    def _users(self, revoked: str = "") -> dict[str, str]:
+    def _users(self, revoked: Sequence[str] = ()) -> dict[str, str]:
         """Return the passwords of all, with new ones where needed."""
         file = self._files.users
         before = read_users(file) if file.exists() else {}
         users = {
-            one.name: before.get(one.name, "") if one.name != revoked else "" for one in self._lab.identity
+            one.name: before.get(one.name, "") if one.name not in revoked else "" for one in self._lab.identity
             if not has_expired(one, self._today)
         }  # fmt: skip
         users = {name: password or secrets.token_urlsafe(24) for name, password in users.items()}
@@ -184,6 +201,24 @@ class _LabDesk:
         return msgspec.structs.replace(
             own, until=until.isoformat(), certificate=issued.certificate, private_key=issued.key
         )
+
+
+def _new(options: argparse.Namespace) -> int:
+    for chair in options.chair:
+        check_agent(chair, "--chair")
+    if options.lab.exists():
+        raise WireError("value", f"--lab: expected a file that does not exist yet, got {options.lab}", "--lab")
+    lab = new_lab(options.lab.stem.lower(), options.students, options.chair)
+    check_lab(lab, "Lab")
+    options.lab.write_text(write_file(lab), encoding="utf-8")
+    _print(f"wrote identities={len(lab.identity)} file={options.lab}")
+    return 0
+
+
+def _students(text: str) -> int:
+    if text.isdecimal() and int(text) <= 1000:
+        return int(text)
+    raise argparse.ArgumentTypeError(f"expected a number of students from 0 to 1000, got {text!r}")
 
 
 def _days(text: str) -> int:
