@@ -30,6 +30,7 @@ from intellwheels_agents.harness_outputs import (
     Payload,
     Print,
     Publish,
+    Reappear,
     RequestJoin,
     RequestLeave,
 )
@@ -82,6 +83,7 @@ def run_agent(
     stop: threading.Event,
     tell: Callable[[str], None] | None = None,
     on_presence: Callable[[bool], None] | None = None,
+    on_instance: Callable[[str], None] | None = None,
 ) -> int:
     """Join, run the mind until `stop` is set, leave, and return the exit code.
 
@@ -95,6 +97,7 @@ def run_agent(
         stop: Set when the process must end.
         tell: Prints the lines that scripts wait for; default: to standard output.
         on_presence: Called in the calling thread when the simulator appears (True) or disappears (False).
+        on_instance: Called in the calling thread with the instance of a new token, before the join with it.
 
     Raises:
         OptionError: The mind does not accept an option.
@@ -120,8 +123,9 @@ def run_agent(
         stack.enter_context(session)
         remaining = max(0.0, retry_for - (time.monotonic() - started))
         return _AgentPeer(
-            session, robot, make, options, where, encoding, remaining, tell or _print, on_presence or _ignore, asking
-        ).run(stop)
+            session, robot, make, options, where, encoding, remaining, tell or _print, on_presence or _ignore,
+            on_instance or _ignore, asking,
+        ).run(stop)  # fmt: skip
 
 
 def _join(threads: list[threading.Thread]) -> None:
@@ -144,6 +148,7 @@ class _AgentPeer:
         retry_for: float,
         tell: Callable[[str], None],
         on_presence: Callable[[bool], None],
+        on_instance: Callable[[str], None],
         asking: list[threading.Thread],
     ) -> None:
         agent = robot.name or ""
@@ -151,6 +156,7 @@ class _AgentPeer:
         self._session = session
         self._tell = tell
         self._on_presence = on_presence
+        self._on_instance = on_instance
         self._encoding = encoding
         self._keys = keys
         self._asking = asking
@@ -181,7 +187,8 @@ class _AgentPeer:
         # The order prevents a race at joining: subscribe first, then declare the token, then ask.
         self._subscriber = session.declare_subscriber(keys.outs(agent), self._store)
         self._publisher = link.declare(session, put_key, CHANNELS[channel], encoding)
-        self._token = link.declare_token(session, keys.token(agent, role, instance))
+        self._token_key = lambda instance: keys.token(agent, role, instance)
+        self._token = link.declare_token(session, self._token_key(instance))
         self._simulator_token = session.liveliness().declare_subscriber(keys.alive, self._notice, history=True)
 
     def run(self, stop: threading.Event) -> int:
@@ -193,7 +200,8 @@ class _AgentPeer:
             target=self._watch_decisions, args=(over, threading.get_ident()), name="watch-decisions", daemon=True
         ).start()
         # Closed here and in order: a subscriber that is still open when Python exits makes it hang.
-        with self._publisher, self._token, self._subscriber, self._simulator_token:
+        with self._publisher, contextlib.ExitStack() as presence, self._subscriber, self._simulator_token:
+            presence.callback(self._disappear)
             try:
                 self._do(harness.start(time.monotonic()))
                 while self._exit is None and not stop.is_set():
@@ -209,6 +217,14 @@ class _AgentPeer:
                 if self._dropped:
                     _log(f"overflowed arrivals={self._dropped}")
         return self._exit or 0
+
+    def _disappear(self) -> None:
+        self._token.undeclare()
+
+    def _reappear(self, instance: str) -> None:
+        self._disappear()
+        self._token = link.declare_token(self._session, self._token_key(instance))
+        self._on_instance(instance)
 
     def _store(self, sample: zenoh.Sample) -> None:
         if self._arrivals.qsize() < QUEUE_LIMIT and len(sample.payload) <= ARRIVAL_LIMIT:
@@ -287,6 +303,8 @@ class _AgentPeer:
                 self._publisher.put(output.payload)
             elif isinstance(output, RequestJoin):
                 self._ask("join", self._join_key, output.payload, JOIN_TIMEOUT)
+            elif isinstance(output, Reappear):
+                self._reappear(output.instance)
             elif isinstance(output, AskClock):
                 self._ask("clock", self._keys.clock, b"", CONFIRM_TIMEOUT)
             elif isinstance(output, AskBody):
@@ -356,8 +374,8 @@ class _AgentPeer:
         return decode(Map, answer.data, encoding_of(answer.encoding, answer.data), strict=False)
 
 
-def _ignore(_alive: bool) -> None:
-    """Do nothing: nobody asked about the simulator's presence."""
+def _ignore(_what: object) -> None:
+    """Do nothing: nobody asked."""
 
 
 def _print(line: str) -> None:

@@ -59,6 +59,12 @@ def is_loopback(endpoint: str) -> bool:
         return host.lower() == "localhost"
 
 
+def host_of(endpoint: str) -> str:
+    """Return the host of an endpoint, without the brackets of an IPv6 address; empty if it has none."""
+    found = _ADDRESS.fullmatch(endpoint.partition("/")[2])
+    return "" if found is None else found[1].strip("[]")
+
+
 def check_free(endpoints: Iterable[str]) -> None:
     """Check that the TCP endpoints of this machine can be listened at now.
 

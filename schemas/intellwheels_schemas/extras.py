@@ -14,6 +14,7 @@ MODULES: Final = {
     "bridge": ("serial",),
     "navigate": ("numpy",),
     "ros": ("rosbags",),
+    "lab": ("cryptography",),
     "floors": ("numpy", "shapely", "yaml", "PIL", "ezdxf"),
     "ifc": ("ifcopenshell", "numpy", "shapely"),
     "learn": ("gymnasium", "pettingzoo", "numpy", "numba", "shapely"),

@@ -25,6 +25,7 @@ from intellwheels_schemas.command_parser import readable_file
 from intellwheels_schemas.endpoint_form import cannot_listen, check_endpoint, config_reason, zenoh_reason
 from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.identity_file import read_identity
+from intellwheels_schemas.identity_option import add_identity_option, check_option, router_of
 from intellwheels_schemas.names import check_name
 from intellwheels_schemas.own_rights import remember, unanswered
 from intellwheels_schemas.zenoh_inbox import Inbox
@@ -73,7 +74,7 @@ class Link:
         listen: Endpoints to listen at. With any, the process is a Zenoh peer; without, a client.
         connect: Endpoints of a router, or of a simulator that listens.
         config: Zenoh configuration file for all other settings, or None.
-        identity: The file with the name and password for the router, or None.
+        identity: The file with the name, password and certificate for the router, or None.
     """
 
     world: str = defaults.WORLD
@@ -117,9 +118,7 @@ def add_link_options(parser: argparse.ArgumentParser, *, listens: bool = False, 
     group.add_argument(
         "--config", type=readable_file, metavar="FILE", help="Zenoh configuration file (JSON5) for everything else"
     )
-    group.add_argument(
-        "--identity", type=readable_file, metavar="FILE", help="your name and password, from iw-lab invite"
-    )
+    add_identity_option(group)
     group.set_defaults(link_listens=listens)
 
 
@@ -130,8 +129,8 @@ def link_of(options: argparse.Namespace) -> Link:
         WireError: `value`, if the name of the world, an endpoint or the configuration file is invalid.
     """
     listen, connect = tuple(options.listen), tuple(options.connect)
-    if not listen and not connect and options.config is None and options.identity is not None:
-        connect = read_identity(options.identity).connect
+    if not listen and not connect and options.config is None:
+        connect = router_of(options.identity)
     if not listen and not connect and options.config is None:
         if options.link_listens:
             listen = (defaults.ENDPOINT,)
@@ -143,11 +142,15 @@ def link_of(options: argparse.Namespace) -> Link:
 
 
 def check_link(link: Link) -> None:
-    """Check the endpoints and the configuration file of a link that options describe.
+    """Check the endpoints, the identity and the configuration file of a link that options describe.
+
+    An identity that ends soon, or that others can read, gives a warning on standard error.
 
     Raises:
-        WireError: One is invalid; the text names the option.
+        WireError: One is invalid, or the identity has expired; the text names the option.
     """
+    if link.identity is not None:
+        check_option(link.identity)
     for endpoint in link.connect:
         check_endpoint(endpoint, "--connect")
     for endpoint in link.listen:
@@ -178,8 +181,7 @@ def config_of(link: Link) -> zenoh.Config:
             settings["listen/exit_on_failure"] = True
             settings["listen/timeout_ms"] = 0
         if link.identity is not None:
-            own = read_identity(link.identity)
-            settings["transport/auth/usrpwd"] = {"user": own.name, "password": own.password}
+            settings |= read_identity(link.identity).settings()
         for key, value in settings.items():
             config.insert_json5(key, json.dumps(value))
     except WireError as error:
@@ -221,9 +223,7 @@ def open_session(
         except zenoh.ZError as error:
             if link.listen:
                 raise ConnectionError(cannot_listen(", ".join(link.listen), zenoh_reason(str(error)))) from None
-            words = f"nobody answers at {link.where()}"
-            if link.identity is not None:
-                words += f", or it does not know the name and password in {link.identity}"
+            words = _why_not(link)
         else:
             if link.identity is not None:
                 remember(session, read_identity(link.identity))
@@ -236,6 +236,14 @@ def open_session(
         while not stop.is_set() and (left := _until(began + TRY_EVERY, deadline)) > 0:
             stop.wait(min(left, _SLICE))
     return None
+
+
+def _why_not(link: Link) -> str:
+    """Return in words why no session could be opened. Zenoh tells all reasons alike."""
+    endpoint = next(iter(link.connect), "")
+    from intellwheels_schemas.router_probe import why_not  # noqa: PLC0415 - sockets, after a failure only
+
+    return why_not(endpoint, link.identity) or f"nobody answers at {link.where()}"
 
 
 def _until(moment: float, deadline: float | None) -> float:

@@ -11,7 +11,10 @@ import zenoh
 from intellwheels_schemas.endpoint_form import is_loopback, zenoh_reason
 from intellwheels_schemas.link import SETTINGS
 
-OPEN: Final = "open: no access rules, so whoever connects can act for anybody"
+OPEN: Final = (
+    "open: no access rules, so whoever connects can act for anybody, and can end a simulator by an earlier claim to "
+    "its world"
+)
 """What a router without rules, and a simulator without an identity, says at every start."""
 
 

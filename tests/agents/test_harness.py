@@ -520,6 +520,19 @@ def test_bridge_codes_its_poses_and_obeys_only_coded_powers() -> None:
     assert [power.left_motor for power in body.powers] == [0.1, 0.3]
 
 
+def test_bridge_whose_key_was_lost_joins_again_as_a_new_process() -> None:
+    body = Recorder(Pose(x=3.0, y=4.0, heading=0.5))
+    harness = Harness(msgspec.structs.replace(ROBOT, type="real", role="body", instance="1" * 16), body.make)
+    harness.start(0.0)
+    assert kinds(harness.accepted(joined())) == ["Log", "Reappear", "RequestJoin"]
+    here = bytes_of(Refused(code="already-here", text="agent 'chair1' is already here"))
+    assert kinds(harness.refused(here, 1.0)) == ["Log"], "the simulator has not heard that the old token is gone"
+    assert kinds(harness.wake(2.0)) == ["RequestJoin"]
+    assert kinds(harness.accepted(joined(session="f" * 16, key=KEY))) == ["Print"]
+    harness.powered(coded(1))
+    assert len(body.powers) == 1
+
+
 def test_body_without_a_mind_publishes_no_actions(mind: Recorder) -> None:
     harness = Harness(msgspec.structs.replace(ROBOT, role="body"), mind.make)
     harness.start(0.0)

@@ -9,6 +9,7 @@ from intellwheels_schemas.endpoint_form import (
     check_endpoint,
     check_free,
     config_reason,
+    host_of,
     is_free,
     is_loopback,
     zenoh_reason,
@@ -103,3 +104,9 @@ def test_zenohs_own_places_are_left_out() -> None:
 )  # fmt: skip
 def test_loopback_is_told_from_what_other_machines_reach(endpoint: str, loopback: bool) -> None:
     assert is_loopback(endpoint) is loopback
+
+
+def test_host_of_an_endpoint() -> None:
+    assert [host_of(text) for text in ("tls/lab.org:7447", "tcp/[::1]:7447#x=1", "unixsock-stream/x")] == [
+        "lab.org", "::1", "",
+    ]  # fmt: skip
