@@ -8,7 +8,6 @@ import pytest
 from intellwheels_schemas.identity_file import IdentityFile, identity_text, write_secret
 from intellwheels_schemas.router_probe import why_not
 
-
 pytestmark = pytest.mark.process
 
 
