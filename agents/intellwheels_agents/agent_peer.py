@@ -10,13 +10,14 @@ instead of 152 µs, echo of measures on loopback), and in lockstep every tick wa
 from __future__ import annotations
 
 import contextlib
+import functools
 import math
 import queue
 import sys
 import threading
 import time
 from collections.abc import Callable, Mapping
-from typing import Literal, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 import zenoh
 
@@ -187,8 +188,8 @@ class _AgentPeer:
         # The order prevents a race at joining: subscribe first, then declare the token, then ask.
         self._subscriber = session.declare_subscriber(keys.outs(agent), self._store)
         self._publisher = link.declare(session, put_key, CHANNELS[channel], encoding)
-        self._token_key = lambda instance: keys.token(agent, role, instance)
-        self._token = link.declare_token(session, self._token_key(instance))
+        self._token_key = functools.partial(keys.token, agent, role)
+        self._token: Any = link.declare_token(session, self._token_key(instance))
         self._simulator_token = session.liveliness().declare_subscriber(keys.alive, self._notice, history=True)
 
     def run(self, stop: threading.Event) -> int:
@@ -219,7 +220,7 @@ class _AgentPeer:
         return self._exit or 0
 
     def _disappear(self) -> None:
-        self._token.undeclare()
+        self._token.undeclare()  # has no types
 
     def _reappear(self, instance: str) -> None:
         self._disappear()

@@ -111,6 +111,8 @@ ACCESS: Final = """## Who may do what
 `iw-router --lab LAB.xml` allows each identity of a [Lab](#lab) what its roles have here, and nothing else. Who queries
 a key *writes* it, and who answers the query *reads* it. `<agent>` stands for the `Agents` of the identity. An operator,
 a viewer and a recorder read about every agent. An operator asks for its `Verbs` only, and a viewer only for `take`.
+The router drops what is longer than the [limits](#limits), and what an agent sends beyond 5,000 messages a second on
+one key.
 
 """
 

@@ -29,7 +29,11 @@ MAX_INTEGER: Final = 2**53 - 1
 # XML 1.0's characters without carriage return, which XML readers turn into a line feed.
 TEXT_PATTERN: Final = "^[\t\n\u0020-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]*\\Z"
 AGENTS_PATTERN: Final = r"^(\*|[a-z][a-z0-9_-]{0,31}\*?)\Z"
-DATE_PATTERN: Final = r"^[0-9]{4}-(0[1-9]|1[0-2])-(0[1-9]|[12][0-9]|3[01])\Z"
+# A rule checks what is left: 29 February.
+DATE_PATTERN: Final = (
+    r"^[0-9]{4}-((01|03|05|07|08|10|12)-(0[1-9]|[12][0-9]|3[01])|(04|06|09|11)-(0[1-9]|[12][0-9]|30)"
+    r"|02-(0[1-9]|[12][0-9]))\Z"
+)
 NAME_PATTERN: Final = r"^[a-z][a-z0-9_-]{0,31}\Z"
 ID_PATTERN: Final = r"^[A-Za-z][A-Za-z0-9_.-]{0,31}\Z"
 WORD_PATTERN: Final = r"^[A-Za-z0-9][A-Za-z0-9_.-]{0,63}\Z"

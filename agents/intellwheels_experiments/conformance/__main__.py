@@ -123,7 +123,7 @@ def _link(world: str, listen: str | None, connect: str | None, identity: Path | 
     """
     if identity is not None and listen is not None:
         raise WireError("value", "--identity: expected --connect to a router, got --listen", "--identity")
-    connect = connect or next(iter(router_of(identity)), None)
+    connect = next(iter(router_of(identity)), None) if connect is None else connect
     if identity is not None and connect is None:
         text = "--identity: expected --connect with an endpoint of the router, or a file that names one, got neither"
         raise WireError("value", text, "--identity")
