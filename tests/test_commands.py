@@ -110,7 +110,8 @@ def test_without_its_extra_a_command_says_which_one_it_needs() -> None:
     assert LACKING.keys() | WITHOUT_EXTRA == SCRIPTS.keys()
     uses = [(name, words) for name, (words, _) in LACKING.items()]
     uses += [("iw-run", ["figure6", "--view"]), ("iw-run", ["table1", "--seeds", "2"]), ("iw-record", ["--ros2", "b"])]
-    extras = [extra for _, extra in LACKING.values()] + ["server,viewer", "server,experiments", "foxglove,ros"]
+    uses += [("iw-lab", ["keys", "--lab", str(ROOT / "schemas/vectors/Lab.xml")])]
+    extras = [extra for _, extra in LACKING.values()] + ["server,viewer", "server,experiments", "foxglove,ros", "lab"]
     for (name, words), extra, (code, out, err) in zip(uses, extras, with_base_only(uses), strict=True):
         assert (code, out) == (2, ""), (name, words, err)
         assert err.startswith("iw-server: " if name == "iw" else f"{name}: ")

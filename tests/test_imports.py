@@ -41,6 +41,7 @@ MAY_IMPORT = {
 }
 KNOWS_ZENOH = {
     "schemas/intellwheels_schemas/link.py",
+    "schemas/intellwheels_schemas/own_rights.py",
     "schemas/intellwheels_schemas/router_link.py",
     "schemas/intellwheels_schemas/zenoh_inbox.py",
     "server/intellwheels_server/service/simulator_peer.py",
@@ -97,6 +98,7 @@ OPENERS = {
     "intellwheels_server.server_options",
     "intellwheels_experiments.run.usage_checks",
     "intellwheels_experiments.testing.rig",
+    "intellwheels_viewer.router_rights",
     "intellwheels_viewer.viewer_service",
     "intellwheels_experiments.batch.run_worker",
     "intellwheels_agents.ros_gateway.gateway_process",

@@ -2,7 +2,9 @@
 
 import importlib
 import importlib.util
+import os
 import re
+import shlex
 import subprocess
 import sys
 from pathlib import Path
@@ -12,6 +14,8 @@ import pytest
 from intellwheels_agents.minds import find
 from intellwheels_experiments.run.child_processes import ChildProcesses
 from intellwheels_experiments.run.endpoints import free_endpoint
+from intellwheels_server.service import lab_keys
+from tests.commands import MODULES
 
 README = (Path(__file__).parents[1] / "README.md").read_text()
 BLOCKS = re.findall(r"```python\n(.*?)```", README, re.DOTALL)
@@ -82,6 +86,28 @@ def test_learning_environments_of_the_readme_run() -> None:
     exec(compile(block, "README.md", "exec"), names)
     assert names["terminated"] is False
     assert names["info"]["seed"] == "1"  # type: ignore[index]
+
+
+@pytest.mark.process
+def test_lab_of_the_readme_runs_command_by_command(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    block = README.partition("<!-- lab-commands -->")[2].partition("<!-- end -->")[0]
+    commands = [shlex.split(line, comments=True) for line in block.splitlines() if line.startswith("iw-")]
+    assert len(commands) <= 10
+    monkeypatch.chdir(tmp_path)
+    os.mkfifo("ask")
+    # Its own port, and a stand-in for the serial line of the chair.
+    changes = {"tls/127.0.0.1:7447": f"tls/{free_endpoint().partition('/')[2]}", "/dev/ttyUSB0": str(tmp_path / "tty")}
+    with ChildProcesses(tmp_path) as children:
+        children.start("firmware", "intellwheels_agents.bridge.firmware_stand_in", "--link", "tty", "--ask", "ask")
+        children.line("firmware", "ready")
+        for command, *given in commands:
+            words = [changes.get(word, word) for word in given]
+            if command == "iw-lab":
+                assert lab_keys.main(words) == 0
+                continue
+            child = children.start(command, MODULES[command], *words, *(["--port", "0"] if "viewer" in command else []))
+            children.line(child, "joined" if command in ("iw-agent", "iw-bridge") else "ready", 120.0)
+        children.line("firmware", "moving")
 
 
 def test_public_imports_are_there() -> None:

@@ -59,7 +59,7 @@ PAIRS = ("", "x", "=1", "nobody.x=1", "chair1.=1", "Nosuch=1", "nosuch=1")
 WRONG: dict[str, Sequence[str]] = {
     "S": NUMBERS, "F": NUMBERS, "MB": NUMBERS, "M": NUMBERS, "P": NUMBERS, "R": NUMBERS, "K": NUMBERS, "SHARE": NUMBERS,
     "N": WHOLE, "TICK": WHOLE, "TICKS": WHOLE, "FD": WHOLE,
-    "NAME": NAMES, "AGENT": NAMES, "A,B,C": NAMES[1:],
+    "HEADER": ("", "a b", "x:"), "NAME": NAMES, "AGENT": NAMES, "A,B,C": NAMES[1:],
     "HOST[:PORT]": ("", "http://h", "a b", "h:0"), "HOST:PORT": ("", "h", "h:x", "h:99999", "a b:1"), "BUS": ("",),
     "V": NUMBERS, "X": (*WHOLE, "16"), "KEY=VALUE": ("", "x", "=1", "a b=1", "bitrate=1"),
     "NAME|FILE": DOCUMENTS, "SCENE": DOCUMENTS, "MAP": DOCUMENTS,
@@ -88,7 +88,7 @@ OWN: dict[str, Sequence[str]] = {
     "iw-run --speed": (*NUMBERS, "5000"), "iw-server --speed": (*NUMBERS, "5000"),
     "iw-server --period": (*NUMBERS, "2"),
     "iw-record --port": (*WHOLE, "65536"), "iw-ciber --port": (*WHOLE, "65536"),
-    "iw-viewer --allow-host": ("", "http://x", "a b", "a:80"), "iw-viewer --port": (*WHOLE, "65536"),
+    "iw-viewer --allow-host": ("", "http://x", "a b", "a:x"), "iw-viewer --port": (*WHOLE, "65536"),
     "iw-run --view-port": (*WHOLE, "65536"), "python -m intellwheels_agents.bridge.firmware_stand_in --counts": NUMBERS,
     "iw list KIND": ("", "nosuch"), "python -m intellwheels_schemas check FILE": INPUTS,
     "iw-server --log": OUTPUTS, "iw-server --runs": FOLDERS, "iw-server --trace": OUTPUTS,

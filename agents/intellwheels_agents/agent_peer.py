@@ -9,13 +9,15 @@ instead of 152 µs, echo of measures on loopback), and in lockstep every tick wa
 
 from __future__ import annotations
 
+import contextlib
+import functools
 import math
 import queue
 import sys
 import threading
 import time
 from collections.abc import Callable, Mapping
-from typing import Literal, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 import zenoh
 
@@ -29,6 +31,7 @@ from intellwheels_agents.harness_outputs import (
     Payload,
     Print,
     Publish,
+    Reappear,
     RequestJoin,
     RequestLeave,
 )
@@ -40,6 +43,7 @@ from intellwheels_schemas.codec import MAX_BYTES, Encoding, decode, encoding_of
 from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.keys import Keys
 from intellwheels_schemas.messages import Map, Robot
+from intellwheels_schemas.own_rights import denied_join
 from intellwheels_schemas.process import start_network_thread
 from intellwheels_schemas.repliers import by_simulator
 
@@ -62,10 +66,11 @@ ARRIVAL_LIMIT = MAX_BYTES
 
 
 class _Answered(NamedTuple):
-    """What the simulator answered to a query; nothing if nobody answered."""
+    """What the simulator answered to a query; nothing if nobody answered, and why in words if that is known."""
 
     request: Literal["join", "clock", "body"]
     answers: list[link.Answer]
+    denied: str = ""
 
 
 def run_agent(
@@ -79,6 +84,7 @@ def run_agent(
     stop: threading.Event,
     tell: Callable[[str], None] | None = None,
     on_presence: Callable[[bool], None] | None = None,
+    on_instance: Callable[[str], None] | None = None,
 ) -> int:
     """Join, run the mind until `stop` is set, leave, and return the exit code.
 
@@ -92,6 +98,7 @@ def run_agent(
         stop: Set when the process must end.
         tell: Prints the lines that scripts wait for; default: to standard output.
         on_presence: Called in the calling thread when the simulator appears (True) or disappears (False).
+        on_instance: Called in the calling thread with the instance of a new token, before the join with it.
 
     Raises:
         OptionError: The mind does not accept an option.
@@ -113,8 +120,9 @@ def run_agent(
     with session:
         remaining = max(0.0, retry_for - (time.monotonic() - started))
         return _AgentPeer(
-            session, robot, make, options, where, encoding, remaining, tell or _print, on_presence or _ignore
-        ).run(stop)
+            session, robot, make, options, where, encoding, remaining, tell or _print, on_presence or _ignore,
+            on_instance or _ignore,
+        ).run(stop)  # fmt: skip
 
 
 class _AgentPeer:
@@ -131,15 +139,17 @@ class _AgentPeer:
         retry_for: float,
         tell: Callable[[str], None],
         on_presence: Callable[[bool], None],
+        on_instance: Callable[[str], None],
     ) -> None:
         agent = robot.name or ""
         keys = Keys(where.world)
-        denied = where.denial(robot.role, agent)
         self._session = session
         self._tell = tell
         self._on_presence = on_presence
+        self._on_instance = on_instance
         self._encoding = encoding
         self._keys = keys
+        self._joins_as = where.world, robot.role, agent
         self._map_key = keys.map
         self._body_key = keys.body(agent)
         self._join_key = keys.join(agent)
@@ -157,8 +167,7 @@ class _AgentPeer:
             options=options,
             encoding=encoding,
             fetch_map=self._fetch_map,
-            # A denial looks like silence. The identity file knows why.
-            simulator=f"{where.where()} ({denied})" if denied else where.where(),
+            simulator=where.where(),
             retry_for=retry_for,
         )
         role, instance = robot.role, robot.instance or ""
@@ -167,7 +176,8 @@ class _AgentPeer:
         # The order prevents a race at joining: subscribe first, then declare the token, then ask.
         self._subscriber = session.declare_subscriber(keys.outs(agent), self._store)
         self._publisher = link.declare(session, put_key, CHANNELS[channel], encoding)
-        self._token = link.declare_token(session, keys.token(agent, role, instance))
+        self._token_key = functools.partial(keys.token, agent, role)
+        self._token: Any = link.declare_token(session, self._token_key(instance))
         self._simulator_token = session.liveliness().declare_subscriber(keys.alive, self._notice, history=True)
 
     def run(self, stop: threading.Event) -> int:
@@ -179,7 +189,8 @@ class _AgentPeer:
             target=self._watch_decisions, args=(over, threading.get_ident()), name="watch-decisions", daemon=True
         ).start()
         # Closed here and in order: a subscriber that is still open when Python exits makes it hang.
-        with self._publisher, self._token, self._subscriber, self._simulator_token:
+        with self._publisher, contextlib.ExitStack() as presence, self._subscriber, self._simulator_token:
+            presence.callback(self._disappear)
             try:
                 self._do(harness.start(time.monotonic()))
                 while self._exit is None and not stop.is_set():
@@ -195,6 +206,14 @@ class _AgentPeer:
                 if self._dropped:
                     _log(f"overflowed arrivals={self._dropped}")
         return self._exit or 0
+
+    def _disappear(self) -> None:
+        self._token.undeclare()  # has no types
+
+    def _reappear(self, instance: str) -> None:
+        self._disappear()
+        self._token = link.declare_token(self._session, self._token_key(instance))
+        self._on_instance(instance)
 
     def _store(self, sample: zenoh.Sample) -> None:
         if self._arrivals.qsize() < QUEUE_LIMIT and len(sample.payload) <= ARRIVAL_LIMIT:
@@ -273,6 +292,8 @@ class _AgentPeer:
                 self._publisher.put(output.payload)
             elif isinstance(output, RequestJoin):
                 self._ask("join", self._join_key, output.payload, JOIN_TIMEOUT)
+            elif isinstance(output, Reappear):
+                self._reappear(output.instance)
             elif isinstance(output, AskClock):
                 self._ask("clock", self._keys.clock, b"", CONFIRM_TIMEOUT)
             elif isinstance(output, AskBody):
@@ -297,7 +318,12 @@ class _AgentPeer:
                 answers = by_simulator(answers, self._keys, self._claims)
             except (ConnectionError, zenoh.ZError):
                 answers = []
-            self._arrivals.put(_Answered(request, answers))
+            denied = ""
+            if request == "join" and not any(answer.ok for answer in answers):
+                # A denial looks like silence, and a token that is not let through like one that is missing.
+                with contextlib.suppress(zenoh.ZError):
+                    denied = denied_join(self._session, *self._joins_as, sure=bool(answers))
+            self._arrivals.put(_Answered(request, [] if denied else answers, denied))
 
         start_network_thread(request, ask)
 
@@ -305,14 +331,14 @@ class _AgentPeer:
         return link.tokens(self._session, self._keys.every_claim)
 
     def _replied(self, arrival: _Answered, now: float) -> list[Output]:
-        request, answers = arrival
+        request, answers, denied = arrival
         if request == "body":
             return self._harness.bodied(any(answer.ok for answer in answers))
         if request == "clock":
             clocks = [(answer.data, encoding_of(answer.encoding, answer.data)) for answer in answers if answer.ok]
             return self._harness.clocked(clocks)
         if not answers:
-            return self._harness.unanswered(now)
+            return self._harness.unanswered(now, denied)
         answer = answers[0]
         try:
             payload = answer.data, encoding_of(answer.encoding, answer.data)
@@ -335,8 +361,8 @@ class _AgentPeer:
         return decode(Map, answer.data, encoding_of(answer.encoding, answer.data), strict=False)
 
 
-def _ignore(_alive: bool) -> None:
-    """Do nothing: nobody asked about the simulator's presence."""
+def _ignore(_what: object) -> None:
+    """Do nothing: nobody asked."""
 
 
 def _print(line: str) -> None:

@@ -3,6 +3,7 @@
     phase     event                                        next       output
     SEEKING   start, retry time, simulator appears         ASKING     RequestJoin
     ASKING    Joined                                       JOINED     new mind (unless run and session are unchanged)
+    ASKING    Joined without a key for a real body         ASKING     Reappear, RequestJoin
     ASKING    Refused no-body or no-token; no answer       SEEKING    retry after a second, or 0.1 s for no-token
     ASKING    Refused for another reason                   OVER       Exit 1 with the simulator's text
     JOINED    Measures of a new tick                       JOINED     Publish the mind's answer
@@ -35,9 +36,9 @@ from intellwheels_agents.harness_outputs import (
     Payload,
     Print,
     Publish,
-    RequestJoin,
     RequestLeave,
 )
+from intellwheels_agents.join_request import JoinRequest
 from intellwheels_agents.mind import Context, Make
 from intellwheels_agents.mind_error import USER_ERRORS, failed
 from intellwheels_agents.mind_run import MindRun
@@ -112,7 +113,7 @@ class Harness:
         self._agent = robot.name or ""
         self._publishes_actions = robot.role != "body"
         self._awaited = joins_barrier(robot)
-        self._request = encode(robot, encoding)
+        self._request = JoinRequest(robot, encoding)
         self._make = make
         self._options = dict(options or {})
         self._encoding = encoding
@@ -156,13 +157,15 @@ class Harness:
             joined = decode(Joined, *payload, strict=False)
         except WireError as error:
             return self._over(1, f"the reply to join cannot be read: {error.text}")
+        self._power_gate.joined(joined)
+        if again := self._request.again(self._power_gate.key):
+            return again
         self.phase = Phase.JOINED
         self._simulator_gone = False
         self._awaited_words = ""
         same = self._joined is not None and (joined.run, joined.session) == (self._run, self._joined.session)
         self._joined = joined
         self._guard.begin(joined.run, joined.tick)
-        self._power_gate.joined(joined)
         outputs: list[Output] = [Print(f"joined agent={self._agent} run={joined.run} tick={joined.tick}")]
         if not same:
             self._begin(joined, joined.run)
@@ -177,16 +180,16 @@ class Harness:
         except WireError as error:
             return self._over(1, f"the refusal of join cannot be read: {error.text}")
         text = f"refused ({refused.code}): {refused.text}"
-        if refused.code not in ("no-body", "no-token"):
+        if refused.code not in self._request.transient:
             never_joined = self._joined is None
             return self._over(_TAKEN.get(refused.code, 1) if never_joined else 1, text)
         return self._retry_after(now, TOKEN_RETRY if refused.code == "no-token" else RETRY, text)
 
-    def unanswered(self, now: float) -> list[Output]:
-        """Handle a join without an answer."""
+    def unanswered(self, now: float, denied: str = "") -> list[Output]:
+        """Handle a join without an answer. `denied` says why the router did not let it through, if that is known."""
         if self.phase is not Phase.ASKING:
             return []
-        return self._retry_after(now, RETRY, self._nobody())
+        return self._retry_after(now, RETRY, denied or self._nobody())
 
     def present(self, now: float) -> list[Output]:
         """Handle the appearance of a simulator."""
@@ -207,17 +210,14 @@ class Harness:
         return [Log(f"lost simulator={self._simulator}")]
 
     def _ask(self, now: float) -> list[Output]:
-        self.phase = Phase.ASKING
-        self.deadline = None
-        self._asked_at = now
-        return [RequestJoin(self._request)]
+        self.phase, self.deadline, self._asked_at = Phase.ASKING, None, now
+        return [self._request.output]
 
     def _retry_after(self, now: float, pause: float, why: str) -> list[Output]:
         if now + pause - self._seeking_since > self._retry_for:
             return self._over(1, why)
         first, self._awaited_words = self._awaited_words != why, why
-        self.phase = Phase.SEEKING
-        self.deadline = now + pause
+        self.phase, self.deadline = Phase.SEEKING, now + pause
         return [Log(f"waiting why={why!r}")] if first else []
 
     def _nobody(self) -> str:
@@ -391,8 +391,7 @@ class Harness:
         return [leave, counts, Print(f"left agent={self._agent}"), *self._over(0, "")]
 
     def _over(self, code: int, text: str) -> list[Output]:
-        self.phase = Phase.OVER
-        self.deadline = None
+        self.phase, self.deadline = Phase.OVER, None
         return [Exit(code, text)]
 
 

@@ -16,6 +16,13 @@ class RequestJoin:
 
 
 @dataclass(frozen=True, slots=True)
+class Reappear:
+    """Replace the liveliness token by one of this instance."""
+
+    instance: str
+
+
+@dataclass(frozen=True, slots=True)
 class Publish:
     """Put this on the agent's `actions` key, or on `pose` for a body."""
 
@@ -61,6 +68,6 @@ class AskBody:
     """Query `body/<agent>`."""
 
 
-Output: TypeAlias = RequestJoin | Publish | RequestLeave | AskClock | AskBody | Print | Log | Exit
+Output: TypeAlias = RequestJoin | Reappear | Publish | RequestLeave | AskClock | AskBody | Print | Log | Exit
 Payload: TypeAlias = tuple[bytes, Encoding]
 """An encoded message as it arrived, and its encoding."""

@@ -101,6 +101,7 @@ def _run(arguments: Sequence[str] | None, floor_folder: Path) -> int:
         listen=tuple(options.listen) or (() if meets_elsewhere else (free_endpoint(),)),
         connect=tuple(options.connect),
         config=options.config,
+        identity=options.identity,
         logs=logs,
         speed=options.speed,
         encoding=options.encoding,
@@ -109,7 +110,7 @@ def _run(arguments: Sequence[str] | None, floor_folder: Path) -> int:
         view=options.view_port if options.view else None,
         laboratory=free_endpoint() if chosen.bridge else "",
     )
-    link = Link(spec.world, (), spec.meeting, spec.config)
+    link = Link(spec.world, (), spec.meeting, spec.config, spec.identity)
     stop = stop_on_signals()
     with Progress(Console(stderr=True), chosen, chosen_floor) as progress:
         result = perform(spec, lambda until: watching(link, until), progress, stop)
@@ -217,7 +218,7 @@ _BRANCH_ONLY: Final = ("at",)
 _PAGE_ONLY: Final = ("view_port",)
 _SINGLE_ONLY: Final = (
     "floor", "view", "view_port", "pace", "speed", "seed", "encoding", "json", "log", "logs", "world", "listen",
-    "connect", "config",
+    "connect", "config", "identity",
 )  # fmt: skip
 
 

@@ -14,6 +14,7 @@ from intellwheels_experiments.run.run_report import LINES_HELP as RUN_LINES
 from intellwheels_schemas import command_parser, defaults, messages
 from intellwheels_schemas.command_parser import CommandParser, like_field, readable_file
 from intellwheels_schemas.errors import WireError
+from intellwheels_schemas.identity_option import add_identity_option
 from intellwheels_schemas.messages import Pace
 from intellwheels_schemas.names import check_name
 from intellwheels_schemas.version import add_version_option
@@ -136,6 +137,7 @@ def parser() -> argparse.ArgumentParser:
     link.add_argument(
         "--config", type=readable_file, metavar="FILE", help="Zenoh configuration (JSON5) of all processes"
     )
+    add_identity_option(link)
     return found
 
 

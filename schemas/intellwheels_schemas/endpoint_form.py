@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ipaddress
 import re
 import socket
 from collections.abc import Iterable
@@ -41,6 +42,27 @@ def check_endpoint(text: str, option: str) -> None:
         return
     expected = f"{option}: expected an endpoint such as {defaults.ENDPOINT}, got {shown(text)}"
     raise WireError("value", f"{expected}{_hint(text, found)}", option)
+
+
+def is_loopback(endpoint: str) -> bool:
+    """Return whether only this machine can connect to an endpoint; a host name other than localhost counts as wide."""
+    protocol, _, address = endpoint.partition("/")
+    if protocol in OTHER_PROTOCOLS:
+        return protocol != "vsock"
+    found = _ADDRESS.fullmatch(address)
+    if found is None:
+        return False
+    host = found[1].strip("[]").partition("%")[0]
+    try:
+        return ipaddress.ip_address(host).is_loopback
+    except ValueError:
+        return host.lower() == "localhost"
+
+
+def host_of(endpoint: str) -> str:
+    """Return the host of an endpoint, without the brackets of an IPv6 address; empty if it has none."""
+    found = _ADDRESS.fullmatch(endpoint.partition("/")[2])
+    return "" if found is None else found[1].strip("[]")
 
 
 def check_free(endpoints: Iterable[str]) -> None:

@@ -18,6 +18,7 @@ MODULES: Final = {
     "rnet": ("can",),
     "navigate": ("numpy",),
     "ros": ("rosbags",),
+    "lab": ("cryptography",),
     "floors": ("numpy", "shapely", "yaml", "PIL", "ezdxf"),
     "ifc": ("ifcopenshell", "numpy", "shapely"),
     "learn": ("gymnasium", "pettingzoo", "numpy", "numba", "shapely"),

@@ -1,31 +1,28 @@
-"""The file with which a person or a program connects to the router of a lab: its name and its password, as JSON.
+"""The file with which a person or a program connects to the router of a lab: its name, password and certificate.
 
-Any language can read it. It is a secret: only its owner may read it.
+It is JSON with the certificates as PEM, so any language can read it. It is a secret: only its owner may read it.
 """
 
 from __future__ import annotations
 
+import base64
+import datetime
 import os
 from pathlib import Path
-from typing import Annotated, Final, Literal
+from typing import Annotated, Any, Final, Literal
 
 import msgspec
 from msgspec import Meta
 
 from intellwheels_schemas.errors import WireError
-from intellwheels_schemas.messages import LabRole, May, Name, Role
+from intellwheels_schemas.messages import Date, May, Name
 
 ENDING: Final = ".iwid"
 """Ending of the names of these files."""
 MAX_BYTES: Final = 65_536
 """Longest file."""
-
-
-_JOINS: Final[dict[Role, tuple[LabRole, ...]]] = {
-    "both": ("agent", "gateway"), "mind": ("agent", "mind", "gateway"), "body": ("bridge",),
-}  # fmt: skip
-"""The roles of a lab that allow a role of an agent."""
-_WORDS: Final[dict[Role, str]] = {"both": "body and mind", "mind": "mind", "body": "body"}
+WARN_DAYS: Final = 7
+"""Days before its end on which every command with an identity warns."""
 
 
 class IdentityFile(msgspec.Struct, frozen=True, kw_only=True, rename="pascal", forbid_unknown_fields=True):
@@ -38,6 +35,11 @@ class IdentityFile(msgspec.Struct, frozen=True, kw_only=True, rename="pascal", f
         connect: Endpoints of the router, for commands that are given none.
         may: What the lab's document allowed when the file was written, so that a denial can be put in words. The router
             decides, and says nothing.
+        lab: Name of the lab; empty in an older file.
+        until: Last day, in UTC, on which the identity or its certificate counts; None for no end.
+        authority: Certificate of the lab's authority, which signs the router's; empty without `tls/` endpoints.
+        certificate: Certificate of this identity; empty for a password alone.
+        private_key: Private key of the certificate.
     """
 
     identity: Literal["iw.v1"] = "iw.v1"
@@ -45,23 +47,35 @@ class IdentityFile(msgspec.Struct, frozen=True, kw_only=True, rename="pascal", f
     password: Annotated[str, Meta(min_length=8, max_length=200, pattern="^[!-9;-~]+$")]
     connect: tuple[str, ...] = ()
     may: tuple[May, ...] = ()
+    lab: str = ""
+    until: Date | None = None
+    authority: str = ""
+    certificate: str = ""
+    private_key: str = ""
 
-    def denial(self, world: str, role: Role, agent: str) -> str:
-        """Return in words why this identity may not join as an agent; empty if it may, or if the file does not say."""
-        given = [may for may in self.may if may.world == world and may.role in _JOINS[role]]
-        names = [pattern for may in given for pattern in may.agents]
-        if not self.may or any(_matches(pattern, agent) for pattern in names):
-            return ""
-        instead = f"only {', '.join(names)}" if names else "nobody"
-        return f"{self.name} may not be the {_WORDS[role]} of '{agent}' in world {world}, {instead}"
+    def settings(self) -> dict[str, Any]:
+        """Return the settings of Zenoh, by their paths, with which a session shows this identity."""
+        found: dict[str, Any] = {"transport/auth/usrpwd": {"user": self.name, "password": self.password}}
+        tls = {
+            "root_ca_certificate": self.authority,
+            "connect_certificate": self.certificate,
+            "connect_private_key": self.private_key,
+        }
+        for name, pem in tls.items():
+            if pem:
+                # In memory, so that no second file holds the key.
+                found[f"transport/link/tls/{name}_base64"] = base64.b64encode(pem.encode()).decode()
+        if self.certificate:
+            found["transport/link/tls/enable_mtls"] = True
+        return found
+
+    def days_left(self, today: datetime.date) -> int | None:
+        """Return for how many days after today the identity counts: negative if it ended; None for no end."""
+        return None if self.until is None else (datetime.date.fromisoformat(self.until) - today).days
 
     def __repr__(self) -> str:
         """Return the name without the password, so that no traceback shows it."""
         return f"IdentityFile(name={self.name!r})"
-
-
-def _matches(pattern: str, name: str) -> bool:
-    return name.startswith(pattern[:-1]) if pattern.endswith("*") else name == pattern
 
 
 def read_identity(path: Path) -> IdentityFile:
@@ -80,6 +94,28 @@ def read_identity(path: Path) -> IdentityFile:
     except (msgspec.MsgspecError, UnicodeDecodeError):
         text = f"{path}: expected an identity file as iw-lab invite writes it, got something else"
         raise WireError("malformed", text, str(path)) from None
+
+
+def check_identity(path: Path, today: datetime.date | None = None) -> str:
+    """Check that an identity counts today, and return a warning in words; empty if there is nothing to warn of.
+
+    Args:
+        path: The identity file.
+        today: The day in UTC; None for that of this machine's clock.
+
+    Raises:
+        WireError: The file is none, or it has expired.
+    """
+    own = read_identity(path)
+    left = own.days_left(today or datetime.datetime.now(datetime.UTC).date())
+    renewal = f"ask for another file, made with iw-lab renew {own.name}"
+    if left is not None and left < 0:
+        raise WireError("value", f"{path}: {own.name} expired after {own.until}; {renewal}", str(path))
+    if left is not None and left <= WARN_DAYS:
+        return f"{path}: {own.name} expires after {own.until}; {renewal}"
+    if path.stat().st_mode & 0o077:
+        return f"{path}: others can read this secret; run chmod 600 {path}"
+    return ""
 
 
 def write_secret(path: Path, data: bytes) -> None:

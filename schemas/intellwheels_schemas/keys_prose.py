@@ -39,7 +39,8 @@ NOTES: Final = """
   Gaps in `Tick` and `Seq` show the loss.
 - A query that fails, for whatever reason, gets an error reply with the message in the last column. A `Result` in an
   ordinary reply therefore always has the code `ok`. If a query gets no reply at all, no simulator is running or access
-  is not allowed.
+  is not allowed. `iw-router --lab` answers an identity at `iw/v1/@rights/<identity>` with its own `Identity` of the
+  [Lab](#lab), which says what it may do.
 - A `get` may have wildcards, as in `iw/v1/*/clock` or `iw/v1/main/*`. It brings a reply on each key that it matches and
   that has `get` in its row. A control verb, a join and a leave need their own key.
 - Messages are ordered by (`Run`, `Tick`). A start, reset, load or restore gives a new `Run`. All messages of an earlier
@@ -110,6 +111,8 @@ ACCESS: Final = """## Who may do what
 `iw-router --lab LAB.xml` allows each identity of a [Lab](#lab) what its roles have here, and nothing else. Who queries
 a key *writes* it, and who answers the query *reads* it. `<agent>` stands for the `Agents` of the identity. An operator,
 a viewer and a recorder read about every agent. An operator asks for its `Verbs` only, and a viewer only for `take`.
+The router drops what is longer than the [limits](#limits), and what an agent sends beyond 5,000 messages a second on
+one key.
 
 """
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import datetime
 from typing import Final, get_args
 
 from intellwheels_schemas.errors import wrong_value
@@ -26,8 +27,16 @@ def check_lab(lab: Lab, where: str) -> None:
         if identity.name in names:
             raise wrong_value(f"{place}.Name", "each name once", f"{shown(identity.name)} twice")
         names.add(identity.name)
+        _check_date(identity.until, f"{place}.Until")
         for number, may in enumerate(identity.may):
             _check_may(may, f"{place}.May[{number}]")
+
+
+def _check_date(text: str | None, where: str) -> None:
+    try:
+        datetime.date.fromisoformat(text or "2000-01-01")
+    except ValueError:
+        raise wrong_value(where, "a date of the calendar", shown(text)) from None
 
 
 def _check_may(may: May, where: str) -> None:

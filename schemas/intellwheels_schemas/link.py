@@ -25,8 +25,9 @@ from intellwheels_schemas.command_parser import readable_file
 from intellwheels_schemas.endpoint_form import cannot_listen, check_endpoint, config_reason, zenoh_reason
 from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.identity_file import read_identity
-from intellwheels_schemas.messages import Role
+from intellwheels_schemas.identity_option import add_identity_option, check_option, router_of
 from intellwheels_schemas.names import check_name
+from intellwheels_schemas.own_rights import remember, unanswered
 from intellwheels_schemas.zenoh_inbox import Inbox
 
 QUEUE_ROOM: Final = 16
@@ -73,7 +74,7 @@ class Link:
         listen: Endpoints to listen at. With any, the process is a Zenoh peer; without, a client.
         connect: Endpoints of a router, or of a simulator that listens.
         config: Zenoh configuration file for all other settings, or None.
-        identity: The file with the name and password for the router, or None.
+        identity: The file with the name, password and certificate for the router, or None.
     """
 
     world: str = defaults.WORLD
@@ -85,10 +86,6 @@ class Link:
     def where(self) -> str:
         """Return the endpoints of this link, for people."""
         return ", ".join(self.listen + self.connect) or str(self.config or defaults.ENDPOINT)
-
-    def denial(self, role: Role, agent: str) -> str:
-        """Return in words why this identity may not join as an agent; empty if nothing is known against it."""
-        return "" if self.identity is None else read_identity(self.identity).denial(self.world, role, agent)
 
 
 def add_link_options(parser: argparse.ArgumentParser, *, listens: bool = False, world: str = defaults.WORLD) -> None:
@@ -125,9 +122,7 @@ def add_link_options(parser: argparse.ArgumentParser, *, listens: bool = False, 
     group.add_argument(
         "--config", type=readable_file, metavar="FILE", help="Zenoh configuration file (JSON5) for everything else"
     )
-    group.add_argument(
-        "--identity", type=readable_file, metavar="FILE", help="your name and password, from iw-lab invite"
-    )
+    add_identity_option(group)
     group.set_defaults(link_listens=listens)
 
 
@@ -138,8 +133,8 @@ def link_of(options: argparse.Namespace) -> Link:
         WireError: `value`, if the name of the world, an endpoint or the configuration file is invalid.
     """
     listen, connect = tuple(options.listen), tuple(options.connect)
-    if not listen and not connect and options.config is None and options.identity is not None:
-        connect = read_identity(options.identity).connect
+    if not listen and not connect and options.config is None:
+        connect = router_of(options.identity)
     if not listen and not connect and options.config is None:
         if options.link_listens:
             listen = (defaults.ENDPOINT,)
@@ -151,11 +146,15 @@ def link_of(options: argparse.Namespace) -> Link:
 
 
 def check_link(link: Link) -> None:
-    """Check the endpoints and the configuration file of a link that options describe.
+    """Check the endpoints, the identity and the configuration file of a link that options describe.
+
+    An identity that ends soon, or that others can read, gives a warning on standard error.
 
     Raises:
-        WireError: One is invalid; the text names the option.
+        WireError: One is invalid, or the identity has expired; the text names the option.
     """
+    if link.identity is not None:
+        check_option(link.identity)
     for endpoint in link.connect:
         check_endpoint(endpoint, "--connect")
     for endpoint in link.listen:
@@ -186,8 +185,7 @@ def config_of(link: Link) -> zenoh.Config:
             settings["listen/exit_on_failure"] = True
             settings["listen/timeout_ms"] = 0
         if link.identity is not None:
-            own = read_identity(link.identity)
-            settings["transport/auth/usrpwd"] = {"user": own.name, "password": own.password}
+            settings |= read_identity(link.identity).settings()
         for key, value in settings.items():
             config.insert_json5(key, json.dumps(value))
     except WireError as error:
@@ -225,13 +223,15 @@ def open_session(
     while not stop.is_set():
         began = time.monotonic()
         try:
-            return zenoh.open(config)
+            session = zenoh.open(config)
         except zenoh.ZError as error:
             if link.listen:
                 raise ConnectionError(cannot_listen(", ".join(link.listen), zenoh_reason(str(error)))) from None
-            words = f"nobody answers at {link.where()}"
+            words = _why_not(link)
+        else:
             if link.identity is not None:
-                words += f", or it does not know the name and password in {link.identity}"
+                remember(session, read_identity(link.identity))
+            return session
         if waiting is not None:
             waiting(words)
             waiting = None
@@ -240,6 +240,14 @@ def open_session(
         while not stop.is_set() and (left := _until(began + TRY_EVERY, deadline)) > 0:
             stop.wait(min(left, _SLICE))
     return None
+
+
+def _why_not(link: Link) -> str:
+    """Return in words why no session could be opened. Zenoh tells all reasons alike."""
+    endpoint = next(iter(link.connect), "")
+    from intellwheels_schemas.router_probe import why_not  # noqa: PLC0415 - sockets, after a failure only
+
+    return why_not(endpoint, link.identity) or f"nobody answers at {link.where()}"
 
 
 def _until(moment: float, deadline: float | None) -> float:
@@ -301,7 +309,8 @@ def query(
         stop: Ends the wait.
 
     Raises:
-        ConnectionError: There was no reply. There is no simulator, or access is not allowed; Zenoh does not say which.
+        NotAllowedError: There was no reply, as this session may not ask that.
+        ConnectionError: There was no reply.
     """
     answers: deque[Answer] = deque()
     done = threading.Event()
@@ -329,7 +338,7 @@ def query(
     while not done.wait(_SLICE) and time.monotonic() < deadline and (stop is None or not stop.is_set()):
         pass
     if not answers:
-        raise ConnectionError(f"no simulator at {selector.partition('?')[0]}, or not allowed")
+        raise unanswered(session, selector.partition("?")[0])
     return list(answers)
 
 

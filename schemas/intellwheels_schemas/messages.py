@@ -29,6 +29,11 @@ MAX_INTEGER: Final = 2**53 - 1
 # XML 1.0's characters without carriage return, which XML readers turn into a line feed.
 TEXT_PATTERN: Final = "^[\t\n\u0020-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]*\\Z"
 AGENTS_PATTERN: Final = r"^(\*|[a-z][a-z0-9_-]{0,31}\*?)\Z"
+# A rule checks what is left: 29 February.
+DATE_PATTERN: Final = (
+    r"^[0-9]{4}-((01|03|05|07|08|10|12)-(0[1-9]|[12][0-9]|3[01])|(04|06|09|11)-(0[1-9]|[12][0-9]|30)"
+    r"|02-(0[1-9]|[12][0-9]))\Z"
+)
 NAME_PATTERN: Final = r"^[a-z][a-z0-9_-]{0,31}\Z"
 ID_PATTERN: Final = r"^[A-Za-z][A-Za-z0-9_.-]{0,31}\Z"
 WORD_PATTERN: Final = r"^[A-Za-z0-9][A-Za-z0-9_.-]{0,63}\Z"
@@ -113,6 +118,15 @@ SecretKey = Annotated[
         description="64 lower-case hex digits",
         max_length=64,
         extra=_expected("64 lower-case hex digits"),
+    ),
+]
+Date = Annotated[
+    str,
+    Meta(
+        pattern=DATE_PATTERN,
+        description="a date, such as 2027-02-28",
+        max_length=10,
+        extra=_expected("a date such as 2027-02-28"),
     ),
 ]
 Seed = Annotated[str, Meta(pattern=TEXT_PATTERN, description="a seed, any text", max_length=64)]
@@ -1711,6 +1725,10 @@ class Identity(Record, frozen=True, kw_only=True):
 
     name: Name
     """User name with which it connects to the router."""
+    certificate: bool = False
+    """Whether it must show a certificate besides its password, as for real chairs and open networks."""
+    until: Date | None = None
+    """Last day, in UTC, on which it may connect; absent means no end."""
     may: tuple[May, ...] = ()
     """Everything that it may do; what is not listed is denied."""
 

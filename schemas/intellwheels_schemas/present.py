@@ -9,7 +9,7 @@ import sys
 import threading
 from collections.abc import Sequence
 
-from intellwheels_schemas import link
+from intellwheels_schemas import link, own_rights
 from intellwheels_schemas.command_parser import CommandParser
 from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.keys import Keys
@@ -49,7 +49,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     with session:
         if options.router or link.tokens(session, wanted):
             return 0
-    print(f"present: no liveliness token {wanted} at {route.where()}", file=sys.stderr)
+        denied = own_rights.denied(session, wanted, "watch")
+    print(f"present: {denied or f'no liveliness token {wanted} at {route.where()}'}", file=sys.stderr)
     return 1
 
 

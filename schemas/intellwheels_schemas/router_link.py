@@ -8,11 +8,20 @@ from typing import Any, Final
 
 import zenoh
 
-from intellwheels_schemas.endpoint_form import zenoh_reason
+from intellwheels_schemas.endpoint_form import is_loopback, zenoh_reason
 from intellwheels_schemas.link import SETTINGS
 
-OPEN: Final = "open: no access rules, so whoever connects can act for anybody"
+OPEN: Final = (
+    "open: no access rules, so whoever connects can act for anybody, and can end a simulator by an earlier claim to "
+    "its world"
+)
 """What a router without rules, and a simulator without an identity, says at every start."""
+
+
+def open_words(listen: Sequence[str]) -> str:
+    """Return what a process without rules says at every start: also whether other machines can connect to it."""
+    wide = [endpoint for endpoint in listen if not is_loopback(endpoint)]
+    return f"{OPEN}; other machines too, at {', '.join(wide)}" if wide else OPEN
 
 
 def router_settings(listen: Sequence[str], more: Mapping[str, Any] | None = None) -> str:

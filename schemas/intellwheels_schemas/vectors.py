@@ -383,8 +383,10 @@ VALID: Final[dict[str, Record]] = {
         identity=(
             Identity(name="simulator", may=(May(role="simulator"),)),
             Identity(
-                name="student1", may=(May(role="agent", agents=("st1-*",)), May(role="viewer", agents=("st1-*",)))
+                name="student1", until="2027-02-28",
+                may=(May(role="agent", agents=("st1-*",)), May(role="viewer", agents=("st1-*",))),
             ),
+            Identity(name="bridge1", certificate=True, may=(May(role="bridge", agents=("real1",)),)),
             Identity(name="teacher", may=(May(role="operator", agents=("*",), verbs=("pause", "resume", "take")),)),
         ),
     ),
@@ -659,6 +661,7 @@ _REFUSED: Final = (
     Wrong("Leave-no-session.json", b"{}", "field", "Leave.Session"),
     Wrong("Leave-no-session.xml", b"<Leave/>", "field", "Leave.Session"),
     Wrong("Lab-identity-twice.xml", _lab(f'{_VIEWER}{_VIEWER}'), "value", "Lab.Identity[1].Name"),
+    Wrong("Lab-until-no-day.xml", _lab('<Identity Name="a" Until="2027-02-30"/>'), "value", "Lab.Identity[0].Until"),
     Wrong("Lab-role-unknown.xml", _lab('<Identity Name="a"><May Role="king"/></Identity>'), "value",
           "Lab.Identity[0].May[0].Role"),
     Wrong("Lab-agent-nobody.xml", _lab('<Identity Name="a"><May Role="agent"/></Identity>'), "value",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import os
 import sys
 from pathlib import Path
 
@@ -14,6 +15,7 @@ from intellwheels_schemas.input_reader import cut_text, unchained_text
 from intellwheels_schemas.link import link_of
 from intellwheels_schemas.names import check_name
 from intellwheels_schemas.output_paths import check_output_file, check_output_folder
+from intellwheels_schemas.panic_watch import PanicWatch
 from intellwheels_schemas.process import stop_on_signals
 from intellwheels_server.quick_start import QuickStart
 from intellwheels_server.server_options import PLAY_SUFFIX, options_of, parser
@@ -41,6 +43,18 @@ def main(arguments: list[str] | None = None) -> int:
         return _perform(grammar, given, start)
     finally:
         start.end()
+
+
+def _end_on_panic() -> None:
+    """End this process when Zenoh panics, so that whoever started it can start another one."""
+
+    def end(line: str) -> None:
+        watch.close()
+        print(f"iw-server: ended why={line!r}; start it again", file=sys.stderr, flush=True)
+        # The session cannot be closed any more. A log loses at most its last second, as with any sudden end.
+        os._exit(1)
+
+    watch = PanicWatch(end)
 
 
 def _perform(grammar: argparse.ArgumentParser, given: argparse.Namespace, start: QuickStart) -> int:
@@ -88,6 +102,7 @@ def _perform(grammar: argparse.ArgumentParser, given: argparse.Namespace, start:
         print(f"iw-server: {error}", file=sys.stderr)
         return 1
     stop = stop_on_signals(given.lifeline)
+    _end_on_panic()
     from intellwheels_server.service.simulator_peer import WorldTakenError, serve  # noqa: PLC0415
     from intellwheels_server.world.warmup import warm  # noqa: PLC0415
 
@@ -159,6 +174,7 @@ def _play(given: argparse.Namespace, start: QuickStart) -> int:
         print(f"iw-server: {error.filename}: {error.strerror}", file=sys.stderr)
         return 1
     stop = stop_on_signals(given.lifeline)
+    _end_on_panic()
     from intellwheels_server.log.seekable_log import SeekableLog  # noqa: PLC0415
     from intellwheels_server.service.simulator_peer import WorldTakenError, serve  # noqa: PLC0415
     from intellwheels_server.world.warmup import warm  # noqa: PLC0415

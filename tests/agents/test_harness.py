@@ -294,6 +294,15 @@ def test_missing_simulator_is_retried_each_second_and_logged_once(mind: Recorder
     assert harness.unanswered(1.3) == []
 
 
+def test_denial_is_logged_in_place_of_a_missing_simulator(mind: Recorder) -> None:
+    harness = Harness(ROBOT, mind.make, retry_for=2.0)
+    harness.start(0.0)
+    denied = "student1 may not be the mind of 'lab1' in world main, nobody there"
+    assert harness.unanswered(0.5, denied) == [Log(f"waiting why={denied!r}")]
+    harness.wake(1.5)
+    assert harness.unanswered(1.6, denied) == [Exit(1, denied)]
+
+
 def test_simulator_that_appears_is_asked_at_once(mind: Recorder) -> None:
     harness = Harness(ROBOT, mind.make)
     harness.start(0.0)
@@ -509,6 +518,19 @@ def test_bridge_codes_its_poses_and_obeys_only_coded_powers() -> None:
         harness.powered(forged)
     harness.powered(coded(2, 0.3))
     assert [power.left_motor for power in body.powers] == [0.1, 0.3]
+
+
+def test_bridge_whose_key_was_lost_joins_again_as_a_new_process() -> None:
+    body = Recorder(Pose(x=3.0, y=4.0, heading=0.5))
+    harness = Harness(msgspec.structs.replace(ROBOT, type="real", role="body", instance="1" * 16), body.make)
+    harness.start(0.0)
+    assert kinds(harness.accepted(joined())) == ["Log", "Reappear", "RequestJoin"]
+    here = bytes_of(Refused(code="already-here", text="agent 'chair1' is already here"))
+    assert kinds(harness.refused(here, 1.0)) == ["Log"], "the simulator has not heard that the old token is gone"
+    assert kinds(harness.wake(2.0)) == ["RequestJoin"]
+    assert kinds(harness.accepted(joined(session="f" * 16, key=KEY))) == ["Print"]
+    harness.powered(coded(1))
+    assert len(body.powers) == 1
 
 
 def test_body_without_a_mind_publishes_no_actions(mind: Recorder) -> None:

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import json
 import os
+import re
 import shutil
 import signal
 import subprocess
+import tomllib
 import urllib.request
 from collections.abc import Iterator
 from pathlib import Path
@@ -13,6 +16,8 @@ from typing import Any
 
 import pytest
 import yaml
+from packaging.requirements import Requirement
+from packaging.utils import canonicalize_name
 
 from intellwheels_maps import scene
 from tests.e2e.stage import Peer, Stage, free_port
@@ -58,6 +63,53 @@ def test_services_are_those_of_the_documents_and_reachable_from_this_machine_onl
     ports = [port for service in services.values() for port in service.get("ports", [])]
     assert ports == ["${BIND:-127.0.0.1}:${PORT:-7447}:7447", "${BIND:-127.0.0.1}:${VIEW_PORT:-8080}:8080"]
     assert all(service["init"] and service["read_only"] for service in services.values())
+
+
+def test_containers_have_no_rights_and_bounds() -> None:
+    for service in composition()["services"].values():
+        assert service["cap_drop"] == ["ALL"]
+        assert service["security_opt"] == ["no-new-privileges:true"]
+        assert (service["mem_limit"], service["pids_limit"]) == ("${MEMORY:-1g}", 256)
+        assert service["restart"] == "unless-stopped"
+
+
+@pytest.mark.parametrize(("lock", "extras"), [("requirements", {"all"}), ("build", set())])
+def test_lock_has_every_requirement_with_hashes_and_no_address(lock: str, extras: set[str]) -> None:
+    text = (ROOT / "server" / f"{lock}.lock").read_text()
+    assert "://" not in text
+    entries = text.replace("\\\n", " ").splitlines()
+    assert all(re.search(r" --hash=sha256:[0-9a-f]{64}", entry) for entry in entries)
+    locked = [Requirement(entry.partition(" --hash")[0]) for entry in entries]
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text())
+    wanted = project["build-system"]["requires"] if lock == "build" else required(project["project"], extras)
+    for wish in map(Requirement, wanted):
+        found = [one for one in locked if canonicalize_name(one.name) == canonicalize_name(wish.name)]
+        assert found, f"{wish} is not in {lock}.lock; CONTRIBUTING.md says how to make it again"
+        for one in found:
+            (version,) = one.specifier
+            assert wish.specifier.contains(version.version), f"{one} does not fit {wish}"
+
+
+def required(project: dict[str, Any], extras: set[str]) -> list[str]:
+    """Return the requirements of some extras, and of those that they include."""
+    found = list(project["dependencies"])
+    for extra in extras:
+        for wish in project["optional-dependencies"][extra]:
+            own = Requirement(wish)
+            found += required(project, own.extras) if own.name == project["name"] else [wish]
+    return found
+
+
+def test_base_image_may_have_a_digest() -> None:
+    if shutil.which("docker") is None:
+        pytest.skip("no docker command here")
+    image = f"python:3.12-slim@sha256:{'0' * 64}"
+    words = ["docker", "compose", "config", "--format", "json"]
+    done = subprocess.run(words, cwd=ROOT, env={**os.environ, "BASE_IMAGE": image}, capture_output=True, text=True,
+                          timeout=60.0, check=False)  # fmt: skip
+    if done.returncode != 0 and "compose" in done.stderr and "services" not in done.stderr:
+        pytest.skip("docker has no compose plugin here")
+    assert json.loads(done.stdout)["services"]["router"]["build"]["args"]["BASE_IMAGE"] == image
 
 
 def why_not() -> str | None:
@@ -162,7 +214,8 @@ def test_figure_6_in_containers_from_building_to_down(composed: Composed) -> Non
     assert "compiling kernels" not in composed("logs", "simulator")  # the image brings them
     with urllib.request.urlopen(composed.page, timeout=10.0) as answer:
         assert b"<html" in answer.read()
-    with opened(int(composed.page.rpartition(":")[2])), composed.stage.peer() as peer:
+    # A browser on this machine. A program without `Origin` could not start the run.
+    with opened(int(composed.page.rpartition(":")[2]), origin=composed.page), composed.stage.peer() as peer:
         ended = peer.event("ended", timeout=120.0)
         assert str(ended["Text"]).startswith("reached")
         composed(*five, timeout=180.0)

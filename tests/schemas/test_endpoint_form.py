@@ -9,7 +9,9 @@ from intellwheels_schemas.endpoint_form import (
     check_endpoint,
     check_free,
     config_reason,
+    host_of,
     is_free,
+    is_loopback,
     zenoh_reason,
 )
 from intellwheels_schemas.errors import WireError
@@ -88,3 +90,23 @@ def test_zenohs_own_places_are_left_out() -> None:
     )
     assert config_reason(serde) == "in line 1: unknown `x`"
     assert config_reason("odd at /src/lib.rs:9.") == "odd"
+
+
+@pytest.mark.parametrize(
+    ("endpoint", "loopback"),
+    [
+        ("tcp/127.0.0.1:7447", True), ("tcp/127.1.2.3:7447", True), ("tcp/[::1]:7447", True),
+        ("tls/LocalHost:7447", True), ("unixsock-stream//run/iw.sock", True),
+        ("serial//dev/ttyUSB0#baudrate=9600", True),
+        ("tcp/0.0.0.0:7447", False),
+        ("tcp/[::]:7447", False), ("tcp/10.0.0.5:7447", False), ("tcp/lab-pc:7447", False), ("vsock/1:2", False),
+    ],
+)  # fmt: skip
+def test_loopback_is_told_from_what_other_machines_reach(endpoint: str, loopback: bool) -> None:
+    assert is_loopback(endpoint) is loopback
+
+
+def test_host_of_an_endpoint() -> None:
+    assert [host_of(text) for text in ("tls/lab.org:7447", "tcp/[::1]:7447#x=1", "unixsock-stream/x")] == [
+        "lab.org", "::1", "",
+    ]  # fmt: skip

@@ -1,13 +1,21 @@
 from __future__ import annotations
 
+import base64
+import datetime
 from pathlib import Path
 
 import msgspec
 import pytest
 
 from intellwheels_schemas.errors import WireError
-from intellwheels_schemas.identity_file import IdentityFile, identity_text, read_identity, write_secret
-from intellwheels_schemas.messages import May, Role
+from intellwheels_schemas.identity_file import (
+    IdentityFile,
+    check_identity,
+    identity_text,
+    read_identity,
+    write_secret,
+)
+from intellwheels_schemas.messages import May
 
 OWN = IdentityFile(name="student1", password="correct-horse", connect=("tcp/10.0.0.5:7447",))
 
@@ -43,24 +51,40 @@ def test_missing_file_is_named(tmp_path: Path) -> None:
         read_identity(tmp_path / "none.iwid")
 
 
-@pytest.mark.parametrize(
-    ("role", "agent", "text"),
-    [
-        ("both", "st1-a", ""),
-        ("mind", "st1-a", ""),
-        ("mind", "lab1", ""),
-        ("both", "lab1", "student1 may not be the body and mind of 'lab1' in world main, only st1-*"),
-        ("mind", "st2-a", "student1 may not be the mind of 'st2-a' in world main, only st1-*, lab1"),
-        ("body", "st1-a", "student1 may not be the body of 'st1-a' in world main, nobody"),
-    ],
-)
-def test_denial_is_put_in_words(role: Role, agent: str, text: str) -> None:
-    may = (May(role="agent", agents=("st1-*",)), May(role="mind", agents=("lab1",)), May(role="viewer"))
-    own = msgspec.structs.replace(OWN, may=may)
+def test_what_may_be_done_is_kept_in_the_file() -> None:
+    own = msgspec.structs.replace(OWN, may=(May(role="agent", agents=("st1-*",)), May(role="viewer")))
     assert msgspec.json.decode(identity_text(own), type=IdentityFile) == own
-    assert own.denial("main", role, agent) == text
-    assert OWN.denial("main", role, agent) == "", "an older file does not say"
 
 
 def test_password_is_not_in_its_repr() -> None:
     assert "horse" not in repr(OWN)
+
+
+@pytest.mark.parametrize(
+    ("today", "left", "warns"),
+    [("2026-12-24", 7, True), ("2026-12-23", 8, False), ("2026-12-31", 0, True)],
+)
+def test_identity_warns_a_week_before_its_end(tmp_path: Path, today: str, left: int, warns: bool) -> None:
+    path = tmp_path / "student1.iwid"
+    own = msgspec.structs.replace(OWN, until="2026-12-31")
+    write_secret(path, identity_text(own))
+    day = datetime.date.fromisoformat(today)
+    assert own.days_left(day) == left
+    words = f"{path}: student1 expires after 2026-12-31; ask for another file, made with iw-lab renew student1"
+    assert check_identity(path, day) == (words if warns else "")
+    with pytest.raises(WireError, match="expired after 2026-12-31; ask for another file"):
+        check_identity(path, datetime.date(2027, 1, 1))
+
+
+def test_identity_without_an_end_counts_for_ever() -> None:
+    assert OWN.days_left(datetime.date(2090, 1, 1)) is None
+
+
+def test_settings_show_what_the_file_has() -> None:
+    assert OWN.settings() == {"transport/auth/usrpwd": {"user": "student1", "password": "correct-horse"}}
+    more = msgspec.structs.replace(OWN, authority="CA", certificate="CERT", private_key="KEY").settings()
+    tls = "transport/link/tls"
+    assert base64.b64decode(more[f"{tls}/root_ca_certificate_base64"]) == b"CA"
+    assert base64.b64decode(more[f"{tls}/connect_certificate_base64"]) == b"CERT"
+    assert base64.b64decode(more[f"{tls}/connect_private_key_base64"]) == b"KEY"
+    assert more[f"{tls}/enable_mtls"] is True

@@ -32,6 +32,10 @@ def test_each_role_can_be_given(role: LabRole) -> None:
     ("document", "text"),
     [
         (lab(Identity(name="a"), Identity(name="a")), "Lab.Identity[1].Name: expected each name once, got 'a' twice"),
+        (
+            lab(Identity(name="a", until="2027-02-29")),
+            "Lab.Identity[0].Until: expected a date of the calendar, got '2027-02-29'",
+        ),
         (one(role="bridge"), "Lab.Identity[0].May[0].Agents: expected the agents of the role bridge, got none"),
         (
             one(role="recorder", agents=("a",)),

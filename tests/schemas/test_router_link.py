@@ -5,7 +5,7 @@ import json
 import pytest
 import zenoh
 
-from intellwheels_schemas.router_link import open_router, router_settings
+from intellwheels_schemas.router_link import OPEN, open_router, open_words, router_settings
 
 
 def test_settings_nest_by_their_paths_and_zenoh_accepts_them() -> None:
@@ -21,3 +21,9 @@ def test_settings_nest_by_their_paths_and_zenoh_accepts_them() -> None:
 def test_wrong_setting_is_told_in_words() -> None:
     with pytest.raises(ConnectionError, match=r"cannot listen at tcp/127\.0\.0\.1:7000"):
         open_router(["tcp/127.0.0.1:7000"], {"access_control": {"default_permission": "perhaps"}})
+
+
+def test_open_process_says_where_other_machines_reach_it() -> None:
+    assert open_words(["tcp/127.0.0.1:7447"]) == open_words([]) == OPEN
+    words = open_words(["tcp/127.0.0.1:7447", "tcp/0.0.0.0:7447"])
+    assert words == f"{OPEN}; other machines too, at tcp/0.0.0.0:7447"

@@ -140,9 +140,11 @@ def dial(port: int, *, origin: str | None = None, **named: Any) -> ClientConnect
 
 
 @contextmanager
-def opened(port: int, *, reads: bool = True, storage: str | None = "none", looks: bool = True) -> Iterator[Browser]:
+def opened(
+    port: int, *, reads: bool = True, storage: str | None = "none", looks: bool = True, origin: str | None = None
+) -> Iterator[Browser]:
     """Open the page, and close it."""
-    connection = dial(port)
+    connection = dial(port, origin=origin)
     with connection:
         browser = Browser(connection, reads=reads, storage=storage)
         if looks:

@@ -171,6 +171,8 @@ class MadeUp:
     def close(self) -> None:
         """There is nothing to close."""
 
+    world = "main"
+
     def choose(self, world: str) -> None:
         """There is one world."""
 

@@ -33,6 +33,7 @@ class Network:
         self.speech: list[tuple[str, str | None]] = []
         self.refuses = ""
         self.quiet = 0.0
+        self.world = "main"
 
     def ask(self, verb: Verb, request: Record) -> Result:
         self.asked.append((verb, request))

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import pytest
 
+from intellwheels_viewer.page_rights import EVERYTHING, PageRights
 from tests.viewer.opened import SNAPSHOT, Opened
 
 pytestmark = pytest.mark.filterwarnings("ignore::DeprecationWarning")
@@ -28,3 +29,12 @@ def test_a_live_run_has_them_again(here: Opened) -> None:
     here.show(replace(SNAPSHOT, last_tick=3400))
     here.show(SNAPSHOT)
     here.browser.wait(lambda: "Drive" in labels(here) and "Place" in labels(here))
+
+
+def test_browser_that_may_only_look_has_neither(here: Opened) -> None:
+    here.page._visit = PageRights("guests may only look")
+    here.show(SNAPSHOT)
+    here.browser.wait(lambda: "Drive" not in labels(here) and "Place" not in labels(here))
+    here.page._visit = EVERYTHING
+    here.show(SNAPSHOT)
+    here.browser.wait(lambda: "Drive" in labels(here))

@@ -3,21 +3,26 @@
 from __future__ import annotations
 
 import argparse
+import re
 import sys
 from pathlib import Path
 from typing import Final
 
 from intellwheels_schemas import defaults
-from intellwheels_schemas.command_parser import CommandParser, number, port
+from intellwheels_schemas.command_parser import CommandParser, number, port, readable_file
 from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.extras import missing_extra
+from intellwheels_schemas.files import read_with_lines
 from intellwheels_schemas.link import add_link_options, link_of
+from intellwheels_schemas.messages import Lab
 from intellwheels_schemas.output_paths import check_output_file
 from intellwheels_schemas.process import add_process_options, stop_on_signals
-from intellwheels_viewer.page_hosts import check_page_hosts
+from intellwheels_viewer.page_hosts import check_page_hosts, is_wide
+from intellwheels_viewer.visits import Door
 
 LONGEST: Final = 600.0
 """Longest recording, in seconds: a browser takes minutes to open a longer one."""
+_HEADER: Final = re.compile(r"[A-Za-z0-9-]{1,64}")
 PORT: Final = 8080
 """Port of the page, if none is given."""
 
@@ -53,7 +58,20 @@ def parser() -> argparse.ArgumentParser:
     )  # fmt: skip
     page.add_argument(
         "--allow-host", action="append", default=[], metavar="NAME",
-        help="accept browsers that reach the page by this name, for example behind a proxy; may be repeated",
+        help="accept browsers that reach the page by this name, for example behind a proxy; with a port, such as "
+        "site:8443, only there; may be repeated",
+    )  # fmt: skip
+    page.add_argument(
+        "--allow-programs", action="store_true",
+        help="let programs that send no Origin steer too, though other machines can reach the page",
+    )  # fmt: skip
+    page.add_argument(
+        "--user-header", metavar="HEADER",
+        help="with --lab: the header in which a proxy names the user, such as X-Remote-User",
+    )  # fmt: skip
+    page.add_argument(
+        "--lab", type=readable_file, metavar="FILE",
+        help="with --user-header: what each user may do; others may only look",
     )  # fmt: skip
     page.add_argument("--dark", action="store_true", help="use the dark theme")
     kept = found.add_argument_group("recording")
@@ -77,6 +95,8 @@ def main(arguments: list[str] | None = None) -> int:
     given = command_line.parse_args(arguments)
     if given.record is None and given.seconds != command_line.get_default("seconds"):
         command_line.error("--seconds: expected with --record, got none")
+    if (given.user_header is None) != (given.lab is None):
+        command_line.error("--user-header and --lab: expected both or none, got one")
     lacking = missing_extra("viewer")
     if lacking is not None:
         print(f"iw-viewer: {lacking}", file=sys.stderr)
@@ -87,6 +107,7 @@ def main(arguments: list[str] | None = None) -> int:
         check_output_file(given.record, "--record")
         link = link_of(given)
         check_page_hosts(given.host, given.allow_host)
+        door = _door(given)
     except WireError as error:
         print(f"iw-viewer: {error.text}", file=sys.stderr)
         return 2
@@ -102,6 +123,7 @@ def main(arguments: list[str] | None = None) -> int:
             host=given.host,
             port=given.port,
             allowed=frozenset(given.allow_host),
+            door=door,
             dark=given.dark,
             chosen=chosen,
             record=given.record,
@@ -110,6 +132,20 @@ def main(arguments: list[str] | None = None) -> int:
         link,
         stop,
     )
+
+
+def _door(given: argparse.Namespace) -> Door:
+    """Return which browsers may do more than look.
+
+    Raises:
+        WireError: The name of the header has another form, or the lab's document is wrong.
+    """
+    header = given.user_header or ""
+    if header and _HEADER.fullmatch(header) is None:
+        text = f"--user-header: expected the name of a header such as X-Remote-User, got {header!r}"
+        raise WireError("value", text, "--user-header")
+    lab = None if given.lab is None else read_with_lines(Lab, given.lab)[0]
+    return Door(is_wide(given.host), given.allow_programs, header.lower(), lab)
 
 
 if __name__ == "__main__":

@@ -63,8 +63,8 @@ class ControlTabs:
         return self._parts is not None
 
     def show(self, snapshot: Snapshot, choices: Choices) -> None:
-        """Show what can be controlled; without tabs in a playback."""
-        if (snapshot.last_tick is None) != self.are_there:
+        """Show what can be controlled; without tabs in a playback, and for a browser that may only look."""
+        if (snapshot.last_tick is None and not choices.rights.looks_only) != self.are_there:
             if self._parts is None:
                 self._parts = self._make()
             else:
@@ -77,6 +77,7 @@ class ControlTabs:
             self._parts.scan.show(snapshot, choices)
             self._parts.place.show(snapshot, choices)
             self._parts.goal.visible = takes_goals(snapshot, choices.selected)
+            self._parts.goal.disabled = bool(choices.rights.why_not_drive(snapshot.world, choices.selected))
 
     def _make(self) -> _Parts:
         gui, calls = self._gui, self._calls

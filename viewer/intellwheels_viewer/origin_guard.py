@@ -1,7 +1,8 @@
 """Accepts connections only from our own page under an allowed host name; everything else gets status 403.
 
 Viser checks neither `Host` nor `Origin`, so any web page in the user's browser could connect to the viewer and control
-the simulation. Viser also lets a page publish the viewer on the internet. Both are closed here. A port that is in use
+the simulation. Viser also lets a page publish the viewer on the internet, and fill its memory with files. All of it is
+closed here. A port that is in use
 is an error instead of a reason to choose another one.
 """
 
@@ -13,51 +14,22 @@ import http
 import io
 import socket
 import warnings
-from collections.abc import Awaitable, Callable, Iterator
+from collections.abc import Awaitable, Callable, Iterator, Mapping
 from typing import Any
-from urllib.parse import urlsplit
 
 import viser
 import websockets.asyncio.server
 from viser import _messages
 from websockets.asyncio.server import ServerConnection
+from websockets.datastructures import Headers
 from websockets.http11 import Request, Response
 
-LOOPBACK = frozenset({"localhost", "127.0.0.1", "::1"})
-"""Names by which a browser on this machine reaches the page."""
+from intellwheels_viewer.page_hosts import PageNames, page_names, refusal
+
+MAX_MESSAGE = 1 << 20
+"""Longest message of a page, in bytes. Viser's own bound is 50 MB; our pages send a few hundred bytes."""
 
 Process = Callable[[ServerConnection, Request], Awaitable[Response | None] | Response | None]
-
-
-def host_of(value: str | None) -> str | None:
-    """Return the name in a `Host` header in lower case, without its port; None if there is none."""
-    if not value:
-        return None
-    try:
-        return urlsplit(f"//{value}").hostname
-    except ValueError:
-        return None
-
-
-def refusal(host: str | None, origin: str | None, ours: frozenset[str]) -> str | None:
-    """Return why a request is refused, or None if it is accepted.
-
-    Args:
-        host: The `Host` header: a name and perhaps a port.
-        origin: The `Origin` header; programs other than browsers send none.
-        ours: The allowed host names.
-    """
-    name = host_of(host)
-    if name is None or name not in ours:
-        return f"Host: expected one of {', '.join(sorted(ours))}, got {host!r}; see --allow-host"
-    if origin is not None:
-        try:
-            parts = urlsplit(origin)
-        except ValueError:
-            return f"Origin: expected this page's own, {host!r}, got {origin!r}"
-        if parts.netloc.lower() != (host or "").lower() or parts.scheme not in ("http", "https"):
-            return f"Origin: expected this page's own, {host!r}, got {origin!r}"
-    return None
 
 
 def check_free(host: str, port: int) -> None:
@@ -84,7 +56,7 @@ def open_server(host: str, port: int, allowed: frozenset[str] = frozenset()) -> 
     Args:
         host: Address to listen at.
         port: The port; 0 picks a free one.
-        allowed: Further host names that browsers may use, for example behind a proxy.
+        allowed: Further host names that browsers may use, for example behind a proxy; perhaps with a port.
 
     Raises:
         ConnectionError: The port is in use.
@@ -92,7 +64,7 @@ def open_server(host: str, port: int, allowed: frozenset[str] = frozenset()) -> 
     check_free(host, port)
     # A browser may leave while we write to it; that is normal.
     warnings.filterwarnings("ignore", "Queued a .* on a closed connection", UserWarning)
-    ours = LOOPBACK | {name.lower() for name in allowed} | ({host.lower()} - {"0.0.0.0", "::"})  # noqa: S104
+    ours = page_names(host, allowed)
     with _guarded(ours), contextlib.redirect_stdout(io.StringIO()):
         server = viser.ViserServer(host=host, port=port, verbose=False)
     if port not in (0, server.get_port()):
@@ -102,17 +74,35 @@ def open_server(host: str, port: int, allowed: frozenset[str] = frozenset()) -> 
         )
     for message in (_messages.ShareUrlRequest, _messages.ShareUrlDisconnect):
         server._websock_server.unregister_handler(message)
+    _close_uploads(server.gui)
     return server
 
 
+def admit(client: viser.ClientHandle, server: viser.ViserServer) -> Mapping[str, str]:
+    """Close what a browser that has just connected does not need; return the headers of its request.
+
+    Of a header that came twice, the values are joined by a comma.
+    """
+    _close_uploads(client.gui)
+    request = server._websock_server._live_connections[client.client_id].request
+    headers = Headers() if request is None else request.headers
+    return {name.lower(): ",".join(headers.get_all(name)) for name in headers}
+
+
+def _close_uploads(gui: viser.GuiApi) -> None:
+    """Take no files: viser keeps in memory what is uploaded, without a bound, to an element of any kind."""
+    for message in (_messages.FileTransferStartUpload, _messages.FileTransferPart):
+        gui._websock_interface.unregister_handler(message)
+
+
 @contextlib.contextmanager
-def _guarded(ours: frozenset[str]) -> Iterator[None]:
+def _guarded(ours: PageNames) -> Iterator[None]:
     """Make servers that are opened meanwhile check each request."""
     real = websockets.asyncio.server.serve
 
     @functools.wraps(real)
     def serve(*args: Any, process_request: Process | None = None, **named: Any) -> Any:
-        return real(*args, process_request=_checked(process_request, ours), **named)
+        return real(*args, process_request=_checked(process_request, ours), **{**named, "max_size": MAX_MESSAGE})
 
     websockets.asyncio.server.serve = serve  # type: ignore[assignment,misc]
     try:
@@ -121,7 +111,7 @@ def _guarded(ours: frozenset[str]) -> Iterator[None]:
         websockets.asyncio.server.serve = real  # type: ignore[misc]
 
 
-def _checked(inner: Process | None, ours: frozenset[str]) -> Process:
+def _checked(inner: Process | None, ours: PageNames) -> Process:
     async def process(connection: ServerConnection, request: Request) -> Response | None:
         hosts, origins = request.headers.get_all("Host"), request.headers.get_all("Origin")
         why = refusal(hosts[0] if len(hosts) == 1 else None, ",".join(origins) if origins else None, ours)

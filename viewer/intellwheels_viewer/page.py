@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Final, Protocol
+from typing import TYPE_CHECKING, Final
 
 import viser
 
@@ -19,6 +19,8 @@ from intellwheels_viewer.drawings.selection import Selection
 from intellwheels_viewer.goal_click import GoalClick
 from intellwheels_viewer.held_ghost import HeldGhost
 from intellwheels_viewer.layer_visibility import LayerVisibility
+from intellwheels_viewer.limited_worlds import LimitedWorlds, Worlds
+from intellwheels_viewer.page_rights import EVERYTHING, PageRights
 from intellwheels_viewer.page_title import PageTitle
 from intellwheels_viewer.panels.agents import AgentsPanel
 from intellwheels_viewer.panels.callbacks import assign, updated
@@ -35,7 +37,7 @@ from intellwheels_viewer.placing_click import PlacingClick
 from intellwheels_viewer.pointer_hover import PointerHover
 from intellwheels_viewer.run_control import RunControl, step_hint
 from intellwheels_viewer.snapshot import Snapshot
-from intellwheels_viewer.steering import Driving, RequestQueue, Simulator
+from intellwheels_viewer.steering import Driving, RequestQueue
 from intellwheels_viewer.undo import UndoStack
 
 if TYPE_CHECKING:
@@ -52,20 +54,6 @@ REFUSED: Final = 8.0
 """Seconds for which a refusal is shown; the same refusal is not shown again meanwhile."""
 
 
-class Worlds(Simulator, Protocol):
-    """The link, as a page uses it."""
-
-    @property
-    def quiet(self) -> float:
-        """Seconds since the last clock."""
-
-    def choose(self, world: str) -> None:
-        """Show another world."""
-
-    def note_speech(self, text: str, to: str | None) -> None:
-        """Show a message of a user to an agent, or to everybody with None."""
-
-
 class Page:
     """The page of a connected browser.
 
@@ -73,10 +61,15 @@ class Page:
         client: The browser.
         network: Takes requests and inputs.
         colours: The colour of each agent.
+        visit: How the browser has come, and what its user may do.
     """
 
-    def __init__(self, client: viser.ClientHandle, network: Worlds, colours: Colours) -> None:
-        self._client, self._network, self._colours = client, network, colours
+    def __init__(
+        self, client: viser.ClientHandle, network: Worlds, colours: Colours, visit: PageRights = EVERYTHING
+    ) -> None:
+        self._client, self._colours = client, colours
+        self._visit = self._rights = visit
+        self._network = network = LimitedWorlds(network, lambda: self._visit)
         # First, because it waits for the browser.
         self._layers = LayerVisibility(client)
         self._requests = RequestQueue(network, self._refused)
@@ -133,6 +126,8 @@ class Page:
         self._driving.tick()
         self._undo.enter(snapshot.run)
         self._run_control.start_waiting(snapshot)
+        rights = snapshot.rights
+        self._rights = self._visit if rights is None else self._visit.limited_by(rights)
         choices = self._choices()
         with self._client.atomic():
             self._connection.show(snapshot, choices)
@@ -151,6 +146,7 @@ class Page:
         return Choices(
             selected=self.selected,
             looks={entity.name: self._colours.look(entity.name) for entity in self._snapshot.entities},
+            rights=self._rights,
             driven=self._driving.driven,
             placing=self._placing_click.label,
             can_undo=bool(self._undo),

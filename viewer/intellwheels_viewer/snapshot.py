@@ -9,7 +9,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Final, Literal
 
-from intellwheels_schemas.messages import Body, Clock, Entity, Event, Map, Measures, Pose
+from intellwheels_schemas.messages import Body, Clock, Entity, Event, Identity, Map, Measures, Pose
 
 Phase = Literal["no-router", "no-world", "choose", "live", "silent", "gone"]
 """State of the connection to a world.
@@ -76,6 +76,7 @@ class Snapshot:
         utterances: What was said in this run, newest last, at most `EVENTS_KEPT`.
         history: Samples of the last `HISTORY` simulated seconds by agent, oldest first.
         last_tick: The last tick of the log in a playback; None in a live run.
+        rights: What this viewer may do by the rules of the router; None if nobody knows.
         version: Changes whenever the scene must be redrawn: with states, bodies, maps and events. The tick cannot be
             used for this, as bodies can be moved while a run is paused.
     """
@@ -98,6 +99,7 @@ class Snapshot:
     utterances: tuple[Utterance, ...] = ()
     history: Mapping[str, tuple[Sample, ...]] = field(default_factory=dict)
     last_tick: int | None = None
+    rights: Identity | None = None
     version: int = 0
 
     @property

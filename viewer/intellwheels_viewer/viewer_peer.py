@@ -12,7 +12,7 @@ import threading
 import time
 from collections import deque
 from collections.abc import Callable, Collection
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Any, Final, TypeVar, cast
 
@@ -38,9 +38,11 @@ from intellwheels_schemas.messages import (
     WorldState,
 )
 from intellwheels_schemas.names import is_name
+from intellwheels_schemas.own_rights import NotAllowedError
 from intellwheels_schemas.process import start_network_thread
 from intellwheels_schemas.repliers import by_simulator
 from intellwheels_schemas.zenoh_inbox import Inbox, Presence, Put
+from intellwheels_viewer.router_rights import RouterRights
 from intellwheels_viewer.run_guard import Dated, RunGuard
 from intellwheels_viewer.snapshot import Phase, Snapshot
 from intellwheels_viewer.state_store import StateStore
@@ -113,6 +115,7 @@ class Network:
         self._found_at = 0.0
         self._closed = False
         self._lock = threading.Lock()
+        self._rights = RouterRights()
         self.failure = ""
         self._opener: threading.Thread | None = None
 
@@ -155,12 +158,15 @@ class Network:
         world = self._world
         if world is None:
             return Snapshot(
-                phase=self._phase(worlds, now), worlds=worlds, endpoint=self._link.where(), world=self._wanted
-            )
+                phase=self._phase(worlds, now), worlds=worlds, endpoint=self._link.where(), world=self._wanted,
+                rights=self._rights.identity,
+            )  # fmt: skip
         self._store(world, now)
         self._hear_reports(world)
         self._fetch(world, now)
-        return world.store.snapshot(self._phase(worlds, now), world.name, worlds, self._link.where())
+        snapshot = world.store.snapshot(self._phase(worlds, now), world.name, worlds, self._link.where())
+        rights = self._rights.identity
+        return snapshot if rights is None else replace(snapshot, rights=rights)
 
     def _hear_reports(self, world: _World) -> None:
         """In a playback, subscribe to the poses that bridges reported. In a live run the state already has them."""
@@ -195,7 +201,9 @@ class Network:
     def _phase(self, worlds: tuple[str, ...], now: float) -> Phase:
         session = self._session
         if session is None or not (session.info.routers_zid() or session.info.peers_zid()):
+            self._rights.doubt()
             return "no-router"
+        self._rights.refresh(session)
         world = self._world
         if world is None or not self._was_there:
             return "choose" if worlds and self._wanted not in worlds else "no-world"
@@ -297,6 +305,11 @@ class Network:
 
     # ------------------------------------------------------------ requests out, on any thread
 
+    @property
+    def world(self) -> str:
+        """The world that is shown; empty while there is none."""
+        return "" if self._world is None else self._world.name
+
     def ask(self, verb: Verb, request: Record) -> Result:
         """Send a request to the simulator and return its answer. Blocks, so not for the drawing thread.
 
@@ -312,6 +325,9 @@ class Network:
             raise Refusal(f"{verb}: expected finite numbers, got NaN or infinity") from None
         try:
             answer = query(session, world.keys.ctl_of(verb, request), data, timeout=ANSWER_LIMIT, stop=self._stop)[0]
+        except NotAllowedError as error:
+            self._rights.doubt()  # the page does not know it yet
+            raise Refusal(f"{VIEW_ONLY}: {error}") from None
         except (ConnectionError, zenoh.ZError):
             there = world.name in self._alive
             words = f"{VIEW_ONLY}: the simulator did not get this request" if there else "The simulator is not running"

@@ -21,11 +21,13 @@ import viser
 
 from intellwheels_schemas.link import Link
 from intellwheels_viewer.html_recording import HtmlRecording
-from intellwheels_viewer.origin_guard import open_server
+from intellwheels_viewer.origin_guard import admit, open_server
 from intellwheels_viewer.page import Page
+from intellwheels_viewer.page_hosts import url_of
 from intellwheels_viewer.snapshot import Snapshot
 from intellwheels_viewer.stage import MANY, Stage, watched
 from intellwheels_viewer.viewer_peer import Network
+from intellwheels_viewer.visits import Door
 
 FRAME: Final = 1 / 30
 """Seconds of wall time between two drawn ticks."""
@@ -45,7 +47,8 @@ class Options:
 
     Attributes:
         host, port: Where the page is served; port 0 picks a free one.
-        allowed: Further host names that browsers may use.
+        allowed: Further host names that browsers may use, perhaps with a port.
+        door: Which browsers may do more than look.
         dark: Whether the page uses the dark theme.
         chosen: Whether the user named the world. If not, the only running world is shown.
         record: The HTML file to record to, after which the viewer exits; None for no recording.
@@ -55,6 +58,7 @@ class Options:
     host: str = "127.0.0.1"
     port: int = 8080
     allowed: frozenset[str] = field(default_factory=frozenset)
+    door: Door = field(default_factory=Door)
     dark: bool = False
     chosen: bool = False
     record: Path | None = None
@@ -74,7 +78,7 @@ class Viewer:
     """
 
     def __init__(self, options: Options, link: Link, stop: threading.Event) -> None:
-        self._stop, self._link = stop, link
+        self._stop, self._link, self._door = stop, link, options.door
         self.server = open_server(options.host, options.port, options.allowed)
         self.server.gui.configure_theme(
             show_logo=False,
@@ -167,7 +171,11 @@ class Viewer:
             return dict(self._pages)
 
     def _connected(self, client: viser.ClientHandle) -> None:
-        page = Page(client, self._network, self._stage.colours)
+        try:
+            rights = self._door.rights(admit(client, self.server))
+        except KeyError:
+            return  # it has left already
+        page = Page(client, self._network, self._stage.colours, rights)
         with self._lock:
             self._pages[client.client_id] = page
         if client.client_id not in self.server.get_clients():
@@ -206,8 +214,9 @@ def serve(options: Options, link: Link, stop: threading.Event) -> int:
     except ConnectionError as error:
         sys.stderr.write(f"iw-viewer: {error}\n")
         return 1
-    host = "localhost" if options.host in ("0.0.0.0", "::") else options.host  # noqa: S104
-    sys.stdout.write(f"ready url=http://{host}:{viewer.server.get_port()}\n")
+    if options.door.warning:
+        sys.stderr.write(f"iw-viewer: {options.door.warning}\n")
+    sys.stdout.write(f"ready url={url_of(options.host, viewer.server.get_port())}\n")
     sys.stdout.flush()
     viewer.run()
     if viewer.failure:

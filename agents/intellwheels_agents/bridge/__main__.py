@@ -129,6 +129,7 @@ class _BridgeProcess:
             code = run_agent(
                 self._body, self._chair.begin, {}, where=self._where, encoding=self._encoding,
                 retry_for=given.retry_for, stop=stop, tell=self._tell, on_presence=self._on_presence,
+                on_instance=self._notices.renew,
             )  # fmt: skip
             return 1 if self._driver.failure else code
         finally:

@@ -28,6 +28,10 @@ class EventNotices:
         self._owner = instance
         self._is_gone = False
 
+    def renew(self, instance: str) -> None:
+        """Take note that this bridge joins with another instance from now on."""
+        self._instance = self._owner = instance
+
     def presence(self, alive: bool) -> str | None:
         """Return the line for the coming or going of the simulator, or None for the first coming."""
         if alive == (not self._is_gone):

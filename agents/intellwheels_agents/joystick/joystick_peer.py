@@ -21,7 +21,7 @@ from intellwheels_agents.joystick.input_latency import InputLatency
 from intellwheels_agents.joystick.input_state import Source
 from intellwheels_agents.joystick.input_timing import REPEAT_PERIOD, InputTiming
 from intellwheels_agents.joystick.lease_client import LeaseClient
-from intellwheels_schemas import link, zenoh_inbox
+from intellwheels_schemas import link, own_rights, zenoh_inbox
 from intellwheels_schemas.channels import CHANNELS
 from intellwheels_schemas.codec import MAX_BYTES, Encoding, decode, encode, encoding_of
 from intellwheels_schemas.errors import WireError
@@ -75,10 +75,18 @@ def operate(
         with ExitStack() as stack:
             for declared in (publisher, clock, errors):
                 stack.enter_context(declared)
+            take_key = keys.ctl("take", agent)
+            # A put that is not allowed is dropped in silence.
+            denied = own_rights.denied(session, keys.user(agent), "put", sure=True)
+            if not denied and take:
+                denied = own_rights.denied(session, take_key, "query", sure=True)
+            if denied:
+                _log(f"not driven agent={agent} why={denied!r}")
+                return 1
             watch = _MotorWatch(agent) if latency else None
             if watch is not None:
                 stack.enter_context(session.declare_subscriber(keys.every_state, watch.on_sample))
-            requests = _LeaseRequests(session, keys.ctl("take", agent))
+            requests = _LeaseRequests(session, take_key)
             _check_agent(session, keys.body(agent), agent, take=take)
             return _Loop(agent, source, requests, inbox, publisher, take=take, watch=watch).run(stop)
 
@@ -238,6 +246,9 @@ def _check_agent(session: zenoh.Session, key: str, agent: str, *, take: bool) ->
     try:
         answers = link.query(session, key, timeout=ANSWER_TIMEOUT)
         body = decode(Body, answers[0].data, encoding_of(answers[0].encoding, answers[0].data), strict=False)
+    except own_rights.NotAllowedError as error:
+        _log(f"waiting why={str(error)!r}")
+        return
     except (ConnectionError, WireError):
         _log(f"waiting why='no agent {agent} yet'")
         return

@@ -64,7 +64,7 @@ class LeaseClient:
             # It ran out, or a reset ended it. Ask for a new one before giving up.
             self.lease, self._due = None, now
         else:
-            self.failure = "no simulator answers, or not allowed" if result is None else result.text or result.code
+            self.failure = "no simulator answers" if result is None else result.text or result.code
         return False
 
     def release(self) -> Take | None:

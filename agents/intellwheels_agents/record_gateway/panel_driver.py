@@ -85,7 +85,8 @@ class PanelDriver:
                     self._session, self._keys.ctl_of("take", request), encode(request), timeout=ANSWER_TIMEOUT
                 )[0]
                 result = decode(Result, answer.data, encoding_of(answer.encoding, answer.data), strict=False)
-            except (ConnectionError, WireError):
+            except (ConnectionError, WireError) as error:
+                self._log(f"unanswered verb=take why={str(error)!r}")
                 self._answers.put((agent, None))
             else:
                 self._answers.put((agent, result))

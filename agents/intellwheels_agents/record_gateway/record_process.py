@@ -17,7 +17,7 @@ from intellwheels_agents.record_gateway.panel_driver import PanelDriver
 from intellwheels_agents.record_gateway.publish_panel import PublishPanel
 from intellwheels_agents.record_gateway.translator import Translator
 from intellwheels_agents.record_gateway.world_source import WorldSource
-from intellwheels_schemas import link
+from intellwheels_schemas import link, own_rights
 from intellwheels_schemas.json_schema import json_schemas
 from intellwheels_schemas.keys import Keys
 
@@ -70,6 +70,8 @@ def record(given: argparse.Namespace, where: link.Link, stop: threading.Event) -
                 words += [] if given.ros2 is None else [f"bag={given.ros2}"]
                 words += [] if port is None else [f"live=ws://{given.host or record_options.HOST}:{port}"]
                 _print(f"ready {' '.join(words)}")
+                if denied := own_rights.denied(session, keys.every_state, "read"):
+                    _log(f"waiting why={denied!r}")
                 if given.log is not None:
                     LogSteps(session, keys, source, translator).run(stop, sinks.tend)
                 else:

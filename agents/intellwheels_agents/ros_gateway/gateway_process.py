@@ -25,7 +25,7 @@ from intellwheels_agents.ros_gateway.simulation_control import SimulationControl
 from intellwheels_agents.ros_gateway.velocity_command import TWIST, TWIST_STAMPED
 from intellwheels_agents.ros_gateway.watched_chair import WatchedChair
 from intellwheels_agents.ros_gateway.world_link import WorldQueries, WorldTopics
-from intellwheels_schemas import link
+from intellwheels_schemas import link, own_rights
 from intellwheels_schemas.codec import Encoding
 from intellwheels_schemas.keys import Keys
 from intellwheels_schemas.messages import Robot, Truth
@@ -153,6 +153,8 @@ class GatewayProcess:
 
     def _watch(self, session: Any, node: RosNode) -> int:
         agent = self._agent or ""
+        if denied := own_rights.denied(session, self._keys.user(agent), "put"):
+            _log(f"not driven agent={agent} why={denied!r}")
         goals = node.subscribe(f"/{ros_name(agent)}/goal_pose", (POSE_STAMPED,))
         world = WorldQueries(session, self._keys, self._stop)
         chair = WatchedChair(

@@ -7,6 +7,7 @@ import shutil
 import sys
 import textwrap
 from collections.abc import Sequence
+from pathlib import Path
 
 from intellwheels_experiments.conformance.agent_session import Patience
 from intellwheels_experiments.conformance.contract_points import Outcome, check, described
@@ -18,6 +19,7 @@ from intellwheels_schemas.command_line import check_placeholders, filled
 from intellwheels_schemas.command_parser import CommandParser, positive_seconds
 from intellwheels_schemas.endpoint_form import check_free
 from intellwheels_schemas.errors import WireError
+from intellwheels_schemas.identity_option import add_identity_option, router_of
 from intellwheels_schemas.link import Link, check_link
 from intellwheels_schemas.names import check_agent, check_name
 from intellwheels_schemas.process import add_process_options, stop_on_signals
@@ -59,6 +61,7 @@ def parser() -> argparse.ArgumentParser:
     )
     result.add_argument("--listen", metavar="ENDPOINT", help="where to listen (default: a free port of this machine)")
     result.add_argument("--connect", metavar="ENDPOINT", help="connect to this router instead of listening")
+    add_identity_option(result)
     patience = Patience()
     for what, does, default in (
         ("start", "joins after its start or the return of the simulator", patience.start),
@@ -84,7 +87,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         agent = check_agent(options.name, "--name")
         world = check_name(options.world, "--world")
         check_placeholders(options.command, "COMMAND")
-        link = _link(world, options.listen, options.connect)
+        link = _link(world, options.listen, options.connect, options.identity)
         _check_program(options.command[0])
         check_free(link.listen)
     except WireError as error:
@@ -112,16 +115,22 @@ def main(arguments: Sequence[str] | None = None) -> int:
     return 0 if passed == checked else 1
 
 
-def _link(world: str, listen: str | None, connect: str | None) -> Link:
+def _link(world: str, listen: str | None, connect: str | None, identity: Path | None) -> Link:
     """Return where the simulator of the check is.
 
     Raises:
-        WireError: An endpoint is wrong, or there are two.
+        WireError: An endpoint or the identity is wrong, or there are two endpoints.
     """
+    if identity is not None and listen is not None:
+        raise WireError("value", "--identity: expected --connect to a router, got --listen", "--identity")
+    connect = next(iter(router_of(identity)), None) if connect is None else connect
+    if identity is not None and connect is None:
+        text = "--identity: expected --connect with an endpoint of the router, or a file that names one, got neither"
+        raise WireError("value", text, "--identity")
     if listen is not None and connect is not None:
         raise WireError("value", "--listen: expected one of --listen and --connect, got both", "--listen")
     listens = () if connect is not None else (free_endpoint() if listen is None else listen,)
-    link = Link(world, listens, () if connect is None else (connect,))
+    link = Link(world, listens, () if connect is None else (connect,), identity=identity)
     check_link(link)
     return link
 

@@ -36,6 +36,7 @@ from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.keys import Keys
 from intellwheels_schemas.link import Link, declare, declare_token, open_session, watch_tokens
 from intellwheels_schemas.messages import Clock, Map, Measures, Result
+from intellwheels_schemas.own_rights import denied_service
 from intellwheels_schemas.zenoh_inbox import Arrival, Ask, Inbox, Presence, Put
 
 SLICE: Final = 0.05
@@ -265,6 +266,8 @@ class _Simulator:
         self.blocks = False
         with ExitStack() as stack:
             stack.enter_context(session)
+            if denied := denied_service(session, link.world):
+                raise ConnectionError(denied)
             stack.enter_context(watch_tokens(session, keys.tokens(agent), self._inbox))
             stack.enter_context(session.declare_subscriber(keys.actions(agent), self._on_actions))
             for key in (keys.join(agent), keys.leave(agent), keys.map, keys.clock):

@@ -45,6 +45,7 @@ class LaunchSpec:
         listen: Endpoints at which the simulator listens. The other processes connect to them.
         connect: Endpoints of a router to which all processes connect. No process needs to listen then.
         config: A Zenoh configuration for all processes, or None.
+        identity: The identity file of all processes, or None.
         logs: The folder of the processes' logs.
         speed: Multiple of real time, at pace `realtime`.
         encoding: The encoding of the agents' messages, `json` or `xml`.
@@ -63,6 +64,7 @@ class LaunchSpec:
     listen: tuple[str, ...] = ()
     connect: tuple[str, ...] = ()
     config: Path | None = None
+    identity: Path | None = None
     speed: float = 1.0
     encoding: str = "json"
     log: Path | None = None
@@ -140,7 +142,9 @@ class LaunchSpec:
 
     def _link_arguments(self, listen: tuple[str, ...], connect: tuple[str, ...]) -> list[str]:
         arguments = link_arguments(self.world, listen, connect)
-        return arguments if self.config is None else [*arguments, "--config", str(self.config.absolute())]
+        for option, file in (("--config", self.config), ("--identity", self.identity)):
+            arguments += [] if file is None else [option, str(file.absolute())]
+        return arguments
 
 
 def agent_command(cast: Cast, folder: Path | None, arguments: Sequence[str]) -> list[str]:

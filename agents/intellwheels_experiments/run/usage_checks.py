@@ -11,18 +11,26 @@ from intellwheels_maps.library import is_path, robot
 from intellwheels_maps.turning import narrow_starts
 from intellwheels_schemas.endpoint_form import check_free, is_free
 from intellwheels_schemas.errors import WireError
+from intellwheels_schemas.identity_option import router_of
 from intellwheels_schemas.link import Link, check_link
 from intellwheels_schemas.messages import Map, Pace, Scene
 
 
 def check_connection(options: argparse.Namespace) -> None:
-    """Check the endpoints, the configuration and the ports that this command would use.
+    """Check the endpoints, the identity, the configuration and the ports that this command would use.
+
+    An identity without --connect brings the endpoints of its router.
 
     Raises:
         WireError: One cannot be used.
         ConnectionError: A port is in use.
     """
-    check_link(Link(options.world, tuple(options.listen), tuple(options.connect), options.config))
+    if not options.connect and options.config is None:
+        options.connect = [*router_of(options.identity)]
+    if options.identity is not None and not options.connect and options.config is None:
+        text = "--identity: expected --connect with an endpoint of the router, or a file that names one, got neither"
+        raise WireError("value", text, "--identity")
+    check_link(Link(options.world, tuple(options.listen), tuple(options.connect), options.config, options.identity))
     check_free(options.listen)
     if options.view and not is_free("127.0.0.1", options.view_port):
         got = f"{options.view_port}, which is in use, perhaps by another viewer"

@@ -1,44 +1,78 @@
-"""`iw-lab`: passwords and identity files for the people and programs of a lab."""
+"""`iw-lab`: passwords, certificates and identity files for the people and programs of a lab."""
 
 from __future__ import annotations
 
 import argparse
+import datetime
 import secrets
 import sys
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Final
+
+import msgspec
 
 from intellwheels_schemas.command_parser import CommandParser, readable_file
-from intellwheels_schemas.endpoint_form import check_endpoint
+from intellwheels_schemas.endpoint_form import check_endpoint, host_of
 from intellwheels_schemas.errors import WireError
-from intellwheels_schemas.identity_file import ENDING, IdentityFile, identity_text, write_secret
-from intellwheels_schemas.messages import Lab
+from intellwheels_schemas.extras import missing_extra
+from intellwheels_schemas.files import write_file
+from intellwheels_schemas.identity_file import ENDING, IdentityFile, identity_text, read_identity, write_secret
+from intellwheels_schemas.lab_rules import check_lab
+from intellwheels_schemas.messages import Identity, Lab
+from intellwheels_schemas.names import check_agent
 from intellwheels_schemas.process import add_process_options
-from intellwheels_server.service.lab_router import read_lab, read_users, users_file
+from intellwheels_server.service.lab_files import LabFiles, read_lab, read_users
+from intellwheels_server.service.lab_router import has_expired
+from intellwheels_server.service.lab_template import new_lab
 
-RESTART = "restart iw-router, as it reads names and passwords when it starts"
+RESTART: Final = (
+    "restart iw-router: it reads names, passwords and rules when it starts, and keeps old sessions till then"
+)
+DAYS: Final = 365
+"""Days for which a certificate counts, unless the lab's document or an option says less."""
 
 
 def parser() -> argparse.ArgumentParser:
     """Return the parser of the command line."""
     found = CommandParser(
         prog="iw-lab",
-        description="Make passwords for the identities of a lab. The router reads them from the file beside the lab.",
+        description="Make passwords and certificates for the identities of a lab. The router reads them from files "
+        "beside the lab's document.",
     )
     actions = found.add_subparsers(dest="action", metavar="ACTION")
-    keys = actions.add_parser("keys", help="make a password for each identity that has none, and drop those of others")
-    invite = actions.add_parser("invite", help="write the identity file of one identity, for --identity of any command")
-    invite.add_argument("name", metavar="NAME", help="the identity, as in the lab's document")
+    new = actions.add_parser("new", help="write the document of a new lab, to start from")
+    new.add_argument("--students", type=_students, default=20, metavar="N", help="how many students (default: 20)")
+    new.add_argument(
+        "--chair", action="append", default=[], metavar="NAME", help="name of a real chair; may be repeated"
+    )
+    new.add_argument("--lab", type=Path, default=Path("LAB.xml"), metavar="FILE", help="the lab (default: LAB.xml)")
+    keys = actions.add_parser(
+        "keys", help="make what is lacking: passwords, and the certificates of the lab and its router; drop what is old"
+    )
+    keys.add_argument(
+        "--host", action="append", default=[], metavar="HOST",
+        help="name or address under which others reach the router by tls/; may be repeated, and is remembered",
+    )  # fmt: skip
+    invite = actions.add_parser("invite", help="write identity files, for --identity of any command")
+    renew = actions.add_parser("renew", help="write it again, with a later end; the old file counts until its own end")
     revoke = actions.add_parser("revoke", help="give an identity another password, so that its old file is void")
-    revoke.add_argument("name", metavar="NAME", help="the identity, as in the lab's document")
-    for one in (keys, invite, revoke):
+    for one in (invite, renew):
+        one.add_argument("names", nargs="*", metavar="NAME", help="identities, as in the lab's document (default: all)")
+    revoke.add_argument("names", nargs="+", metavar="NAME", help="identities, as in the lab's document")
+    for one in (keys, invite, renew, revoke):
         one.add_argument(
             "--lab", type=readable_file, default=Path("LAB.xml"), metavar="FILE", help="the lab (default: LAB.xml)"
         )
-    invite.add_argument("--out", type=Path, metavar="FILE", help=f"file to write (default: NAME{ENDING})")
-    invite.add_argument(
-        "--connect", action="append", default=[], metavar="ENDPOINT", help="endpoint of the router, as others reach it"
-    )
+    for one in (invite, renew):
+        one.add_argument("--out", type=Path, metavar="FILE", help=f"file to write (default: NAME{ENDING})")
+        one.add_argument(
+            "--connect", action="append", default=[], metavar="ENDPOINT",
+            help="endpoint of the router, as others reach it (default: those of the file, if it exists)",
+        )  # fmt: skip
+        one.add_argument(
+            "--days", type=_days, default=DAYS, metavar="N", help="days for which a certificate counts (default: 365)"
+        )
     add_process_options(found)
     return found
 
@@ -48,11 +82,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
     command = parser()
     options = command.parse_args(arguments)
     if options.action is None:
-        command.error("ACTION: expected keys, invite or revoke, got none")
+        command.error("ACTION: expected new, keys, invite, renew or revoke, got none")
+    today = datetime.datetime.now(datetime.UTC).date()
     try:
-        lab = read_lab(options.lab)
-        _check(options, lab)
-        return _do(options, lab)
+        if options.action == "new":
+            return _new(options)
+        return _LabDesk(options, LabFiles(options.lab), read_lab(options.lab), today).run()
     except WireError as error:
         _log(str(error))
         return 2
@@ -61,34 +96,135 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return 1
 
 
-def _check(options: argparse.Namespace, lab: Lab) -> None:
-    if options.action != "keys" and options.name not in {identity.name for identity in lab.identity}:
-        raise WireError("value", f"NAME: expected an identity of {options.lab}, got '{options.name}'")
-    for endpoint in getattr(options, "connect", ()):
-        check_endpoint(endpoint, "--connect")
+class _LabDesk:
+    """One use of the command."""
+
+    def __init__(self, options: argparse.Namespace, files: LabFiles, lab: Lab, today: datetime.date) -> None:
+        self._options, self._files, self._lab, self._today = options, files, lab, today
+        asked = [*options.host] if options.action == "keys" else []
+        self._signs = bool(asked) or files.authority.exists() or any(one.certificate for one in lab.identity)
+
+    def run(self) -> int:
+        """Check everything, and do what was asked."""
+        options = self._options
+        named = [] if options.action == "keys" else [self._named(name) for name in options.names]
+        for endpoint in getattr(options, "connect", ()):
+            check_endpoint(endpoint, "--connect")
+        lacking = missing_extra("lab") if self._signs else None
+        if lacking is not None:
+            raise WireError("value", f"certificates: {lacking}")
+        if options.action == "keys":
+            self._users()
+            self._certificates()
+        elif options.action == "revoke":
+            self._users(revoked=[identity.name for identity in named])
+        else:
+            everybody = [identity for identity in self._lab.identity if not has_expired(identity, self._today)]
+            if options.out is not None and len(named) != 1:
+                raise WireError("value", f"--out: expected with one NAME, got {len(named)}", "--out")
+            for identity in named or everybody:
+                self._invite(identity)
+        return 0
+
+    def _named(self, name: str) -> Identity:
+        for index, identity in enumerate(self._lab.identity):
+            if identity.name != name:
+                continue
+            if self._options.action != "revoke" and has_expired(identity, self._today):
+                where = f"{self._options.lab}: Lab.Identity[{index}].Until"
+                raise WireError("value", f"{where}: expected today or later to invite {name}, got {identity.until}")
+            return identity
+        raise WireError("value", f"NAME: expected an identity of {self._options.lab}, got '{name}'")
+
+    def _users(self, revoked: Sequence[str] = ()) -> dict[str, str]:
+        """Return the passwords of all, with new ones where needed."""
+        file = self._files.users
+        before = read_users(file) if file.exists() else {}
+        users = {
+            one.name: before.get(one.name, "") if one.name not in revoked else "" for one in self._lab.identity
+            if not has_expired(one, self._today)
+        }  # fmt: skip
+        users = {name: password or secrets.token_urlsafe(24) for name, password in users.items()}
+        if users != before:
+            write_secret(file, "".join(f"{name}:{password}\n" for name, password in users.items()).encode("ascii"))
+            _print(f"wrote users={len(users)} file={file}")
+            _log(RESTART)
+        return users
+
+    def _certificates(self) -> None:
+        if not self._signs:
+            return
+        from intellwheels_server.service import lab_certificates as made  # noqa: PLC0415 - needs an extra
+
+        authority = made.authority_of(self._files, self._lab.name, self._today)
+        if made.ensure_router(self._files, authority, tuple(self._options.host), self._today):
+            hosts = ",".join(sorted(made.router_hosts(self._files)))
+            _print(f"wrote certificate=router hosts={hosts} file={self._files.router}")
+            _log("restart iw-router: it reads its certificate when it starts")
+
+    def _invite(self, identity: Identity) -> None:
+        options = self._options
+        out = options.out or Path(f"{identity.name}{ENDING}")
+        connect = tuple(options.connect) or (read_identity(out).connect if out.exists() else ())
+        own = IdentityFile(
+            name=identity.name, password="-" * 8, connect=connect, may=identity.may, lab=self._lab.name,
+            until=identity.until,
+        )  # fmt: skip
+        if self._signs:
+            own = self._certified(own)
+        # Last, when nothing can be refused any more.
+        password = self._users()[identity.name]
+        write_secret(out, identity_text(msgspec.structs.replace(own, password=password)))
+        _print(f"wrote identity={own.name} until={own.until or '-'} file={out}")
+
+    def _certified(self, own: IdentityFile) -> IdentityFile:
+        from intellwheels_server.service import lab_certificates as made  # noqa: PLC0415 - needs an extra
+
+        hosts = made.router_hosts(self._files)
+        if not hosts:
+            text = f"{self._files.router}: expected the router's certificate, got none; run iw-lab keys first"
+            raise WireError("value", text)
+        for endpoint in own.connect:
+            host = host_of(endpoint)
+            if endpoint.startswith("tls/") and host not in hosts:
+                got = f"{host}; run iw-lab keys --host {host} first"
+                raise WireError("value", f"--connect: expected a host of the router's certificate, got {got}")
+        authority = made.authority_of(self._files, self._lab.name, self._today)
+        own = msgspec.structs.replace(own, authority=authority.pem)
+        if not any(identity.certificate for identity in self._lab.identity):
+            return own
+        # The router then asks everybody on a tls/ endpoint for a certificate.
+        until = self._today + datetime.timedelta(days=self._options.days)
+        if own.until is not None:
+            until = min(until, datetime.date.fromisoformat(own.until))
+        issued = made.issue_for(authority, own.name, until, self._today)
+        return msgspec.structs.replace(
+            own, until=until.isoformat(), certificate=issued.certificate, private_key=issued.key
+        )
 
 
-def _do(options: argparse.Namespace, lab: Lab) -> int:
-    file = users_file(options.lab)
-    before = read_users(file) if file.exists() else {}
-    users = {identity.name: before.get(identity.name) or _new_password() for identity in lab.identity}
-    if options.action == "revoke":
-        users[options.name] = _new_password()
-    if users != before:
-        write_secret(file, "".join(f"{name}:{password}\n" for name, password in users.items()).encode("ascii"))
-        _print(f"wrote users={len(users)} file={file}")
-        _log(RESTART)
-    if options.action == "invite":
-        out = options.out or Path(f"{options.name}{ENDING}")
-        (may,) = [identity.may for identity in lab.identity if identity.name == options.name]
-        own = IdentityFile(name=options.name, password=users[options.name], connect=tuple(options.connect), may=may)
-        write_secret(out, identity_text(own))
-        _print(f"wrote identity={options.name} file={out}")
+def _new(options: argparse.Namespace) -> int:
+    for chair in options.chair:
+        check_agent(chair, "--chair")
+    if options.lab.exists():
+        raise WireError("value", f"--lab: expected a file that does not exist yet, got {options.lab}", "--lab")
+    lab = new_lab(options.lab.stem.lower(), options.students, options.chair)
+    check_lab(lab, "Lab")
+    options.lab.write_text(write_file(lab), encoding="utf-8")
+    _print(f"wrote identities={len(lab.identity)} file={options.lab}")
     return 0
 
 
-def _new_password() -> str:
-    return secrets.token_urlsafe(24)
+def _students(text: str) -> int:
+    if text.isdecimal() and int(text) <= 1000:
+        return int(text)
+    raise argparse.ArgumentTypeError(f"expected a number of students from 0 to 1000, got {text!r}")
+
+
+def _days(text: str) -> int:
+    if text.isdecimal() and 0 < int(text) <= DAYS * 10:
+        return int(text)
+    raise argparse.ArgumentTypeError(f"expected a number of days from 1 to {DAYS * 10}, got {text!r}")
 
 
 def _print(line: str) -> None:

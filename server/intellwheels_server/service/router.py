@@ -6,18 +6,22 @@ It forwards messages and reads none of them. `--print` prints its configuration,
 from __future__ import annotations
 
 import argparse
+import datetime
+import os
 import sys
 from collections.abc import Sequence
-from pathlib import Path
-from typing import Any
 
 from intellwheels_schemas import defaults
 from intellwheels_schemas.command_parser import CommandParser, readable_file
 from intellwheels_schemas.endpoint_form import check_endpoint
 from intellwheels_schemas.errors import WireError
+from intellwheels_schemas.identity_file import WARN_DAYS
+from intellwheels_schemas.own_rights import answer_rights
+from intellwheels_schemas.panic_watch import PanicWatch
 from intellwheels_schemas.process import SLICE, add_process_options, stop_on_signals
-from intellwheels_schemas.router_link import OPEN, open_router, router_settings
-from intellwheels_server.service.lab_router import lab_settings, read_lab, read_users, users_file
+from intellwheels_schemas.router_link import open_router, open_words, router_settings
+from intellwheels_server.service.lab_files import LabFiles, read_lab, router_until
+from intellwheels_server.service.lab_router import checked_settings, has_expired
 
 EXAMPLES = """\
 examples:
@@ -53,24 +57,35 @@ def parser() -> argparse.ArgumentParser:
     return found
 
 
-def _settings_of(file: Path, *, printed: bool) -> dict[str, Any]:
-    lab, users = read_lab(file), users_file(file)
-    known = {} if printed else read_users(users)
-    lacking = [] if printed else [identity.name for identity in lab.identity if identity.name not in known]
-    if lacking:
-        text = f"{users}: expected a password for {', '.join(lacking)}, got none; run iw-lab keys {file}"
-        raise WireError("value", text, str(users))
-    return lab_settings(lab, users)
+def _check_listen(endpoint: str, files: LabFiles | None) -> None:
+    check_endpoint(endpoint, "--listen")
+    if endpoint.startswith("tls/") and (files is None or not files.router.exists()):
+        text = "--listen: expected --lab with a certificate for tls/, got none; run iw-lab keys --host HOST"
+        raise WireError("value", text, "--listen")
+
+
+def _warnings(files: LabFiles, today: datetime.date) -> list[str]:
+    found = [
+        f"{identity.name} expired after {identity.until} and is not let in"
+        for identity in read_lab(files.lab).identity
+        if has_expired(identity, today)
+    ]
+    until = router_until(files)
+    if until is not None and (until - today).days <= WARN_DAYS:
+        found.append(f"the router's certificate expires after {until}; run iw-lab keys, and restart iw-router")
+    return found
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the router until it is stopped; return the exit code: 0 done, 1 failed, 2 wrong usage."""
     options = parser().parse_args(arguments)
     listen = options.listen or [defaults.ENDPOINT]
+    files, today = None if options.lab is None else LabFiles(options.lab), datetime.datetime.now(datetime.UTC).date()
     try:
         for endpoint in listen:
-            check_endpoint(endpoint, "--listen")
-        more = None if options.lab is None else _settings_of(options.lab, printed=options.print)
+            _check_listen(endpoint, files)
+        more = None if files is None else checked_settings(files, today, printed=options.print)
+        warnings = [] if files is None else _warnings(files, today)
     except WireError as error:
         print(f"iw-router: {error}", file=sys.stderr)
         return 2
@@ -78,17 +93,30 @@ def main(arguments: Sequence[str] | None = None) -> int:
         print(router_settings(listen, more), end="")
         return 0
     stop = stop_on_signals(options.lifeline)
+    watch = PanicWatch(lambda line: _begin_again(watch, line))
     try:
-        with open_router(listen, more):
+        with open_router(listen, more) as session:
+            queryables = [] if files is None else answer_rights(session, read_lab(files.lab).identity)
+            for warning in warnings:
+                print(f"iw-router: {warning}", file=sys.stderr, flush=True)
             if more is None:
-                print(f"iw-router: {OPEN}", file=sys.stderr, flush=True)
+                print(f"iw-router: {open_words(listen)}", file=sys.stderr, flush=True)
             print(f"ready listen={','.join(listen)}", flush=True)
             while not stop.wait(SLICE):
                 pass
+            for queryable in queryables:
+                queryable.undeclare()
     except ConnectionError as error:
         print(f"iw-router: {error}", file=sys.stderr)
         return 1
     return 0
+
+
+def _begin_again(watch: PanicWatch, line: str) -> None:
+    """Replace this process by a new one, which listens at the same endpoints. A router keeps nothing."""
+    watch.close()
+    print(f"iw-router: restarted why={line!r}", file=sys.stderr, flush=True)
+    os.execv(sys.executable, sys.orig_argv)  # noqa: S606 - this process's own command line
 
 
 if __name__ == "__main__":

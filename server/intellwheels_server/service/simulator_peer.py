@@ -21,9 +21,10 @@ from intellwheels_schemas.channels import CHANNELS
 from intellwheels_schemas.codec import Encoding, encode
 from intellwheels_schemas.keys import Claim, Keys, OutKind
 from intellwheels_schemas.messages import Body, Clock, Event, MapInfo, Pose, Record, WorldState
+from intellwheels_schemas.own_rights import denied_service
 from intellwheels_schemas.process import SLICE
 from intellwheels_schemas.repliers import mark_of
-from intellwheels_schemas.router_link import OPEN
+from intellwheels_schemas.router_link import open_words
 from intellwheels_server.log.input_log import Log
 from intellwheels_server.log.reported_poses import ReportedPoses
 from intellwheels_server.log.run_files import RunFiles
@@ -207,6 +208,8 @@ def serve(
         if session is None:
             return 0
         stack.enter_context(session)
+        if denied := denied_service(session, options.world):
+            raise ConnectionError(denied)
         _check_free(session, keys, route)
         # Before a log is opened: a simulator that must end would replace the log of the one that goes on.
         claim = stack.enter_context(closing(ClaimWatch(session, keys)))
@@ -341,7 +344,7 @@ def _serve(
         floor_name = service.state.setup.floor.name
         console.log_line(f"serving world={options.world} pace={options.pace} map={floor_name} at={route.where()}")
         if route.identity is None:
-            console.log_line(f"world={options.world} is {OPEN}")
+            console.log_line(f"world={options.world} is {open_words(route.listen)}")
         console.print_line(f"ready world={options.world} run={service.state.run} listen={route.where()}")
         try:
             claim.begin()

@@ -102,6 +102,7 @@ def test_kill_of_the_check_ends_the_program(tmp_path: Path) -> None:
     [
         ((), 2, "COMMAND"),
         (("--name", "Chair 1", "--", "true"), 2, "--name: expected a name"),
+        (("--identity", __file__, "--listen", "tcp/127.0.0.1:1", "--", "true"), 2, "--identity: expected --connect"),
         (("--listen", "tcp/127.0.0.1:1", "--connect", "tcp/127.0.0.1:1", "--", "true"), 2, "got both"),
         (
             ("--", "true", "{nmae}"),

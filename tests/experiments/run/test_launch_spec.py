@@ -99,9 +99,12 @@ def test_agents_connect_where_the_simulator_listens() -> None:
 
 
 def test_all_connect_to_a_router() -> None:
-    spec = replace(SPEC, listen=(), connect=("tcp/router:7447",), config=Path("/secure.json5"))
+    spec = replace(
+        SPEC, listen=(), connect=("tcp/router:7447",), config=Path("/secure.json5"), identity=Path("/me.iwid")
+    )
     server, agent = spec.server_command(5), spec.agent_command(Cast(name="c", robot="table", mind="table"), 5)
     for command in (server, agent):
         assert command[command.index("--connect") + 1] == "tcp/router:7447"
         assert command[command.index("--config") + 1] == "/secure.json5"
+        assert command[command.index("--identity") + 1] == "/me.iwid"
         assert "--listen" not in command

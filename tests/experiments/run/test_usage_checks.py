@@ -2,8 +2,10 @@ from __future__ import annotations
 
 import socket
 from argparse import Namespace
+from pathlib import Path
 from typing import Any
 
+import msgspec
 import pytest
 
 from intellwheels_experiments.run import usage_checks
@@ -16,6 +18,7 @@ from intellwheels_experiments.run.usage_checks import (
 )
 from intellwheels_maps import floor, scene
 from intellwheels_schemas.errors import WireError
+from intellwheels_schemas.identity_file import IdentityFile, identity_text, write_secret
 from intellwheels_schemas.messages import Bridge, Cast, Scene
 
 
@@ -25,6 +28,7 @@ def options(**given: Any) -> Namespace:
         "listen": [],
         "connect": [],
         "config": None,
+        "identity": None,
         "view": False,
         "view_port": 8080,
     }
@@ -43,6 +47,21 @@ def test_ports_are_checked_and_the_option_of_this_command_is_named() -> None:
             check_connection(options(listen=[f"tcp/127.0.0.1:{port}"]))
     with pytest.raises(WireError, match=r"^--connect: expected an endpoint"):
         check_connection(options(connect=["lab"]))
+
+
+def test_identity_brings_its_router_or_needs_one(tmp_path: Path) -> None:
+    own = IdentityFile(name="runner", password="correct-horse")
+    write_secret(tmp_path / "lone.iwid", identity_text(own))
+    with pytest.raises(WireError, match=r"^--identity: expected --connect with an endpoint of the router"):
+        check_connection(options(identity=tmp_path / "lone.iwid"))
+    endpoint = "tls/10.0.0.5:7447"
+    write_secret(tmp_path / "own.iwid", identity_text(msgspec.structs.replace(own, connect=(endpoint,))))
+    given = options(identity=tmp_path / "own.iwid")
+    check_connection(given)
+    assert given.connect == [endpoint]
+    write_secret(tmp_path / "old.iwid", identity_text(msgspec.structs.replace(own, until="2020-01-31")))
+    with pytest.raises(WireError, match=r"^--identity: .* expired after 2020-01-31"):
+        check_connection(options(identity=tmp_path / "old.iwid", connect=[endpoint]))
 
 
 def test_speed_is_that_of_a_run_in_real_time() -> None:

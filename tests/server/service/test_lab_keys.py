@@ -2,13 +2,14 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import msgspec
 import pytest
 
 from intellwheels_schemas.files import write_file
 from intellwheels_schemas.identity_file import read_identity
 from intellwheels_server.service import router
+from intellwheels_server.service.lab_files import read_users
 from intellwheels_server.service.lab_keys import RESTART, main
-from intellwheels_server.service.lab_router import read_users
 from tests.server.service.test_lab_router import LAB
 
 
@@ -49,6 +50,63 @@ def test_revoked_file_is_void_and_the_others_stay(folder: Path, capsys: pytest.C
     after = read_users(folder / "LAB.users")
     assert {name for name in before if before[name] != after[name]} == {"student1"}
     assert RESTART in capsys.readouterr().err
+
+
+def test_certificates_come_with_a_host_and_the_file_has_the_authority(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["keys", "--host", "lab.org"]) == 0
+    assert "hosts=127.0.0.1,::1,lab.org,localhost" in capsys.readouterr().out
+    assert main(["invite", "student1", "--connect", "tls/lab.org:7447"]) == 0
+    own = read_identity(folder / "student1.iwid")
+    assert own.authority.startswith("-----BEGIN CERTIFICATE")
+    assert own.certificate == "", "a password is enough here"
+    assert main(["invite", "student1", "--connect", "tls/10.0.0.9:7447"]) == 2
+    assert "got 10.0.0.9; run iw-lab keys --host 10.0.0.9 first" in capsys.readouterr().err
+
+
+def test_renewed_file_keeps_its_password_and_endpoint_and_ends_later(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    needed = (msgspec.structs.replace(LAB.identity[0], certificate=True), *LAB.identity[1:])
+    (folder / "LAB.xml").write_text(write_file(msgspec.structs.replace(LAB, identity=needed)))
+    assert main(["invite", "student1"]) == 2
+    assert "expected the router's certificate, got none; run iw-lab keys first" in capsys.readouterr().err
+    assert main(["keys"]) == 0
+    assert main(["invite", "student1", "--connect", "tls/127.0.0.1:7447", "--days", "10"]) == 0
+    before = read_identity(folder / "student1.iwid")
+    assert main(["renew", "student1"]) == 0
+    after = read_identity(folder / "student1.iwid")
+    assert (after.password, after.connect) == (before.password, before.connect)
+    assert (after.until or "") > (before.until or "")
+    assert after.certificate != before.certificate
+    assert before.private_key not in "".join(capsys.readouterr())
+
+
+def test_identity_past_its_last_day_has_no_password_and_no_invitation(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    main(["keys"])
+    ended = (*LAB.identity[:2], msgspec.structs.replace(LAB.identity[2], until="2020-01-31"))
+    (folder / "LAB.xml").write_text(write_file(msgspec.structs.replace(LAB, identity=ended)))
+    assert main(["invite", "idle"]) == 2
+    assert "Lab.Identity[2].Until: expected today or later to invite idle, got 2020-01-31" in capsys.readouterr().err
+    assert main(["keys"]) == 0
+    assert list(read_users(folder / "LAB.users")) == ["sim", "student1"]
+
+
+def test_new_lab_and_files_for_everybody(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert main(["new", "--students", "2", "--chair", "real1"]) == 0
+    assert main(["new"]) == 2
+    assert main(["keys"]) == 0
+    assert main(["invite"]) == 0
+    names = {"simulator", "teacher", "recorder", "student1", "student2", "bridge-real1"}
+    assert {file.stem for file in tmp_path.glob("*.iwid")} == names
+    assert main(["invite", "--out", "x.iwid"]) == 2
+    assert main(["new", "--chair", "Real!", "--lab", "b.xml"]) == 2
 
 
 @pytest.mark.parametrize(

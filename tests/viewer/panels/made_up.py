@@ -19,8 +19,10 @@ from intellwheels_schemas.messages import (
     Goal,
     GPSReading,
     GroundReading,
+    Identity,
     IMUReading,
     LidarReading,
+    May,
     Measures,
     OdometryReading,
     Proximity,
@@ -28,9 +30,13 @@ from intellwheels_schemas.messages import (
     Robot,
     Sensors,
 )
+from intellwheels_viewer.page_rights import PageRights
 from intellwheels_viewer.panels.choices import Choices
 from intellwheels_viewer.snapshot import Sample, Snapshot, Utterance
 
+LOOKS_ONLY = PageRights("guests may only look")
+DENIED = PageRights(holders=(Identity(name="guest", may=(May(role="viewer", agents=("chair2",)),)),))
+"""Of a user who may drive one chair."""
 RUN = "9f3c21d4a0b1c2d3"
 PERIOD = 0.05
 TICK = 1687

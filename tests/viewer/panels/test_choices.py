@@ -6,12 +6,13 @@ from dataclasses import FrozenInstanceError
 
 import pytest
 
+from intellwheels_viewer.page_rights import EVERYTHING
 from intellwheels_viewer.panels.choices import Choices
 
 
 def test_a_new_browser_has_chosen_nothing_and_may_steer() -> None:
     choices = Choices()
-    assert (choices.selected, choices.placing, choices.can_undo, choices.allowed) == (None, None, False, True)
+    assert (choices.selected, choices.placing, choices.can_undo, choices.rights) == (None, None, False, EVERYTHING)
     assert dict(choices.looks) == {}
 
 

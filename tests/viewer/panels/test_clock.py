@@ -7,10 +7,13 @@ from dataclasses import replace
 import pytest
 import viser
 
+from intellwheels_schemas.messages import Identity, May
+from intellwheels_viewer.page_rights import PageRights
 from intellwheels_viewer.panels.choices import Choices
 from intellwheels_viewer.panels.clock import ClockPanel, clock_html
 from intellwheels_viewer.snapshot import Snapshot
 from tests.viewer.panels import made_up
+from tests.viewer.panels.made_up import LOOKS_ONLY
 from tests.viewer.panels.panel import Calls, enter, press
 
 
@@ -90,12 +93,21 @@ def test_what_cannot_act_is_disabled(gui: viser.GuiApi, calls: Calls) -> None:
     shown = panel(gui, calls)
     shown.show(at("running"), Choices())
     assert disabled(shown) == [False] * 4
-    shown.show(at("running"), Choices(allowed=False))
+    shown.show(at("running"), Choices(rights=LOOKS_ONLY))
     assert disabled(shown) == [True] * 4
+    assert not any(one.visible for one in (shown._pause, shown._resume, shown._step, shown._speed, shown._reset))
     shown.show(replace(at("running"), phase="silent"), Choices())
     assert disabled(shown) == [True] * 4
     shown.show(at("running", pace="lockstep"), Choices())
     assert disabled(shown) == [False, False, True, False]
+
+
+def test_verb_that_is_denied_is_disabled_and_named(gui: viser.GuiApi, calls: Calls) -> None:
+    may = (May(role="operator", verbs=("pause", "resume")),)
+    shown = panel(gui, calls)
+    shown.show(at("running"), Choices(rights=PageRights(holders=(Identity(name="helper", may=may),))))
+    assert disabled(shown) == [False, True, True, True]
+    assert "helper may not ctl/step, ctl/speed, ctl/reset in world main" in shown._clock.content
 
 
 def test_a_log_has_its_buttons_beside_its_time_line(gui: viser.GuiApi, calls: Calls) -> None:

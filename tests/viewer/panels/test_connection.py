@@ -19,6 +19,7 @@ from intellwheels_viewer.panels.connection import (
 )
 from intellwheels_viewer.snapshot import Phase, Snapshot
 from tests.viewer.panels import made_up
+from tests.viewer.panels.made_up import LOOKS_ONLY
 from tests.viewer.panels.panel import Calls, enter
 
 
@@ -55,8 +56,11 @@ def test_what_is_wrong_comes_with_what_to_do(phase: str, words: list[str]) -> No
 
 def test_who_may_only_look_is_told() -> None:
     snapshot = made_up.snapshot()
-    assert "View only" in connection_html(snapshot, Choices(allowed=False))
+    assert "View only" in connection_html(snapshot, Choices(rights=LOOKS_ONLY))
     assert "View only" not in connection_html(snapshot, Choices())
+    assert "As guest this page may steer chair2" in connection_html(snapshot, Choices(rights=made_up.DENIED))
+    unseen = replace(snapshot, phase="no-world", world="ward")
+    assert "guest may not read state/* in world ward" in connection_html(unseen, Choices(rights=made_up.DENIED))
 
 
 def test_a_run_that_is_over_and_whose_processes_have_ended_says_so() -> None:

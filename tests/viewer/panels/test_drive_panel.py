@@ -18,6 +18,7 @@ from intellwheels_viewer.panels.drive_panel import (
 )
 from intellwheels_viewer.panels.stick_input import GENTLE, StickInput
 from tests.viewer.panels import made_up
+from tests.viewer.panels.made_up import LOOKS_ONLY
 from tests.viewer.panels.panel import Calls, enter, hold, press
 
 
@@ -40,14 +41,18 @@ def test_who_is_driven_or_why_nobody_is_said() -> None:
     assert "You are driving" not in over
     assert "Nothing is selected" in drive_html(snapshot, Choices())
     assert "table1 has no motors" in drive_html(snapshot, Choices(selected="table1"))
-    assert "View only" in drive_html(snapshot, Choices(selected="chair1", allowed=False))
+    assert "View only" in drive_html(snapshot, Choices(selected="chair1", rights=LOOKS_ONLY))
+    assert "guest may not write user/chair1" in drive_html(snapshot, Choices(selected="chair1", rights=made_up.DENIED))
+    own = drive_html(snapshot, Choices(selected="chair2", rights=made_up.DENIED))
+    assert "Hold the stick" in own
+    assert "guest may not ctl/say in world main" in own
     assert "No world" in drive_html(made_up.nothing("no-world"), Choices())
 
 
 def test_the_page_sends_nothing_while_nobody_can_be_driven(gui: viser.GuiApi, calls: Calls) -> None:
     shown = panel(gui, calls)
     assert shown._stick._off.content == ""
-    for choices in (Choices(), Choices(selected="table1"), Choices(selected="chair1", allowed=False)):
+    for choices in (Choices(), Choices(selected="table1"), Choices(selected="chair1", rights=LOOKS_ONLY)):
         shown.show(made_up.snapshot(), choices)
         assert "iw-drive-off" in shown._stick._off.content
         assert not can_drive(made_up.snapshot(), choices)
@@ -78,7 +83,7 @@ def test_power_is_bounded(gui: viser.GuiApi, calls: Calls) -> None:
 
 
 def test_nobody_is_driven_without_rights_whatever_a_page_sends(gui: viser.GuiApi, calls: Calls) -> None:
-    shown = panel(gui, calls, replace(made_up.choices(), allowed=False))
+    shown = panel(gui, calls, replace(made_up.choices(), rights=LOOKS_ONLY))
     enter(shown._stick.value, (1.0, 0.0, 1.0))
     for button in shown._buttons:
         assert button.disabled

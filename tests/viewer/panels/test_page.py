@@ -15,6 +15,7 @@ from intellwheels_viewer.panels.scan_panel import OFF
 from intellwheels_viewer.panels.stick_input import GENTLE
 from tests.viewer.panels import made_up
 from tests.viewer.panels.board import FAULTS, Board, opened, served
+from tests.viewer.panels.made_up import DENIED
 from tests.viewer.wire import until
 
 pytestmark = pytest.mark.browser
@@ -278,7 +279,7 @@ def test_a_body_in_the_plan_selects(page: Page, board: Board) -> None:
 
 
 def test_disabled_groups_cannot_be_pressed(page: Page, board: Board) -> None:
-    board.show(made_up.snapshot(), replace(made_up.choices(), allowed=False))
+    board.show(made_up.snapshot(), replace(made_up.choices(), rights=DENIED))
     page.wait_for_function("[...document.querySelectorAll('button')].find(b => b.innerText === 'Reset').disabled")
 
 

@@ -11,6 +11,7 @@ from intellwheels_maps import library
 from intellwheels_viewer.panels.choices import Choices
 from intellwheels_viewer.panels.place import PALETTE, PlacePanel, place_html
 from tests.viewer.panels import made_up
+from tests.viewer.panels.made_up import LOOKS_ONLY
 from tests.viewer.panels.panel import Calls, enter, press
 
 
@@ -30,7 +31,7 @@ def test_what_to_do_next_is_said() -> None:
     snapshot = made_up.snapshot()
     assert "Choose a thing to place" in place_html(snapshot, Choices())
     assert "Click the floor to place the table" in place_html(snapshot, Choices(placing="Table"))
-    assert "View only" in place_html(snapshot, Choices(allowed=False))
+    assert "View only" in place_html(snapshot, Choices(rights=LOOKS_ONLY))
     assert "No world" in place_html(made_up.nothing("no-world"), Choices())
 
 
@@ -64,5 +65,8 @@ def test_what_cannot_act_is_disabled(gui: viser.GuiApi, calls: Calls) -> None:
     assert (shown._remove.label, shown._remove.disabled) == ("Remove chair1", False)
     shown.show(made_up.snapshot(), Choices(selected="ghost"))
     assert (shown._remove.label, shown._remove.disabled) == ("Remove", True)
-    shown.show(made_up.snapshot(), replace(made_up.choices(), allowed=False))
+    shown.show(made_up.snapshot(), replace(made_up.choices(), rights=LOOKS_ONLY))
     assert shown._remove.disabled
+    shown.show(made_up.snapshot(), replace(made_up.choices(), rights=made_up.DENIED))
+    assert shown._remove.disabled
+    assert "guest may not ctl/spawn in world main" in shown._words.content

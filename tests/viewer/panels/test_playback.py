@@ -11,6 +11,7 @@ from intellwheels_schemas.messages import Pose
 from intellwheels_viewer.panels.choices import Choices
 from intellwheels_viewer.panels.playback import HOLD_AFTER_DRAG, PlaybackPanel, playback_html
 from tests.viewer.panels import made_up
+from tests.viewer.panels.made_up import LOOKS_ONLY
 from tests.viewer.panels.panel import Calls, enter, press
 
 
@@ -80,7 +81,7 @@ def test_buttons_call_and_are_disabled_without_rights(gui: viser.GuiApi, calls: 
     press(shown._resume)
     enter(shown._speed, "2")
     assert calls == [("pause",), ("resume",), ("speed", 2.0)]
-    shown.show(LOG, Choices(allowed=False))
+    shown.show(LOG, Choices(rights=LOOKS_ONLY))
     assert shown._line.disabled
 
 

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from intellwheels_schemas.agent_colours import Look
+from intellwheels_viewer.page_rights import EVERYTHING, PageRights
 
 
 @dataclass(frozen=True)
@@ -15,7 +16,7 @@ class Choices:
     Attributes:
         selected: The selected agent; it may have left.
         looks: The colour and the stripes of each body.
-        allowed: Whether this viewer may control the simulation.
+        rights: What this page may do, and why it may not do the rest.
         driven: The agent that this page drives now.
         placing: The label of the thing that the next click on the floor places, see `place.PALETTE`.
         can_undo: Whether a change can be undone.
@@ -24,7 +25,7 @@ class Choices:
 
     selected: str | None = None
     looks: Mapping[str, Look] = field(default_factory=dict)
-    allowed: bool = True
+    rights: PageRights = EVERYTHING
     driven: str | None = None
     placing: str | None = None
     can_undo: bool = False

@@ -9,6 +9,7 @@ from typing import Final
 import viser
 
 from intellwheels_schemas.agent_colours import natural_key
+from intellwheels_schemas.keys import Verb
 from intellwheels_schemas.messages import Clock
 from intellwheels_viewer.panels import number_format
 from intellwheels_viewer.panels.callbacks import chosen, clicked, disable
@@ -19,6 +20,10 @@ from intellwheels_viewer.snapshot import Snapshot
 
 STEPS: Final = ("1", "10", "100")
 SPEEDS: Final = ("0.5", "1", "2", "5")
+RUN_VERBS: Final[tuple[Verb, ...]] = ("pause", "resume", "step", "speed", "reset")
+"""What the buttons of a live run ask for."""
+LOG_VERBS: Final[tuple[Verb, ...]] = ("pause", "resume", "step", "speed", "seek")
+"""The same in a playback, with its timeline."""
 _SHOWN: Final = 3
 _BUSY: Final = 0.8
 """Share of the time from which on the page says that the simulator is busy."""
@@ -134,18 +139,24 @@ class ClockPanel:
 
     def show(self, snapshot: Snapshot, choices: Choices) -> None:
         """Show the clock, and disable buttons that have no effect now."""
-        self._clock.content = clock_html(snapshot)
-        clock = snapshot.clock
-        enabled = choices.allowed and snapshot.phase == "live" and clock is not None
+        world, rights, clock = snapshot.world, choices.rights, snapshot.clock
+        log = snapshot.last_tick is not None
+        denied = "" if rights.looks_only else rights.why_not_any(world, LOG_VERBS if log else RUN_VERBS)
+        self._clock.content = clock_html(snapshot) + (block("denied", note(denied, "wait")) if denied else "")
+
+        def off(verb: Verb) -> bool:
+            return snapshot.phase != "live" or clock is None or bool(rights.why_not(world, verb))
+
         halted = clock is not None and clock.state in {"paused", "ended"}
         # A playback has buttons of its own, beside its timeline.
-        log = snapshot.last_tick is not None
-        self._pause.visible, self._resume.visible = not halted and not log, halted and not log
+        shown = not log and not rights.looks_only
+        self._pause.visible, self._resume.visible = not halted and shown, halted and shown
         over = snapshot.is_over
-        self._again.visible, self._again.disabled = over, not enabled
+        self._again.visible, self._again.disabled = over and shown, off("reset")
         self._resume.label = "Continue this run" if over else "Resume"
-        self._speed.visible = self._reset.visible = not log
-        self._pause.disabled = self._resume.disabled = not enabled
-        disable(self._step, not enabled)
-        disable(self._reset, not enabled)
-        disable(self._speed, not (enabled and clock is not None and clock.pace == "realtime"))
+        self._speed.visible = self._reset.visible = shown
+        self._step.visible = not rights.looks_only
+        self._pause.disabled, self._resume.disabled = off("pause"), off("resume")
+        disable(self._step, off("step"))
+        disable(self._reset, off("reset"))
+        disable(self._speed, off("speed") or clock is None or clock.pace != "realtime")

@@ -61,11 +61,21 @@ def connection_html(snapshot: Snapshot, choices: Choices) -> str:
         f'<div class="iw-head"><i class="iw-dot {now.tone}"></i><b>{html.escape(now.title)}</b></div>'
         f'<div class="{size}">{prose(now.text)}</div>'
     )
-    if snapshot.phase == "live" and not choices.allowed:
-        content += note(f"{VIEW_ONLY}: this viewer is not allowed to control the simulation.", "wait")
+    if words := rights_words(snapshot, choices):
+        content += note(words, "wait") if words.startswith(VIEW_ONLY) else f'<div class="iw-small">{prose(words)}</div>'
     if snapshot.phase in ("silent", "gone"):
         content += GREYED
     return block("connection", f'<div data-phase="{snapshot.phase}">{content}</div>')
+
+
+def rights_words(snapshot: Snapshot, choices: Choices) -> str:
+    """Return what this page may do, or that it may only look and why; empty if nothing limits it."""
+    world = snapshot.world
+    if not world and snapshot.phase == "no-world":
+        return choices.rights.where_to_look()
+    if unseen := choices.rights.why_not_see(world):
+        return f"{VIEW_ONLY}: {unseen}" if snapshot.phase == "live" else unseen
+    return choices.rights.summary(world) if snapshot.phase == "live" else ""
 
 
 def _start(snapshot: Snapshot) -> str:

@@ -15,7 +15,7 @@ import viser
 from intellwheels_viewer.panels.callbacks import assign, clicked, updated
 from intellwheels_viewer.panels.choices import Choices
 from intellwheels_viewer.panels.stick_input import GENTLE, RATE, StickInput
-from intellwheels_viewer.panels.style_sheet import STYLE_SHEET, block, note
+from intellwheels_viewer.panels.style_sheet import STYLE_SHEET, block, note, prose
 from intellwheels_viewer.snapshot import Snapshot
 from intellwheels_viewer.steering import VIEW_ONLY
 
@@ -40,8 +40,8 @@ def drive_html(snapshot: Snapshot, choices: Choices) -> str:
     """Return the agent that is driven, or how to drive the selected one, or why it cannot be driven."""
     if snapshot.phase != "live":
         words = note("No world is running", "wait")
-    elif not choices.allowed:
-        words = note(f"{VIEW_ONLY}: this viewer is not allowed to control the simulation.", "wait")
+    elif why := choices.rights.why_not_drive(snapshot.world, choices.selected):
+        words = note(f"{VIEW_ONLY}: {why}", "wait")
     elif choices.selected is None:
         words = note("Nothing is selected. Click a chair.")
     elif not can_drive(snapshot, choices):
@@ -52,12 +52,16 @@ def drive_html(snapshot: Snapshot, choices: Choices) -> str:
         words = note(f"You are driving {choices.selected}", "good")
     else:
         words = note(f"Hold the stick or the keys I J K L to drive {choices.selected}.")
+    if snapshot.phase == "live" and (unsaid := choices.rights.why_not(snapshot.world, "say")):
+        words += f'<div class="iw-small">{prose(unsaid)}</div>'
     return block("drive", words)
 
 
 def can_drive(snapshot: Snapshot, choices: Choices) -> bool:
     """Return whether the selected body can be driven from this page."""
-    if snapshot.phase != "live" or not choices.allowed or choices.selected is None:
+    if snapshot.phase != "live" or choices.selected is None:
+        return False
+    if choices.rights.why_not_drive(snapshot.world, choices.selected):
         return False
     body = snapshot.bodies.get(choices.selected)
     return body is not None and snapshot.entity(choices.selected) is not None and body.robot.top_speed > 0
@@ -126,7 +130,7 @@ class DrivePanel:
         self._stick.enable(self._able)
         for button in self._buttons:
             button.disabled = not self._able
-        may_say = snapshot.phase == "live" and choices.allowed
+        may_say = snapshot.phase == "live" and not choices.rights.why_not(snapshot.world, "say")
         self._text.disabled = self._to.disabled = self._say.disabled = not may_say
         to = (EVERYBODY,) if choices.selected is None else (EVERYBODY, choices.selected)
         if to != self._to.options:

@@ -31,8 +31,8 @@ def place_html(snapshot: Snapshot, choices: Choices) -> str:
     """Return what the user can do next, or the reason why nothing can be placed."""
     if snapshot.phase != "live":
         words = note("No world is running", "wait")
-    elif not choices.allowed:
-        words = note(f"{VIEW_ONLY}: this viewer is not allowed to control the simulation.", "wait")
+    elif why := choices.rights.why_not_place(snapshot.world, choices.selected):
+        words = note(f"{VIEW_ONLY}: {why}", "wait")
     elif choices.placing is not None:
         words = note(f"Click the floor to place the {choices.placing.lower()}. Press Escape to stop.", "good")
     else:
@@ -82,15 +82,16 @@ class PlacePanel:
 
     def show(self, snapshot: Snapshot, choices: Choices) -> None:
         """Show what can be done in a snapshot, and disable the rest."""
-        enabled = snapshot.phase == "live" and choices.allowed
+        live, world, rights = snapshot.phase == "live", snapshot.world, choices.rights
+        enabled = live and not rights.why_not(world, "spawn")
         self._words.content = place_html(snapshot, choices)
         disable(self._things, not enabled)
         disable(self._bodies, not enabled)
-        self._undo.disabled = not (enabled and choices.can_undo)
+        self._undo.disabled = not (live and choices.can_undo)
         self._done.visible = choices.placing is not None
         self._turn.disabled = not (enabled and choices.placing is not None)
         here = choices.selected is not None and snapshot.entity(choices.selected) is not None
-        disable(self._by, not (enabled and here))
-        self._remove.disabled = not (enabled and here)
+        disable(self._by, not (live and here) or bool(rights.why_not(world, "teleport", choices.selected)))
+        self._remove.disabled = not (live and here) or bool(rights.why_not(world, "delete", choices.selected))
         # The label of a button is plain text, so it needs no escaping.
         self._remove.label = f"Remove {choices.selected}" if here else "Remove"

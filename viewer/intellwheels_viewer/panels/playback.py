@@ -86,14 +86,17 @@ class PlaybackPanel:
     def show(self, snapshot: Snapshot, choices: Choices) -> None:
         """Show the position in the log; nothing in a live run."""
         playing = snapshot.last_tick is not None
+        steers = not choices.rights.looks_only
         halted = snapshot.clock is not None and snapshot.clock.state in {"paused", "ended"}
         self._words.content = playback_html(snapshot)
-        self._words.visible = self._line.visible = self._speed.visible = playing
-        self._pause.visible, self._resume.visible = playing and not halted, playing and halted
-        enabled = choices.allowed and snapshot.phase == "live"
-        for one in (self._line, self._pause, self._resume):
-            one.disabled = not enabled
-        disable(self._speed, not enabled)
+        self._words.visible = playing
+        self._line.visible = self._speed.visible = playing and steers
+        self._pause.visible, self._resume.visible = playing and steers and not halted, playing and steers and halted
+        live, why_not, world = snapshot.phase == "live", choices.rights.why_not, snapshot.world
+        self._line.disabled = not live or bool(why_not(world, "seek"))
+        self._pause.disabled = not live or bool(why_not(world, "pause"))
+        self._resume.disabled = not live or bool(why_not(world, "resume"))
+        disable(self._speed, not live or bool(why_not(world, "speed")))
         if snapshot.last_tick is not None:
             self._last = snapshot.last_tick
             self._line.max = max(1, snapshot.last_tick)
