@@ -146,7 +146,7 @@ class Room:
             "state/*", "clock", "event", "map", "body/*",
         ):  # fmt: skip
             # Called at once, so that whatever came before the answer to a query has been heard when it is there.
-            hear = zenoh.handlers.Callback(self._hear, indirect=False)
+            hear: Any = zenoh.handlers.Callback(self._hear, indirect=False)
             self.teacher.declare_subscriber(f"iw/v1/main/{key}", hear)
         self.student = self.session("student1", "certificate")
         self.other = self.session("simulator", "password")

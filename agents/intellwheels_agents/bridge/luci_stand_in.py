@@ -215,11 +215,12 @@ def parser() -> CommandParser:
         "--ask", type=readable_file, metavar="PIPE", help="named pipe to read faults from (default: standard input)"
     )
     result.add_argument(
-        "--wheel", type=number("metres", 0.05, 2.0), default=0.368, metavar="M", help="wheel diameter (default: 0.368)"
-    )
+        "--wheel", type=number("metres", 0.05, 2.0), default=0.368, metavar="M",
+        help="wheel diameter, in [0.05, 2] (default: 0.368)",
+    )  # fmt: skip
     result.add_argument(
         "--top-speed", type=number("m/s", 0.1, 5.0), default=1.0, metavar="V",
-        help="speed at full deflection, in m/s (default: 1)",
+        help="speed at full deflection, in m/s, in [0.1, 5] (default: 1)",
     )  # fmt: skip
     add_process_options(result)
     return result

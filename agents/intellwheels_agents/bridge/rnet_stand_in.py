@@ -176,11 +176,11 @@ def parser() -> CommandParser:
         "--ask", type=readable_file, metavar="PIPE", help="named pipe to read faults from (default: standard input)"
     )
     result.add_argument(
-        "--device", type=whole(0, 15), default=1, metavar="X", help="number of the joystick (default: 1)"
+        "--device", type=whole(0, 15), default=1, metavar="X", help="number of the joystick, in [0, 15] (default: 1)"
     )
     result.add_argument(
         "--top-speed", type=number("m/s", 0.1, 5.0), default=1.0, metavar="V",
-        help="speed at full deflection, in m/s (default: 1)",
+        help="speed at full deflection, in m/s, in [0.1, 5] (default: 1)",
     )  # fmt: skip
     add_process_options(result)
     return result

@@ -69,7 +69,7 @@ def parser() -> argparse.ArgumentParser:
     result.add_argument(
         "--await", dest="await_answer", type=number("seconds", 0.0, 3600.0), default=_WAITS.answer, metavar="S",
         help="wait at each tick up to S seconds for what an agent answers, less than a tick takes, or in lockstep "
-        f"than the simulator's --deadline (default: {_WAITS.answer:g})",
+        f"than the simulator's --deadline; in [0, 3600] (default: {_WAITS.answer:g})",
     )  # fmt: skip
     result.add_argument(
         "--silence", type=positive_seconds, default=_WAITS.silence, metavar="S",
@@ -80,12 +80,12 @@ def parser() -> argparse.ArgumentParser:
     robots.add_argument("--no-beacon", dest="beacon", action="store_false", help="robots have no sensors for beacons")
     robots.add_argument(
         "--beacon-height", type=number("metres", 0.01, 100.0), default=2.0, metavar="M",
-        help="height of the beacons, which a map does not have; lower walls do not hide them (default: 2)",
+        help="height of the beacons, in [0.01, 100], which a map does not have; lower walls do not hide them (default: 2)",
     )  # fmt: skip
     robots.add_argument(
         "--obstacle-noise",
         type=number("a standard deviation", 0.0, 10.0), default=_SETTINGS.obstacle_noise, metavar="F",
-        help=f"noise of the values of obstacle sensors, 1/m (default: {_SETTINGS.obstacle_noise:g})",
+        help=f"noise of the values of obstacle sensors, 1/m, in [0, 10] (default: {_SETTINGS.obstacle_noise:g})",
     )  # fmt: skip
     robots.add_argument(
         "--option", action="append", default=[], metavar="FIELD=VALUE",
@@ -98,7 +98,7 @@ def parser() -> argparse.ArgumentParser:
     told = result.add_argument_group("parameters that agents are told")
     told.add_argument(
         "--requests", type=whole(0, 100), default=_SETTINGS.requests, metavar="N",
-        help=f"most sensors that an agent may request in a cycle (default: {_SETTINGS.requests})",
+        help=f"most sensors that an agent may request in a cycle, in [0, 100] (default: {_SETTINGS.requests})",
     )  # fmt: skip
     told.add_argument(
         "--sim-time", type=whole(1, 1_000_000), default=_SETTINGS.sim_time, metavar="N",

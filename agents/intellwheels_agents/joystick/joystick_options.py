@@ -173,11 +173,11 @@ def _add_key_options(result: argparse.ArgumentParser) -> None:
     )
     group.add_argument(
         "--scan-period", type=number("seconds", 0.2, 60.0), default=1.5, metavar="S",
-        help="with --scan auto: seconds for which each command is highlighted (default: 1.5)",
+        help="with --scan auto: seconds for which each command is highlighted, in [0.2, 60] (default: 1.5)",
     )  # fmt: skip
     group.add_argument(
         "--dwell", type=number("seconds", 0.2, 60.0), default=1.0, metavar="S",
-        help="with --scan dwell: seconds of rest that select (default: 1)",
+        help="with --scan dwell: seconds of rest that select, in [0.2, 60] (default: 1)",
     )  # fmt: skip
     group.add_argument("--confirm", action="store_true", help="a command drives only when it is selected twice")
     group.add_argument(

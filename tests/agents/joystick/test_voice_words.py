@@ -18,7 +18,7 @@ VOICES = [("en-us", 150, 50), ("en-us", 130, 30), ("en-gb", 150, 50), ("en-us", 
 WORDS = {"forward": "forward", "left": "left", "right": "right", "stop": "stop", "reverse": "back"}
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture
 def recogniser() -> WordRecogniser:
     return WordRecogniser(RATE)
 
