@@ -267,7 +267,11 @@ def _refusal(session: zenoh.Session, key: str, data: bytes) -> str:
 
 def _reads(room: Room, session: zenoh.Session, attack: Attack, settle: Callable[[], None]) -> bool:
     heard: list[str] = []
-    hear = zenoh.handlers.Callback(lambda sample: heard.append(str(sample)), indirect=False)
+
+    def store(sample: zenoh.Sample) -> None:
+        heard.append(str(sample.key_expr))
+
+    hear = zenoh.handlers.Callback(store, indirect=False)
     subscriber: Any = session.declare_subscriber(f"iw/v1/main/{attack.key}", hear)
     settle()
     room.ticks(2)
