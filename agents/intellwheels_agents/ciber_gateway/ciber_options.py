@@ -80,7 +80,7 @@ def parser() -> argparse.ArgumentParser:
     robots.add_argument("--no-beacon", dest="beacon", action="store_false", help="robots have no sensors for beacons")
     robots.add_argument(
         "--beacon-height", type=number("metres", 0.01, 100.0), default=2.0, metavar="M",
-        help="height of the beacons, in [0.01, 100], which a map does not have; lower walls do not hide them (default: 2)",
+        help="height of the beacons, in [0.01, 100], which maps do not have; lower walls do not hide them (default: 2)",
     )  # fmt: skip
     robots.add_argument(
         "--obstacle-noise",

@@ -23,8 +23,9 @@ OTHERS: Final = (
 """Words that are recognised to be ignored: every fourth of the most common, without those that sound like ours."""
 OTHERS_WEIGHT: Final = 1e-20
 """Weight of each of them. Of 20 synthesized commands in four voices all are recognised. Of 200 other words in these
-voices, none of them in the grammar, 9 are taken for stop and 10 for another command: after, before, later, number,
-banana and lunch. With weight 1 three commands are missed."""
+voices, none of them in the grammar, 9 are taken for stop and 12 for another command: room, happy, lunch, light and
+dark. The recogniser adapts to what it hears, so after noise it is other words. With weight 1 three commands are missed.
+"""
 GRAMMAR: Final = (
     "#JSGF V1.0; grammar drive; public <word> = "
     + " | ".join(f"/1/ {word}" for word in ("forward", "reverse", "left", "right", "stop"))
@@ -112,8 +113,6 @@ class WordRecogniser:
         if speech is None:
             return None
         if not self._is_in_speech:
-            # The decoder adapts to what it hears. Without this, noise before a word would change what is heard.
-            self._decoder.reinit_feat()
             self._decoder.start_utt()
             self._speech = self._stops = 0
             self._is_in_speech, self._has_stopped, self._is_too_long = True, False, False

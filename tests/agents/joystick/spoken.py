@@ -1,4 +1,8 @@
-"""Says words, with eSpeak NG from the package espeakng-loader. Sound is kept for the whole session."""
+"""Says words, with eSpeak NG from the package espeakng-loader. Sound is kept for the whole session.
+
+The sound of a word depends on all that eSpeak said before it in this process. So all words are said at once, in one
+order, at the first call: then they sound the same whatever the order of the tests.
+"""
 
 from __future__ import annotations
 
@@ -25,9 +29,28 @@ def _library() -> tuple[Any, int]:
     return library, rate
 
 
+VOICES = (("en-us", 150, 50), ("en-us", 130, 30), ("en-gb", 150, 50), ("en-us", 170, 70))
+"""Voices with their speed in words a minute and their pitch from 0 to 99. The first says the words of `OTHERS` too."""
+COMMANDS = ("forward", "left", "right", "stop", "reverse")
+OTHERS = ("hello", "kitchen", "please", "morning", "water", "table", "seven", "weather", "today")
+
+
+def said(word: str, voice: tuple[str, int, int] = VOICES[0]) -> bytes:
+    """Return a word as samples of 16 bits at `RATE`, with 0.7 s of silence on each side.
+
+    Raises:
+        KeyError: The word or the voice is none of those above.
+    """
+    return _sounds()[word, voice]
+
+
 @cache
-def said(word: str, voice: str = "en-us", speed: int = 150, pitch: int = 50) -> bytes:
-    """Return a word as samples of 16 bits at `RATE`, with 0.7 s of silence on each side."""
+def _sounds() -> dict[tuple[str, tuple[str, int, int]], bytes]:
+    wanted = [(word, voice) for voice in VOICES for word in COMMANDS] + [(word, VOICES[0]) for word in OTHERS]
+    return {(word, voice): _synthesized(word, *voice) for word, voice in wanted}
+
+
+def _synthesized(word: str, voice: str, speed: int, pitch: int) -> bytes:
     library, rate = _library()
     sound = bytearray()
 

@@ -10,12 +10,11 @@ import pytest
 
 from intellwheels_agents.joystick.pygame_source import DeviceError
 from intellwheels_agents.joystick.voice_words import MAX_SPEECH, Spoken, WordRecogniser
-from tests.agents.joystick.spoken import RATE, said
+from tests.agents.joystick.spoken import COMMANDS, OTHERS, RATE, VOICES, said
 
 pytest.importorskip("pocketsphinx", reason="words need the extra `voice`")
 
-VOICES = [("en-us", 150, 50), ("en-us", 130, 30), ("en-gb", 150, 50), ("en-us", 170, 70)]
-WORDS = {"forward": "forward", "left": "left", "right": "right", "stop": "stop", "reverse": "back"}
+MEANINGS = {**dict(zip(COMMANDS, COMMANDS, strict=True)), "reverse": "back"}
 
 
 @pytest.fixture
@@ -33,8 +32,8 @@ def heard(recogniser: WordRecogniser, sound: bytes, piece: int = 1000) -> list[S
 
 @pytest.mark.parametrize("voice", VOICES)
 def test_every_word_is_recognised(recogniser: WordRecogniser, voice: tuple[str, int, int]) -> None:
-    for word, meaning in WORDS.items():
-        assert [spoken.word for spoken in heard(recogniser, said(word, *voice))] == [meaning]
+    for word, meaning in MEANINGS.items():
+        assert [spoken.word for spoken in heard(recogniser, said(word, voice))] == [meaning]
 
 
 def test_a_word_is_known_a_third_of_a_second_after_its_end_and_stop_before(recogniser: WordRecogniser) -> None:
@@ -46,7 +45,7 @@ def test_a_word_is_known_a_third_of_a_second_after_its_end_and_stop_before(recog
 
 
 def test_other_words_do_not_drive(recogniser: WordRecogniser) -> None:
-    for word in ("hello", "kitchen", "please", "morning", "water", "table", "seven", "weather", "today"):
+    for word in OTHERS:
         assert {spoken.word for spoken in heard(recogniser, said(word))} <= {"stop"}
 
 
