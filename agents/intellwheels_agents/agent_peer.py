@@ -43,6 +43,7 @@ from intellwheels_schemas.keys import Keys
 from intellwheels_schemas.messages import Map, Robot
 from intellwheels_schemas.process import THREADS_END
 from intellwheels_schemas.repliers import by_simulator
+from intellwheels_schemas.session_closing import closing
 
 SLICE = 0.2
 """Longest single wait, s: a wait without a timeout can miss a signal."""
@@ -115,7 +116,7 @@ def run_agent(
         # Last, when the session is closed, which ends their queries.
         asking: list[threading.Thread] = []
         stack.callback(_join, asking)
-        stack.enter_context(session)
+        stack.enter_context(closing(session))
         remaining = max(0.0, retry_for - (time.monotonic() - started))
         return _AgentPeer(
             session, robot, make, options, where, encoding, remaining, tell or _print, on_presence or _ignore, asking

@@ -27,6 +27,7 @@ from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.identity_file import read_identity
 from intellwheels_schemas.messages import Role
 from intellwheels_schemas.names import check_name
+from intellwheels_schemas.session_closing import asking
 from intellwheels_schemas.zenoh_inbox import Inbox
 
 QUEUE_ROOM: Final = 16
@@ -297,7 +298,8 @@ def query(
         stop: Ends the wait.
 
     Raises:
-        ConnectionError: There was no reply. There is no simulator, or access is not allowed; Zenoh does not say which.
+        ConnectionError: There was no reply: there is no simulator, or access is not allowed; Zenoh does not say which.
+            Or another thread closes the session.
     """
     answers: deque[Answer] = deque()
     done = threading.Event()
@@ -310,16 +312,17 @@ def query(
         elif (error := reply.err) is not None and is_known(str(error.encoding)):
             answers.append(Answer("", error.payload.to_bytes(), str(error.encoding), False, replier))
 
-    session.get(
-        selector,
-        zenoh.handlers.Callback(on_reply, done.set),
-        # The parts of a state are several replies from one writer, and no part replaces another.
-        consolidation=zenoh.ConsolidationMode.NONE,
-        target=zenoh.QueryTarget.ALL,
-        timeout=timeout,
-        payload=data if data is not None else b"",
-        encoding=zenoh.Encoding(encoding.value),
-    )
+    with asking(session):
+        session.get(
+            selector,
+            zenoh.handlers.Callback(on_reply, done.set),
+            # The parts of a state are several replies from one writer, and no part replaces another.
+            consolidation=zenoh.ConsolidationMode.NONE,
+            target=zenoh.QueryTarget.ALL,
+            timeout=timeout,
+            payload=data if data is not None else b"",
+            encoding=zenoh.Encoding(encoding.value),
+        )
     # Zenoh ends the query at its own time-out, so this wait is half a second longer.
     deadline = time.monotonic() + timeout + 0.5
     while not done.wait(_SLICE) and time.monotonic() < deadline and (stop is None or not stop.is_set()):
@@ -359,6 +362,9 @@ def tokens(session: zenoh.Session, key: str, *, timeout: float = 1.0) -> list[st
         session: Session to use.
         key: Key, possibly with wildcards.
         timeout: Seconds to wait.
+
+    Raises:
+        ConnectionError: Another thread closes the session.
     """
     found: set[str] = set()
 
@@ -372,7 +378,8 @@ def tokens(session: zenoh.Session, key: str, *, timeout: float = 1.0) -> list[st
     for _ in range(_ASKINGS):
         done = threading.Event()
         left = max(deadline - time.monotonic(), 0.05)
-        session.liveliness().get(key, zenoh.handlers.Callback(on_reply, done.set), timeout=left)
+        with asking(session):
+            session.liveliness().get(key, zenoh.handlers.Callback(on_reply, done.set), timeout=left)
         while not done.wait(_SLICE) and time.monotonic() < deadline + 0.5:
             pass
         if not found:

@@ -39,6 +39,7 @@ from intellwheels_schemas.messages import (
 )
 from intellwheels_schemas.names import is_name
 from intellwheels_schemas.repliers import by_simulator
+from intellwheels_schemas.session_closing import close_session
 from intellwheels_schemas.zenoh_inbox import Inbox, Presence, Put
 from intellwheels_viewer.run_guard import Dated, RunGuard
 from intellwheels_viewer.snapshot import Phase, Snapshot
@@ -134,7 +135,7 @@ class Network:
             if self._tokens is not None:
                 self._tokens.undeclare()  # type: ignore[no-untyped-call]
             if session is not None:
-                session.close()  # type: ignore[no-untyped-call]
+                close_session(session)
 
     def choose(self, world: str) -> None:
         """Show another world; anything but a valid world name is ignored."""

@@ -25,6 +25,7 @@ from intellwheels_schemas.codec import Encoding, decode, encode, encoding_of
 from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.keys import Keys
 from intellwheels_schemas.messages import Body, Clock, Error, Result, Take, UserInput
+from intellwheels_schemas.session_closing import closing
 
 ANSWER_TIMEOUT: Final = 1.5
 """Seconds to wait for an answer: less than a lease."""
@@ -52,7 +53,7 @@ def operate(
         return 1
     if session is None:
         return 0
-    with session:
+    with closing(session):
         keys = Keys(where.world)
         inbox = zenoh_inbox.Inbox()
         clock = session.declare_subscriber(keys.clock, inbox.on_sample)

@@ -20,6 +20,7 @@ from intellwheels_agents.record_gateway.world_source import WorldSource
 from intellwheels_schemas import link
 from intellwheels_schemas.json_schema import json_schemas
 from intellwheels_schemas.keys import Keys
+from intellwheels_schemas.session_closing import closing
 
 HOLD = 0.5
 """Seconds for which a published input drives a chair."""
@@ -60,7 +61,7 @@ def record(given: argparse.Namespace, where: link.Link, stop: threading.Event) -
             session = link.open_session(where, stop, timeout=timeout, waiting=lambda why: _log(f"waiting why={why!r}"))
             if session is None:
                 return 0
-            with session, WorldSource(session, keys, translator, sinks.write, _log) as source:
+            with closing(session), WorldSource(session, keys, translator, sinks.write, _log) as source:
                 words = [] if given.file is None else [f"file={given.file}"]
                 words += [] if port is None else [f"live=ws://{given.host or record_options.HOST}:{port}"]
                 _print(f"ready {' '.join(words)}")
