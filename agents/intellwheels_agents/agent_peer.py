@@ -233,6 +233,7 @@ class _AgentPeer:
                 return
             pause = min(SLICE, harness.deadline - now)
         batch: list[Payload] = []
+        replied = False
         try:
             arrival = self._arrivals.get(timeout=pause)
             self._deciding_since = time.monotonic()
@@ -245,11 +246,13 @@ class _AgentPeer:
                     self._do(harness.present(now) if arrival.alive else harness.absent(now))
                 else:
                     self._do(self._replied(arrival, time.monotonic()))
-                    self._do(harness.measured_early())
+                    replied = True
                 arrival = self._arrivals.get_nowait()
         except queue.Empty:
             pass
-        if batch:
+        if replied:
+            self._do(harness.measured_early(batch))
+        elif batch:
             self._do(harness.measured(batch))
         self._deciding_since = math.inf
 
