@@ -16,6 +16,7 @@ from intellwheels_schemas.command_parser import CommandParser, like_field, reada
 from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.messages import Pace
 from intellwheels_schemas.names import check_name
+from intellwheels_schemas.output_paths import add_overwrite_option
 from intellwheels_schemas.version import add_version_option
 
 _EPILOG = """\
@@ -97,6 +98,7 @@ def parser() -> argparse.ArgumentParser:
         help="write the input log, for iw-server --resimulate and --play; with FILE run.jsonl, the log of a laboratory "
         "(the second simulation of a scene with Bridge elements) is run-lab.jsonl",
     )  # fmt: skip
+    add_overwrite_option(found)
     found.add_argument(
         "--logs", type=Path, metavar="DIR",
         help="keep the logs of the processes in this folder (default: a temporary one, kept only if the run fails)",

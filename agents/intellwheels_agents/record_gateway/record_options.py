@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import math
+import re
 import socket
 from pathlib import Path
 from typing import Final
@@ -11,7 +12,7 @@ from typing import Final
 from intellwheels_agents.options import OptionError
 from intellwheels_schemas import defaults
 from intellwheels_schemas.command_parser import CommandParser, number, port, positive_seconds, readable_file
-from intellwheels_schemas.output_paths import check_output_file
+from intellwheels_schemas.output_paths import add_overwrite_option, check_output_file
 
 EXAMPLES: Final = """\
 examples:
@@ -58,6 +59,7 @@ def parser() -> argparse.ArgumentParser:
         "--rotate", type=number("megabytes", 0.1, 1e6), metavar="MB",
         help=f"begin another file, named FILE-2.mcap and so on, when one has this size (default: {ROTATE:g})",
     )  # fmt: skip
+    add_overwrite_option(result)
     live = result.add_argument_group("live view")
     live.add_argument("--live", action="store_true", help="serve the live view of Foxglove")
     live.add_argument("--host", metavar="ADDRESS", help=f"address to serve it at (default: {HOST}, this machine only)")
@@ -85,7 +87,11 @@ def check_together(given: argparse.Namespace) -> None:
     if given.file is None and not given.live:
         raise OptionError("FILE.mcap: expected a file, or --live, got neither")
     if given.file is not None:
-        check_output_file(given.file, "FILE.mcap")
+        # Those that --rotate would make too: a recording must not end in the middle, nor mix with an older one.
+        for file in (given.file, *_parts(given.file)):
+            check_output_file(file, "FILE.mcap", overwrite=given.overwrite)
+    elif given.overwrite:
+        raise OptionError("--overwrite: expected with a FILE.mcap, got none")
     if given.rotate is not None and given.file is None:
         raise OptionError("--rotate: expected with a FILE.mcap, got none")
     if given.log is not None:
@@ -102,6 +108,12 @@ def check_together(given: argparse.Namespace) -> None:
     if given.host is not None and not _is_here(given.host):
         expected = "an address of this machine, such as 127.0.0.1 or 0.0.0.0"
         raise OptionError(f"--host: expected {expected}, got {given.host!r}")
+
+
+def _parts(file: Path) -> list[Path]:
+    """Return the files that have the name of a further file of a recording, such as `run-2.mcap`."""
+    name = re.compile(rf"{re.escape(file.stem)}-[1-9][0-9]*{re.escape(file.suffix)}")
+    return sorted(other for other in file.parent.glob("*") if name.fullmatch(other.name))
 
 
 def _is_here(host: str) -> bool:

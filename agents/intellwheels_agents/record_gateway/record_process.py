@@ -51,7 +51,7 @@ def record(given: argparse.Namespace, where: link.Link, stop: threading.Event) -
             where, timeout = link.Link(WORLD, connect=(endpoint,)), LOG_CONNECT
         keys = Keys(where.world)
         translator = Translator(keys, time.time if given.log is None else _zero)
-        sinks = MessageSinks(json_schemas(grows=True), given.file, most)
+        sinks = MessageSinks(json_schemas(grows=True), given.file, most, overwrite=given.overwrite)
         try:
             port = None
             if given.live:
