@@ -228,8 +228,7 @@ class Harness:
     def measured_early(self, later: Sequence[Payload] = ()) -> list[Output]:
         """Handle the measures that came before the reply to the join, and those that came since, oldest first.
 
-        Call it after the outputs of `accepted` are done, as the mind may take long to decide. It may also take long to
-        be made: an answer to the early measures would then be too late.
+        Call it after the outputs of `accepted` are done: a mind may take long to be made, and to decide.
         """
         early, self._early = self._early, None
         return self.measured([early, *later] if early else later)
