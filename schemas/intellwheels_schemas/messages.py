@@ -646,7 +646,8 @@ class Robot(Record, frozen=True, kw_only=True):
     part: Annotated[tuple[Part, ...], Meta(max_length=32)] = ()
     """Boxes that make up the body, for contact and for the sensors of other bodies."""
     position: Position | None = None
-    """Pose to start at, if no Place is given."""
+    """Pose to start at, if no Place is given. On a map with outer walls it must be within the box of all walls,
+    obstacles and places; a map without them ends nowhere. A real robot may start anywhere."""
     proximity: tuple[Proximity, ...] = ()
     """Proximity sensors on the body."""
     lidar: tuple[Lidar, ...] = ()
