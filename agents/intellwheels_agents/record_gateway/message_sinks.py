@@ -25,7 +25,9 @@ FLUSH_EVERY: Final = 1.0
 MOST_PENDING: Final = 4_000_000
 """Most bytes of a file that are only in memory."""
 PROFILE: Final = "intellwheels"
-_LEVEL: Final = "ERROR"
+_LEVEL: Final = "CRITICAL"
+"""Level of the library's own log, which is then empty: whoever connects with another protocol would fill it. The
+environment variable FOXGLOVE_LOG_LEVEL sets another one."""
 
 
 class OutputFile:
@@ -140,6 +142,9 @@ class MessageSinks:
                 supported_encodings=["json"], context=self._context,
             )  # fmt: skip
         except Exception as error:  # the library has no class of its own for it
+            if "in use" in str(error):
+                got = f"{port}, which is in use, perhaps by another iw-record; --port 0 picks a free one"
+                raise OSError(f"--port: expected a free port, got {got}") from None
             raise OSError(f"cannot serve at {host}:{port}: {error}") from None
         return self._server.port
 
