@@ -36,6 +36,9 @@ QUEUE_ROOM: Final = 16
 TRY_EVERY: Final = 1.0
 """Seconds between two attempts to open a session."""
 
+START_ONE: Final = "start a simulator (iw-server) or a router there, or name another address with --connect"
+"""What somebody who waits can do."""
+
 _SLICE: Final = 0.2  # s: longest single wait, so that signals are handled
 _ASKINGS: Final = 3
 _PAUSE: Final = 0.02
@@ -211,7 +214,7 @@ def open_session(
         link: How to connect.
         stop: Ends the attempts.
         timeout: Seconds after which it gives up; None for never.
-        waiting: Called once, with the reason, when the first attempt fails.
+        waiting: Called once, with the reason and what to do, when the first attempt fails.
 
     Raises:
         ConnectionError: The port is in use, there was no answer in time, or the options are invalid, as the text says.
@@ -230,7 +233,7 @@ def open_session(
             if link.identity is not None:
                 words += f", or it does not know the name and password in {link.identity}"
         if waiting is not None:
-            waiting(words)
+            waiting(f"{words}; {START_ONE}")
             waiting = None
         if deadline is not None and time.monotonic() >= deadline:
             raise ConnectionError(words)

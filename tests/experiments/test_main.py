@@ -11,6 +11,7 @@ import pytest
 
 from intellwheels_experiments.__main__ import main
 from intellwheels_experiments.run.endpoints import free_endpoint
+from intellwheels_schemas.link import START_ONE
 from tests.experiments.scenes import write_scene
 
 DEADLINE = 120.0
@@ -105,7 +106,7 @@ def test_a_router_that_nobody_runs_is_waited_for_in_words(tmp_path: Path) -> Non
         child.terminate()
         rest = child.stderr.read()
         watchdog.cancel()
-    assert found == f"waiting why='nobody answers at {endpoint}'\n"
+    assert found == f"waiting why='nobody answers at {endpoint}; {START_ONE}'\n"
     assert child.returncode == 1
     assert "Traceback" not in rest
 
