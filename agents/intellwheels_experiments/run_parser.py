@@ -101,7 +101,8 @@ def parser() -> argparse.ArgumentParser:
     add_overwrite_option(found)
     found.add_argument(
         "--logs", type=Path, metavar="DIR",
-        help="keep the logs of the processes in this folder (default: a temporary one, kept only if the run fails)",
+        help="keep the logs of the processes in this folder, and replace those of an earlier run (default: a temporary "
+        "folder, kept only if the run fails)",
     )  # fmt: skip
     found.add_argument(
         "--timeout",

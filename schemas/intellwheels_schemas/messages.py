@@ -1333,7 +1333,7 @@ class Teleport(Record, frozen=True, kw_only=True):
     agent: Name | None = None
     """Agent whose body is moved, as in the key; absent means that of the key."""
     position: Position
-    """New pose of the body."""
+    """New pose of the body, within the outer walls of the map like Robot.Position."""
 
 
 class Result(Record, frozen=True, kw_only=True):
