@@ -17,6 +17,7 @@ from intellwheels_server.world.kernels.arrays import (
     PIECE_Y0,
     PIECE_Y1,
     Floats,
+    Ints,
     Walls,
 )
 
@@ -63,7 +64,7 @@ def _encloses(walls: Walls, across: int, along: int) -> bool:
     return sum(_has_gap(here, there, starts, across, along, line) for line in lines) >= SHARE * LINES
 
 
-def _has_gap(here: Floats, there: Floats, starts: Floats, across: int, along: int, line: float) -> bool:
+def _has_gap(here: Floats, there: Floats, starts: Ints, across: int, along: int, line: float) -> bool:
     """Return whether free space lies between the pieces that a line meets."""
     a, b = here[:, across], there[:, across]
     crossed = (np.minimum(a, b) <= line) & (line < np.maximum(a, b))
