@@ -54,7 +54,8 @@ Standard output has `joined agent=chair1 run=... tick=...`, `run agent=chair1 ru
 `left agent=chair1`. Exit codes: 0 done, 1 refused or failed, 2 wrong usage.
 On standard error:
   erred      the simulator refused a message; printed for the 1st, 10th, 100th, ... of each code. With code=late a
-             command was not used, because the mind or the machine is too slow
+             command was not used, because the mind or the machine is too slow; a few of them do no harm, as the next
+             tick has another command
   counted    at the end: missed, the Measures that the mind never saw; repeated, those that it had to answer again;
              errors, the messages that were refused or could not be read
 """

@@ -46,6 +46,7 @@ from intellwheels_schemas.messages import Map, Robot
 from intellwheels_schemas.own_rights import denied_join
 from intellwheels_schemas.process import start_network_thread
 from intellwheels_schemas.repliers import by_simulator
+from intellwheels_schemas.session_closing import closing
 
 SLICE = 0.2
 """Longest single wait, s: a wait without a timeout can miss a signal."""
@@ -117,7 +118,7 @@ def run_agent(
         return 1
     if session is None:
         return 0
-    with session:
+    with closing(session):
         remaining = max(0.0, retry_for - (time.monotonic() - started))
         return _AgentPeer(
             session, robot, make, options, where, encoding, remaining, tell or _print, on_presence or _ignore,
@@ -238,6 +239,7 @@ class _AgentPeer:
                 return
             pause = min(SLICE, harness.deadline - now)
         batch: list[Payload] = []
+        replied = False
         try:
             arrival = self._arrivals.get(timeout=pause)
             self._deciding_since = time.monotonic()
@@ -250,11 +252,13 @@ class _AgentPeer:
                     self._do(harness.present(now) if arrival.alive else harness.absent(now))
                 else:
                     self._do(self._replied(arrival, time.monotonic()))
-                    self._do(harness.measured_early())
+                    replied = True
                 arrival = self._arrivals.get_nowait()
         except queue.Empty:
             pass
-        if batch:
+        if replied:
+            self._do(harness.measured_early(batch))
+        elif batch:
             self._do(harness.measured(batch))
         self._deciding_since = math.inf
 

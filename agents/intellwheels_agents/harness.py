@@ -225,13 +225,13 @@ class Harness:
 
     # ------------------------------------------------------------ each tick
 
-    def measured_early(self) -> list[Output]:
-        """Handle the measures that came before the reply to the join.
+    def measured_early(self, later: Sequence[Payload] = ()) -> list[Output]:
+        """Handle the measures that came before the reply to the join, and those that came since, oldest first.
 
-        Call it after the outputs of `accepted` are done, as the mind may take long to decide.
+        Call it after the outputs of `accepted` are done: a mind may take long to be made, and to decide.
         """
         early, self._early = self._early, None
-        return self.measured([early]) if early else []
+        return self.measured([early, *later] if early else later)
 
     def measured(self, payloads: Sequence[Payload]) -> list[Output]:
         """Handle `Measures`, oldest first: answer the newest, with the messages heard in all of them."""

@@ -9,6 +9,7 @@ import shutil
 import sys
 import tempfile
 from collections.abc import Sequence
+from contextlib import ExitStack
 from pathlib import Path
 from typing import Final
 
@@ -22,7 +23,7 @@ from intellwheels_experiments.run.cast_changes import with_changes
 from intellwheels_experiments.run.endpoints import free_endpoint
 from intellwheels_experiments.run.floor_scene import check_scene_options, write_floor_scene
 from intellwheels_experiments.run.foreign_program import check_programs
-from intellwheels_experiments.run.launch_spec import WALL_LIMIT, LaunchSpec, resolved, wall_limit
+from intellwheels_experiments.run.launch_spec import WALL_LIMIT, LaunchSpec, laboratory_log, resolved, wall_limit
 from intellwheels_experiments.run.progress import Progress
 from intellwheels_experiments.run.run_report import show, to_json
 from intellwheels_experiments.run.scene_run import perform
@@ -43,7 +44,7 @@ from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.extras import missing_extra
 from intellwheels_schemas.link import Link
 from intellwheels_schemas.messages import Map, Scene
-from intellwheels_schemas.output_paths import check_output_file, check_output_folder
+from intellwheels_schemas.output_paths import check_output_file, check_output_folder, reserved_output, write_reserved
 from intellwheels_schemas.process import stop_on_signals
 
 INTERRUPTED: Final = 130
@@ -73,6 +74,8 @@ def _run(arguments: Sequence[str] | None, floor_folder: Path) -> int:
             chosen = scene(options.scene)
             folder = folder_of(options.scene)
             chosen_floor = floor(chosen.map, beside=folder)
+        if options.log is not None and chosen.bridge:
+            check_output_file(laboratory_log(options.log), "--log", overwrite=options.overwrite)
         pace = options.pace or ("realtime" if options.view else chosen.pace)
         check_speed(options.speed, pace)
         if options.branch is None:
@@ -112,17 +115,32 @@ def _run(arguments: Sequence[str] | None, floor_folder: Path) -> int:
     )
     link = Link(spec.world, (), spec.meeting, spec.config, spec.identity)
     stop = stop_on_signals()
-    with Progress(Console(stderr=True), chosen, chosen_floor) as progress:
-        result = perform(spec, lambda until: watching(link, until), progress, stop)
-    show(result, Console())
-    if options.json is not None:
-        options.json.write_bytes(to_json(result))
+    with ExitStack() as stack:
+        report = None
+        try:
+            if options.json is not None:
+                report = stack.enter_context(reserved_output(options.json, overwrite=options.overwrite))
+        except OSError as error:
+            return _unwritten(options.json, error)
+        with Progress(Console(stderr=True), chosen, chosen_floor) as progress:
+            result = perform(spec, lambda until: watching(link, until), progress, stop)
+        show(result, Console())
+        try:
+            if report is not None:
+                write_reserved(report, to_json(result))
+        except OSError as error:
+            return _unwritten(options.json, error)
     if options.logs is None:
         if result.held:
             shutil.rmtree(logs, ignore_errors=True)
         else:
             print(f"the logs are in {logs}", file=sys.stderr)
     return 0 if result.held else 1
+
+
+def _unwritten(file: Path, error: OSError) -> int:
+    print(f"iw-run: --json {file}: {error.strerror}", file=sys.stderr)
+    return 1
 
 
 def _batch(options: argparse.Namespace, chosen: Scene, chosen_floor: Map, folder: Path | None) -> int:
@@ -235,6 +253,10 @@ def _check_together(grammar: argparse.ArgumentParser, options: argparse.Namespac
         rules += [(_BATCH_ONLY, "expected with --seeds or --branch, got a single run")]
     else:
         rules += [(_SINGLE_ONLY, "expected with a single run, got a batch or a branch, which decides it")]
+    if options.seeds is not None:
+        rules += [(("overwrite",), "expected with a single run or --branch, got a batch, which resumes in its folder")]
+    elif options.branch is None and options.json is None and options.log is None:
+        rules += [(("overwrite",), "expected with --json, --log or --branch, got none of them")]
     if not options.view:
         rules += [(_PAGE_ONLY, "expected with --view, got none")]
     if options.branch is None:
@@ -250,9 +272,13 @@ def _check_together(grammar: argparse.ArgumentParser, options: argparse.Namespac
             option = f"--{name.replace('_', '-')}"
             raise WireError("value", f"{option}: {text}", option)
     for name in ("json", "log"):
-        check_output_file(getattr(options, name), f"--{name}")
+        check_output_file(getattr(options, name), f"--{name}", overwrite=options.overwrite)
     for name in ("logs", "out"):
         check_output_folder(getattr(options, name), f"--{name}")
+    out = options.out
+    if options.branch is not None and out is not None and out.is_dir() and any(out.iterdir()) and not options.overwrite:
+        expected = "expected an empty folder, or --overwrite to replace the report in it"
+        raise WireError("value", f"--out: {expected}, got {out}", "--out")
 
 
 def _check_extras(options: argparse.Namespace) -> None:

@@ -17,6 +17,7 @@ from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.identity_option import add_identity_option
 from intellwheels_schemas.messages import Pace
 from intellwheels_schemas.names import check_name
+from intellwheels_schemas.output_paths import add_overwrite_option
 from intellwheels_schemas.version import add_version_option
 
 _EPILOG = """\
@@ -100,9 +101,11 @@ def parser() -> argparse.ArgumentParser:
         help="write the input log, for iw-server --resimulate and --play; with FILE run.jsonl, the log of a laboratory "
         "(the second simulation of a scene with Bridge elements) is run-lab.jsonl",
     )  # fmt: skip
+    add_overwrite_option(found)
     found.add_argument(
         "--logs", type=Path, metavar="DIR",
-        help="keep what the processes print in this folder (default: a temporary one, kept only if the run fails)",
+        help="keep what the processes print in this folder, and replace what is there of an earlier run (default: a "
+        "temporary folder, kept only if the run fails)",
     )  # fmt: skip
     found.add_argument(
         "--timeout",

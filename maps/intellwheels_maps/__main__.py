@@ -20,7 +20,7 @@ from intellwheels_schemas.errors import WireError, got_of
 from intellwheels_schemas.extras import missing_extra
 from intellwheels_schemas.files import write_file
 from intellwheels_schemas.messages import Robot
-from intellwheels_schemas.output_paths import check_output_file
+from intellwheels_schemas.output_paths import add_overwrite_option, check_output_file
 from intellwheels_schemas.process import printing
 
 EXIT_CODES = "Exit codes: 0 done, also with warnings; 1 the file is invalid; 2 wrong usage."
@@ -71,6 +71,7 @@ def _parser() -> argparse.ArgumentParser:
     importing.add_argument(
         "-o", "--output", metavar="FILE.xml", type=Path, required=True, help="where to write the map"
     )
+    add_overwrite_option(importing)
     importing.set_defaults(run=_import)
 
     exporting = command(
@@ -85,11 +86,13 @@ def _parser() -> argparse.ArgumentParser:
         "--resolution", metavar="M", type=number("metres", 0.001, 10.0), default=0.05,
         help="length of a cell in metres, in [0.001, 10] (default: %(default)s)",
     )  # fmt: skip
+    add_overwrite_option(exporting)
     exporting.set_defaults(run=_export)
 
     drawing = command("draw", "draw the plan of a map as SVG")
     drawing.add_argument("floor", metavar="MAP", help="an included map, a map file, or `hospital` for a generated one")
     drawing.add_argument("file", metavar="FILE.svg", type=Path, help="where to write the plan")
+    add_overwrite_option(drawing)
     drawing.set_defaults(run=_draw)
 
     making = command("hospital", "print a generated hospital map with 120 rooms as XML")
@@ -124,7 +127,7 @@ def _check(parsed: argparse.Namespace) -> int:
 
 
 def _import(parsed: argparse.Namespace) -> int:
-    _check_output(parsed.output, ".xml")
+    _check_output(parsed.output, ".xml", overwrite=parsed.overwrite)
     if not is_foreign(parsed.file):
         known = ", ".join(importers.FORMATS)
         raise _UsageError(f"FILE: expected a name that ends in {known}, or a lab of Ciber-Rato, got {parsed.file}")
@@ -143,24 +146,26 @@ def _import(parsed: argparse.Namespace) -> int:
 
 
 def _export(parsed: argparse.Namespace) -> int:
-    _check_output(parsed.output, ".yaml")
+    stem = parsed.output.name.removesuffix(".yaml")
+    image, places = (parsed.output.with_name(f"{stem}{ending}") for ending in (".pgm", ".places.yaml"))
+    for file, ending in ((parsed.output, ".yaml"), (image, ".pgm"), (places, ".yaml")):
+        _check_output(file, ending, overwrite=parsed.overwrite)
     lacking = missing_extra("floors")
     if lacking is not None:
         raise _UsageError(lacking)
     with naming("MAP"):
         document = floor(parsed.floor)
-    stem = parsed.output.name.removesuffix(".yaml")
-    exported = export_ros(document, parsed.resolution, f"{stem}.pgm")
+    exported = export_ros(document, parsed.resolution, image.name)
     parsed.output.write_text(exported.head, encoding="utf-8")
-    parsed.output.with_name(f"{stem}.pgm").write_bytes(exported.image)
-    parsed.output.with_name(f"{stem}.places.yaml").write_text(exported.places, encoding="utf-8")
+    image.write_bytes(exported.image)
+    places.write_text(exported.places, encoding="utf-8")
     print(f"{parsed.output}: {exported.columns} x {exported.rows} cells of {parsed.resolution:g} m")
     return 0
 
 
-def _check_output(file: Path, ending: str) -> None:
+def _check_output(file: Path, ending: str, *, overwrite: bool) -> None:
     try:
-        check_output_file(file, "--output")
+        check_output_file(file, "--output", overwrite=overwrite)
     except WireError as error:
         raise _UsageError(error.text) from None
     if not file.name.endswith(ending):
@@ -187,7 +192,7 @@ def _root(file: Path) -> str:
 
 def _draw(parsed: argparse.Namespace) -> int:
     try:
-        check_output_file(parsed.file, "FILE.svg")
+        check_output_file(parsed.file, "FILE.svg", overwrite=parsed.overwrite)
         if parsed.floor != "hospital" and not is_path(parsed.floor):
             with naming("MAP"):
                 floor(parsed.floor)

@@ -28,6 +28,7 @@ from intellwheels_schemas.identity_file import read_identity
 from intellwheels_schemas.identity_option import add_identity_option, check_option, router_of
 from intellwheels_schemas.names import check_name
 from intellwheels_schemas.own_rights import remember, unanswered
+from intellwheels_schemas.session_closing import asking
 from intellwheels_schemas.zenoh_inbox import Inbox
 
 QUEUE_ROOM: Final = 16
@@ -35,6 +36,9 @@ QUEUE_ROOM: Final = 16
 
 TRY_EVERY: Final = 1.0
 """Seconds between two attempts to open a session."""
+
+START_ONE: Final = "start a simulator (iw-server) or a router there, or name another address with --connect"
+"""What somebody who waits can do."""
 
 _SLICE: Final = 0.2  # s: longest single wait, so that signals are handled
 _ASKINGS: Final = 3
@@ -212,7 +216,7 @@ def open_session(
         link: How to connect.
         stop: Ends the attempts.
         timeout: Seconds after which it gives up; None for never.
-        waiting: Called once, with the reason, when the first attempt fails.
+        waiting: Called once, with the reason and what to do, when the first attempt fails.
 
     Raises:
         ConnectionError: The port is in use, there was no answer in time, or the options are invalid, as the text says.
@@ -233,7 +237,7 @@ def open_session(
                 remember(session, read_identity(link.identity))
             return session
         if waiting is not None:
-            waiting(words)
+            waiting(f"{words}; {START_ONE}")
             waiting = None
         if deadline is not None and time.monotonic() >= deadline:
             raise ConnectionError(words)
@@ -310,7 +314,7 @@ def query(
 
     Raises:
         NotAllowedError: There was no reply, as this session may not ask that.
-        ConnectionError: There was no reply.
+        ConnectionError: There was no reply. Or another thread closes the session.
     """
     answers: deque[Answer] = deque()
     done = threading.Event()
@@ -323,16 +327,17 @@ def query(
         elif (error := reply.err) is not None and is_known(str(error.encoding)):
             answers.append(Answer("", error.payload.to_bytes(), str(error.encoding), False, replier))
 
-    session.get(
-        selector,
-        zenoh.handlers.Callback(on_reply, done.set),
-        # The parts of a state are several replies from one writer, and no part replaces another.
-        consolidation=zenoh.ConsolidationMode.NONE,
-        target=zenoh.QueryTarget.ALL,
-        timeout=timeout,
-        payload=data if data is not None else b"",
-        encoding=zenoh.Encoding(encoding.value),
-    )
+    with asking(session):
+        session.get(
+            selector,
+            zenoh.handlers.Callback(on_reply, done.set),
+            # The parts of a state are several replies from one writer, and no part replaces another.
+            consolidation=zenoh.ConsolidationMode.NONE,
+            target=zenoh.QueryTarget.ALL,
+            timeout=timeout,
+            payload=data if data is not None else b"",
+            encoding=zenoh.Encoding(encoding.value),
+        )
     # Zenoh ends the query at its own time-out, so this wait is half a second longer.
     deadline = time.monotonic() + timeout + 0.5
     while not done.wait(_SLICE) and time.monotonic() < deadline and (stop is None or not stop.is_set()):
@@ -372,6 +377,9 @@ def tokens(session: zenoh.Session, key: str, *, timeout: float = 1.0) -> list[st
         session: Session to use.
         key: Key, possibly with wildcards.
         timeout: Seconds to wait.
+
+    Raises:
+        ConnectionError: Another thread closes the session.
     """
     found: set[str] = set()
 
@@ -385,7 +393,8 @@ def tokens(session: zenoh.Session, key: str, *, timeout: float = 1.0) -> list[st
     for _ in range(_ASKINGS):
         done = threading.Event()
         left = max(deadline - time.monotonic(), 0.05)
-        session.liveliness().get(key, zenoh.handlers.Callback(on_reply, done.set), timeout=left)
+        with asking(session):
+            session.liveliness().get(key, zenoh.handlers.Callback(on_reply, done.set), timeout=left)
         while not done.wait(_SLICE) and time.monotonic() < deadline + 0.5:
             pass
         if not found:

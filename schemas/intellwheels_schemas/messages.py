@@ -660,7 +660,8 @@ class Robot(Record, frozen=True, kw_only=True):
     part: Annotated[tuple[Part, ...], Meta(max_length=32)] = ()
     """Boxes that make up the body, for contact and for the sensors of other bodies."""
     position: Position | None = None
-    """Pose to start at, if no Place is given."""
+    """Pose to start at, if no Place is given. On a map with outer walls it must be within the box of all walls,
+    obstacles and places; a map without them ends nowhere. A real robot may start anywhere."""
     proximity: tuple[Proximity, ...] = ()
     """Proximity sensors on the body."""
     lidar: tuple[Lidar, ...] = ()
@@ -1348,7 +1349,7 @@ class Teleport(Record, frozen=True, kw_only=True):
     agent: Name | None = None
     """Agent whose body is moved, as in the key; absent means that of the key."""
     position: Position
-    """New pose of the body."""
+    """New pose of the body, within the outer walls of the map like Robot.Position."""
 
 
 class Result(Record, frozen=True, kw_only=True):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import io
 import os
 import sys
 from pathlib import Path
@@ -14,7 +15,7 @@ from intellwheels_schemas.extras import missing_extra
 from intellwheels_schemas.input_reader import cut_text, unchained_text
 from intellwheels_schemas.link import link_of
 from intellwheels_schemas.names import check_name
-from intellwheels_schemas.output_paths import check_output_file, check_output_folder
+from intellwheels_schemas.output_paths import check_output_file, check_output_folder, open_output
 from intellwheels_schemas.panic_watch import PanicWatch
 from intellwheels_schemas.process import stop_on_signals
 from intellwheels_server.quick_start import QuickStart
@@ -22,7 +23,7 @@ from intellwheels_server.server_options import PLAY_SUFFIX, options_of, parser
 
 _ALWAYS = ("lifeline", "link_listens")
 WITH_LOG = {
-    "resimulate": ("prove", "trace", *_ALWAYS),
+    "resimulate": ("prove", "trace", "overwrite", *_ALWAYS),
     "play": ("reported", "speed", "quit_at_end", "world", "connect", "listen", "config", "identity", *_ALWAYS),
 }
 """Options that a log which is run again or played back leaves open. All others are those of a live run."""
@@ -68,6 +69,8 @@ def _perform(grammar: argparse.ArgumentParser, given: argparse.Namespace, start:
         grammar.error("--prove: expected with --resimulate and without --trace")
     if given.reported is not None and given.play is None:
         grammar.error("--reported: expected with --play, got none")
+    if given.overwrite and given.log is None and given.trace is None:
+        grammar.error("--overwrite: expected with --log or --trace, got none")
     if given.at and given.branch is None:
         grammar.error("--at: expected with --branch, got none")
     for reads, left in WITH_LOG.items():
@@ -139,14 +142,14 @@ def _check_outputs(given: argparse.Namespace) -> None:
     Raises:
         WireError: It cannot be written, or it would replace what is read.
     """
-    check_output_file(given.log, "--log")
-    check_output_file(given.trace, "--trace")
-    check_output_folder(given.runs, "--runs")
     read = given.resimulate or given.branch
     for written, option in ((given.log, "--log"), (given.trace, "--trace")):
         if read is not None and read.exists() and written is not None and written.exists() and written.samefile(read):
             text = f"{option}: expected another file than the log that is read, got {written}"
             raise WireError("value", text, option)
+    check_output_file(given.log, "--log", overwrite=given.overwrite)
+    check_output_file(given.trace, "--trace", overwrite=given.overwrite)
+    check_output_folder(given.runs, "--runs")
 
 
 def _play(given: argparse.Namespace, start: QuickStart) -> int:
@@ -242,7 +245,7 @@ def _trace(log: Path, target: Path) -> int:
     from intellwheels_server.log.true_trace import trace_lines  # noqa: PLC0415
 
     try:
-        with target.open("wb") as file:
+        with io.BufferedWriter(open_output(target)) as file:
             file.writelines(trace_lines(log, lambda text: print(text, file=sys.stderr)))
     except LogError as error:
         print(f"iw-server: {error}", file=sys.stderr)

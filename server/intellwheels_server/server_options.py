@@ -26,6 +26,7 @@ from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.link import Link, add_link_options, link_of
 from intellwheels_schemas.messages import Map, Scene
 from intellwheels_schemas.names import check_agent, check_name
+from intellwheels_schemas.output_paths import add_overwrite_option
 from intellwheels_schemas.process import add_process_options
 
 if TYPE_CHECKING:
@@ -197,6 +198,7 @@ def _add_time_options(group: argparse._ArgumentGroup) -> None:
 
 def _add_run_options(group: argparse._ArgumentGroup) -> None:
     group.add_argument("--log", type=Path, metavar="FILE", help="write the input log (JSON Lines)")
+    add_overwrite_option(group)
     group.add_argument(
         "--runs", type=Path, metavar="DIR",
         help="write the input log and the true trace of each run, up to its end condition, into DIR",

@@ -252,6 +252,17 @@ def test_measures_before_the_reply_are_answered_after_it(mind: Recorder) -> None
     assert harness.measured_early() == []
 
 
+def test_of_the_measures_that_came_while_the_mind_was_made_the_newest_is_answered(mind: Recorder) -> None:
+    harness = Harness(ROBOT, mind.make)
+    harness.start(0.0)
+    harness.measured([measures(0)])
+    harness.accepted(joined())
+    outputs = harness.measured_early([measures(1), measures(2)])
+    assert kinds(outputs) == ["Publish"]
+    assert put(outputs).tick == 2
+    assert put(harness.measured_early([measures(3)])).tick == 3
+
+
 def test_undecodable_measures_are_dropped_and_counted(mind: Recorder) -> None:
     harness = joined_harness(mind)
     assert kinds(harness.measured([(b"{", JSON)])) == ["Log"]

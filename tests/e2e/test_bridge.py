@@ -18,6 +18,7 @@ from typing import Any
 import pytest
 
 from intellwheels_maps import robot as robot_file
+from intellwheels_schemas.link import START_ONE
 from tests.e2e.stage import Peer, Stage
 
 WATCHDOG_MS = 5 * 200
@@ -501,7 +502,7 @@ def test_the_bridge_says_at_once_what_it_waits_for(stage: Stage) -> None:
     says(f"waiting why='cannot open {port}: No such file or directory'")
     Controller(stage)
     stage.line(child, "hardware", agent="real1")
-    says(f"waiting why='nobody answers at {stage.endpoint}'")
+    says(f"waiting why='nobody answers at {stage.endpoint}; {START_ONE}'")
     stage.server("--map", "corridor15m", "--pace", "realtime")
     stage.line(child, "joined", agent="real1")
     # Each reason once. That the server listens, but has not answered yet, may be a third one.

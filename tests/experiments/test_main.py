@@ -11,6 +11,7 @@ import pytest
 
 from intellwheels_experiments.__main__ import main
 from intellwheels_experiments.run.endpoints import free_endpoint
+from intellwheels_schemas.link import START_ONE
 from tests.experiments.scenes import write_scene
 
 DEADLINE = 120.0
@@ -55,6 +56,11 @@ def test_unknown_scene_is_wrong_usage_and_the_known_are_named(capsys: pytest.Cap
         (["--json", "nowhere/result.json"], "--json: expected a folder that exists, got nowhere"),
         (["--log", "nowhere/run.jsonl"], "--log: expected a folder that exists, got nowhere"),
         (["--log", "/"], "--log: expected a file, got the folder /"),
+        (["--json", __file__], f"--json: expected a new file, got {__file__}: the file exists; --overwrite"),
+        (["--log", __file__], f"--log: expected a new file, got {__file__}: the file exists; --overwrite"),
+        (["--branch", "/dev/null", "--out", "/etc"], "--out: expected an empty folder, or --overwrite to replace"),
+        (["--overwrite"], "--overwrite: expected with --json, --log or --branch, got none of them"),
+        (["--seeds", "2", "--overwrite"], "--overwrite: expected with a single run or --branch, got a batch"),
         (["--logs", "/dev/null/x"], "--logs: expected a folder, got the file /dev/null"),
         (["--seeds", "2", "--out", "/dev/null"], "--out: expected a folder, got the file /dev/null"),
     ],
@@ -67,6 +73,12 @@ def test_nothing_given_is_ignored_and_outputs_are_checked_first(
     assert printed.err.startswith(f"iw-run: {error}")
     assert printed.err.count("\n") == 1
     assert printed.out == ""
+
+
+def test_log_of_the_laboratory_is_not_replaced_either(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / "run-lab.jsonl").write_text("an old log")
+    assert main(["lab", "--log", str(tmp_path / "run.jsonl")]) == 2
+    assert "run-lab.jsonl: the file exists; --overwrite replaces it" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(
@@ -94,7 +106,7 @@ def test_a_router_that_nobody_runs_is_waited_for_in_words(tmp_path: Path) -> Non
         child.terminate()
         rest = child.stderr.read()
         watchdog.cancel()
-    assert found == f"waiting why='nobody answers at {endpoint}'\n"
+    assert found == f"waiting why='nobody answers at {endpoint}; {START_ONE}'\n"
     assert child.returncode == 1
     assert "Traceback" not in rest
 

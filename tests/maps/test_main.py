@@ -139,3 +139,25 @@ def test_wrong_imports_and_exports(
     monkeypatch.chdir(tmp_path)
     assert main(words) == code
     assert text in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("words", [
+    ["draw", "ward", "old.svg"], ["import", "floor.geojson", "-o", "old.xml"], ["export", "ward", "-o", "old.yaml"],
+    ["export", "ward", "-o", "pair.yaml"],
+])  # fmt: skip
+def test_file_that_exists_is_not_replaced(
+    words: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    for name in ("old.svg", "old.xml", "old.yaml", "pair.places.yaml"):
+        Path(name).write_text("old")
+    assert main(words) == 2
+    assert "the file exists; --overwrite replaces it" in capsys.readouterr().err
+    assert {path.read_text() for path in tmp_path.iterdir()} == {"old"}
+
+
+def test_file_is_replaced_if_that_is_wanted(tmp_path: Path) -> None:
+    plan = tmp_path / "plan.svg"
+    plan.write_text("old")
+    assert main(["draw", "ward", str(plan), "--overwrite"]) == 0
+    assert plan.read_text() != "old"

@@ -16,6 +16,7 @@ from intellwheels_schemas.codec import Encoding
 from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.keys import EVERY_ALIVE, Keys
 from intellwheels_schemas.link import (
+    START_ONE,
     Link,
     add_link_options,
     config_of,
@@ -152,7 +153,7 @@ def test_waiting_for_a_router_ends_with_stop_and_with_its_time() -> None:
         stop.set()
 
     assert open_session(link, stop, waiting=on_waiting) is None
-    assert words == [f"nobody answers at {link.where()}"]
+    assert words == [f"nobody answers at {link.where()}; {START_ONE}"]
     with pytest.raises(ConnectionError, match="nobody answers at"):
         open_session(link, threading.Event(), timeout=0.0)
 

@@ -102,6 +102,8 @@ def test_log_of_reported_poses_needs_a_playback_and_must_exist(
     [
         (["--log", "none/run.jsonl"], "--log: expected a folder that exists, got "),
         (["--log", "."], "--log: expected a file, got the folder "),
+        (["--log", "log"], "--log: expected a new file, got log: the file exists; --overwrite replaces it"),
+        (["--resimulate", "log", "--trace", "old"], "--trace: expected a new file, got old: the file exists"),
         (["--runs", "file"], "--runs: expected a folder, got the file "),
         (["--resimulate", "log", "--trace", "none/trace.jsonl"], "--trace: expected a folder that exists, got "),
         (["--resimulate", "log", "--trace", "log"], "--trace: expected another file than the log that is read, got "),
@@ -113,12 +115,23 @@ def test_output_that_cannot_be_written_is_refused_before_anything_starts(
 ) -> None:
     monkeypatch.chdir(tmp_path)
     Path("file").touch()
+    Path("old").write_text("a trace")
     Log(Path("log"), Setup(floor=floor("room")), "0" * 16).close()
     before = {path: path.read_bytes() for path in tmp_path.iterdir()}
     assert outcome(*words) == 2
     (line,) = capsys.readouterr().err.splitlines()
     assert line.startswith(f"iw-server: {said}")
     assert {path: path.read_bytes() for path in tmp_path.iterdir()} == before
+
+
+def test_trace_is_replaced_if_that_is_wanted(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    written(tmp_path / "log")
+    trace = tmp_path / "trace"
+    trace.write_text("old" * 1_000_000)
+    assert outcome("--resimulate", str(tmp_path / "log"), "--trace", str(trace), "--overwrite") == 0
+    assert "old" not in trace.read_text()
+    assert outcome("--overwrite") == 2
+    assert "--overwrite: expected with --log or --trace, got none" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("words", [["--prove"], ["--prove", "--resimulate", "/dev/null", "--trace", "trace"]])

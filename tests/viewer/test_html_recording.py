@@ -18,6 +18,7 @@ import zstandard
 
 from intellwheels_maps import library
 from intellwheels_schemas.messages import Body, Entity
+from intellwheels_schemas.output_paths import reserved_output
 from intellwheels_viewer.html_recording import HtmlRecording
 from intellwheels_viewer.snapshot import Snapshot
 from intellwheels_viewer.stage import Stage
@@ -70,7 +71,8 @@ def test_what_was_drawn_is_kept_as_far_apart_as_it_was_in_the_run(server: viser.
     recording = HtmlRecording(server, 1.0)
     assert recorded(server, recording, [snapshot(tick) for tick in (20, 24, 30, 40)]) == [False, False, False, True]
     assert recording.length == pytest.approx(1.0)
-    size = recording.save(tmp_path / "run.html")
+    with reserved_output(tmp_path / "run.html", overwrite=False) as file:
+        size = recording.save(file)
     assert size == (tmp_path / "run.html").stat().st_size
     kept = contents(tmp_path / "run.html")
     assert kept["durationSeconds"] == pytest.approx(1.0)
@@ -92,5 +94,6 @@ def test_a_run_that_begins_anew_ends_it(server: viser.ViserServer, last: Snapsho
 def test_it_waits_for_a_run_and_writes_nothing_without_one(server: viser.ViserServer, tmp_path: Path) -> None:
     recording = HtmlRecording(server, 1.0)
     assert recorded(server, recording, [Snapshot(), replace(snapshot(2), entities=())]) == [False, False]
-    assert recording.save(tmp_path / "run.html") == 0
+    with reserved_output(tmp_path / "run.html", overwrite=False) as file:
+        assert recording.save(file) == 0
     assert not (tmp_path / "run.html").exists()

@@ -62,6 +62,15 @@ def test_a_recording_that_cannot_be_written_is_refused_before_anything_starts(
     assert list(tmp_path.iterdir()) == []
 
 
+def test_a_recording_replaces_a_file_only_if_that_is_wanted(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / "run.html").write_text("old")
+    assert main(["--record", str(tmp_path / "run.html")]) == 2
+    assert "run.html: the file exists; --overwrite replaces it" in capsys.readouterr().err
+    with pytest.raises(SystemExit):
+        main(["--overwrite"])
+    assert "--overwrite: expected with --record, got none" in capsys.readouterr().err
+
+
 def test_help_comes_without_what_takes_long_to_import() -> None:
     code = (
         "import sys\nfrom intellwheels_viewer.__main__ import main\n"

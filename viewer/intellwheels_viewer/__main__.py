@@ -15,7 +15,7 @@ from intellwheels_schemas.extras import missing_extra
 from intellwheels_schemas.files import read_with_lines
 from intellwheels_schemas.link import add_link_options, link_of
 from intellwheels_schemas.messages import Lab
-from intellwheels_schemas.output_paths import check_output_file
+from intellwheels_schemas.output_paths import add_overwrite_option, check_output_file
 from intellwheels_schemas.process import add_process_options, stop_on_signals
 from intellwheels_viewer.page_hosts import check_page_hosts, is_wide
 from intellwheels_viewer.visits import Door
@@ -83,6 +83,7 @@ def parser() -> argparse.ArgumentParser:
         "--seconds", type=number("seconds", 0.0, LONGEST, low_open=True), default=20.0, metavar="S",
         help="with --record: simulated seconds to record, in (0, 600], fewer if the run ends earlier (default: 20)",
     )  # fmt: skip
+    add_overwrite_option(kept)
     add_process_options(found)
     add_link_options(found, world="the only running world; if there are several, the page lets you choose")
     found.set_defaults(world=None)
@@ -97,6 +98,8 @@ def main(arguments: list[str] | None = None) -> int:
         command_line.error("--seconds: expected with --record, got none")
     if (given.user_header is None) != (given.lab is None):
         command_line.error("--user-header and --lab: expected both or none, got one")
+    if given.record is None and given.overwrite:
+        command_line.error("--overwrite: expected with --record, got none")
     lacking = missing_extra("viewer")
     if lacking is not None:
         print(f"iw-viewer: {lacking}", file=sys.stderr)
@@ -104,7 +107,7 @@ def main(arguments: list[str] | None = None) -> int:
     chosen = given.world is not None
     given.world = given.world if chosen else defaults.WORLD
     try:
-        check_output_file(given.record, "--record")
+        check_output_file(given.record, "--record", overwrite=given.overwrite)
         link = link_of(given)
         check_page_hosts(given.host, given.allow_host)
         door = _door(given)
@@ -128,6 +131,7 @@ def main(arguments: list[str] | None = None) -> int:
             chosen=chosen,
             record=given.record,
             seconds=given.seconds,
+            overwrite=given.overwrite,
         ),
         link,
         stop,

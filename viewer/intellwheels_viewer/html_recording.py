@@ -6,12 +6,13 @@ begins with the first picture and ends when a new run starts.
 
 from __future__ import annotations
 
-from pathlib import Path
+import io
 from typing import TYPE_CHECKING, Final
 
 import viser
 from viser.infra import StateSerializer
 
+from intellwheels_schemas.output_paths import write_reserved
 from intellwheels_viewer.cameras import FOV, STEEP, corners_of, fit
 
 if TYPE_CHECKING:
@@ -58,8 +59,8 @@ class HtmlRecording:
         ended = snapshot.clock is not None and snapshot.clock.state == "ended"
         return ended or self.length >= self._seconds
 
-    def save(self, path: Path) -> int:
-        """Write the file and return its size in bytes; 0, and no file, if nothing was recorded.
+    def save(self, file: io.FileIO) -> int:
+        """Write a reserved file and return its size in bytes; 0, and an empty file, if nothing was recorded.
 
         Raises:
             OSError: The file cannot be written.
@@ -68,7 +69,7 @@ class HtmlRecording:
             return 0
         kept, self._kept = self._kept, None
         page = kept.as_html(dark_mode=self._dark).encode()
-        path.write_bytes(page)
+        write_reserved(file, page)
         return len(page)
 
     def _frame(self, snapshot: Snapshot) -> None:

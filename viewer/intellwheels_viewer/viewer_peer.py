@@ -41,6 +41,7 @@ from intellwheels_schemas.names import is_name
 from intellwheels_schemas.own_rights import NotAllowedError
 from intellwheels_schemas.process import start_network_thread
 from intellwheels_schemas.repliers import by_simulator
+from intellwheels_schemas.session_closing import close_session
 from intellwheels_schemas.zenoh_inbox import Inbox, Presence, Put
 from intellwheels_viewer.router_rights import RouterRights
 from intellwheels_viewer.run_guard import Dated, RunGuard
@@ -138,7 +139,7 @@ class Network:
             if self._tokens is not None:
                 self._tokens.undeclare()  # type: ignore[no-untyped-call]
             if session is not None:
-                session.close()  # type: ignore[no-untyped-call]
+                close_session(session)
 
     def choose(self, world: str) -> None:
         """Show another world; anything but a valid world name is ignored."""

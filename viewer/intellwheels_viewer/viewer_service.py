@@ -20,6 +20,7 @@ from typing import Final
 import viser
 
 from intellwheels_schemas.link import Link
+from intellwheels_schemas.output_paths import reserved_output
 from intellwheels_viewer.html_recording import HtmlRecording
 from intellwheels_viewer.origin_guard import admit, open_server
 from intellwheels_viewer.page import Page
@@ -53,6 +54,7 @@ class Options:
         chosen: Whether the user named the world. If not, the only running world is shown.
         record: The HTML file to record to, after which the viewer exits; None for no recording.
         seconds: Simulated seconds to record.
+        overwrite: Whether the recording may replace a file.
     """
 
     host: str = "127.0.0.1"
@@ -63,6 +65,7 @@ class Options:
     chosen: bool = False
     record: Path | None = None
     seconds: float = 20.0
+    overwrite: bool = False
 
 
 class Viewer:
@@ -140,9 +143,9 @@ class Viewer:
         if self._recording is not None and self._recording.drawn(snapshot):
             self._stop.set()
 
-    def save(self, path: Path) -> int:
+    def save(self, file: io.FileIO) -> int:
         """Write the recording, see `HtmlRecording.save`."""
-        return 0 if self._recording is None else self._recording.save(path)
+        return 0 if self._recording is None else self._recording.save(file)
 
     def _end(self) -> None:
         # Release driven bodies first, while there still is a link.
@@ -209,6 +212,19 @@ def panel_period(bodies: int) -> float:
 
 def serve(options: Options, link: Link, stop: threading.Event) -> int:
     """Serve the page until `stop` is set and return the exit code."""
+    with contextlib.ExitStack() as stack:
+        file = None
+        try:
+            # From the start: what is recorded must not be lost because another viewer wrote the file meanwhile.
+            if options.record is not None:
+                file = stack.enter_context(reserved_output(options.record, overwrite=options.overwrite))
+        except OSError as error:
+            sys.stderr.write(f"iw-viewer: cannot write {options.record}: {error.strerror}\n")
+            return 1
+        return _serve(options, link, stop, file)
+
+
+def _serve(options: Options, link: Link, stop: threading.Event, record: io.FileIO | None) -> int:
     try:
         viewer = Viewer(options, link, stop)
     except ConnectionError as error:
@@ -222,12 +238,12 @@ def serve(options: Options, link: Link, stop: threading.Event) -> int:
     if viewer.failure:
         sys.stderr.write(f"iw-viewer: {viewer.failure}\n")
         return 1
-    return 0 if options.record is None else _save(viewer, options.record)
+    return 0 if record is None else _save(viewer, record, options.record)
 
 
-def _save(viewer: Viewer, path: Path) -> int:
+def _save(viewer: Viewer, file: io.FileIO, path: Path | None) -> int:
     try:
-        size = viewer.save(path)
+        size = viewer.save(file)
     except OSError as error:
         sys.stderr.write(f"iw-viewer: cannot write {path}: {error.strerror}\n")
         return 1

@@ -28,6 +28,7 @@ from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.keys import Keys
 from intellwheels_schemas.messages import Body, Clock, Error, Result, Take, UserInput, WorldState
 from intellwheels_schemas.process import start_network_thread
+from intellwheels_schemas.session_closing import closing
 
 ANSWER_TIMEOUT: Final = 1.5
 """Seconds to wait for an answer: less than a lease."""
@@ -66,7 +67,7 @@ def operate(
         return 1
     if session is None:
         return 0
-    with session:
+    with closing(session):
         keys = Keys(where.world)
         inbox = zenoh_inbox.Inbox()
         clock = session.declare_subscriber(keys.clock, inbox.on_sample)

@@ -10,7 +10,7 @@ import io
 import time
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any, BinaryIO, Final
+from typing import Any, Final
 
 import foxglove
 from foxglove import Channel, Context, channels
@@ -18,13 +18,16 @@ from foxglove.mcap import MCAPWriteOptions
 from foxglove.websocket import Capability, WebSocketServer
 
 from intellwheels_agents.record_gateway.translator import Entry
+from intellwheels_schemas.output_paths import open_output
 
 FLUSH_EVERY: Final = 1.0
 """Longest time, s, for which a message is only in memory."""
 MOST_PENDING: Final = 4_000_000
 """Most bytes of a file that are only in memory."""
 PROFILE: Final = "intellwheels"
-_LEVEL: Final = "ERROR"
+_LEVEL: Final = "CRITICAL"
+"""Level of the library's own log, which is then empty: whoever connects with another protocol would fill it. The
+environment variable FOXGLOVE_LOG_LEVEL sets another one."""
 
 
 class OutputFile:
@@ -37,14 +40,14 @@ class OutputFile:
         error: The first error, or None.
     """
 
-    def __init__(self, path: Path) -> None:
-        """Create the file.
+    def __init__(self, path: Path, *, overwrite: bool = True) -> None:
+        """Create the file, and lock it.
 
         Raises:
-            OSError: It cannot be created.
+            OSError: It cannot be created, another process is writing it, or it would replace a file.
         """
         self.error: OSError | None = None
-        self._file: BinaryIO = path.open("wb", buffering=0)
+        self._file = open_output(path, overwrite=overwrite)
         self._committed = 0
         self._tail = io.BytesIO()
 
@@ -96,16 +99,19 @@ class MessageSinks:
         messages: Messages so far, those that are repeated in a new file not counted.
     """
 
-    def __init__(self, schemas: Mapping[str, dict[str, Any]], path: Path | None, most_bytes: int) -> None:
+    def __init__(
+        self, schemas: Mapping[str, dict[str, Any]], path: Path | None, most_bytes: int, *, overwrite: bool = True
+    ) -> None:
         """Begin the first file.
 
         Args:
             schemas: The JSON Schema of each document.
             path: The file; None for none.
             most_bytes: Size at which a new file begins.
+            overwrite: Whether files that exist are replaced.
 
         Raises:
-            OSError: The file cannot be created.
+            OSError: The file cannot be created, or is not to be replaced.
         """
         foxglove.set_log_level(_LEVEL)
         self.files: list[Path] = []
@@ -113,6 +119,7 @@ class MessageSinks:
         self._schemas = schemas
         self._path = path
         self._most_bytes = most_bytes
+        self._overwrite = overwrite
         self._context = Context()
         self._channels: dict[str, Any] = {}
         self._kept: dict[str, Entry] = {}
@@ -135,6 +142,9 @@ class MessageSinks:
                 supported_encodings=["json"], context=self._context,
             )  # fmt: skip
         except Exception as error:  # the library has no class of its own for it
+            if "in use" in str(error):
+                got = f"{port}, which is in use, perhaps by another iw-record; --port 0 picks a free one"
+                raise OSError(f"--port: expected a free port, got {got}") from None
             raise OSError(f"cannot serve at {host}:{port}: {error}") from None
         return self._server.port
 
@@ -192,7 +202,7 @@ class MessageSinks:
             raise self._file.error
 
     def _open(self, path: Path) -> None:
-        self._file = OutputFile(path)
+        self._file = OutputFile(path, overwrite=self._overwrite)
         # One thread compresses: cores belong to the simulator.
         options = MCAPWriteOptions(profile=PROFILE, compression_threads=0)
         self._writer = foxglove.open_mcap(self._file, context=self._context, writer_options=options)

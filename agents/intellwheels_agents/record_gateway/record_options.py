@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import math
+import re
 import socket
 from pathlib import Path
 from typing import Final
@@ -11,7 +12,7 @@ from typing import Final
 from intellwheels_agents.options import OptionError
 from intellwheels_schemas import defaults
 from intellwheels_schemas.command_parser import CommandParser, number, port, positive_seconds, readable_file
-from intellwheels_schemas.output_paths import check_output_file, check_output_folder
+from intellwheels_schemas.output_paths import add_overwrite_option, check_output_file, check_output_folder
 
 EXAMPLES: Final = """\
 examples:
@@ -66,6 +67,7 @@ def parser() -> argparse.ArgumentParser:
         help=f"begin another file, named FILE-2.mcap and so on, when one has so many megabytes, in [0.1, 1e6] "
         f"(default: {ROTATE:g})",
     )  # fmt: skip
+    add_overwrite_option(result)
     bag = result.add_argument_group("ROS 2")
     bag.add_argument(
         "--ros2", type=Path, metavar="BAG",
@@ -99,7 +101,11 @@ def check_together(given: argparse.Namespace) -> None:
     if given.file is None and given.ros2 is None and not given.live:
         raise OptionError("FILE.mcap: expected a file, --ros2 or --live, got none of them")
     if given.file is not None:
-        check_output_file(given.file, "FILE.mcap")
+        # Those that --rotate would make too: a recording must not end in the middle, nor mix with an older one.
+        for file in (given.file, *_parts(given.file)):
+            check_output_file(file, "FILE.mcap", overwrite=given.overwrite)
+    elif given.overwrite:
+        raise OptionError("--overwrite: expected with a FILE.mcap, got none")
     if given.ros2 is not None:
         check_output_folder(given.ros2, "--ros2")
         if given.ros2.exists():
@@ -122,6 +128,12 @@ def check_together(given: argparse.Namespace) -> None:
     if given.host is not None and not _is_here(given.host):
         expected = "an address of this machine, such as 127.0.0.1 or 0.0.0.0"
         raise OptionError(f"--host: expected {expected}, got {given.host!r}")
+
+
+def _parts(file: Path) -> list[Path]:
+    """Return the files that have the name of a further file of a recording, such as `run-2.mcap`."""
+    name = re.compile(rf"{re.escape(file.stem)}-[1-9][0-9]*{re.escape(file.suffix)}")
+    return sorted(other for other in file.parent.glob("*") if name.fullmatch(other.name))
 
 
 def _is_here(host: str) -> bool:

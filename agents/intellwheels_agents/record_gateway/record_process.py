@@ -20,6 +20,7 @@ from intellwheels_agents.record_gateway.world_source import WorldSource
 from intellwheels_schemas import link, own_rights
 from intellwheels_schemas.json_schema import json_schemas
 from intellwheels_schemas.keys import Keys
+from intellwheels_schemas.session_closing import closing
 
 if TYPE_CHECKING:
     from intellwheels_agents.record_gateway.bag_writer import BagWriter
@@ -54,7 +55,7 @@ def record(given: argparse.Namespace, where: link.Link, stop: threading.Event) -
         keys = Keys(where.world)
         translator = Translator(keys, time.time if given.log is None else _zero)
         bag = None if given.ros2 is None else _bag(given, keys, translator)
-        sinks = MessageSinks(json_schemas(grows=True), given.file, most)
+        sinks = MessageSinks(json_schemas(grows=True), given.file, most, overwrite=given.overwrite)
         try:
             port = None
             if given.live:
@@ -65,7 +66,7 @@ def record(given: argparse.Namespace, where: link.Link, stop: threading.Event) -
             if session is None:
                 return 0
             source = WorldSource(session, keys, translator, sinks.write, _log, others=() if bag is None else (bag,))
-            with session, source:
+            with closing(session), source:
                 words = [] if given.file is None else [f"file={given.file}"]
                 words += [] if given.ros2 is None else [f"bag={given.ros2}"]
                 words += [] if port is None else [f"live=ws://{given.host or record_options.HOST}:{port}"]

@@ -31,6 +31,7 @@ from intellwheels_schemas.keys import Keys
 from intellwheels_schemas.messages import Robot, Truth
 from intellwheels_schemas.names import new_hex
 from intellwheels_schemas.process import THREADS_END, start_network_thread
+from intellwheels_schemas.session_closing import closing
 
 NODE = "intellwheels"
 """Name of the gateway's nodes: `/intellwheels` for the world, `/<name>/intellwheels` for a chair."""
@@ -87,7 +88,7 @@ class GatewayProcess:
                 world_session = self._open(self._where)
                 if world_session is None:
                     return 0
-                stack.enter_context(world_session)
+                stack.enter_context(closing(world_session))
             if not self._given.no_world:
                 stack.enter_context(self._world_topics(world_session, graph))
             node = None if self._agent is None else graph.node(f"/{ros_name(self._agent)}", NODE)

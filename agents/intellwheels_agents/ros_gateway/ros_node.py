@@ -38,6 +38,7 @@ from intellwheels_agents.ros_gateway.rmw_wire import (
 from intellwheels_agents.ros_gateway.ros_types import decode_message, encode_message, ros_type
 from intellwheels_schemas import link
 from intellwheels_schemas.errors import WireError, wrong_value
+from intellwheels_schemas.session_closing import close_session
 
 ROOM: Final = 256
 """Messages that may wait for a reader."""
@@ -183,7 +184,7 @@ class RosSession:
             self._work.put(None)
         # In reverse order: a node goes after its entities. A declaration that is still open makes Python hang.
         self._stack.close()
-        self._session.close()  # type: ignore[no-untyped-call]
+        close_session(self._session)
 
     def has_node(self, namespace: str, name: str) -> bool:
         """Return whether another session has a node of that name."""

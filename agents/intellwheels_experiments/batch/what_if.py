@@ -103,7 +103,13 @@ def perform_branch(batch: Batch, scene: Scene, changed: Row, log: Path, at: int,
 def _resimulate(log: Path, target: Path, children: ChildProcesses) -> Trace:
     """Return the trace of a log, by running it again."""
     child = children.start(
-        f"resimulate-{target.stem}", "intellwheels_server", "--resimulate", str(log), "--trace", str(target)
+        f"resimulate-{target.stem}",
+        "intellwheels_server",
+        "--resimulate",
+        str(log),
+        "--trace",
+        str(target),
+        "--overwrite",
     )
     try:
         code = children.exit(child, LIMIT)

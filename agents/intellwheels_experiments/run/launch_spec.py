@@ -103,7 +103,7 @@ class LaunchSpec:
         """Return the laboratory's command. Its log is beside the run's, with `-lab` appended to the stem."""
         arguments = [*link_arguments(self.lab, [self.laboratory]), "--miss", self.scene.miss]
         arguments += laboratory_arguments(self.scene, self.bridges, self.folder)
-        log = None if self.log is None else self.log.with_stem(f"{self.log.stem}-lab")
+        log = None if self.log is None else laboratory_log(self.log)
         return self._simulator_command(arguments, log, lifeline)
 
     def bridge_command(self, cast: Cast, lifeline: int) -> list[str]:
@@ -137,7 +137,8 @@ class LaunchSpec:
         if self.pace == "free":
             arguments += ["--open-loop"]
         if log is not None:
-            arguments += ["--log", str(log.absolute())]
+            # Whoever made the specification has checked it.
+            arguments += ["--log", str(log.absolute()), "--overwrite"]
         return [*PYTHON, "-m", "intellwheels_server", *arguments]
 
     def _link_arguments(self, listen: tuple[str, ...], connect: tuple[str, ...]) -> list[str]:
@@ -145,6 +146,11 @@ class LaunchSpec:
         for option, file in (("--config", self.config), ("--identity", self.identity)):
             arguments += [] if file is None else [option, str(file.absolute())]
         return arguments
+
+
+def laboratory_log(log: Path) -> Path:
+    """Return the input log of the laboratory of a run, which is beside that of the run."""
+    return log.with_stem(f"{log.stem}-lab")
 
 
 def agent_command(cast: Cast, folder: Path | None, arguments: Sequence[str]) -> list[str]:

@@ -35,6 +35,7 @@ class Progress:
         self._goals = {reach.agent: (*places[reach.place], reach.within) for reach in reaches}
         self._status: Status | None = None
         self._next = time.monotonic() + PLAIN_EVERY
+        self._said = ""
 
     def __enter__(self) -> Self:
         if self._console.is_terminal:
@@ -59,7 +60,7 @@ class Progress:
             self._status.update(Text(f"{self._scene.name}: {text}"))
 
     def follow(self, record: RunRecord) -> None:
-        """Show how far the run is; off a terminal only once something is known.
+        """Show how far the run is; off a terminal only what is new.
 
         It is cheap enough to be called ten times a second.
         """
@@ -67,7 +68,11 @@ class Progress:
             self.doing(describe(record, self._goals))
         elif record.clock is not None and time.monotonic() >= self._next:
             self._next = time.monotonic() + PLAIN_EVERY
-            self.say(f"progress {describe(record, self._goals)}")
+            # While a run is paused, or waits for its page, every line would be the same.
+            text = describe(record, self._goals)
+            if text != self._said:
+                self._said = text
+                self.say(f"progress {text}")
 
 
 def describe(record: RunRecord, goals: dict[str, tuple[float, float, float]]) -> str:

@@ -33,7 +33,7 @@ def check_connection(options: argparse.Namespace) -> None:
     check_link(Link(options.world, tuple(options.listen), tuple(options.connect), options.config, options.identity))
     check_free(options.listen)
     if options.view and not is_free("127.0.0.1", options.view_port):
-        got = f"{options.view_port}, which is in use, perhaps by another viewer"
+        got = f"{options.view_port}, which is in use, perhaps by another viewer; --view-port 0 picks a free one"
         raise WireError("value", f"--view-port: expected a free port, got {got}", "--view-port")
 
 

@@ -6,6 +6,8 @@ import contextlib
 from pathlib import Path
 from typing import Final
 
+from intellwheels_schemas.output_paths import open_output
+
 FLUSH_AFTER: Final = 0.5
 """Seconds that a line is buffered. The loop of the service calls `flush_if_due` five times a second or more."""
 
@@ -17,12 +19,12 @@ class LineFile:
         path: The file; an existing one is replaced.
 
     Raises:
-        OSError: The file cannot be written.
+        OSError: The file cannot be written, or another process is writing it.
     """
 
     def __init__(self, path: Path) -> None:
         self._path = path
-        self._file = path.open("wb", buffering=0)
+        self._file = open_output(path)
         self._lines: list[bytes] = []
         self._flush_at = 0.0
         self._failed = False

@@ -172,6 +172,9 @@ def _teleport(one: do.TeleportBody, draft: Draft) -> Outcome:
     if model.externally_posed:
         return Outcome(code="failed", text=f"agent '{one.agent}' is a real chair: only its bridge can change its pose")
     space, target = draft.space, with_wrapped_heading(one.position)
+    beyond = None if one.force else space.outside(target)
+    if beyond is not None:
+        return Outcome(code="failed", refused="value", text=f"agent '{one.agent}': {beyond}")
     before = draft.numbers[one.agent]
     space.add(one.agent, model, target.x, target.y, target.heading)
     obstacle = None if one.force else space.overlap_of(one.agent)

@@ -12,6 +12,7 @@ import numpy as np
 from intellwheels_schemas.errors import RequestRefusedError
 from intellwheels_schemas.explain import did_you_mean
 from intellwheels_schemas.messages import Map, Place, Position
+from intellwheels_server.world.floor_bounds import outside
 from intellwheels_server.world.kernels.arrays import Floats, Ints, Walls, part_rows, radius_of
 from intellwheels_server.world.kernels.elementary import wrap
 from intellwheels_server.world.kernels.overlap import deepest_body, deepest_wall, overlaps_wall
@@ -51,6 +52,10 @@ class OccupiedSpace:
         """Remove a body."""
         del self._parts[name], self._radii[name], self._poses[name]
         self._arrays = None
+
+    def outside(self, position: Position) -> str | None:
+        """Return what is wrong with a position outside a map with outer walls, or None."""
+        return outside(self._walls, self._floor, position.x, position.y)
 
     def overlap_of(self, name: str) -> str | None:
         """Return a description of what a body overlaps at its pose, or None."""
@@ -134,7 +139,7 @@ def place(model: BodyModel, floor: Map, space: OccupiedSpace, reserved: Collecti
 
     Raises:
         RequestRefusedError: `no-place`, if there is no such place or none is free; `overlaps`, if something is there
-            or will be.
+            or will be; `value`, if it would be outside the outer walls of the map.
     """
     robot = model.robot
     spots = floor.grid.position if floor.grid is not None else ()
@@ -146,6 +151,9 @@ def place(model: BodyModel, floor: Map, space: OccupiedSpace, reserved: Collecti
         wanted = robot.position
     if wanted is not None:
         wanted = with_wrapped_heading(wanted)
+        beyond = None if model.externally_posed else space.outside(wanted)
+        if beyond is not None:
+            raise RequestRefusedError("value", f"agent '{model.name}': {beyond}")
         obstacle = None if model.externally_posed else space.overlap_at(model, wanted)
         if obstacle is not None:
             raise RequestRefusedError("overlaps", f"agent '{model.name}' would overlap {obstacle} {_where(model)}")

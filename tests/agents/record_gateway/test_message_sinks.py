@@ -38,6 +38,14 @@ def test_files_rotate_by_size_and_each_repeats_what_is_kept(tmp_path: Path) -> N
     assert sum(len(messages(path)) - 1 for path in sinks.files) == 11
 
 
+def test_a_file_that_came_meanwhile_is_not_replaced_by_a_part(tmp_path: Path) -> None:
+    sinks = MessageSinks(SCHEMAS, tmp_path / "run.mcap", 1, overwrite=False)
+    (tmp_path / "run-2.mcap").write_text("of another recording")
+    with pytest.raises(FileExistsError):
+        sinks.write(entry(0))
+    assert (tmp_path / "run-2.mcap").read_text() == "of another recording"
+
+
 def test_a_file_without_an_end_is_readable_up_to_the_last_flush(tmp_path: Path) -> None:
     path = tmp_path / "run.mcap"
     sinks = MessageSinks(SCHEMAS, path, 10**9)
@@ -68,7 +76,7 @@ def test_a_full_disk_ends_the_recording_with_its_reason() -> None:
 def test_a_port_in_use_is_refused(tmp_path: Path) -> None:
     first, second = MessageSinks(SCHEMAS, None, 1), MessageSinks(SCHEMAS, None, 1)
     port = first.serve("w", "127.0.0.1", 0, None)
-    with pytest.raises(OSError, match=f"cannot serve at 127.0.0.1:{port}"):
+    with pytest.raises(OSError, match=f"--port: expected a free port, got {port}, which is in use.*; --port 0 picks"):
         second.serve("w", "127.0.0.1", port, None)
     first.close({})
     second.close({})

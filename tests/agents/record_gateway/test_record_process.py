@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 
+from intellwheels_schemas.link import START_ONE
 from tests.e2e.stage import run
 
 pytestmark = pytest.mark.process
@@ -16,5 +17,6 @@ def test_without_a_router_it_gives_up_in_time(tmp_path: Path) -> None:
     done = run("intellwheels_agents.record_gateway", *words)
     assert (done.returncode, done.stdout) == (1, "")
     assert done.stderr.splitlines() == [
-        "iw-record: waiting why='nobody answers at tcp/127.0.0.1:1'", "iw-record: nobody answers at tcp/127.0.0.1:1",
-    ]  # fmt: skip
+        f"iw-record: waiting why='nobody answers at tcp/127.0.0.1:1; {START_ONE}'",
+        "iw-record: nobody answers at tcp/127.0.0.1:1",
+    ]

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+from intellwheels_schemas.link import START_ONE
 from tests.agents.ros_gateway.stand_in_node import StandInNode
 from tests.e2e.stage import Stage, run
 
@@ -18,8 +19,9 @@ def test_without_a_router_it_gives_up_in_time() -> None:
     done = run(GATEWAY, "--name", "c", "--connect", "tcp/127.0.0.1:1", "--retry-for", "0.5")
     assert done.returncode == 1
     assert done.stderr.splitlines() == [
-        "iw-ros: waiting why='nobody answers at tcp/127.0.0.1:1'", "iw-ros: nobody answers at tcp/127.0.0.1:1",
-    ]  # fmt: skip
+        f"iw-ros: waiting why='nobody answers at tcp/127.0.0.1:1; {START_ONE}'",
+        "iw-ros: nobody answers at tcp/127.0.0.1:1",
+    ]
 
 
 def test_second_gateway_of_a_world_or_a_chair_is_refused(tmp_path: Path) -> None:

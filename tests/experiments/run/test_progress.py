@@ -51,6 +51,16 @@ def test_nothing_is_printed_before_the_first_message(monkeypatch: pytest.MonkeyP
     assert text.getvalue().startswith("progress running 2.0 s")
 
 
+def test_line_that_says_nothing_new_is_not_printed_again(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("intellwheels_experiments.run.progress.PLAIN_EVERY", 0.0)
+    text = io.StringIO()
+    scene, floor = Scene(format="iw.v1", name="test", map="room"), Map(format="iw.v1", name="room")
+    with Progress(Console(file=text), scene, floor) as progress:
+        for waiting in ((), (), ("chair1",), ("chair1",), ()):
+            progress.follow(record(waiting))
+    assert ["waiting for" in line for line in text.getvalue().splitlines()] == [False, True, False]
+
+
 def test_words_are_not_taken_for_markup() -> None:
     text = io.StringIO()
     scene, floor = Scene(format="iw.v1", name="test", map="room"), Map(format="iw.v1", name="room")
