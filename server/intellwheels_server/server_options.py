@@ -90,8 +90,8 @@ def _add_world_options(group: argparse._ArgumentGroup) -> None:
     )
     group.add_argument(
         "--map", metavar="NAME|FILE",
-        help="the map: an included one, or a file; the floor of another program needs the extra `floors`, or `ifc` for "
-        f".ifc (default: the scene's, or {DEFAULT_FLOOR})",
+        help="the map: an included one, or a file; the floor of another program needs the extra `floors`, `ifc` for "
+        f".ifc, or none for a lab of Ciber-Rato (default: the scene's, or {DEFAULT_FLOOR})",
     )  # fmt: skip
     group.add_argument(
         "--seed", type=like_field(messages.Seed), metavar="TEXT",

@@ -54,7 +54,8 @@ Standard output has lines that begin with one of these words:
                                     events of the chair
 On standard error, `erred code=late` says that a pose came more than a tick late and was not used. The next tick has
 another pose: a few of them, of a busy machine, do no harm. The line comes for the 1st, 10th, 100th of them.
-Exit codes: 0 done, 1 refused or failed, 2 wrong usage. The driver serial needs the extra `bridge`.
+Exit codes: 0 done, 1 refused or failed, 2 wrong usage. The driver serial needs the extra `bridge`, luci the
+extra `luci`, and rnet the extra `rnet`.
 """
 DEFAULT_ROBOT: Final = "intellwheels"
 MAX_COUNT: Final = 2**31 - 1
@@ -107,7 +108,8 @@ def parser() -> argparse.ArgumentParser:
     body.add_argument(
         "--sensors", choices=SENSORS, default="virtual",
         help="which sensors the mind gets: the virtual ones of --robot, the real sonars of --chair, or both; with "
-        "both, a real sonar is named real-ID (default: virtual); with the driver luci also its inertial unit",
+        "both, a real sonar is named real-ID; with the driver luci, real and both include its inertial unit "
+        "(default: virtual)",
     )  # fmt: skip
     chair = result.add_argument_group("the chair")
     chair.add_argument(

@@ -31,9 +31,9 @@ examples:
   without noise
       iw-ciber --option MotorNoise=0 --option Compass.NoiseDeg=0 --option Beacon.NoiseDeg=0 --obstacle-noise 0
 
-A unit of a lab is 1 m. Robots start at the places of the map without kinds, in order: their number is the Id that an
-agent asks for. Beacons are the places of kind beacon, targets the zones. A cycle is a tick, and has 50 ms if the
-simulator's period is the usual one.
+A unit of a lab is 1 m. Robots start at the places of the map that have no kind, or the kind robot. The Id that an
+agent asks for is the number of its place in their order. Beacons are the places of kind beacon, targets the zones.
+A cycle is a tick, and lasts 50 ms with the simulator's default period.
 
 A robot that meets an obstacle slides along it; in the Ciber-Rato simulator it only turned.
 Scores are not kept. RobotBeacon, Panel and the binary protocol are refused. A viewer shows the robots of this iw-ciber.

@@ -179,7 +179,9 @@ def _add_key_options(result: argparse.ArgumentParser) -> None:
         "--dwell", type=number("seconds", 0.2, 60.0), default=1.0, metavar="S",
         help="with --scan dwell: seconds of rest that select, in [0.2, 60] (default: 1)",
     )  # fmt: skip
-    group.add_argument("--confirm", action="store_true", help="a command drives only when it is selected twice")
+    group.add_argument(
+        "--confirm", action="store_true", help="with scan: a command drives only when it is selected twice"
+    )
     group.add_argument(
         "--latch",
         action="store_true",
@@ -188,12 +190,12 @@ def _add_key_options(result: argparse.ArgumentParser) -> None:
     )
     group.add_argument(
         "--switch-keys", type=_switch_keys, default=DEFAULT_KEYS, metavar="KEY,KEY",
-        help="the keys of switch 1 and 2, or of the only one: a character, space, enter, tab or an arrow as up "
-        "(default: space,enter)",
+        help="with scan: the keys of switch 1 and 2, or of the only one: a character, space, enter, tab or an arrow as "
+        "up (default: space,enter)",
     )  # fmt: skip
     group.add_argument(
         "--signals", type=_signals, default=DEFAULT_SIGNALS, metavar="SIGNAL=KEY,...",
-        help=f"the keys of {', '.join(DEFAULT_SIGNALS)} (default: "
+        help=f"with sip-puff: the keys of {', '.join(DEFAULT_SIGNALS)} (default: "
         + ",".join(f"{signal}={key}" for signal, key in DEFAULT_SIGNALS.items()) + ")",
     )  # fmt: skip
 
