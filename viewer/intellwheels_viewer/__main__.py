@@ -63,7 +63,7 @@ def parser() -> argparse.ArgumentParser:
     )  # fmt: skip
     page.add_argument(
         "--allow-programs", action="store_true",
-        help="let programs that send no Origin steer too, though other machines can reach the page",
+        help="let programs that send no Origin header steer too, even if --host lets other machines reach the page",
     )  # fmt: skip
     page.add_argument(
         "--user-header", metavar="HEADER",
@@ -71,7 +71,8 @@ def parser() -> argparse.ArgumentParser:
     )  # fmt: skip
     page.add_argument(
         "--lab", type=readable_file, metavar="FILE",
-        help="with --user-header: what each user may do; others may only look",
+        help="with --user-header: the lab's document (see iw-lab --help), which says what each user may do; users that "
+        "are not in it may only look",
     )  # fmt: skip
     page.add_argument("--dark", action="store_true", help="use the dark theme")
     kept = found.add_argument_group("recording")

@@ -58,7 +58,9 @@ def parser() -> argparse.ArgumentParser:
         epilog=EXAMPLES,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
-    result.add_argument("--host", metavar="ADDRESS", default=HOST, help=f"address to listen at (default: {HOST})")
+    result.add_argument(
+        "--host", metavar="ADDRESS", default=HOST, help=f"address to listen at (default: {HOST}, this machine only)"
+    )
     result.add_argument(
         "--port", type=port, default=PORT, metavar="N",
         help=f"port of registrations; 0 picks a free one (default: {PORT})",
@@ -68,19 +70,20 @@ def parser() -> argparse.ArgumentParser:
     )
     result.add_argument(
         "--await", dest="await_answer", type=number("seconds", 0.0, 3600.0), default=_WAITS.answer, metavar="S",
-        help="wait at each tick up to S seconds for what an agent answers, less than a tick takes, or in lockstep "
-        f"than the simulator's --deadline; in [0, 3600] (default: {_WAITS.answer:g})",
+        help="wait at each tick up to S seconds for the answers of agents, in [0, 3600]; less than the duration of a "
+        f"tick or, in lockstep, than the simulator's --deadline (default: {_WAITS.answer:g})",
     )  # fmt: skip
     result.add_argument(
         "--silence", type=positive_seconds, default=_WAITS.silence, metavar="S",
-        help=f"an agent that sends nothing for S seconds leaves (default: {_WAITS.silence:g})",
+        help=f"remove an agent that sends nothing for S seconds (default: {_WAITS.silence:g})",
     )  # fmt: skip
     robots = result.add_argument_group("robots")
     robots.add_argument("--gps", action="store_true", help="robots have a GPS")
     robots.add_argument("--no-beacon", dest="beacon", action="store_false", help="robots have no sensors for beacons")
     robots.add_argument(
         "--beacon-height", type=number("metres", 0.01, 100.0), default=2.0, metavar="M",
-        help="height of the beacons, in [0.01, 100], which maps do not have; lower walls do not hide them (default: 2)",
+        help="height of the beacons in metres, in [0.01, 100], because a map does not store that of a lab; walls lower "
+        "than this do not hide them (default: 2)",
     )  # fmt: skip
     robots.add_argument(
         "--obstacle-noise",
@@ -98,15 +101,16 @@ def parser() -> argparse.ArgumentParser:
     told = result.add_argument_group("parameters that agents are told")
     told.add_argument(
         "--requests", type=whole(0, 100), default=_SETTINGS.requests, metavar="N",
-        help=f"most sensors that an agent may request in a cycle, in [0, 100] (default: {_SETTINGS.requests})",
+        help="largest number of sensors that an agent may request in a cycle, in [0, 100] "
+        f"(default: {_SETTINGS.requests})",
     )  # fmt: skip
     told.add_argument(
         "--sim-time", type=whole(1, 1_000_000), default=_SETTINGS.sim_time, metavar="N",
-        help=f"cycles of a run; nothing ends then (default: {_SETTINGS.sim_time})",
+        help=f"cycles of a run, in [1, 1000000]; the run does not end then (default: {_SETTINGS.sim_time})",
     )  # fmt: skip
     told.add_argument(
         "--key-time", type=whole(0, 1_000_000), default=_SETTINGS.key_time, metavar="N",
-        help=f"cycles of its first phase (default: {_SETTINGS.key_time})",
+        help=f"cycles of its first phase, in [0, 1000000], at most --sim-time (default: {_SETTINGS.key_time})",
     )  # fmt: skip
     result.add_argument(
         "--retry-for", type=positive_seconds, default=math.inf, metavar="S",

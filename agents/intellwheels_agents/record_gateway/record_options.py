@@ -32,7 +32,7 @@ A recording has the topics /tf, /scene, /wedges, /grid, /log, /AGENT/pose, /AGEN
 Its time is simulated time, plus the time of day at which the recorder first saw the run; with --from it starts at 0.
 A bag has the topics of iw-ros for every chair, with /clock and /map, and the time of a recording. Play it with
 `ros2 bag play run`, and give nodes use_sim_time. It is complete only when iw-record has ended.
-Ticks of which no state came are counted, and reported in /log and in the last line.
+Ticks whose state did not arrive are counted, and reported in /log and in the last line.
 
 In the live view, publish JSON to /user/AGENT, such as {"Forward": 0.5, "Turn": 0.1}, or {"linear": {"x": 0.5},
 "angular": {"z": 0.2}} in m/s and rad/s, to drive a chair. Anybody who can connect to the live view can do so.
@@ -64,16 +64,17 @@ def parser() -> argparse.ArgumentParser:
     )  # fmt: skip
     result.add_argument(
         "--rotate", type=number("megabytes", 0.1, 1e6), metavar="MB",
-        help=f"begin another file, named FILE-2.mcap and so on, when one has so many megabytes, in [0.1, 1e6] "
-        f"(default: {ROTATE:g})",
+        help="begin another file, named FILE-2.mcap and so on, when a file has reached this size in megabytes, in "
+        f"[0.1, 1e6] (default: {ROTATE:g})",
     )  # fmt: skip
     add_overwrite_option(result)
     bag = result.add_argument_group("ROS 2")
     bag.add_argument(
         "--ros2", type=Path, metavar="BAG",
-        help="write a bag too, or only: a folder that does not exist yet; needs the extra `ros`",
+        help="write a bag, in addition to FILE.mcap if that is given; BAG is a folder that does not exist yet; needs "
+        "the extra `ros`",
     )  # fmt: skip
-    bag.add_argument("--storage", choices=STORAGES, help=f"how it is stored (default: {STORAGES[0]})")
+    bag.add_argument("--storage", choices=STORAGES, help=f"format of the bag (default: {STORAGES[0]})")
     live = result.add_argument_group("live view")
     live.add_argument("--live", action="store_true", help="serve the live view of Foxglove")
     live.add_argument("--host", metavar="ADDRESS", help=f"address to serve it at (default: {HOST}, this machine only)")

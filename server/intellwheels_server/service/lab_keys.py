@@ -39,40 +39,64 @@ def parser() -> argparse.ArgumentParser:
         prog="iw-lab",
         description="Make passwords and certificates for the identities of a lab. The router reads them from files "
         "beside the lab's document.",
+        epilog="The document is described in schemas/KEYS.md (Lab, and `Who may do what`). Exit codes: 0 done, 1 "
+        "failed, 2 wrong usage. Certificates need the extra `lab`.",
     )
     actions = found.add_subparsers(dest="action", metavar="ACTION")
-    new = actions.add_parser("new", help="write the document of a new lab, to start from")
-    new.add_argument("--students", type=_students, default=20, metavar="N", help="how many students (default: 20)")
+
+    def action(name: str, does: str) -> argparse.ArgumentParser:
+        return actions.add_parser(name, help=does, description=f"{does[0].upper()}{does[1:]}.")
+
+    new = action("new", "write the document of a new lab, to start from")
+    new.add_argument(
+        "--students", type=_students, default=20, metavar="N",
+        help="number of students, in [0, 1000] (default: 20)",
+    )  # fmt: skip
     new.add_argument(
         "--chair", action="append", default=[], metavar="NAME", help="name of a real chair; may be repeated"
     )
-    new.add_argument("--lab", type=Path, default=Path("LAB.xml"), metavar="FILE", help="the lab (default: LAB.xml)")
-    keys = actions.add_parser(
-        "keys", help="make what is lacking: passwords, and the certificates of the lab and its router; drop what is old"
+    new.add_argument(
+        "--lab", type=Path, default=Path("LAB.xml"), metavar="FILE", help="the lab's document (default: LAB.xml)"
+    )
+    keys = action(
+        "keys",
+        "make what is missing: passwords, and the certificates of the lab and its router; remove the passwords of "
+        "identities that have expired or are no longer in the document",
     )
     keys.add_argument(
         "--host", action="append", default=[], metavar="HOST",
-        help="name or address under which others reach the router by tls/; may be repeated, and is remembered",
+        help="name or address of the router in the tls/ endpoints of others, besides localhost, 127.0.0.1 and ::1, "
+        "which are always in its certificate; may be repeated, and is remembered",
     )  # fmt: skip
-    invite = actions.add_parser("invite", help="write identity files, for --identity of any command")
-    renew = actions.add_parser("renew", help="write it again, with a later end; the old file counts until its own end")
-    revoke = actions.add_parser("revoke", help="give an identity another password, so that its old file is void")
+    invite = action("invite", "write identity files, for --identity of any command")
+    renew = action("renew", "write identity files again, with a later end; an old file stays valid until its own end")
+    revoke = action(
+        "revoke",
+        "give an identity another password: its old file is void when iw-router is restarted, and invite writes the "
+        "new one",
+    )
     for one in (invite, renew):
         one.add_argument("names", nargs="*", metavar="NAME", help="identities, as in the lab's document (default: all)")
     revoke.add_argument("names", nargs="+", metavar="NAME", help="identities, as in the lab's document")
     for one in (keys, invite, renew, revoke):
         one.add_argument(
-            "--lab", type=readable_file, default=Path("LAB.xml"), metavar="FILE", help="the lab (default: LAB.xml)"
-        )
+            "--lab", type=readable_file, default=Path("LAB.xml"), metavar="FILE",
+            help="the lab's document (default: LAB.xml)",
+        )  # fmt: skip
     for one in (invite, renew):
-        one.add_argument("--out", type=Path, metavar="FILE", help=f"file to write (default: NAME{ENDING})")
+        one.add_argument(
+            "--out", type=Path, metavar="FILE", help=f"file to write, with one NAME only (default: NAME{ENDING})"
+        )
         one.add_argument(
             "--connect", action="append", default=[], metavar="ENDPOINT",
-            help="endpoint of the router, as others reach it (default: those of the file, if it exists)",
+            help="endpoint of the router, as others reach it; may be repeated (default: those of the file, if it "
+            "exists)",
         )  # fmt: skip
         one.add_argument(
-            "--days", type=_days, default=DAYS, metavar="N", help="days for which a certificate counts (default: 365)"
-        )
+            "--days", type=_days, default=DAYS, metavar="N",
+            help=f"days for which the certificate is valid, in [1, {DAYS * 10}]; a password has no end except `Until` "
+            f"(default: {DAYS})",
+        )  # fmt: skip
     add_process_options(found)
     return found
 
