@@ -21,7 +21,7 @@ _NEEDS: Final[dict[Does, tuple[str, Flow]]] = {
     "query": ("query", "ingress"), "put": ("put", "ingress"), "read": ("put", "egress"),
     "watch": ("liveliness_token", "egress"),
 }  # fmt: skip
-_WORDS: Final[dict[Does, str]] = {"query": "", "put": "write ", "read": "read ", "watch": "see "}
+_WORDS: Final[dict[Does, str]] = {"query": "ask for ", "put": "write ", "read": "read ", "watch": "see "}
 _JOINS: Final[dict[Role, tuple[LabRole, ...]]] = {
     "both": ("agent", "gateway"), "mind": ("agent", "mind", "gateway"), "body": ("bridge",),
 }  # fmt: skip

@@ -321,7 +321,7 @@ def test_who_has_the_right_identity_drives_and_others_are_told(network: Network)
         assert page.update().phase == "live"
         rights = stage.wait(lambda: page.update().rights, "what the page may do")
         assert rights.name == "student2"
-        with pytest.raises(Refusal, match="View only: student2 may not ctl/pause in world other2"):
+        with pytest.raises(Refusal, match="View only: student2 may not ask for ctl/pause in world other2"):
             page.ask("pause", Pause())
     finally:
         page.close()

@@ -156,7 +156,7 @@ def test_user_who_may_steers(site: Site) -> None:
 def test_user_who_may_drive_one_chair_is_told_what_not(site: Site) -> None:
     with site.page("student1") as browser:
         browser.wait(lambda: "As student1 this page may steer chair1" in browser.text())
-        browser.wait(lambda: "student1 may not ctl/pause, ctl/resume" in browser.text())
+        browser.wait(lambda: "student1 may not ask for ctl/pause, ctl/resume" in browser.text())
         pause = browser.element("Pause")
         assert browser.gui[pause]["disabled"]
         browser.enter("Pause", True)

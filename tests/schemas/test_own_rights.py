@@ -58,7 +58,7 @@ def test_router_s_word_counts_before_that_of_the_file(router: tuple[zenoh.Sessio
         (answering,) = answer_rights(hub, [STUDENT])
         try:
             assert own_rights(session, sure=True) == STUDENT
-            with pytest.raises(NotAllowedError, match=r"^student1 may not ctl/pause in world main$"):
+            with pytest.raises(NotAllowedError, match=r"^student1 may not ask for ctl/pause in world main$"):
                 link.query(session, "iw/v1/main/ctl/pause", timeout=1.0)
             with pytest.raises(ConnectionError, match=r"^no simulator at iw/v1/main/map$"):
                 link.query(session, "iw/v1/main/map", timeout=1.0)

@@ -25,13 +25,13 @@ KEYS = Keys("main")
 @pytest.mark.parametrize(
     ("who", "key", "does", "text"),
     [
-        (STUDENT, "iw/v1/main/ctl/pause", "query", "student1 may not ctl/pause in world main"),
+        (STUDENT, "iw/v1/main/ctl/pause", "query", "student1 may not ask for ctl/pause in world main"),
         (TEACHER, "iw/v1/main/ctl/pause", "query", ""),
-        (TEACHER, "iw/v1/main/ctl/reset", "query", "teacher may not ctl/reset in world main"),
+        (TEACHER, "iw/v1/main/ctl/reset", "query", "teacher may not ask for ctl/reset in world main"),
         (TEACHER, "iw/v1/main/ctl/take/st1-a", "query", ""),
-        (TEACHER, "iw/v1/ward/ctl/pause", "query", "teacher may not ctl/pause in world ward, only in main"),
+        (TEACHER, "iw/v1/ward/ctl/pause", "query", "teacher may not ask for ctl/pause in world ward, only in main"),
         (STUDENT, "iw/v1/main/ctl/take/st1-a", "query", ""),
-        (STUDENT, "iw/v1/main/ctl/take/st2-a", "query", "student1 may not ctl/take/st2-a in world main"),
+        (STUDENT, "iw/v1/main/ctl/take/st2-a", "query", "student1 may not ask for ctl/take/st2-a in world main"),
         (STUDENT, "iw/v1/main/user/st1-a", "put", ""),
         (STUDENT, "iw/v1/main/user/st10", "put", "student1 may not write user/st10 in world main"),
         (STUDENT, "iw/v1/main/state/*", "read", ""),
@@ -39,7 +39,7 @@ KEYS = Keys("main")
         (STUDENT, "iw/v1/main/in/st1-a/pose", "read", "student1 may not read in/st1-a/pose in world main"),
         (STUDENT, "iw/v1/main/alive", "watch", ""),
         (STUDENT, "iw/v1/lab/alive", "watch", "student1 may not see alive in world lab, only in main"),
-        (Identity(name="idle"), "iw/v1/main/map", "query", "idle may not map in world main"),
+        (Identity(name="idle"), "iw/v1/main/map", "query", "idle may not ask for map in world main"),
     ],
 )  # fmt: skip
 def test_denial_names_who_what_and_where(who: Identity, key: str, does: Does, text: str) -> None:

@@ -29,7 +29,7 @@ def test_the_rest_ends_here() -> None:
     network = Network()
     page = LimitedWorlds(network, lambda: STUDENT)
     page.ask("take", Take(agent="st1-a"))
-    with pytest.raises(Refusal, match="View only: student1 may not ctl/take/st2-a in world main"):
+    with pytest.raises(Refusal, match="View only: student1 may not ask for ctl/take/st2-a in world main"):
         page.ask("take", Take(agent="st2-a"))
     page.put_user("st2-a", UserInput(forward=1.0))
     looker = LimitedWorlds(network, lambda: PageRights("guests may only look"))

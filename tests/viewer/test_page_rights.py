@@ -18,10 +18,13 @@ def test_nothing_limits_a_page_by_itself() -> None:
 def test_each_verb_has_its_reason() -> None:
     rights = PageRights(holders=(TEACHER,))
     assert rights.why_not("main", "pause") == ""
-    assert rights.why_not("main", "reset") == "teacher may not ctl/reset in world main"
-    assert rights.why_not_any("main", ("pause", "step", "reset")) == "teacher may not ctl/step, ctl/reset in world main"
+    assert rights.why_not("main", "reset") == "teacher may not ask for ctl/reset in world main"
+    assert (
+        rights.why_not_any("main", ("pause", "step", "reset"))
+        == "teacher may not ask for ctl/step, ctl/reset in world main"
+    )
     assert rights.why_not_any("main", ("pause", "resume")) == ""
-    assert rights.why_not_place("main", None) == "teacher may not ctl/spawn in world main"
+    assert rights.why_not_place("main", None) == "teacher may not ask for ctl/spawn in world main"
     assert rights.summary("main") == "As teacher this page may pause, resume, steer every agent"
 
 
@@ -37,7 +40,7 @@ def test_student_drives_the_own_chair_only() -> None:
 
 def test_the_narrowest_right_counts() -> None:
     both = PageRights(holders=(TEACHER,)).limited_by(STUDENT)
-    assert both.why_not("main", "pause") == "student1 may not ctl/pause in world main"
+    assert both.why_not("main", "pause") == "student1 may not ask for ctl/pause in world main"
     assert both.why_not_drive("main", "st2-a") != ""
 
 

@@ -57,7 +57,7 @@ class PageRights:
         for who in self.holders:
             lacking = [f"ctl/{verb}" for verb in verbs if verb not in AGENT_VERBS and denial(who, keys.ctl(verb))]
             if lacking:
-                return f"{who.name} may not {', '.join(lacking)} in world {world}"
+                return f"{who.name} may not ask for {', '.join(lacking)} in world {world}"
         return ""
 
     def why_not_drive(self, world: str, agent: str | None) -> str:

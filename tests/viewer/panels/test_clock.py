@@ -107,7 +107,7 @@ def test_verb_that_is_denied_is_disabled_and_named(gui: viser.GuiApi, calls: Cal
     shown = panel(gui, calls)
     shown.show(at("running"), Choices(rights=PageRights(holders=(Identity(name="helper", may=may),))))
     assert disabled(shown) == [False, True, True, True]
-    assert "helper may not ctl/step, ctl/speed, ctl/reset in world main" in shown._clock.content
+    assert "helper may not ask for ctl/step, ctl/speed, ctl/reset in world main" in shown._clock.content
 
 
 def test_a_log_has_its_buttons_beside_its_time_line(gui: viser.GuiApi, calls: Calls) -> None:

@@ -45,7 +45,7 @@ def test_who_is_driven_or_why_nobody_is_said() -> None:
     assert "guest may not write user/chair1" in drive_html(snapshot, Choices(selected="chair1", rights=made_up.DENIED))
     own = drive_html(snapshot, Choices(selected="chair2", rights=made_up.DENIED))
     assert "Hold the stick" in own
-    assert "guest may not ctl/say in world main" in own
+    assert "guest may not ask for ctl/say in world main" in own
     assert "No world" in drive_html(made_up.nothing("no-world"), Choices())
 
 

@@ -69,4 +69,4 @@ def test_what_cannot_act_is_disabled(gui: viser.GuiApi, calls: Calls) -> None:
     assert shown._remove.disabled
     shown.show(made_up.snapshot(), replace(made_up.choices(), rights=made_up.DENIED))
     assert shown._remove.disabled
-    assert "guest may not ctl/spawn in world main" in shown._words.content
+    assert "guest may not ask for ctl/spawn in world main" in shown._words.content
