@@ -11,6 +11,7 @@ import contextlib
 import math
 import os
 import re
+import textwrap
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any, Final, NoReturn
@@ -26,8 +27,24 @@ LONGEST_WAIT: Final = 1e9
 _LAST_PORT: Final = 65535
 
 
+class _Help(argparse.HelpFormatter):
+    """Help whose lines break at spaces only, so that a value such as `hard-puff=up` stays whole."""
+
+    def _split_lines(self, text: str, width: int) -> list[str]:
+        return textwrap.wrap(" ".join(text.split()), width, break_on_hyphens=False)
+
+
+class _HelpWithExamples(argparse.RawDescriptionHelpFormatter, _Help):
+    """The same, with the lines of the description and the epilog as they are."""
+
+
 class CommandParser(argparse.ArgumentParser):
     """A parser whose errors are one line each. Parsers of subcommands are of this class too."""
+
+    def __init__(self, *arguments: Any, **options: Any) -> None:
+        super().__init__(*arguments, **options)
+        raw = self.formatter_class is argparse.RawDescriptionHelpFormatter
+        self.formatter_class = _HelpWithExamples if raw else _Help
 
     def error(self, message: str) -> NoReturn:
         """Print a mistake as one line, and exit with 2."""

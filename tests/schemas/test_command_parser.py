@@ -69,6 +69,15 @@ def test_parsers_of_subcommands_are_of_the_same_kind(capsys: pytest.CaptureFixtu
     assert capsys.readouterr().err == "iw-try go: where: expected a value, got none; see iw-try go --help\n"
 
 
+@pytest.mark.parametrize("kind", [argparse.HelpFormatter, argparse.RawDescriptionHelpFormatter])
+def test_help_breaks_no_value_at_its_hyphens(kind: type[argparse.HelpFormatter]) -> None:
+    made = CommandParser(prog="iw-try", epilog="one\n  two", formatter_class=kind)
+    made.add_argument("--keys", help="many  words, " * 4 + "hard-puff=up,hard-sip=down,soft-puff=right,soft-sip=left")
+    help_ = made.format_help()
+    assert "hard-puff=up,hard-sip=down,soft-puff=right,soft-sip=left" in help_
+    assert ("one\n  two" in help_) is (kind is argparse.RawDescriptionHelpFormatter)
+
+
 def test_the_option_is_named_before_the_text_of_an_error() -> None:
     with pytest.raises(WireError, match=r"^--map: expected a map, got 'x'$"), naming("--map"):
         raise WireError("value", "expected a map, got 'x'")
