@@ -135,7 +135,7 @@ def parser() -> argparse.ArgumentParser:
         type=positive_seconds,
         default=math.inf,
         metavar="S",
-        help="give up after S seconds without a simulator (default: never)",
+        help="give up after S seconds without a router or simulator (default: never)",
     )
     add_link_options(result)
     add_process_options(result)

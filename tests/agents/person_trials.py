@@ -4,7 +4,7 @@
     python -m tests.agents.person_trials door --people 10 --width 0.9 --seeds 8
     python -m tests.agents.person_trials corridor --corridor-seeds 3
 
-A door is in a wall of 0.1 m between two rooms. People start at random places before it, with random headings, and want
+A door is in a wall of 0.1 m between two rooms. People start at random places before it, with random headings, and walk
 to a point behind it. A run of the door ends when all have passed, or after 60 s. The flow is the number of people less
 one, divided by the time from the first to the last passage and by the width. Corridors are endless (`corridor.py`).
 

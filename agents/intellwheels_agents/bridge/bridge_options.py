@@ -197,7 +197,9 @@ def _add_line_options(result: argparse.ArgumentParser) -> None:
         help="both: this bridge adds the chair to the laboratory; mind: the chair is there already (default: both)",
     )  # fmt: skip
     line = result.add_argument_group("driver serial")
-    line.add_argument("--port", metavar="DEVICE|URL", help="serial device such as /dev/ttyUSB0, or socket://HOST:PORT")
+    line.add_argument(
+        "--port", metavar="DEVICE|URL", help="serial device such as /dev/ttyUSB0, or socket://HOST:PORT; required"
+    )
     line.add_argument(
         "--baud",
         type=whole(1, MAX_COUNT),

@@ -18,15 +18,16 @@ def add_luci_options(result: argparse.ArgumentParser) -> None:
     """Add the options of the driver."""
     luci = result.add_argument_group("driver luci")
     luci.add_argument(
-        "--address", metavar="HOST[:PORT]", help=f"network address of the LUCI unit (default port: {PORT})"
-    )
+        "--address", metavar="HOST[:PORT]",
+        help=f"network address of the LUCI unit; required (default port: {PORT})",
+    )  # fmt: skip
     luci.add_argument(
         "--joystick-centre", type=int, choices=(0, STICK), default=STICK,
         help=f"value on the wire of a joystick at rest; the maker's client sends {STICK} (default: {STICK})",
     )  # fmt: skip
     luci.add_argument(
         "--reversed-encoder", action="append", choices=WHEELS, default=[],
-        help="a wheel whose encoder counts down forward; may be repeated",
+        help="a wheel whose encoder counts down when the chair drives forward; may be repeated",
     )  # fmt: skip
 
 

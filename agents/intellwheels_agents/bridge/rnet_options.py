@@ -15,7 +15,7 @@ RESERVED: Final = ("interface", "channel", "bitrate", "can_filters", "receive_ow
 
 def add_bus_options(group: argparse._ActionsContainer) -> None:
     """Add `--channel`, `--interface` and `--can-option`."""
-    group.add_argument("--channel", metavar="BUS", help="CAN bus such as can0, set to 125 kbit/s")
+    group.add_argument("--channel", metavar="BUS", help="CAN bus such as can0, set to 125 kbit/s; required")
     group.add_argument(
         "--interface", default=INTERFACE, metavar="NAME",
         help=f"kind of CAN adapter, as python-can names it (default: {INTERFACE})",

@@ -51,7 +51,8 @@ Use it with worlds at pace realtime. At the paces lockstep and free a run is too
 Each message is valid for 0.3 s and is repeated while the input lasts. Input of a device that is older counts as none.
 Standard output has the lines `ready agent=...`, `taken agent=...`, `released agent=...`, `ended agent=...`, and with
 --latency `latency agent=...`.
-Exit codes: 0 done, 1 refused or failed, 2 wrong usage.
+Exit codes: 0 done, 1 refused or failed, 2 wrong usage. A gamepad and keys in a window need the extra `joystick`,
+--source lsl the extra `lsl`, and voice the extra `voice`.
 """
 SOURCES: Final = (
     "auto", "keyboard", "terminal", "gamepad", "script", "words", "scan", "sip-puff", "lsl", "voice",
@@ -139,7 +140,7 @@ def parser() -> argparse.ArgumentParser:
     result.add_argument(
         "--latency",
         action="store_true",
-        help="measure the time from the device to the motors, and print it at the end; s",
+        help="measure the time in seconds from the device to the motors, and print it at the end",
     )
     result.add_argument(
         "--retry-for",
@@ -185,8 +186,8 @@ def _add_key_options(result: argparse.ArgumentParser) -> None:
     group.add_argument(
         "--latch",
         action="store_true",
-        help="a command drives on when its switch is released, until the next press or --hold; a hard puff until a "
-        "hard sip",
+        help="a command drives on after its switch is released, until the next press; a hard puff, until a hard sip; "
+        "both for at most --hold seconds",
     )
     group.add_argument(
         "--switch-keys", type=_switch_keys, default=DEFAULT_KEYS, metavar="KEY,KEY",
@@ -202,8 +203,14 @@ def _add_key_options(result: argparse.ArgumentParser) -> None:
 
 def _add_stream_options(result: argparse.ArgumentParser) -> None:
     group = result.add_argument_group("streams (--source lsl)")
-    group.add_argument("--stream-name", type=_of(stream_text), metavar="STREAM", help="name of the stream")
-    group.add_argument("--stream-type", type=_of(stream_text), metavar="STREAM", help="type of the stream, such as EEG")
+    group.add_argument(
+        "--stream-name", type=_of(stream_text), metavar="STREAM",
+        help="name of the stream; this or --stream-type is required",
+    )  # fmt: skip
+    group.add_argument(
+        "--stream-type", type=_of(stream_text), metavar="STREAM",
+        help="type of the stream, such as EEG; this or --stream-name is required",
+    )  # fmt: skip
     group.add_argument(
         "--axes", type=_of(lambda text: parse_uses(text, "--axes")), default=(), metavar="AXIS=CHANNEL,...",
         help="channels that are axes: forward and turn (positive to the left), each by number, from 0, or by label, "
@@ -227,12 +234,13 @@ def _add_voice_options(result: argparse.ArgumentParser) -> None:
     group = result.add_argument_group("voice (--source voice)")
     group.add_argument(
         "--audio", type=_audio, default="mic", metavar="mic|-|FILE.wav",
-        help="sound: mic is the microphone, - raw signed 16-bit samples of one channel on standard input "
-        "(default: mic)",
+        help="sound: mic is the microphone, FILE.wav a recording, - raw signed 16-bit samples of one channel on "
+        "standard input (default: mic)",
     )  # fmt: skip
     group.add_argument(
         "--audio-rate", type=whole(*RATES, "samples a second"), default=RATES[0], metavar="HZ",
-        help=f"samples a second of the microphone or of standard input (default: {RATES[0]})",
+        help="samples a second of the microphone or of standard input, in "
+        f"[{RATES[0]}, {RATES[1]}] (default: {RATES[0]})",
     )  # fmt: skip
 
 

@@ -76,7 +76,7 @@ def parser() -> argparse.ArgumentParser:
     chair.add_argument(
         "--await", dest="await_command", type=number("seconds", 0.0, 3600.0), default=0.0, metavar="S",
         help="in lockstep, wait at each tick up to S seconds, in [0, 3600] and less than the simulator's --deadline, "
-        "for a velocity that answers it (default: 0)",
+        "for a velocity command that answers the tick (default: 0)",
     )  # fmt: skip
     graph = result.add_argument_group("ROS")
     graph.add_argument(
