@@ -68,9 +68,11 @@ def test_wrong_actions_are_reported_and_the_last_powers_count() -> None:
     for data in (b"", b"<", b'<Actions LeftMotor="nan"/>', b"x" * 5000, b"\0", b'<Actions LeftMotor="'):
         pair.send(data)
     pair.send(b'<Actions><SensorRequests Wings="Yes"/></Actions>')
+    pair.send(b"<Actions><Say>" + b"x" * 101 + b"</Say></Actions>")
     assert pair.decide(1) == pytest.approx(0.1)
     assert [line.partition(" from")[0] for line in pair.lines] == [
         "dropped what='actions' count=1", "dropped what='sensor requests' count=1",
+        "dropped what='message of a robot' count=1",
     ]  # fmt: skip
     pair.close()
 
