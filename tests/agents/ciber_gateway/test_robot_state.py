@@ -111,6 +111,13 @@ def test_requestable_sensors_come_once_for_each_request() -> None:
     assert (sensors.findall("IRSensor"), "Compass" in sensors.attrib, "Ground" in sensors.attrib) == ([], False, True)
 
 
+def test_requests_of_sensors_that_are_not_there_take_no_place() -> None:
+    state = robot_state(Settings(requests=1, requestable=frozenset({"obstacle"}), obstacle_noise=0.0))
+    assert state.obey(Orders(requests=("IRSensor", "IRSensor4", "Beacon1", "Compass0", "IRSensor3"))) == 4
+    sensors = cut(state.sense(all_sensors(), {}))[0]
+    assert [one.attrib["Id"] for one in sensors.findall("IRSensor")] == ["3"]
+
+
 def test_viewers_see_state_collisions_and_targets() -> None:
     state = robot_state()
     entity = Entity(name="r2", x=3.0, y=4.0, heading=math.pi / 2)
