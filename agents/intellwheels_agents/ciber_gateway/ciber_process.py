@@ -170,8 +170,10 @@ class CiberProcess:
                         self._map_due = time.monotonic()
                 for state in reception.gone():
                     reception.show([state.removed(self._cycle)])
-                while not reception.commands.empty():
-                    self._command(session, reception, reception.commands.get())
+                # Those that wait now: a viewer that goes on sending must not hold up the world, or the end.
+                for _ in range(reception.commands.qsize()):
+                    if not self._stop.is_set():
+                        self._command(session, reception, reception.commands.get())
                 if time.monotonic() >= self._map_due:
                     self._map_due = float("inf")
                     try:

@@ -38,6 +38,8 @@ MOST_VIEWERS: Final = 8
 """Viewers that are served; the oldest goes for another one."""
 MOST_ROBOTS: Final = 16
 """Robots on a map without a start grid."""
+MOST_COMMANDS: Final = 64
+"""Commands of viewers that may wait; more are reported, and left out."""
 PORTS_AT_ONCE: Final = 64
 """Datagrams that are read of a port before the others have their turn."""
 _OTHER: Final = re.compile(r"[^a-z0-9]+")
@@ -75,7 +77,7 @@ class Reception:
             OSError: The port is in use, or the address is not of this machine.
         """
         self.robots: dict[Address, RobotClient] = {}
-        self.commands: queue.SimpleQueue[ViewCommand] = queue.SimpleQueue()
+        self.commands: queue.Queue[ViewCommand] = queue.Queue(MOST_COMMANDS)
         self._host = host
         self._where = where
         self._lab = lab
@@ -286,7 +288,11 @@ class Reception:
             elif command.verb == "grid":
                 viewer.send(simulator_messages.grid_shown(self._lab))
             else:
-                self.commands.put(command)
+                try:
+                    self.commands.put_nowait(command)
+                except queue.Full:
+                    why = f"expected at most {MOST_COMMANDS} that wait, got another one"
+                    self._reports.tell("command of a viewer", shown_address(viewer.client), why)
 
     def _send_lab(self, viewer: ClientSocket) -> None:
         message = simulator_messages.lab_shown(self._lab, self._beacon_height)

@@ -12,7 +12,7 @@ import pytest
 from intellwheels_agents.ciber_gateway.client_messages import ViewCommand
 from intellwheels_agents.ciber_gateway.client_socket import Reports
 from intellwheels_agents.ciber_gateway.lab_frame import lab_of
-from intellwheels_agents.ciber_gateway.reception import MOST_VIEWERS, Reception
+from intellwheels_agents.ciber_gateway.reception import MOST_COMMANDS, MOST_VIEWERS, Reception
 from intellwheels_agents.ciber_gateway.robot_client import Waits
 from intellwheels_agents.ciber_gateway.simulator_messages import Settings
 from intellwheels_schemas.link import Link
@@ -76,6 +76,21 @@ def test_viewers_get_lab_grid_and_what_is_shown_and_their_commands_wait() -> Non
         assert [viewer.read(), viewer.read()] == ["Lab", "Grid"]
         viewer.close()
     assert "command of a viewer" in lines[0]
+
+
+def test_commands_that_nobody_obeys_do_not_pile_up() -> None:
+    lines: list[str] = []
+    with opened(lines) as reception:
+        viewer = Viewer(reception.port)
+        assert [viewer.read(), viewer.read()] == ["Lab", "Grid"]
+        for _ in range(MOST_COMMANDS + 1):
+            viewer.send(b"<Start/>")
+        # It is answered after all that came before it.
+        viewer.send(b"<GridReq/>")
+        assert viewer.read() == "Grid"
+        assert reception.commands.qsize() == MOST_COMMANDS
+        viewer.close()
+    assert "expected at most 64 that wait" in lines[0]
 
 
 def test_the_oldest_viewer_goes_for_another() -> None:
