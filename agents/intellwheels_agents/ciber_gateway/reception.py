@@ -173,7 +173,9 @@ class Reception:
                     self._admit_robot(registration, sender)
             except (WireError, OptionError, OSError) as error:
                 self._reports.tell("registration", shown_address(sender), str(error))
-                self._refuse(sender)
+                # Two ports that refuse what the other one says would never end.
+                if not data.lstrip().startswith(b"<Reply"):
+                    self._refuse(sender)
 
     def _refuse(self, sender: Address) -> None:
         try:

@@ -59,6 +59,16 @@ def test_what_is_no_registration_is_refused_and_reported() -> None:
     assert "registration" in lines[0]
 
 
+def test_a_refusal_is_not_answered() -> None:
+    lines: list[str] = []
+    with opened(lines) as reception, socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as client:
+        client.settimeout(TIMEOUT)
+        client.sendto(b'<Reply Status="Refused"></Reply>', ("127.0.0.1", reception.port))
+        client.sendto(b"<View/>", ("127.0.0.1", reception.port))
+        assert cut(client.recvfrom(1024)[0]).attrib == {"Status": "Ok"}
+    assert "got 'Reply'" in lines[0]
+
+
 def test_viewers_get_lab_grid_and_what_is_shown_and_their_commands_wait() -> None:
     lines: list[str] = []
     with opened(lines) as reception:
