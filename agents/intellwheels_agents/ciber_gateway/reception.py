@@ -5,6 +5,7 @@ A client sends its registration to one port, and gets its reply from another, wh
 
 from __future__ import annotations
 
+import itertools
 import queue
 import re
 import select
@@ -42,6 +43,8 @@ MOST_COMMANDS: Final = 64
 """Commands of viewers that may wait; more are reported, and left out."""
 PORTS_AT_ONCE: Final = 64
 """Datagrams that are read of a port before the others have their turn."""
+LONGEST_NAME: Final = 24
+"""Characters of the name of an agent that are kept, so that a number fits behind them."""
 _OTHER: Final = re.compile(r"[^a-z0-9]+")
 
 
@@ -236,12 +239,14 @@ class Reception:
         return joining(base, agent=agent, role="both", instance=new_hex(), place=place, barrier=None)
 
     def _agent_of(self, name: str, number: int) -> str:
-        """Return the name in the contract of a robot: that of its agent, with its number if another one has it."""
-        plain = _OTHER.sub("-", name.lower()).strip("-")[:24]
-        if not plain[:1].isalpha():
-            plain = f"robot-{plain}".strip("-")
+        """Return the name in the contract of a robot: that of its agent, with a number if another one has it."""
+        plain = _OTHER.sub("-", name.lower())
+        if not plain.strip("-")[:1].isalpha():
+            plain = f"robot-{plain}"
+        plain = plain.strip("-")[:LONGEST_NAME].strip("-")
         taken = {robot.state.agent for robot in self.robots.values()}
-        return f"{plain}-{number}" if plain in taken else plain
+        numbered = (f"{plain}-{other}" for other in itertools.count(number))
+        return next(one for one in itertools.chain([plain], numbered) if one not in taken)
 
     def _numbers(self) -> Mapping[str, int]:
         with self._lock:

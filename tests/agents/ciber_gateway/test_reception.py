@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import re
 import socket
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
+from types import SimpleNamespace
 
 import pytest
 
@@ -16,7 +18,7 @@ from intellwheels_agents.ciber_gateway.reception import MOST_COMMANDS, MOST_VIEW
 from intellwheels_agents.ciber_gateway.robot_client import Waits
 from intellwheels_agents.ciber_gateway.simulator_messages import Settings
 from intellwheels_schemas.link import Link
-from intellwheels_schemas.messages import Corner, Map, Wall
+from intellwheels_schemas.messages import NAME_PATTERN, Corner, Map, Wall
 from tests.agents.ciber_gateway.stand_in_clients import TIMEOUT, Viewer, cut
 from tests.agents.ciber_gateway.test_robot_state import FLOOR
 
@@ -124,6 +126,19 @@ def test_a_lab_that_no_datagram_holds_is_reported() -> None:
         assert viewer.read() == "Grid"
         viewer.close()
     assert "expected a lab of at most 65507 bytes" in lines[0]
+
+
+def test_every_robot_has_a_name_of_its_own_that_the_contract_allows() -> None:
+    names = ["x-2", "x", "x", "4" * 64, "4" * 64, "-Ação-"]
+    with opened([]) as reception:
+        agents = []
+        for name in names:
+            agents.append(reception._agent_of(name, 2))
+            reception.robots["127.0.0.1", len(agents)] = SimpleNamespace(  # type: ignore[assignment]
+                state=SimpleNamespace(agent=agents[-1]), stop=list, join=list
+            )
+    assert agents == ["x-2", "x", "x-3", "robot-" + "4" * 18, "robot-" + "4" * 18 + "-2", "a-o"]
+    assert all(re.match(NAME_PATTERN, agent) for agent in agents)
 
 
 def test_a_port_in_use_is_an_error() -> None:
