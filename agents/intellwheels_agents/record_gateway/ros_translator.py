@@ -6,12 +6,13 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Iterator
 from typing import Any, Final, NamedTuple
 
 from intellwheels_agents.map_cells import fitting_size
 from intellwheels_agents.record_gateway.translator import Translator
-from intellwheels_agents.ros_gateway.chair_messages import ChairMessages, Outgoing, Topic, chair_topics
+from intellwheels_agents.ros_gateway.chair_messages import ChairMessages, Outgoing, Topic, chair_topics, tick_length
 from intellwheels_agents.ros_gateway.clock_topic import CLOCK
 from intellwheels_agents.ros_gateway.floor_grid import floor_grid
 from intellwheels_agents.ros_gateway.plane_pose import PlanePose
@@ -27,6 +28,8 @@ from intellwheels_schemas.messages import Clock, Map, Measures, Robot, WorldStat
 MAP_TOPIC: Final = Topic("/map", "nav_msgs/msg/OccupancyGrid", LATCHED)
 PATIENCE: Final = 5
 """Ticks for which a chair waits for its true pose before it goes without the transform from `map` to `odom`."""
+AHEAD: Final = 100
+"""Ticks that measures may be ahead of the latest clock, as clocks may be lost."""
 
 
 class BagEntry(NamedTuple):
@@ -115,10 +118,10 @@ class RosTranslator:
 
     def _of_measures(self, agent: str, measures: Measures) -> Iterator[BagEntry]:
         robot = self._known.robots.get(agent)
-        if robot is None or agent in self.refused or measures.tick < 1:
+        if robot is None or agent in self.refused or not self._can_be(measures):
             return
         chair = self._chairs.get(agent)
-        if chair is not None and chair.robot == robot:
+        if chair is not None and chair.robot == robot and chair.messages.takes(measures):
             yield from self._entries(chair, chair.messages.messages(measures), measures)
             return
         tick, poses = self._state
@@ -129,6 +132,13 @@ class RosTranslator:
         self._waiting[agent] = measures, waited + 1
         if waited >= PATIENCE:
             yield from self._start(agent, measures, None)
+
+    def _can_be(self, measures: Measures) -> bool:
+        """Return whether measures fit the clock; those of a stranger may not."""
+        seconds, clock = tick_length(measures), self._known.clock
+        if seconds is None or clock is None or clock.tick < 1:
+            return seconds is not None
+        return measures.tick <= clock.tick + AHEAD and math.isclose(seconds, clock.time / clock.tick, rel_tol=0.01)
 
     def _start(self, agent: str, measures: Measures, pose: PlanePose | None) -> Iterator[BagEntry]:
         """Begin with a chair whose pose at these measures is known, or will not be."""

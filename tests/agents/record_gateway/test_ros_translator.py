@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 import pytest
+from msgspec.structs import replace
 
 from intellwheels_agents.record_gateway.ros_translator import PATIENCE, BagEntry, RosTranslator
 from intellwheels_agents.record_gateway.translator import Translator
@@ -12,7 +13,17 @@ from intellwheels_maps import floor, robot
 from intellwheels_schemas.codec import encode
 from intellwheels_schemas.file_records import Inputs, Join
 from intellwheels_schemas.keys import Keys
-from intellwheels_schemas.messages import Body, Clock, Entity, Measures, Record, Robot, WorldState
+from intellwheels_schemas.messages import (
+    Body,
+    Clock,
+    Entity,
+    Measures,
+    OdometryReading,
+    Record,
+    Robot,
+    Sensors,
+    WorldState,
+)
 from intellwheels_server.world import Setup, advance, apply, begin, measures
 
 RUN = "0123456789abcdef"
@@ -109,6 +120,31 @@ def test_a_new_run_begins_anew_and_a_stranger_does_not_count() -> None:
     assert both.take(KEYS.measures("nobody"), ticks[0]) == []
     forged = ticks[0].__class__(run="ffffffffffffffff", tick=9, time=0.45)
     assert both.take(KEYS.measures("c"), forged) == []
+
+
+def test_measures_that_no_simulator_sends_are_left_out() -> None:
+    both, ticks = Both(), sensed(3)
+    both.body()
+    both.clock(1)
+    both.state(1)
+    odometry = OdometryReading(id="odometry", tick=2**40, x=0.0, y=0.0, heading=0.0)
+    forged = [
+        replace(ticks[0], time=0.0), replace(ticks[0], tick=2, time=1e9), replace(ticks[0], tick=10**12, time=1e9),
+        replace(ticks[0], sensors=Sensors(odometry=(odometry,))), replace(ticks[0], tick=0, time=0.0),
+        replace(ticks[0], tick=1, time=1.0), replace(ticks[0], tick=10**6, time=5e4),
+    ]  # fmt: skip
+    found = [both.take(KEYS.measures("c"), one) for one in (*forged, ticks[0], *forged, ticks[1])]
+    assert [bool(entries) for entries in found] == [False] * 7 + [True] + [False] * 7 + [True]
+
+
+def test_a_chair_that_began_with_a_strangers_measures_begins_again() -> None:
+    both, ticks = Both(), sensed(2)
+    both.body()
+    both.state(1)
+    assert both.take(KEYS.measures("c"), replace(ticks[0], time=1.0))
+    both.clock(1)
+    both.state(2)
+    assert "/tf_static" in names(both.take(KEYS.measures("c"), ticks[1]))
 
 
 def test_agents_whose_names_are_one_in_ros_are_left_out_but_for_the_first() -> None:
