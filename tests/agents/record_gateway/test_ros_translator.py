@@ -7,6 +7,7 @@ import math
 import pytest
 from msgspec.structs import replace
 
+from intellwheels_agents.record_gateway import ros_translator
 from intellwheels_agents.record_gateway.ros_translator import PATIENCE, BagEntry, RosTranslator
 from intellwheels_agents.record_gateway.translator import Translator
 from intellwheels_maps import floor, robot
@@ -155,7 +156,19 @@ def test_agents_whose_names_are_one_in_ros_are_left_out_but_for_the_first() -> N
     both.state(1, "a-b", "a_b")
     assert both.take(KEYS.measures("a-b"), ticks[0])
     assert both.take(KEYS.measures("a_b"), ticks[0]) == []
-    assert both.ros.refused == {"a_b"}
+    assert both.ros.refused == {"a_b": "expected a name that is not a_b in ROS, as that of a-b is"}
+
+
+def test_a_bag_has_a_bounded_number_of_topics(monkeypatch: pytest.MonkeyPatch) -> None:
+    both, ticks = Both(), sensed(1)
+    monkeypatch.setattr(ros_translator, "MOST_TOPICS", 12)
+    agents = ("a", "b", "c")
+    for agent in agents:
+        both.body(agent)
+    both.clock(1)
+    both.state(1, *agents)
+    assert [bool(both.take(KEYS.measures(agent), ticks[0])) for agent in agents] == [True, True, False]
+    assert both.ros.refused == {"c": "expected at most 12 topics of a bag, got more"}
 
 
 def test_a_map_is_the_grid_of_ros() -> None:
