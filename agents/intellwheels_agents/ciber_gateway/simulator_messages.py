@@ -92,7 +92,7 @@ def reply(settings: Settings, robot: Robot | None, lab: Lab, period: float) -> b
         ("ObstacleNoise", _number(settings.obstacle_noise)), ("MotorsNoise", _number(100.0 * one.motor_noise)),
         ("KeyTime", str(settings.key_time)), ("GPS", _on(gps is not None)),
         ("GPSLinNoise", _number(gps.noise if gps else 0.0)), ("GPSDirNoise", "0"),
-        ("BeaconSensor", _on(beacon is not None)), ("ScoreSensor", "Off"), ("ShowActions", "False"),
+        ("BeaconSensor", _on(beacon is not None)), ("CompassSensor", _on(compass is not None)), ("ScoreSensor", "Off"), ("ShowActions", "False"),
         ("NBeacons", str(len(lab.beacons))), ("NRequestsPerCycle", str(settings.requests)),
         *((f"{kind.capitalize()}Requestable", _on(kind in settings.requestable)) for kind in KINDS[:5]),
         ("ObstacleLatency", str(obstacle.latency if obstacle else 0)),

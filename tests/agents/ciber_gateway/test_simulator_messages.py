@@ -36,7 +36,7 @@ def test_a_reply_fits_into_the_buffer_of_an_agent() -> None:
     assert len(message) <= 1024
     parameters = cut(message)[0].attrib
     assert (parameters["CycleTime"], parameters["NBeacons"], parameters["MotorsNoise"]) == ("50", "1", "1.5")
-    assert (parameters["GPS"], parameters["CompassRequestable"]) == ("On", "On")
+    assert (parameters["GPS"], parameters["CompassSensor"], parameters["CompassRequestable"]) == ("On", "On", "On")
     assert cut(reply(Settings(), None, FLOOR, 0.1))[0].attrib["CycleTime"] == "100"
     assert cut(REFUSED).attrib == {"Status": "Refused"}
 
