@@ -15,7 +15,7 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Final
 
 from intellwheels_agents.ciber_gateway import simulator_messages
-from intellwheels_agents.ciber_gateway.ciber_robot import ciber_robot
+from intellwheels_agents.ciber_gateway.ciber_robot import MOST_POWER, ciber_robot
 from intellwheels_agents.ciber_gateway.client_messages import (
     Registration,
     ViewCommand,
@@ -262,6 +262,13 @@ class Reception:
 
     def _joined(self, robot: RobotClient, accepted: Robot, period: float) -> None:
         self._period = period
+        if (fastest := accepted.top_speed * period) < MOST_POWER:
+            # Short ticks: the largest power of the simulator is more than the motors have.
+            why = (
+                f"expected --option TopSpeed={MOST_POWER / period:g} or more at ticks of {period:g} s, got "
+                f"{accepted.top_speed:g}: powers above {fastest:g} count as {fastest:g}"
+            )
+            self._reports.tell("power of a robot", shown_address(robot.client.client), why)
         robot.reply = simulator_messages.reply(self._settings, accepted, self._lab, period)
         robot.client.send(robot.reply)
 

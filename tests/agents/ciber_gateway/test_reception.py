@@ -8,6 +8,7 @@ import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 from types import SimpleNamespace
+from typing import Any
 
 import pytest
 
@@ -18,7 +19,7 @@ from intellwheels_agents.ciber_gateway.reception import MOST_COMMANDS, MOST_VIEW
 from intellwheels_agents.ciber_gateway.robot_client import Waits
 from intellwheels_agents.ciber_gateway.simulator_messages import Settings
 from intellwheels_schemas.link import Link
-from intellwheels_schemas.messages import NAME_PATTERN, Corner, Map, Wall
+from intellwheels_schemas.messages import NAME_PATTERN, Corner, Map, Robot, Wall
 from tests.agents.ciber_gateway.stand_in_clients import TIMEOUT, Viewer, cut
 from tests.agents.ciber_gateway.test_robot_state import FLOOR
 
@@ -139,6 +140,18 @@ def test_every_robot_has_a_name_of_its_own_that_the_contract_allows() -> None:
             )
     assert agents == ["x-2", "x", "x-3", "robot-" + "4" * 18, "robot-" + "4" * 18 + "-2", "a-o"]
     assert all(re.match(NAME_PATTERN, agent) for agent in agents)
+
+
+def test_motors_too_slow_for_short_ticks_are_reported() -> None:
+    lines: list[str] = []
+    sent: list[bytes] = []
+    robot: Any = SimpleNamespace(client=SimpleNamespace(client=("127.0.0.1", 1), send=sent.append))
+    with opened(lines) as reception:
+        reception._joined(robot, Robot(top_speed=3.3), 0.05)
+        assert lines == []
+        reception._joined(robot, Robot(top_speed=3.3), 0.02)
+    assert "expected --option TopSpeed=7.5 or more at ticks of 0.02 s, got 3.3: powers above 0.066" in lines[0]
+    assert len(sent) == 2
 
 
 def test_a_port_in_use_is_an_error() -> None:
