@@ -112,7 +112,9 @@ def tick_length(measures: Measures) -> float | None:
     Their time is not what the contract allows for their tick, or a sample is of a later tick.
     """
     sensors, tick = measures.sensors or Sensors(), measures.tick
-    samples = chain(sensors.odometry, sensors.encoders, sensors.lidar, sensors.proximity, sensors.imu, sensors.truth)
+    samples: Iterator[Any] = chain(
+        sensors.odometry, sensors.encoders, sensors.lidar, sensors.proximity, sensors.imu, sensors.truth
+    )
     if tick < 1 or any(sample.tick is not None and sample.tick > tick for sample in samples):
         return None
     seconds = measures.time / tick
