@@ -92,3 +92,22 @@ def test_a_silent_agent_leaves() -> None:
     assert pair.stop.is_set()
     assert "silent agent" in pair.lines[0]
     pair.close()
+
+
+def test_whatever_an_agent_sends_it_is_not_silent_then() -> None:
+    pair = Pair(Waits(answer=0.0, silence=0.0))
+    for data in (b"<Actions/>", b"<"):
+        pair.send(data)
+        pair.decide(1)
+        assert not pair.stop.is_set()
+    pair.decide(2)
+    assert pair.stop.is_set()
+    pair.close()
+
+
+def test_a_pause_of_the_world_is_no_silence(monkeypatch: pytest.MonkeyPatch) -> None:
+    pair = Pair(Waits(answer=0.0, silence=60.0))
+    monkeypatch.setattr(pair.mind, "_last", pair.mind._last - 3600.0)
+    pair.decide(1)
+    assert not pair.stop.is_set()
+    pair.close()
