@@ -12,7 +12,7 @@ from typing import Any
 
 import pytest
 
-from intellwheels_agents.ciber_gateway.client_messages import ViewCommand
+from intellwheels_agents.ciber_gateway.client_messages import Registration, ViewCommand
 from intellwheels_agents.ciber_gateway.client_socket import Reports
 from intellwheels_agents.ciber_gateway.lab_frame import lab_of
 from intellwheels_agents.ciber_gateway.reception import MOST_COMMANDS, MOST_VIEWERS, Reception
@@ -140,6 +140,20 @@ def test_every_robot_has_a_name_of_its_own_that_the_contract_allows() -> None:
             )
     assert agents == ["x-2", "x", "x-3", "robot-" + "4" * 18, "robot-" + "4" * 18 + "-2", "a-o"]
     assert all(re.match(NAME_PATTERN, agent) for agent in agents)
+
+
+def test_an_agent_that_registers_again_gets_its_reply_again() -> None:
+    sent: list[bytes] = []
+    robot: Any = SimpleNamespace(
+        reply=b"reply", client=SimpleNamespace(send=sent.append), stop=list, join=list,
+        state=SimpleNamespace(agent="r", number=1),
+    )  # fmt: skip
+    with opened([]) as reception:
+        reception.robots["127.0.0.1", 1] = robot
+        for _ in range(2):
+            reception._admit_robot(Registration("robot", "r", 1), ("127.0.0.1", 1))
+        assert list(reception.robots.values()) == [robot]
+    assert sent == [b"reply"] * 2
 
 
 def test_motors_too_slow_for_short_ticks_are_reported() -> None:
