@@ -99,6 +99,29 @@ def test_the_state_may_come_first_and_the_clock_counts_once() -> None:
     assert "/c/odom" in names(both.take(KEYS.measures("c"), ticks[0]))
 
 
+def test_a_state_in_parts_and_an_older_one_keep_the_poses() -> None:
+    both, ticks = Both(), sensed(3)
+    for agent in ("c", "d"):
+        both.body(agent)
+    both.clock(2)
+    for part, agent in enumerate(("c", "d")):
+        entity = Entity(name=agent, x=3.0, y=2.0, heading=0.0)
+        state = WorldState(run=RUN, tick=2, time=0.1, part=part, parts=2, entity=(entity,))
+        both.take(KEYS.state(part), state)
+    both.state(1, "other")
+    for agent in ("c", "d"):
+        assert "/tf_static" in names(both.take(KEYS.measures(agent), ticks[1]))
+
+
+def test_another_robot_of_the_same_name_begins_anew() -> None:
+    both, ticks = Both(), sensed(2)
+    for tick, kind in ((1, "lidar-chair"), (2, "intellwheels")):
+        both.body(of=robot(kind))
+        both.clock(tick)
+        both.state(tick)
+        assert "/tf_static" in names(both.take(KEYS.measures("c"), ticks[tick - 1]))
+
+
 def test_without_true_poses_a_chair_goes_without_a_place_on_the_map() -> None:
     both, ticks = Both(), sensed(PATIENCE + 2)
     both.body()
