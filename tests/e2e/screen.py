@@ -24,7 +24,7 @@ OPENING = 25.0
 WAIT = 40.0
 """Seconds for anything else."""
 SHARPNESS = 0.5
-"""Pixels that are drawn for a pixel of the page, each way. Software draws them, and at 1 it takes half as long again."""
+"""Pixels that are drawn for a pixel of the page, each way. Software draws them, and 1 takes half as long again."""
 
 # In the page: bodies by node, arrays as plain lists.
 _BODIES = """() => {

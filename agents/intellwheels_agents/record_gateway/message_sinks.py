@@ -6,7 +6,9 @@ is full. It repeats the map and the bodies, so that each file can be read by its
 
 from __future__ import annotations
 
+import errno
 import io
+import socket
 import time
 from collections.abc import Mapping
 from pathlib import Path
@@ -129,6 +131,15 @@ class MessageSinks:
         Raises:
             OSError: The port is in use, or the address is not of this machine.
         """
+        try:
+            # The library has no class and no code for these errors, so they are found first.
+            with socket.create_server((host, port)):
+                pass
+        except OSError as error:
+            if error.errno == errno.EADDRINUSE:
+                text = f"--port: expected a free port, got {port}, which is in use; --port 0 takes any free one"
+                raise OSError(text) from None
+            raise OSError(f"cannot serve at {host}:{port}: {error.strerror or error}") from None
         try:
             self._server = foxglove.start_server(
                 name=name, host=host, port=port, capabilities=[Capability.ClientPublish], server_listener=listener,

@@ -26,7 +26,8 @@ def check_connection(options: argparse.Namespace) -> None:
     check_free(options.listen)
     if options.view and not is_free("127.0.0.1", options.view_port):
         got = f"{options.view_port}, which is in use, perhaps by another viewer"
-        raise WireError("value", f"--view-port: expected a free port, got {got}", "--view-port")
+        hint = "; --view-port 0 takes any free one"
+        raise WireError("value", f"--view-port: expected a free port, got {got}{hint}", "--view-port")
 
 
 def check_speed(speed: float, pace: Pace) -> None:

@@ -68,8 +68,12 @@ def test_a_full_disk_ends_the_recording_with_its_reason() -> None:
 def test_a_port_in_use_is_refused(tmp_path: Path) -> None:
     first, second = MessageSinks(SCHEMAS, None, 1), MessageSinks(SCHEMAS, None, 1)
     port = first.serve("w", "127.0.0.1", 0, None)
-    with pytest.raises(OSError, match=f"cannot serve at 127.0.0.1:{port}"):
+    with pytest.raises(OSError, match=f"--port: expected a free port, got {port}, which is in use; --port 0 takes"):
         second.serve("w", "127.0.0.1", port, None)
+    with pytest.raises(
+        OSError, match=r"cannot serve at 203\.0\.113\.1:0: Cannot assign"
+    ):  # an address of documentation
+        second.serve("w", "203.0.113.1", 0, None)
     first.close({})
     second.close({})
 
