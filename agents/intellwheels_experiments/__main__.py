@@ -41,6 +41,7 @@ from intellwheels_maps import floor, scene
 from intellwheels_maps.library import folder_of
 from intellwheels_schemas.command_parser import naming
 from intellwheels_schemas.errors import WireError
+from intellwheels_schemas.explain import did_you_mean
 from intellwheels_schemas.extras import missing_extra
 from intellwheels_schemas.link import Link
 from intellwheels_schemas.messages import Map, Scene
@@ -299,7 +300,8 @@ def _rows(rows: tuple[Row, ...], names: Sequence[str] | None) -> tuple[Row, ...]
     known = [row.name for row in rows]
     for name in names or ():
         if name not in known:
-            raise WireError("value", f"--row: expected a row ({', '.join(known)}), got {name!r}", "--row")
+            text = f"--row: expected a row ({', '.join(known)}), got {name!r}{did_you_mean(name, known)}"
+            raise WireError("value", text, "--row")
     return tuple(row for row in rows if not names or row.name in names)
 
 

@@ -140,7 +140,7 @@ def _import(parsed: argparse.Namespace) -> int:
     print(
         f"{parsed.output}: walls={len(document.wall)} obstacles={len(document.obstacle)} zones={len(document.zone)} "
         f"doorways={len(document.doorway)} doors={sum(doorway.door is not None for doorway in document.doorway)} "
-        f"places={places} routes={len(document.route)} left-out={len(found.left_out)}"
+        f"places={places} routes={len(document.route)} left-out={found.things}"
     )
     return 0
 

@@ -214,9 +214,14 @@ def _find(shelf: Shelf, name_or_path: str | Path, beside: Path | None) -> Path |
     known = names(shelf)
     if text not in known:
         kind = "maps" if shelf == "floors" else shelf
-        expected = f"expected one of the {kind} ({', '.join(known)}) or a path ending in .xml"
+        endings = (".xml", *importers.ENDINGS) if shelf == "floors" else (".xml",)
+        expected = f"expected one of the {kind} ({', '.join(known)}) or a path ending in {_listed(endings)}"
         raise WireError("value", f"{expected}, got {text!r}{did_you_mean(text, known)}", shelf)
     return _shelf(shelf).joinpath(f"{text}.xml")
+
+
+def _listed(words: Sequence[str]) -> str:
+    return " or ".join(part for part in (", ".join(words[:-1]), words[-1]) if part)
 
 
 def _load(

@@ -237,7 +237,7 @@ def open_session(
                 remember(session, read_identity(link.identity))
             return session
         if waiting is not None:
-            waiting(f"{words}; {START_ONE}")
+            waiting(f"{words}; {START_ONE}" if words.startswith("nobody") else words)
             waiting = None
         if deadline is not None and time.monotonic() >= deadline:
             raise ConnectionError(words)
@@ -248,10 +248,9 @@ def open_session(
 
 def _why_not(link: Link) -> str:
     """Return in words why no session could be opened. Zenoh tells all reasons alike."""
-    endpoint = next(iter(link.connect), "")
     from intellwheels_schemas.router_probe import why_not  # noqa: PLC0415 - sockets, after a failure only
 
-    return why_not(endpoint, link.identity) or f"nobody answers at {link.where()}"
+    return why_not(next(iter(link.connect), ""), link.identity) or f"nobody answers at {link.where()}"
 
 
 def _until(moment: float, deadline: float | None) -> float:
@@ -384,8 +383,7 @@ def tokens(session: zenoh.Session, key: str, *, timeout: float = 1.0) -> list[st
     found: set[str] = set()
 
     def on_reply(reply: zenoh.Reply) -> None:
-        if (sample := reply.ok) is not None:
-            found.add(str(sample.key_expr))
+        found.update(() if reply.ok is None else (str(reply.ok.key_expr),))
 
     deadline = time.monotonic() + timeout
     # In a session that has just started to watch the key, 3 of 100 queries missed an existing token (Zenoh 1.10.2), as

@@ -9,7 +9,7 @@ import pytest
 
 from intellwheels_agents.map_cells import MOST_CELLS, MOST_ROWS, RESOLUTION, MapCells, fitting_size, map_cells, plan_of
 from intellwheels_maps import floor, names
-from intellwheels_schemas.messages import Corner, Map, Obstacle, Wall
+from intellwheels_schemas.messages import Corner, Grid, Map, Obstacle, Place, Wall
 
 
 def drawn(*corners: tuple[float, float], **fields: float) -> Map:
@@ -50,6 +50,14 @@ def test_what_is_above_a_person_is_left_out() -> None:
     corners = tuple(Corner(x=x, y=y) for x, y in ((0, 0), (1, 0), (1, 1)))
     lamp = Obstacle(name="lamp", bottom=1.9, top=2.2, corner=corners)
     assert sum(map_cells(Map(format="iw.v1", name="lamps", obstacle=(lamp,))).cells) == 0
+    assert sum(map_cells(drawn((0, 0), (1, 0), (1, 1), bottom=1.9, height=2.5)).cells) == 0
+    assert sum(map_cells(drawn((0, 0), (1, 0), (1, 1), bottom=1.4, height=2.5)).cells) > 0
+
+
+def test_places_are_on_the_grid() -> None:
+    place = Place(name="far", x=4.0, y=-3.0)
+    cells = map_cells(Map(format="iw.v1", name="m", grid=Grid(position=(place,))), 0.5)
+    assert (cells.west, cells.south, cells.columns, cells.rows) == (3.5, -3.5, 2, 2)
 
 
 @pytest.mark.parametrize("name", names("floors"))

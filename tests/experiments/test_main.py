@@ -81,6 +81,13 @@ def test_log_of_the_laboratory_is_not_replaced_either(tmp_path: Path, capsys: py
     assert "run-lab.jsonl: the file exists; --overwrite replaces it" in capsys.readouterr().err
 
 
+def test_unknown_row_is_refused_with_the_nearest_one(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["table1", "--seeds", "1", "--row", "real-auto"]) == 2
+    error = capsys.readouterr().err
+    assert error.startswith("iw-run: --row: expected a row (real-")
+    assert error.endswith("got 'real-auto'; did you mean 'real-autonomous'?\n")
+
+
 @pytest.mark.parametrize(
     "words", [["figure6", "--world", "A b"], ["figure6", "--speed", "0"], ["figure6", "--pace", "x"]]
 )

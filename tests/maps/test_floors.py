@@ -257,6 +257,17 @@ def test_room_has_three_starts_three_goals_a_table_and_a_hinge() -> None:
     assert names_there == {"start1", "start2", "start3", "goal1", "goal2", "goal3", "table", "hinge"} | spares
 
 
+def test_chair_that_drives_ahead_from_the_first_spare_place_stays_clear_of_the_door() -> None:
+    document = floor("room")
+    assert document.grid
+    first = next(spot for spot in document.grid.position if spot.name.startswith("spare"))
+    hinge = place(document, "hinge")
+    heading = math.radians(first.heading_deg)
+    for ahead in range(4):
+        at = first.x + ahead * math.cos(heading), first.y + ahead * math.sin(heading)
+        assert math.dist(at, (hinge.x, hinge.y)) > 2.0  # a leaf of 1 m, and the largest chair
+
+
 def test_goal_behind_the_door_is_out_of_sight_of_its_sensors() -> None:
     """Otherwise the door would always see a chair at the goal, and never close."""
     document = floor("room")

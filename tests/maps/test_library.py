@@ -5,6 +5,7 @@ from pathlib import Path
 import pytest
 
 from intellwheels_maps import floor, names, robot, scene
+from intellwheels_maps.importers import ENDINGS
 from intellwheels_maps.library import folder_of, imported, is_foreign, is_path
 from intellwheels_schemas.errors import WireError
 
@@ -88,7 +89,8 @@ def test_unknown_name_is_refused_with_the_known_ones() -> None:
     with pytest.raises(WireError) as caught:
         floor("wart")
     assert caught.value.text == (
-        f"expected one of the maps ({', '.join(names('floors'))}) or a path ending in .xml, got 'wart'; "
+        f"expected one of the maps ({', '.join(names('floors'))}) or a path ending in .xml, "
+        f"{', '.join(ENDINGS[:-1])} or {ENDINGS[-1]}, got 'wart'; "
         "did you mean 'ward'?"
     )
 

@@ -120,6 +120,10 @@ def test_export_writes_image_head_and_places(tmp_path: Path, capsys: pytest.Capt
     assert capsys.readouterr().out.startswith(f"{out}: ")
     assert sorted(path.name for path in tmp_path.iterdir()) == ["ward.pgm", "ward.places.yaml", "ward.yaml"]
     assert len(floor(out).wall) > 5
+    back = tmp_path / "back.xml"
+    assert main(["import", str(out), "-o", str(back)]) == 0
+    assert "doorways=14 doors=0 places=39 routes=0 left-out=0" in capsys.readouterr().out
+    assert floor(back).grid == floor("ward").grid
 
 
 @pytest.mark.parametrize(

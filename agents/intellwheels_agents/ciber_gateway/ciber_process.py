@@ -55,9 +55,10 @@ class CiberProcess:
         self._running = True
         self._cycle = 0
         self._map_due = float("inf")
+        self._failed = False
 
     def run(self) -> int:
-        """Serve until `stop` is set, and return the exit code.
+        """Serve until `stop` is set, and return the exit code: 0, or 1 if registrations could not go on.
 
         Raises:
             ConnectionError: There is no world.
@@ -85,14 +86,14 @@ class CiberProcess:
             thread = threading.Thread(target=self._receive, args=(reception,), name="reception", daemon=True)
             thread.start()
             stack.callback(thread.join, THREADS_END)
+            stack.callback(self._stop.set)
             _print(
                 f"ready port={reception.port} world={self._where.world} starts={len(lab.starts)} "
                 f"beacons={len(lab.beacons)} targets={len(lab.targets)}"
             )
             self._follow(session, reception)
-            self._stop.set()
         _log(f"ended dropped={self._reports.total}")
-        return 0
+        return 1 if self._failed else 0
 
     def _open(self) -> Any:
         left = self._deadline - time.monotonic()
@@ -121,6 +122,7 @@ class CiberProcess:
             reception.run(self._stop)
         except BaseException:
             # A gateway that nobody can register at must not look as if it ran.
+            self._failed = True
             self._stop.set()
             raise
 
@@ -170,8 +172,10 @@ class CiberProcess:
                         self._map_due = time.monotonic()
                 for state in reception.gone():
                     reception.show([state.removed(self._cycle)])
-                while not reception.commands.empty():
-                    self._command(session, reception, reception.commands.get())
+                # Those that wait now: a viewer that goes on sending must not hold up the world, or the end.
+                for _ in range(reception.commands.qsize()):
+                    if not self._stop.is_set():
+                        self._command(session, reception, reception.commands.get())
                 if time.monotonic() >= self._map_due:
                     self._map_due = float("inf")
                     try:

@@ -9,7 +9,8 @@ the disc fits. Between the corners up to 24 mm are missing.
 
 Three things differ. A robot that meets an obstacle slides along it; there it only turned. An obstacle sensor measures
 the nearest point in its cone; there it was the nearest of three rays and of all corners, up to 1/cos(15 degrees) times
-as far. The speed of a wheel lags without steps within a cycle, so the travel of the first cycles is a little longer.
+as far. The speed of a wheel lags without steps within a cycle: a wheel that starts falls behind by 0.44 (1/ln 2 - 1) of
+its travel in a cycle.
 
 Source:
     The public tools of the simulator (github.com/iris-ua/ciberRatoTools): its robot, motor and sensors, and the noise

@@ -53,6 +53,7 @@ class Orders(NamedTuple):
         end_led, returning_led, visiting_led: Whether the LED is on.
         requests: Sensors whose readings are wanted once, such as `IRSensor0`.
         say: What the robot says.
+        unsaid: Why what it says does not count; empty if it does.
     """
 
     left: float | None = None
@@ -62,6 +63,7 @@ class Orders(NamedTuple):
     visiting_led: bool | None = None
     requests: tuple[str, ...] = ()
     say: str | None = None
+    unsaid: str = ""
 
 
 class ViewCommand(NamedTuple):
@@ -95,7 +97,7 @@ def read_registration(data: bytes) -> Registration:
 
 
 def read_orders(data: bytes) -> Orders:
-    """Return the actions of a robot.
+    """Return the actions of a robot. An element `Sync`, which agents in step with the simulator add, changes nothing.
 
     Raises:
         WireError: They are none. Nothing of them counts.
@@ -104,18 +106,21 @@ def read_orders(data: bytes) -> Orders:
     if root.tag != "Actions":
         raise WireError("field", f"expected the element Actions, got {shown(str(root.tag))}")
     requests: tuple[str, ...] = ()
-    say = None
+    say, unsaid = None, ""
     for child in root:
         if child.tag == "SensorRequests":
             requests += tuple(str(name) for name, value in child.attrib.items() if value == "Yes")
         elif child.tag == "Say":
-            say = child.text or ""
-            if len(say) > LONGEST_SAY:
-                raise wrong_value("Actions.Say", f"at most {LONGEST_SAY} characters", len(say), "too-long")
-            if _TEXT.match(say) is None:
-                raise wrong_value("Actions.Say", "text without control characters", shown(say))
-        else:
-            raise WireError("field", f"Actions: expected SensorRequests or Say, got {shown(str(child.tag))}")
+            said = child.text or ""
+            # The motors obey all the same, as the simulator does it.
+            if len(said) > LONGEST_SAY:
+                unsaid = f"Actions.Say: expected at most {LONGEST_SAY} characters, got {len(said)}"
+            elif _TEXT.match(said) is None:
+                unsaid = f"Actions.Say: expected text without control characters, got {shown(said)}"
+            else:
+                say = said
+        elif child.tag != "Sync":
+            raise WireError("field", f"Actions: expected SensorRequests, Say or Sync, got {shown(str(child.tag))}")
     return Orders(
         left=_number(root, "LeftMotor", 1e300, None),
         right=_number(root, "RightMotor", 1e300, None),
@@ -124,6 +129,7 @@ def read_orders(data: bytes) -> Orders:
         visiting_led=_led(root, "VisitingLed"),
         requests=requests,
         say=say,
+        unsaid=unsaid,
     )
 
 

@@ -5,6 +5,7 @@ A client sends its registration to one port, and gets its reply from another, wh
 
 from __future__ import annotations
 
+import itertools
 import queue
 import re
 import select
@@ -14,7 +15,7 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Final
 
 from intellwheels_agents.ciber_gateway import simulator_messages
-from intellwheels_agents.ciber_gateway.ciber_robot import ciber_robot
+from intellwheels_agents.ciber_gateway.ciber_robot import MOST_POWER, ciber_robot
 from intellwheels_agents.ciber_gateway.client_messages import (
     Registration,
     ViewCommand,
@@ -38,8 +39,12 @@ MOST_VIEWERS: Final = 8
 """Viewers that are served; the oldest goes for another one."""
 MOST_ROBOTS: Final = 16
 """Robots on a map without a start grid."""
+MOST_COMMANDS: Final = 64
+"""Commands of viewers that may wait; more are reported, and left out."""
 PORTS_AT_ONCE: Final = 64
 """Datagrams that are read of a port before the others have their turn."""
+LONGEST_NAME: Final = 24
+"""Characters of the name of an agent that are kept, so that a number fits behind them."""
 _OTHER: Final = re.compile(r"[^a-z0-9]+")
 
 
@@ -75,7 +80,7 @@ class Reception:
             OSError: The port is in use, or the address is not of this machine.
         """
         self.robots: dict[Address, RobotClient] = {}
-        self.commands: queue.SimpleQueue[ViewCommand] = queue.SimpleQueue()
+        self.commands: queue.Queue[ViewCommand] = queue.Queue(MOST_COMMANDS)
         self._host = host
         self._where = where
         self._lab = lab
@@ -171,7 +176,9 @@ class Reception:
                     self._admit_robot(registration, sender)
             except (WireError, OptionError, OSError) as error:
                 self._reports.tell("registration", shown_address(sender), str(error))
-                self._refuse(sender)
+                # Two ports that refuse what the other one says would never end.
+                if not data.lstrip().startswith(b"<Reply"):
+                    self._refuse(sender)
 
     def _refuse(self, sender: Address) -> None:
         try:
@@ -232,12 +239,14 @@ class Reception:
         return joining(base, agent=agent, role="both", instance=new_hex(), place=place, barrier=None)
 
     def _agent_of(self, name: str, number: int) -> str:
-        """Return the name in the contract of a robot: that of its agent, with its number if another one has it."""
-        plain = _OTHER.sub("-", name.lower()).strip("-")[:24]
-        if not plain[:1].isalpha():
-            plain = f"robot-{plain}".strip("-")
+        """Return the name in the contract of a robot: that of its agent, with a number if another one has it."""
+        plain = _OTHER.sub("-", name.lower())
+        if not plain.strip("-")[:1].isalpha():
+            plain = f"robot-{plain}"
+        plain = plain.strip("-")[:LONGEST_NAME].strip("-")
         taken = {robot.state.agent for robot in self.robots.values()}
-        return f"{plain}-{number}" if plain in taken else plain
+        numbered = (f"{plain}-{other}" for other in itertools.count(number))
+        return next(one for one in itertools.chain([plain], numbered) if one not in taken)
 
     def _numbers(self) -> Mapping[str, int]:
         with self._lock:
@@ -253,6 +262,13 @@ class Reception:
 
     def _joined(self, robot: RobotClient, accepted: Robot, period: float) -> None:
         self._period = period
+        if (fastest := accepted.top_speed * period) < MOST_POWER:
+            # Short ticks: the largest power of the simulator is more than the motors have.
+            why = (
+                f"expected --option TopSpeed={MOST_POWER / period:g} or more at ticks of {period:g} s, got "
+                f"{accepted.top_speed:g}: powers above {fastest:g} count as {fastest:g}"
+            )
+            self._reports.tell("power of a robot", shown_address(robot.client.client), why)
         robot.reply = simulator_messages.reply(self._settings, accepted, self._lab, period)
         robot.client.send(robot.reply)
 
@@ -286,7 +302,11 @@ class Reception:
             elif command.verb == "grid":
                 viewer.send(simulator_messages.grid_shown(self._lab))
             else:
-                self.commands.put(command)
+                try:
+                    self.commands.put_nowait(command)
+                except queue.Full:
+                    why = f"expected at most {MOST_COMMANDS} that wait, got another one"
+                    self._reports.tell("command of a viewer", shown_address(viewer.client), why)
 
     def _send_lab(self, viewer: ClientSocket) -> None:
         message = simulator_messages.lab_shown(self._lab, self._beacon_height)

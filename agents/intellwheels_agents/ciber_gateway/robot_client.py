@@ -99,11 +99,14 @@ class CiberMind:
             self._silent = 0.0
             who = shown_address(self._client.client)
             try:
-                refused = self._state.obey(read_orders(data))
+                taken = read_orders(data)
             except WireError as error:
                 self._reports.tell("actions", who, error.text)
                 continue
             orders = True
+            refused = self._state.obey(taken)
+            if taken.unsaid:
+                self._reports.tell("message of a robot", who, taken.unsaid)
             if refused:
                 self._reports.tell("sensor requests", who, f"{refused} too many, or of no sensor")
         return orders

@@ -12,7 +12,7 @@ from typing import Final
 
 from intellwheels_agents.ciber_gateway import simulator_messages
 from intellwheels_agents.ciber_gateway.ciber_robot import MOST_POWER
-from intellwheels_agents.ciber_gateway.client_messages import Orders
+from intellwheels_agents.ciber_gateway.client_messages import IR_ANGLES, Orders
 from intellwheels_agents.ciber_gateway.lab_frame import Lab
 from intellwheels_agents.ciber_gateway.simulator_messages import Leds, Readings, Settings
 from intellwheels_schemas.messages import Actions, Entity, Measures, ProximityReading, Robot, Sensors
@@ -23,6 +23,7 @@ _NEAREST: Final = 0.01
 """Distance, m, up to which an obstacle sensor gives its largest value."""
 _KINDS: Final = {"IRSensor": "obstacle", "Beacon": "beacon", "Ground": "ground", "Compass": "compass",
                  "Collision": "collision", "GPS": "gps"}  # fmt: skip
+_SINGLE: Final = frozenset({"Ground", "Compass", "Collision", "GPS"})
 
 
 class RobotState:
@@ -87,8 +88,10 @@ class RobotState:
             leds.visiting if orders.visiting_led is None else orders.visiting_led,
         )
         refused = 0
+        beacons = 0 if self._lab is None else len(self._lab.beacons)
+        numbered = {f"IRSensor{index}" for index in range(len(IR_ANGLES))} | {f"Beacon{i}" for i in range(beacons)}
         for wanted in orders.requests:
-            if wanted.rstrip("0123456789") not in _KINDS or len(self._requested) >= self._settings.requests:
+            if wanted not in _SINGLE | numbered or len(self._requested) >= self._settings.requests:
                 refused += 1
             else:
                 self._requested.add(wanted)

@@ -6,6 +6,7 @@ Its `metadata.yaml` is written at the end.
 from __future__ import annotations
 
 import sqlite3
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, Final
 
@@ -76,6 +77,11 @@ class BagWriter:
         except sqlite3.Error as error:
             raise OSError(f"--ros2: {error}") from None
         self.messages += 1
+
+    @property
+    def refused(self) -> Mapping[str, str]:
+        """Why chairs are left out, by agent."""
+        return self._translator.refused
 
     def close(self) -> None:
         """End the bag.

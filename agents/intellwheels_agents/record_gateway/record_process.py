@@ -92,6 +92,8 @@ def record(given: argparse.Namespace, where: link.Link, stop: threading.Event) -
             f"messages={sinks.messages} ticks={translator.ticks.seen} missed={translator.ticks.missed} "
             f"refused={translator.refused + dropped}"
         )
+        for agent, why in bag.refused.items() if bag is not None else ():
+            _log(f"left out of the bag agent={agent} why={why!r}")
         for line in complaints() if complaints is not None else ():
             _log(line)
     return 0

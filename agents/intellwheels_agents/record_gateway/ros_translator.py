@@ -6,12 +6,13 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Iterator
 from typing import Any, Final, NamedTuple
 
 from intellwheels_agents.map_cells import fitting_size
-from intellwheels_agents.record_gateway.translator import Translator
-from intellwheels_agents.ros_gateway.chair_messages import ChairMessages, Outgoing, Topic, chair_topics
+from intellwheels_agents.record_gateway.translator import MOST_TOPICS, Translator
+from intellwheels_agents.ros_gateway.chair_messages import ChairMessages, Outgoing, Topic, chair_topics, tick_length
 from intellwheels_agents.ros_gateway.clock_topic import CLOCK
 from intellwheels_agents.ros_gateway.floor_grid import floor_grid
 from intellwheels_agents.ros_gateway.plane_pose import PlanePose
@@ -27,6 +28,8 @@ from intellwheels_schemas.messages import Clock, Map, Measures, Robot, WorldStat
 MAP_TOPIC: Final = Topic("/map", "nav_msgs/msg/OccupancyGrid", LATCHED)
 PATIENCE: Final = 5
 """Ticks for which a chair waits for its true pose before it goes without the transform from `map` to `odom`."""
+AHEAD: Final = 100
+"""Ticks that measures may be ahead of the latest clock, as clocks may be lost."""
 
 
 class BagEntry(NamedTuple):
@@ -47,12 +50,13 @@ class RosTranslator:
     """Translates the messages of one world, after the translator of the recording has seen them.
 
     Attributes:
-        refused: Chairs that are left out: their names, or those of two sensors, are one name in ROS.
+        refused: Why chairs are left out, by agent: names that are one name in ROS, or too many topics.
     """
 
     def __init__(self, keys: Keys, translator: Translator) -> None:
         """Take the keys of the world, and who knows its times and robots."""
-        self.refused: set[str] = set()
+        self.refused: dict[str, str] = {}
+        self._topics: set[str] = set()
         self._keys = keys
         self._known = translator
         self._run = ""
@@ -115,10 +119,10 @@ class RosTranslator:
 
     def _of_measures(self, agent: str, measures: Measures) -> Iterator[BagEntry]:
         robot = self._known.robots.get(agent)
-        if robot is None or agent in self.refused or measures.tick < 1:
+        if robot is None or agent in self.refused or not self._can_be(measures):
             return
         chair = self._chairs.get(agent)
-        if chair is not None and chair.robot == robot:
+        if chair is not None and chair.robot == robot and chair.messages.takes(measures):
             yield from self._entries(chair, chair.messages.messages(measures), measures)
             return
         tick, poses = self._state
@@ -130,20 +134,32 @@ class RosTranslator:
         if waited >= PATIENCE:
             yield from self._start(agent, measures, None)
 
+    def _can_be(self, measures: Measures) -> bool:
+        """Return whether measures fit the clock; those of a stranger may not."""
+        seconds, clock = tick_length(measures), self._known.clock
+        if seconds is None or clock is None or clock.tick < 1:
+            return seconds is not None
+        return measures.tick <= clock.tick + AHEAD and math.isclose(seconds, clock.time / clock.tick, rel_tol=0.01)
+
     def _start(self, agent: str, measures: Measures, pose: PlanePose | None) -> Iterator[BagEntry]:
         """Begin with a chair whose pose at these measures is known, or will not be."""
         self._waiting.pop(agent, None)
         name, robot = ros_name(agent), self._known.robots.get(agent)
         if robot is None:
             return
-        if any(ros_name(other) == name for other in self._chairs if other != agent):
-            self.refused.add(agent)
+        other = next((one for one in self._chairs if one != agent and ros_name(one) == name), None)
+        if other is not None:
+            self._refuse(agent, f"expected a name that is not {name} in ROS, as that of {other} is")
             return
         try:
             topics = {topic.name: topic for topic in chair_topics(name, robot)}
-        except WireError:
-            self.refused.add(agent)
+        except WireError as error:
+            self._refuse(agent, error.text)
             return
+        if len(self._topics | topics.keys()) > MOST_TOPICS:
+            self._refuse(agent, f"expected at most {MOST_TOPICS} topics of a bag, got more")
+            return
+        self._topics |= topics.keys()
         messages = ChairMessages(
             name, robot, measures.time / measures.tick, pose or PlanePose(0.0, 0.0, 0.0),
             "none" if pose is None else "start", moved=True,
@@ -151,6 +167,11 @@ class RosTranslator:
         chair = self._chairs[agent] = _Chair(robot, topics, messages)
         yield from self._entries(chair, [messages.static()], measures)
         yield from self._entries(chair, messages.messages(measures), measures)
+
+    def _refuse(self, agent: str, why: str) -> None:
+        # Strangers can put any number of names.
+        if len(self.refused) < MOST_TOPICS:
+            self.refused[agent] = why
 
     def _entries(self, chair: _Chair, outgoing: Iterable[Outgoing], measures: Measures) -> Iterator[BagEntry]:
         time = self._known.times.at(measures.time)

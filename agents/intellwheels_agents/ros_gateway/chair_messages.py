@@ -16,6 +16,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
+from itertools import chain
 from typing import Any, Final, Literal, NamedTuple
 
 from intellwheels_agents.ros_gateway.plane_pose import PlanePose
@@ -39,12 +40,16 @@ from intellwheels_agents.ros_gateway.sensor_messages import (
     range_message,
 )
 from intellwheels_agents.ros_gateway.wheel_odometry import LEAST_VARIANCE, OdometrySample, WheelOdometry
-from intellwheels_schemas.messages import Measures, Robot
+from intellwheels_schemas.messages import Measures, Robot, Sensors
 
 Localisation = Literal["start", "truth", "none"]
 """Where `map` to `odom` comes from: the start pose, the truth sensor, or another node."""
 DIAGNOSTICS_PERIOD: Final = 1.0
 """Simulated seconds between two messages of diagnostics while nothing changes."""
+SHORTEST_TICK: Final = 0.0009
+"""Seconds; 0.001 in the contract (Period), and a margin as times are rounded."""
+LONGEST_TICK: Final = 1.001
+"""Seconds; 1 in the contract (Period), and a margin."""
 _SCAN, _IMU = "sensor_msgs/msg/LaserScan", "sensor_msgs/msg/Imu"
 _OK, _WARN = 0, 1
 
@@ -101,6 +106,21 @@ def chair_topics(chair: str, robot: Robot) -> Sequence[Topic]:
     return found
 
 
+def tick_length(measures: Measures) -> float | None:
+    """Return the seconds of a tick, or None for measures that no simulator sends: a stranger's.
+
+    Their time is not what the contract allows for their tick, or a sample is of a later tick.
+    """
+    sensors, tick = measures.sensors or Sensors(), measures.tick
+    samples: Iterator[Any] = chain(
+        sensors.odometry, sensors.encoders, sensors.lidar, sensors.proximity, sensors.imu, sensors.truth
+    )
+    if tick < 1 or any(sample.tick is not None and sample.tick > tick for sample in samples):
+        return None
+    seconds = measures.time / tick
+    return seconds if SHORTEST_TICK <= seconds <= LONGEST_TICK else None
+
+
 class ChairMessages:
     """Turns the measures of one run into messages."""
 
@@ -140,6 +160,12 @@ class ChairMessages:
             one: f"/{self._chair}/{kind}{f'/{self._frames[one].name}' if index else ''}"
             for index, one in enumerate(ids)
         }
+
+    def takes(self, measures: Measures) -> bool:
+        """Return whether measures can be of this run, in which all ticks are as long."""
+        seconds = tick_length(measures)
+        # Times have six digits after the point, so those of short ticks are not exact.
+        return seconds is not None and math.isclose(seconds, self._period, rel_tol=0.01)
 
     def static(self) -> Outgoing:
         """Return the transforms that do not change in a run."""

@@ -8,7 +8,7 @@ from collections.abc import Callable
 from typing import Any, Final
 
 from intellwheels_agents.ros_gateway.chair_goal import user_goal
-from intellwheels_agents.ros_gateway.chair_messages import ChairMessages, Localisation, chair_topics
+from intellwheels_agents.ros_gateway.chair_messages import ChairMessages, Localisation, chair_topics, tick_length
 from intellwheels_agents.ros_gateway.plane_pose import PlanePose
 from intellwheels_agents.ros_gateway.ros_mind import Commands, Publishing
 from intellwheels_agents.ros_gateway.ros_names import ros_name
@@ -82,7 +82,10 @@ class WatchedChair:
             self._log(f"dropped key={put.key} why={error.text!r}")
             return
         # The period follows from a tick, so the first tick of a run cannot be told.
-        if measures.tick < 1 or (measures.run != self._run and not self._begin(measures, tell)):
+        if tick_length(measures) is None:
+            return
+        known = measures.run == self._run and self._messages is not None and self._messages.takes(measures)
+        if not known and not self._begin(measures, tell):
             return
         if self._messages is not None:
             self._tell_clock(measures.run, measures.time, time.monotonic())

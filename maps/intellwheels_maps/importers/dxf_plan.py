@@ -106,7 +106,7 @@ def import_dxf(source: FloorSource) -> Imported:
     for door in _joined(doors):
         draft.door(door.name, door.where, *door.leaves)
     for (layer, kind), count in sorted(others.items()):
-        draft.leave_out(f"layer {shown(layer)}", f"{count:,} {kind}, not known as walls, windows or doors")
+        draft.leave_out(f"layer {shown(layer)}", f"{kind}, not known as walls, windows or doors", count)
     return draft.finish()
 
 

@@ -55,8 +55,8 @@ MAX_CORNERS: Final = 60_000
 MAX_TESTS: Final = 5_000_000
 """Most pairs of a wall and a doorway or place: each is tested against each."""
 
-MAX_LISTED: Final = 20
-"""Places that are listed one by one for one reason; the rest is counted."""
+MAX_LISTED: Final = 8
+"""Places that are listed for one reason; the rest is counted."""
 
 
 class Leaf(NamedTuple):
@@ -96,7 +96,7 @@ class FloorDraft:
         self._doors: list[_DraftDoor] = []
         self._places: list[tuple[str, Point, float, tuple[str, ...], str]] = []
         self._routes: list[tuple[list[str], bool]] = []
-        self._left_out: dict[str, list[str]] = {}
+        self._left_out: dict[str, list[tuple[str, int]]] = {}
         self._names: dict[str, dict[str, int]] = {}
 
     def wall(
@@ -140,9 +140,9 @@ class FloorDraft:
         """Add a route between places of the map."""
         self._routes.append((list(places), one_way))
 
-    def leave_out(self, where: str, reason: str) -> None:
-        """List something that the map does not have."""
-        self._left_out.setdefault(reason, []).append(where)
+    def leave_out(self, where: str, reason: str, things: int = 1) -> None:
+        """List something that the map does not have, or several things at one place for one reason."""
+        self._left_out.setdefault(reason, []).append((where, things))
 
     def unique(self, kind: str, name: str) -> str:
         """Return a word like a name that nothing else of its kind has."""
@@ -207,7 +207,8 @@ class FloorDraft:
         )
         document = self._with_doorways(document, shift)
         document = self._with_places(document, shift)
-        return Imported(document, tuple(self._lines()))
+        things = sum(count for places in self._left_out.values() for _, count in places)
+        return Imported(document, tuple(self._lines()), things)
 
     # ------------------------------------------------------------ parts of the map
 
@@ -280,7 +281,8 @@ class FloorDraft:
                     break
             else:
                 drawn = math.dist(leaves[0].left, leaves[0].right)
-                self.leave_out(where, f"door of {drawn:.2f} m in an opening of {openings[0][0].width:.2f} m")
+                sizes = f"{drawn:.2f} m in {openings[0][0].width:.2f} m"
+                self.leave_out(f"{where}, {sizes}", "door that does not fit its opening")
         return msgspec.structs.replace(document, doorway=tuple(found))
 
     def _fitted(self, document: Map, name: str, leaf: Leaf, shift: Point) -> Doorway | str:
@@ -330,11 +332,15 @@ class FloorDraft:
         return msgspec.structs.replace(document, grid=grid, route=tuple(routes))
 
     def _lines(self) -> Iterable[str]:
+        """Yield a line for each reason."""
         for reason, places in self._left_out.items():
-            for where in places[:MAX_LISTED]:
-                yield f"{where}: {reason}"
-            if len(places) > MAX_LISTED:
-                yield f"{len(places) - MAX_LISTED:,} more: {reason}"
+            if places[1:]:
+                shown = [f"{where}: {count:,}" if count > 1 else where for where, count in places[:MAX_LISTED]]
+                more = [f"{len(places) - MAX_LISTED:,} more"] if len(places) > MAX_LISTED else []
+                yield f"{reason}: {sum(count for _, count in places):,} ({'; '.join(shown + more)})"
+            else:
+                ((where, count),) = places
+                yield f"{where}: {reason}: {count:,}" if count > 1 else f"{where}: {reason}"
 
 
 def word(text: str) -> str:

@@ -42,11 +42,13 @@ class Imported(NamedTuple):
 
     Attributes:
         map: The map.
-        left_out: A line for each thing, or kind of thing, that the map does not have: its place, and why.
+        left_out: A line for each reason for which the map does not have something: why, how much, and where.
+        things: How many things that is. A region of cells counts as one.
     """
 
     map: Map
     left_out: tuple[str, ...] = ()
+    things: int = 0
 
 
 def chosen_level(source: FloorSource, known: list[str]) -> str:

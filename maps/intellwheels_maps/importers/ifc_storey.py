@@ -86,7 +86,7 @@ class _Model:
         self._draft = FloorDraft(source)
         for other in storeys:
             if other != self._name:
-                self._draft.leave_out(f"storey {other}", f"another storey; '#{other}' after the file's name imports it")
+                self._draft.leave_out(f"storey {other}", "another storey, which FILE#STOREY imports")
         self._east, self._north, self._turn, self._epsg = self._conversion()
         self._triangles = MAX_TRIANGLES
 
@@ -114,7 +114,7 @@ class _Model:
             elif product.Representation is not None:
                 others[product.is_a()] += 1
         for kind, count in sorted(others.items()):
-            self._draft.leave_out(kind, f"{count:,} products that are no part of a floor")
+            self._draft.leave_out(kind, "product that is no part of a floor", count)
         return self._draft.finish(self._name, epsg=self._epsg)
 
     # ------------------------------------------------------------ parts

@@ -71,7 +71,7 @@ class _Building:
         """Return the map of the level."""
         for other in self._level_names:
             if other != self._name:
-                self._draft.leave_out(f"levels.{other}", f"another level; '#{other}' after the file's name imports it")
+                self._draft.leave_out(f"levels.{other}", "another level, which FILE#LEVEL imports")
         for where, start, end, settings in self._edges("walls"):
             height = self._setting(settings, "texture_height", 2.5, f"{where}.texture_height", 0.01, 1000.0)
             self._draft.wall((self._point(start), self._point(end)), where, thickness=THICKNESS, height=height)

@@ -7,6 +7,8 @@ mode `raw`, the pixel itself is the occupancy in percent. Everything else is not
 Each run of walls in a row is a box; their union has exactly the area of the cells. Its outline is then simplified: it
 moves by less than half a cell. The middles of all cells stay on their side, so a map that is exported again has the
 same cells.
+
+A list of places and doorways beside the map, as `export` writes it, is read too.
 """
 
 from __future__ import annotations
@@ -19,6 +21,7 @@ from typing import Any, Final, NamedTuple
 from intellwheels_maps.importers.cell_outlines import cell_area, count_corners, simplified
 from intellwheels_maps.importers.floor_draft import FloorDraft
 from intellwheels_maps.importers.floor_source import FloorSource, Imported, check_no_level
+from intellwheels_maps.importers.ros_places import add_places
 from intellwheels_maps.importers.safe_yaml import read_yaml
 from intellwheels_maps.importers.wall_outlines import outlines
 from intellwheels_schemas.errors import WireError
@@ -44,7 +47,7 @@ class _Head(NamedTuple):
 
 
 def import_ros_map(source: FloorSource) -> Imported:
-    """Return the map that a YAML file of the map server and its image describe.
+    """Return the map that a YAML file of the map server, its image and its list of places describe.
 
     Raises:
         WireError: One of them is invalid or too large.
@@ -69,6 +72,7 @@ def import_ros_map(source: FloorSource) -> Imported:
     for count, what in doubtful:
         if count:
             draft.leave_out(head.image, f"{count:,} cells, {count * head.resolution**2:,.1f} m2, {what}")
+    add_places(source, draft)
     return draft.finish()
 
 

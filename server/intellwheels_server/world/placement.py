@@ -38,6 +38,7 @@ class OccupiedSpace:
         self._parts: dict[str, Floats] = {}
         self._radii: dict[str, float] = {}
         self._poses: dict[str, tuple[float, float, float]] = {}
+        self._anchored: set[str] = set()
         self._arrays: _Arrays | None = None
 
     def add(self, name: str, model: BodyModel, x: float, y: float, heading: float) -> None:
@@ -46,11 +47,14 @@ class OccupiedSpace:
         self._parts[name] = part_rows(model.shape.boxes)
         self._radii[name] = radius_of(model.shape.boxes)
         self._poses[name] = (float(x), float(y), float(heading))
+        if model.robot.anchored:
+            self._anchored.add(name)
         self._arrays = None if known or self._arrays is None else self._extended(self._arrays, name)
 
     def remove(self, name: str) -> None:
         """Remove a body."""
         del self._parts[name], self._radii[name], self._poses[name]
+        self._anchored.discard(name)
         self._arrays = None
 
     def outside(self, position: Position) -> str | None:
@@ -81,6 +85,18 @@ class OccupiedSpace:
             if deepest_body(parts, radius, *pose, poses, radii, others, starts, skip)[0] <= TOUCH:
                 return position
         return None
+
+    def may_be_swept(self, model: BodyModel, position: Position) -> bool:
+        """Return whether an anchored body, such as the leaf of a door, might hit a body at a position when it turns.
+
+        Both count as circles around their centres of movement, whichever way they turn.
+        """
+        radius = radius_of(model.shape.boxes)
+        for name in self._anchored - {model.name}:
+            x, y, _ = self._poses[name]
+            if (position.x - x) ** 2 + (position.y - y) ** 2 < (radius + self._radii[name]) ** 2:
+                return True
+        return False
 
     def depth_at(self, name: str) -> float:
         """Return the largest depth of overlap of a body with anything at its pose, m; at least 0."""
@@ -129,7 +145,8 @@ class OccupiedSpace:
 def place(model: BodyModel, floor: Map, space: OccupiedSpace, reserved: Collection[str] = ()) -> Position:
     """Return the pose of a new body: its Place, its Position, or the first free place.
 
-    A real body is accepted at any pose, even if it overlaps something.
+    A free place that the leaf of a door might sweep is given away only if there is no other. A real body is accepted at
+    any pose, even if it overlaps something.
 
     Args:
         model: The body.
@@ -162,10 +179,12 @@ def place(model: BodyModel, floor: Map, space: OccupiedSpace, reserved: Collecti
             text = f"agent '{model.name}' would be in the way at place '{near}', which is kept for another agent"
             raise RequestRefusedError("overlaps", text)
         return wanted
-    positions = (position_of(spot) for spot in places_for(floor, robot.kind) if spot.name not in kept)
-    free = space.first_free(model, (one for one in positions if _kept_near(model, one, kept) is None))
-    if free is not None:
-        return free
+    positions = [position_of(spot) for spot in places_for(floor, robot.kind) if spot.name not in kept]
+    for swept in (False, True):
+        those = (one for one in positions if space.may_be_swept(model, one) is swept)
+        free = space.first_free(model, (one for one in those if _kept_near(model, one, kept) is None))
+        if free is not None:
+            return free
     but = f" besides those kept for other agents ({', '.join(kept)})" if kept else ""
     raise RequestRefusedError(
         "no-place",

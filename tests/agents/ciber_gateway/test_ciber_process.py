@@ -64,6 +64,21 @@ def gateway(*words: str) -> Iterator[tuple[int, list[str]]]:
     assert not thread.is_alive()
 
 
+def test_it_fails_if_nobody_can_register_any_more(monkeypatch: pytest.MonkeyPatch) -> None:
+    def broken(_self: Reception, _stop: threading.Event) -> None:
+        raise ValueError("broken")
+
+    monkeypatch.setattr(Reception, "run", broken)
+    # What pytest does with errors of threads is not of this test.
+    monkeypatch.setattr(threading, "excepthook", lambda _: None)
+    codes: list[int] = []
+    run = CiberProcess.run
+    monkeypatch.setattr(CiberProcess, "run", lambda process: codes.append(run(process)))
+    with gateway():
+        pass
+    assert codes == [1]
+
+
 def test_viewers_control_the_world_if_they_may() -> None:
     with gateway("--control") as (port, verbs):
         viewer = Viewer(port)

@@ -9,14 +9,14 @@ import pytest
 from shapely.geometry import Point, box
 from shapely.ops import unary_union
 
-from intellwheels_agents.ciber_gateway.ciber_robot import ciber_robot
+from intellwheels_agents.ciber_gateway.ciber_robot import CYCLE, TOP_SPEED, ciber_robot
 from intellwheels_agents.ciber_gateway.client_messages import Registration
 from intellwheels_agents.ciber_gateway.lab_frame import lab_of
 from intellwheels_agents.robot_document import equipped
-from intellwheels_schemas.file_records import Join
-from intellwheels_schemas.messages import Map, Measures, Position, Robot, Sensors
+from intellwheels_schemas.file_records import Inputs, Join
+from intellwheels_schemas.messages import Actions, Map, Measures, Position, Robot, Sensors
 from intellwheels_schemas.rules import check_robot
-from intellwheels_server.world import Setup, apply, begin, measures
+from intellwheels_server.world import Setup, advance, apply, begin, measures
 from tests.agents.ciber_gateway.stand_in_clients import GRID, LAB
 from tests.maps.importers.drawn_floors import read
 
@@ -75,6 +75,32 @@ def test_beacons_are_seen_over_lower_walls_only() -> None:
 def test_ground_sensors_agree_inside_a_target_only() -> None:
     assert {reading.zone for reading in sensors_of(sensed(10.0, 5.2, 0.0)).ground} == {"target"}
     assert {reading.zone for reading in sensors_of(sensed(10.0, 4.8, 0.0)).ground} == {"target", None}
+
+
+def driven(left: float, right: float, cycles: int) -> tuple[float, float]:
+    """Return the x and the heading of a robot that starts at the origin of both, after cycles with two powers."""
+    state = begin(Setup(floor=lab_map(), seed="1"), run="0123456789abcdef")
+    robot = equipped(quiet_robot(Registration("robot")), {"GPS.Step": "0", "Compass.StepDeg": "0"})
+    state, _ = apply(
+        state, [Join(agent="r", robot=msgspec.structs.replace(robot, position=Position(x=1.0, y=4.0, heading=0.0)))]
+    )
+    actions = Actions(left_motor=left / CYCLE / TOP_SPEED, right_motor=right / CYCLE / TOP_SPEED)
+    for _ in range(cycles):
+        state, _ = advance(state, Inputs(actions={"r": actions}))
+    sensors = sensors_of(measures(state, "r"))
+    x, heading = sensors.gps[0].x, sensors.compass[0].value
+    assert x is not None
+    assert heading is not None
+    return x - 1.0, heading
+
+
+def test_it_moves_by_the_law_of_the_simulator_but_for_the_lag() -> None:
+    power, travel, law = 0.1, 0.0, 0.0
+    for _ in range(12):
+        law = 0.5 * power + 0.5 * law
+        travel += law
+    assert driven(power, power, 12)[0] == pytest.approx(travel - (1 / math.log(2) - 1) * power, abs=1e-3)
+    assert driven(-power / 2, power / 2, 12)[1] == pytest.approx(travel - (1 / math.log(2) - 1) * power, abs=1e-3)
 
 
 def test_without_gps_beacons_and_targets_it_has_no_such_sensors() -> None:

@@ -59,9 +59,20 @@ def test_wrong_registrations_are_refused_in_words(data: bytes, text: str) -> Non
     (b'<Actions><SensorRequests IRSensor0="Yes" Compass="No" Beacon0="Yes"/><Say><![CDATA[a<b]]></Say></Actions>',
      Orders(requests=("IRSensor0", "Beacon0"), say="a<b")),
     (b"<Actions/>", Orders()),
+    (b'<Actions LeftMotor="0.1"><Sync Sync="Yes"/></Actions>', Orders(left=0.1)),
 ])  # fmt: skip
 def test_actions(data: bytes, expected: Orders) -> None:
     assert read_orders(data) == expected
+
+
+@pytest.mark.parametrize(("said", "text"), [
+    (b"x" * 101, "Actions.Say: expected at most 100 characters, got 101"),
+    (b"a&#13;b", "Actions.Say: expected text without control characters, got "),
+])  # fmt: skip
+def test_what_cannot_be_said_leaves_the_powers(said: bytes, text: str) -> None:
+    orders = read_orders(b'<Actions LeftMotor="0.1"><Say>' + said + b"</Say></Actions>")
+    assert (orders.left, orders.say) == (0.1, None)
+    assert orders.unsaid.startswith(text)
 
 
 @pytest.mark.parametrize(("data", "text"), [
@@ -69,9 +80,7 @@ def test_actions(data: bytes, expected: Orders) -> None:
     (b'<Actions LeftMotor="inf"/>', "Actions.LeftMotor: expected a number"),
     (b'<Actions LeftMotor="1_0"/>', "Actions.LeftMotor: expected a number"),
     (b'<Actions LeftMotor="1e999"/>', "Actions.LeftMotor: expected a number"),
-    (b"<Actions><Fly/></Actions>", "Actions: expected SensorRequests or Say, got 'Fly'"),
-    (b"<Actions><Say>" + b"x" * 101 + b"</Say></Actions>", "Actions.Say: expected at most 100 characters, got 101"),
-    (b"<Actions><Say>a&#13;b</Say></Actions>", "Actions.Say: expected text without control characters"),
+    (b"<Actions><Fly/></Actions>", "Actions: expected SensorRequests, Say or Sync, got 'Fly'"),
     (b'<Robot Id="1"/>', "expected the element Actions, got 'Robot'"),
     (BOMB, "expected XML without a document type"),
 ])  # fmt: skip

@@ -6,7 +6,7 @@ import pytest
 
 from intellwheels_agents.ciber_gateway.lab_frame import lab_of
 from intellwheels_maps import floor
-from intellwheels_schemas.messages import Corner, Map, Wall
+from intellwheels_schemas.messages import Corner, Map, Wall, Zone
 from tests.agents.ciber_gateway.stand_in_clients import GRID, LAB
 from tests.maps.importers.drawn_floors import read
 
@@ -33,6 +33,12 @@ def test_a_map_without_a_border_begins_at_its_corner() -> None:
     assert max(x for x, _ in points) <= lab.width + 1e-9
     assert len(lab.targets) == len(ward.zone)
     assert all("goal" not in place.kinds for place in lab.starts)
+
+
+def test_a_target_is_the_circle_around_its_zone() -> None:
+    corners = tuple(Corner(x=x, y=y) for x, y in ((1, 1), (7, 1), (7, 9), (4, 9), (1, 9)))
+    (target,) = lab_of(Map(format="iw.v1", name="m", zone=(Zone(name="z", corner=corners),))).targets
+    assert (target.x, target.y, target.radius) == (4.0, 5.0, 5.0)
 
 
 def test_an_empty_map_is_a_lab() -> None:

@@ -2,21 +2,24 @@
 
 from __future__ import annotations
 
+import re
 import socket
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
+from types import SimpleNamespace
+from typing import Any
 
 import pytest
 
-from intellwheels_agents.ciber_gateway.client_messages import ViewCommand
+from intellwheels_agents.ciber_gateway.client_messages import Registration, ViewCommand
 from intellwheels_agents.ciber_gateway.client_socket import Reports
 from intellwheels_agents.ciber_gateway.lab_frame import lab_of
-from intellwheels_agents.ciber_gateway.reception import MOST_VIEWERS, Reception
+from intellwheels_agents.ciber_gateway.reception import MOST_COMMANDS, MOST_VIEWERS, Reception
 from intellwheels_agents.ciber_gateway.robot_client import Waits
 from intellwheels_agents.ciber_gateway.simulator_messages import Settings
 from intellwheels_schemas.link import Link
-from intellwheels_schemas.messages import Corner, Map, Wall
+from intellwheels_schemas.messages import NAME_PATTERN, Corner, Map, Robot, Wall
 from tests.agents.ciber_gateway.stand_in_clients import TIMEOUT, Viewer, cut
 from tests.agents.ciber_gateway.test_robot_state import FLOOR
 
@@ -59,6 +62,16 @@ def test_what_is_no_registration_is_refused_and_reported() -> None:
     assert "registration" in lines[0]
 
 
+def test_a_refusal_is_not_answered() -> None:
+    lines: list[str] = []
+    with opened(lines) as reception, socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as client:
+        client.settimeout(TIMEOUT)
+        client.sendto(b'<Reply Status="Refused"></Reply>', ("127.0.0.1", reception.port))
+        client.sendto(b"<View/>", ("127.0.0.1", reception.port))
+        assert cut(client.recvfrom(1024)[0]).attrib == {"Status": "Ok"}
+    assert "got 'Reply'" in lines[0]
+
+
 def test_viewers_get_lab_grid_and_what_is_shown_and_their_commands_wait() -> None:
     lines: list[str] = []
     with opened(lines) as reception:
@@ -76,6 +89,21 @@ def test_viewers_get_lab_grid_and_what_is_shown_and_their_commands_wait() -> Non
         assert [viewer.read(), viewer.read()] == ["Lab", "Grid"]
         viewer.close()
     assert "command of a viewer" in lines[0]
+
+
+def test_commands_that_nobody_obeys_do_not_pile_up() -> None:
+    lines: list[str] = []
+    with opened(lines) as reception:
+        viewer = Viewer(reception.port)
+        assert [viewer.read(), viewer.read()] == ["Lab", "Grid"]
+        for _ in range(MOST_COMMANDS + 1):
+            viewer.send(b"<Start/>")
+        # It is answered after all that came before it.
+        viewer.send(b"<GridReq/>")
+        assert viewer.read() == "Grid"
+        assert reception.commands.qsize() == MOST_COMMANDS
+        viewer.close()
+    assert "expected at most 64 that wait" in lines[0]
 
 
 def test_the_oldest_viewer_goes_for_another() -> None:
@@ -99,6 +127,45 @@ def test_a_lab_that_no_datagram_holds_is_reported() -> None:
         assert viewer.read() == "Grid"
         viewer.close()
     assert "expected a lab of at most 65507 bytes" in lines[0]
+
+
+def test_every_robot_has_a_name_of_its_own_that_the_contract_allows() -> None:
+    names = ["x-2", "x", "x", "4" * 64, "4" * 64, "-Ação-"]
+    with opened([]) as reception:
+        agents = []
+        for name in names:
+            agents.append(reception._agent_of(name, 2))
+            reception.robots["127.0.0.1", len(agents)] = SimpleNamespace(  # type: ignore[assignment]
+                state=SimpleNamespace(agent=agents[-1]), stop=list, join=list
+            )
+    assert agents == ["x-2", "x", "x-3", "robot-" + "4" * 18, "robot-" + "4" * 18 + "-2", "a-o"]
+    assert all(re.match(NAME_PATTERN, agent) for agent in agents)
+
+
+def test_an_agent_that_registers_again_gets_its_reply_again() -> None:
+    sent: list[bytes] = []
+    robot: Any = SimpleNamespace(
+        reply=b"reply", client=SimpleNamespace(send=sent.append), stop=list, join=list,
+        state=SimpleNamespace(agent="r", number=1),
+    )  # fmt: skip
+    with opened([]) as reception:
+        reception.robots["127.0.0.1", 1] = robot
+        for _ in range(2):
+            reception._admit_robot(Registration("robot", "r", 1), ("127.0.0.1", 1))
+        assert list(reception.robots.values()) == [robot]
+    assert sent == [b"reply"] * 2
+
+
+def test_motors_too_slow_for_short_ticks_are_reported() -> None:
+    lines: list[str] = []
+    sent: list[bytes] = []
+    robot: Any = SimpleNamespace(client=SimpleNamespace(client=("127.0.0.1", 1), send=sent.append))
+    with opened(lines) as reception:
+        reception._joined(robot, Robot(top_speed=3.3), 0.05)
+        assert lines == []
+        reception._joined(robot, Robot(top_speed=3.3), 0.02)
+    assert "expected --option TopSpeed=7.5 or more at ticks of 0.02 s, got 3.3: powers above 0.066" in lines[0]
+    assert len(sent) == 2
 
 
 def test_a_port_in_use_is_an_error() -> None:

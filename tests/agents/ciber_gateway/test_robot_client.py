@@ -68,9 +68,11 @@ def test_wrong_actions_are_reported_and_the_last_powers_count() -> None:
     for data in (b"", b"<", b'<Actions LeftMotor="nan"/>', b"x" * 5000, b"\0", b'<Actions LeftMotor="'):
         pair.send(data)
     pair.send(b'<Actions><SensorRequests Wings="Yes"/></Actions>')
+    pair.send(b"<Actions><Say>" + b"x" * 101 + b"</Say></Actions>")
     assert pair.decide(1) == pytest.approx(0.1)
     assert [line.partition(" from")[0] for line in pair.lines] == [
         "dropped what='actions' count=1", "dropped what='sensor requests' count=1",
+        "dropped what='message of a robot' count=1",
     ]  # fmt: skip
     pair.close()
 
@@ -89,4 +91,23 @@ def test_a_silent_agent_leaves() -> None:
     pair.decide(1)
     assert pair.stop.is_set()
     assert "silent agent" in pair.lines[0]
+    pair.close()
+
+
+def test_whatever_an_agent_sends_it_is_not_silent_then() -> None:
+    pair = Pair(Waits(answer=0.0, silence=0.0))
+    for data in (b"<Actions/>", b"<"):
+        pair.send(data)
+        pair.decide(1)
+        assert not pair.stop.is_set()
+    pair.decide(2)
+    assert pair.stop.is_set()
+    pair.close()
+
+
+def test_a_pause_of_the_world_is_no_silence(monkeypatch: pytest.MonkeyPatch) -> None:
+    pair = Pair(Waits(answer=0.0, silence=60.0))
+    monkeypatch.setattr(pair.mind, "_last", pair.mind._last - 3600.0)
+    pair.decide(1)
+    assert not pair.stop.is_set()
     pair.close()

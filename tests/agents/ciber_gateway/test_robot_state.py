@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import statistics
+from dataclasses import replace
 
 import pytest
 
@@ -65,6 +66,23 @@ def test_every_sensor_in_its_units() -> None:
     assert [(one.attrib["From"], one.text) for one in sensors.findall("Message")] == [("1", "x"), ("0", "y")]
 
 
+def test_positions_count_from_the_corner_of_the_lab() -> None:
+    state = robot_state()
+    state.begin(Robot(top_speed=TOP_SPEED), 0.05, RUN, replace(FLOOR, west=1.0, south=-2.0))
+    gps = cut(state.sense(all_sensors(), {}))[0].find("GPS")
+    assert gps is not None
+    assert gps.attrib == {"X": "2", "Y": "6"}
+    shown = cut(state.show(Entity(name="r2", x=3.0, y=4.0, heading=0.0), 4, running=True))
+    assert shown[0].attrib == {"X": "2", "Y": "6", "Dir": "0"}
+
+
+@pytest.mark.parametrize(("radians", "degrees"), [(1.5 * math.pi, "-90"), (-1.25 * math.pi, "135"), (0.1134, "6")])
+def test_directions_are_whole_degrees_from_minus_180_to_180(radians: float, degrees: str) -> None:
+    sensors = Sensors(compass=(CompassReading(id="compass", value=radians),))
+    measured = Measures(run=RUN, tick=1, time=0.05, sensors=sensors)
+    assert cut(robot_state().sense(measured, {}))[0].attrib["Compass"] == degrees
+
+
 def test_a_robot_is_in_a_target_with_its_whole_disc() -> None:
     assert cut(robot_state().sense(all_sensors(zone=None), {}))[0].attrib["Ground"] == "-1"
 
@@ -88,6 +106,9 @@ def test_powers_are_travel_in_a_cycle_and_held() -> None:
     assert actions.left_motor == pytest.approx(0.1 / 0.05 / TOP_SPEED)
     assert actions.right_motor == pytest.approx(-0.15 / 0.05 / TOP_SPEED)
     assert (actions.say, state.actions().say) == ("hi", None)
+    state.obey(Orders(say="ho"))
+    state.obey(Orders(left=0.1))
+    assert state.actions().say == "ho"
     state.obey(Orders(left=0.0))
     assert (state.actions().left_motor, state.actions().right_motor) == (0.0, actions.right_motor)
 
@@ -109,6 +130,13 @@ def test_requestable_sensors_come_once_for_each_request() -> None:
     assert "Compass" in sensors.attrib
     sensors = cut(state.sense(all_sensors(5), {}))[0]
     assert (sensors.findall("IRSensor"), "Compass" in sensors.attrib, "Ground" in sensors.attrib) == ([], False, True)
+
+
+def test_requests_of_sensors_that_are_not_there_take_no_place() -> None:
+    state = robot_state(Settings(requests=1, requestable=frozenset({"obstacle"}), obstacle_noise=0.0))
+    assert state.obey(Orders(requests=("IRSensor", "IRSensor4", "Beacon1", "Compass0", "IRSensor3"))) == 4
+    sensors = cut(state.sense(all_sensors(), {}))[0]
+    assert [one.attrib["Id"] for one in sensors.findall("IRSensor")] == ["3"]
 
 
 def test_viewers_see_state_collisions_and_targets() -> None:

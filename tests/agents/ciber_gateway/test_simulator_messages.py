@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from xml.etree import ElementTree
 
 import pytest
@@ -21,6 +22,7 @@ from intellwheels_agents.ciber_gateway.simulator_messages import (
     reply,
     robot_shown,
 )
+from intellwheels_agents.robot_document import equipped
 from intellwheels_maps.library import imported
 from tests.agents.ciber_gateway.stand_in_clients import GRID, LAB, cut
 from tests.maps.importers.drawn_floors import read
@@ -36,7 +38,7 @@ def test_a_reply_fits_into_the_buffer_of_an_agent() -> None:
     assert len(message) <= 1024
     parameters = cut(message)[0].attrib
     assert (parameters["CycleTime"], parameters["NBeacons"], parameters["MotorsNoise"]) == ("50", "1", "1.5")
-    assert (parameters["GPS"], parameters["CompassRequestable"]) == ("On", "On")
+    assert (parameters["GPS"], parameters["CompassSensor"], parameters["CompassRequestable"]) == ("On", "On", "On")
     assert cut(reply(Settings(), None, FLOOR, 0.1))[0].attrib["CycleTime"] == "100"
     assert cut(REFUSED).attrib == {"Status": "Refused"}
 
@@ -63,6 +65,21 @@ def test_a_lab_and_its_grid_are_as_in_the_files() -> None:
     for name in ("Beacon", "Wall/Corner"):
         assert [one.attrib for one in shown.findall(name)] == [one.attrib for one in drawn.findall(name)]
     assert [one.attrib for one in cut(grid_shown(FLOOR))] == [one.attrib for one in ElementTree.fromstring(GRID)]
+
+
+def test_a_lab_that_begins_elsewhere_is_shown_from_its_corner() -> None:
+    lab = dataclasses.replace(FLOOR, west=1.0, south=-2.0)
+    beacon = cut(lab_shown(lab, 2.0)).find("Beacon")
+    assert beacon is not None
+    assert (beacon.attrib["X"], beacon.attrib["Y"]) == ("9", "8")
+    assert cut(grid_shown(lab))[0].attrib == {"X": "1", "Y": "4", "Dir": "0"}
+
+
+def test_the_aperture_of_beacons_is_half_of_the_cone_in_radians() -> None:
+    robot = ciber_robot(Registration("robot"), FLOOR, gps=False, beacons=True, beacon_height=2.0)
+    assert cut(reply(Settings(), robot, FLOOR, 0.05))[0].attrib["BeaconAperture"] == "3.14159"
+    narrow = equipped(robot, {"Beacon.ConeDeg": "120"})
+    assert cut(reply(Settings(), narrow, FLOOR, 0.05))[0].attrib["BeaconAperture"] == "1.0472"
 
 
 def test_a_robot_with_any_name_is_well_formed() -> None:

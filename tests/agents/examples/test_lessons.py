@@ -138,7 +138,7 @@ def test_lesson_7_moves_the_chair_and_stops_it(stage: Stage) -> None:
 
 
 def test_lesson_8_drives_and_turns_with_zenoh_alone(stage: Stage) -> None:
-    server, agent, _ = commands(8)
+    server, agent, *_ = commands(8)
     stage.simulator = start(stage, "server", server, "--listen", stage.endpoint)
     stage.line(stage.simulator, "ready")
     start(stage, "agent", agent, stage.endpoint)
@@ -147,14 +147,6 @@ def test_lesson_8_drives_and_turns_with_zenoh_alone(stage: Stage) -> None:
         peer.entity("chair1", lambda now: abs(now["X"] - begin["X"]) + abs(now["Y"] - begin["Y"]) > 0.5)
         peer.entity("chair1", lambda now: abs(now["Heading"] - begin["Heading"]) > 0.5)
         assert peer.entities()["chair1"].get("Contacts", 0) == 0
-
-
-def test_lesson_8_says_that_no_simulator_answers(stage: Stage) -> None:
-    _, agent, _ = commands(8)
-    child = start(stage, "agent", agent, stage.endpoint)
-    assert stage.exit(child, RUN) == 1
-    assert "no simulator answers" in stage.log(child)
-    assert "Traceback" not in stage.log(child)
 
 
 def test_lesson_8_shows_how_its_program_plays_a_chair_of_a_scene() -> None:
@@ -167,3 +159,16 @@ def test_lesson_8_shows_how_its_program_plays_a_chair_of_a_scene() -> None:
     # The program knows its name by itself.
     assert f"join/{chair.name}" in lesson(8).read_text(encoding="utf-8")
     assert (EXAMPLES / words_of(chair.command or "", "Command")[1]).is_file()
+
+
+def test_lesson_8_meets_every_point_of_the_contract(stage: Stage) -> None:
+    child = start(stage, "check", commands(8)[3])
+    assert stage.exit(child, RUN) == 0, stage.report()
+    assert "16 of 16 points passed" in stage.log(child)
+
+
+def test_lesson_8_says_that_no_simulator_answers(stage: Stage) -> None:
+    child = start(stage, "agent", commands(8)[1], stage.endpoint)
+    assert stage.exit(child, RUN) == 1
+    assert "no simulator answers" in stage.log(child)
+    assert "Traceback" not in stage.log(child)

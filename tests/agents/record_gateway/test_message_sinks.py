@@ -78,6 +78,8 @@ def test_a_port_in_use_is_refused(tmp_path: Path) -> None:
     port = first.serve("w", "127.0.0.1", 0, None)
     with pytest.raises(OSError, match=f"--port: expected a free port, got {port}, which is in use.*; --port 0 picks"):
         second.serve("w", "127.0.0.1", port, None)
+    with pytest.raises(OSError, match=r"cannot serve at 203\.0\.113\.1:0: "):  # an address of documentation
+        second.serve("w", "203.0.113.1", 0, None)
     first.close({})
     second.close({})
 

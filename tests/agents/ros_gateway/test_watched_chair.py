@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
+from msgspec.structs import replace
+
 from intellwheels_agents.ros_gateway.watched_chair import WatchedChair
 from intellwheels_schemas.codec import encode
 from intellwheels_schemas.keys import Keys
@@ -86,3 +88,20 @@ def test_measures_that_cannot_be_read_are_dropped() -> None:
     node, log = Node(), list[str]()
     watched(World(), node, log)._take(Put(KEYS.measures("c-1"), b"{", "application/json"), lambda _: None)
     assert log[0].startswith("dropped key=iw/v1/w/out/c-1/measures")
+
+
+def test_measures_that_no_simulator_sends_are_passed_over() -> None:
+    node, world = Node(), World(Entity(name="c-1", x=3.0, y=2.0, heading=0.0))
+    chair = watched(world, node, [])
+    for tick, time in ((1, 0.0), (10**13, 1e9), (1, 1.5)):
+        forged = replace(measured(1, readings(0.0)), tick=tick, time=time)
+        chair._take(Put(KEYS.measures("c-1"), encode(forged), "application/json"), lambda _: None)
+        assert node.sent == []
+        chair._try_at = 0.0
+    # It could be of a run with longer ticks, until others come.
+    strange = replace(measured(1, readings(0.0)), tick=10**12, time=1e9)
+    for data in (encode(strange), put(1).data):
+        node.sent.clear()
+        chair._try_at = 0.0
+        chair._take(Put(KEYS.measures("c-1"), data, "application/json"), lambda _: None)
+        assert "/c_1/odom" in [topic for topic, _ in node.sent]

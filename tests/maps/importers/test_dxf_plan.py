@@ -122,9 +122,10 @@ def test_what_is_not_known_is_counted_by_layer() -> None:
     space.add_text("hall", dxfattribs={"layer": "A-WALL"})
     found = imported(document)
     assert found.left_out == (
-        "layer 'A-WALL': 1 TEXT, not known as walls, windows or doors",
-        "layer 'Furniture': 7 LINE, not known as walls, windows or doors",
+        "layer 'A-WALL': TEXT, not known as walls, windows or doors",
+        "layer 'Furniture': LINE, not known as walls, windows or doors: 7",
     )
+    assert found.things == 8
     assert check_map(found.map) == []
 
 

@@ -35,7 +35,7 @@ def test_a_doorway_is_as_wide_as_the_gap_where_it_is_drawn() -> None:
     [
         ((1.0, 0.0), (2.0, 0.0), "doorway whose middle is inside a wall"),
         ((4.0, 3.0), (5.0, 3.0), "doorway without a wall on each side"),
-        ((4.4, 0.0), (4.6, 0.0), "door of 0.20 m in an opening of 1.00 m"),
+        ((4.4, 0.0), (4.6, 0.0), "door that does not fit its opening"),
     ],
 )
 def test_a_door_that_fits_no_opening_is_left_out(
@@ -45,7 +45,8 @@ def test_a_door_that_fits_no_opening_is_left_out(
     found.door("d", "door 1", Leaf(left, right, None))
     done = found.finish()
     assert done.map.doorway == ()
-    assert done.left_out == (f"door 1: {reason}",)
+    sizes = ", 0.20 m in 1.00 m" if "fit" in reason else ""
+    assert done.left_out == (f"door 1{sizes}: {reason}",)
 
 
 def test_what_is_no_shape_is_left_out() -> None:
@@ -67,11 +68,23 @@ def test_what_is_no_shape_is_left_out() -> None:
     )
 
 
-def test_long_lists_are_counted() -> None:
+def test_what_is_left_out_has_a_line_for_each_reason() -> None:
     found = draft()
-    for number in range(50):
-        found.leave_out(f"thing {number}", "no thing")
-    assert found.finish().left_out[-2:] == ("thing 19: no thing", "30 more: no thing")
+    for number in range(1050):
+        found.leave_out(f"models[{number}]", "models are not in the map")
+    found.leave_out("lift 1", "lift without a place")
+    found.leave_out("layer 'A'", "LINE, not known", 3)
+    found.leave_out("layer 'B'", "LINE, not known")
+    found.leave_out("IfcPump", "product that is no part of a floor", 2000)
+    done = found.finish()
+    models = "; ".join(f"models[{number}]" for number in range(8))
+    assert done.left_out == (
+        f"models are not in the map: 1,050 ({models}; 1,042 more)",
+        "lift 1: lift without a place",
+        "LINE, not known: 4 (layer 'A': 3; layer 'B')",
+        "IfcPump: product that is no part of a floor: 2,000",
+    )
+    assert done.things == 1050 + 1 + 4 + 2000
 
 
 def test_names_become_different_words() -> None:

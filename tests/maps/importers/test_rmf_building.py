@@ -63,7 +63,7 @@ def test_a_level_becomes_a_map() -> None:
     (lift,) = document.zone
     assert [(corner.x, corner.y) for corner in lift.corner] == [(7.0, -1.5), (9.0, -1.5), (9.0, -0.5), (7.0, -0.5)]
     assert found.left_out == (
-        "levels.L2: another level; '#L2' after the file's name imports it",
+        "levels.L2: another level, which FILE#LEVEL imports",
         "lifts.lift1.doors.a: doors of lifts are not in the map",
     )
 
@@ -90,10 +90,8 @@ def test_kinds_of_doors(kind: str, wanted: str | None) -> None:
 
 def test_furniture_is_left_out_with_its_place() -> None:
     found = imported(building(models=[{"name": "chair"}, {"name": "bed"}]))
-    assert found.left_out[-2:] == (
-        "levels.L1.models[0]: models are not in the map",
-        "levels.L1.models[1]: models are not in the map",
-    )
+    assert found.left_out[-1] == "models are not in the map: 2 (levels.L1.models[0]; levels.L1.models[1])"
+    assert found.things == 4  # with another level and the door of a lift
 
 
 @pytest.mark.parametrize(

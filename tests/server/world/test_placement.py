@@ -47,6 +47,22 @@ def test_first_free_place_is_one_for_the_kind_where_nobody_stands() -> None:
     assert "no free place for a wheelchair on map 'test'" in refusal.value.text
 
 
+def test_place_in_the_sweep_of_a_door_is_the_last_to_be_given_away() -> None:
+    floor = floor_of((), PLACES)
+    space = OccupiedSpace(walls_of(floor), floor)
+    # A leaf of 1 m whose hinge is 1.2 m beside the place `first`: it stands along x, and may turn towards the place.
+    leaf = cart(kind="door", anchored=True, length=1.0, width=0.1, center=1.0)
+    model = body_model_of("door", leaf, Setup(floor=floor))
+    space.add("door", model, 5.0, 1.2, math.pi)
+    assert put(cart(place="first"), floor, space).x == 5.0
+    assert put(cart(position=None), floor, space).x == 8.0
+    space.add("b", body_model_of("b", cart(), Setup(floor=floor)), 8.0, 0.0, 0.0)
+    assert put(cart(position=None), floor, space).x == 5.0
+    space.remove("b")
+    space.remove("door")
+    assert put(cart(position=None), floor, space).x == 5.0
+
+
 def test_place_that_is_kept_for_another_body_is_not_given_away() -> None:
     near = Place(name="near", x=5.3, y=0.0, kinds=("wheelchair",))
     floor = floor_of((), (PLACES[1], near, PLACES[2]))
