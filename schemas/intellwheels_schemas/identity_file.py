@@ -111,11 +111,12 @@ def check_identity(path: Path, today: datetime.date | None = None) -> str:
     renewal = f"ask for another file, made with iw-lab renew {own.name}"
     if left is not None and left < 0:
         raise WireError("value", f"{path}: {own.name} expired after {own.until}; {renewal}", str(path))
+    warnings = []
     if left is not None and left <= WARN_DAYS:
-        return f"{path}: {own.name} expires after {own.until}; {renewal}"
+        warnings.append(f"{path}: {own.name} expires after {own.until}; {renewal}")
     if path.stat().st_mode & 0o077:
-        return f"{path}: others can read this secret; run chmod 600 {path}"
-    return ""
+        warnings.append(f"{path}: others can read this secret; run chmod 600 {path}")
+    return "; ".join(warnings)
 
 
 def write_secret(path: Path, data: bytes) -> None:

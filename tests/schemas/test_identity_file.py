@@ -76,6 +76,15 @@ def test_identity_warns_a_week_before_its_end(tmp_path: Path, today: str, left: 
         check_identity(path, datetime.date(2027, 1, 1))
 
 
+def test_identity_that_ends_soon_still_warns_that_others_can_read_it(tmp_path: Path) -> None:
+    path = tmp_path / "student1.iwid"
+    write_secret(path, identity_text(msgspec.structs.replace(OWN, until="2026-12-31")))
+    path.chmod(0o644)
+    warning = check_identity(path, datetime.date(2026, 12, 31))
+    assert "expires after 2026-12-31" in warning
+    assert f"run chmod 600 {path}" in warning
+
+
 def test_identity_without_an_end_counts_for_ever() -> None:
     assert OWN.days_left(datetime.date(2090, 1, 1)) is None
 
