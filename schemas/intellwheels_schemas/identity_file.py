@@ -8,6 +8,7 @@ from __future__ import annotations
 import base64
 import datetime
 import os
+from collections.abc import MutableMapping
 from pathlib import Path
 from typing import Annotated, Any, Final, Literal
 
@@ -23,6 +24,8 @@ MAX_BYTES: Final = 65_536
 """Longest file."""
 WARN_DAYS: Final = 7
 """Days before its end on which every command with an identity warns."""
+_QUIET: Final = ",zenoh::api::session=info"
+"""The more specific target counts, and of two equal ones the last."""
 
 
 class IdentityFile(msgspec.Struct, frozen=True, kw_only=True, rename="pascal", forbid_unknown_fields=True):
@@ -117,6 +120,19 @@ def check_identity(path: Path, today: datetime.date | None = None) -> str:
     if path.stat().st_mode & 0o077:
         warnings.append(f"{path}: others can read this secret; run chmod 600 {path}")
     return "; ".join(warnings)
+
+
+def keep_out_of_logs(environment: MutableMapping[str, str]) -> None:
+    """Change the environment so that Zenoh's log, if `RUST_LOG` asks for it, has no password.
+
+    From the level debug on, Zenoh logs the whole configuration of a session when it opens it (seen with 1.10.2).
+
+    Args:
+        environment: `os.environ`, before the log begins.
+    """
+    asked = environment.get("RUST_LOG", "")
+    if asked and not asked.endswith(_QUIET):
+        environment["RUST_LOG"] = f"{asked}{_QUIET}"
 
 
 def write_secret(path: Path, data: bytes) -> None:

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import json
+import os
 from collections.abc import Mapping, Sequence
 from typing import Any, Final
 
 import zenoh
 
 from intellwheels_schemas.endpoint_form import is_loopback, zenoh_reason
+from intellwheels_schemas.identity_file import keep_out_of_logs
 from intellwheels_schemas.link import SETTINGS
 
 OPEN: Final = (
@@ -48,6 +50,7 @@ def open_router(listen: Sequence[str], more: Mapping[str, Any] | None = None) ->
     Raises:
         ConnectionError: An endpoint is invalid, or its port is in use, as the text says.
     """
+    keep_out_of_logs(os.environ)
     zenoh.init_log_from_env_or("off")
     try:
         config = zenoh.Config.from_json5(router_settings(listen, more))
