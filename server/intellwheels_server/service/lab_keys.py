@@ -18,12 +18,11 @@ from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.extras import missing_extra
 from intellwheels_schemas.files import write_file
 from intellwheels_schemas.identity_file import ENDING, IdentityFile, identity_text, read_identity, write_secret
-from intellwheels_schemas.lab_rules import check_lab
+from intellwheels_schemas.lab_rules import check_lab, has_expired
 from intellwheels_schemas.messages import Identity, Lab
 from intellwheels_schemas.names import check_agent
 from intellwheels_schemas.process import add_process_options
 from intellwheels_server.service.lab_files import LabFiles, read_lab, read_users
-from intellwheels_server.service.lab_router import has_expired
 from intellwheels_server.service.lab_template import new_lab
 
 RESTART: Final = (

@@ -16,12 +16,13 @@ from intellwheels_schemas.command_parser import CommandParser, readable_file
 from intellwheels_schemas.endpoint_form import check_endpoint
 from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.identity_file import WARN_DAYS
+from intellwheels_schemas.lab_rules import has_expired
 from intellwheels_schemas.own_rights import answer_rights
 from intellwheels_schemas.panic_watch import PanicWatch
 from intellwheels_schemas.process import SLICE, add_process_options, stop_on_signals
 from intellwheels_schemas.router_link import open_router, open_words, router_settings
 from intellwheels_server.service.lab_files import LabFiles, read_lab, router_until
-from intellwheels_server.service.lab_router import checked_settings, has_expired
+from intellwheels_server.service.lab_router import checked_settings
 
 EXAMPLES = """\
 examples:
