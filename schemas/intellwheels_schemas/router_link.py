@@ -18,6 +18,11 @@ OPEN: Final = (
     "its world"
 )
 """What a router without rules, and a simulator without an identity, says at every start."""
+_DOOR: Final[dict[str, Any]] = {
+    # Connections that say nothing take the place of others. Zenoh's defaults are 100 of them, for 10 s each.
+    "transport/unicast/accept_pending": 1000,
+    "transport/unicast/accept_timeout": 3000,
+}
 
 
 def open_words(listen: Sequence[str]) -> str:
@@ -34,7 +39,7 @@ def router_settings(listen: Sequence[str], more: Mapping[str, Any] | None = None
         more: Further settings by their paths, such as `access_control`.
     """
     nested: dict[str, Any] = {}
-    settings = {**SETTINGS, "mode": "router", "listen/endpoints": list(listen), **(more or {})}
+    settings = {**SETTINGS, **_DOOR, "mode": "router", "listen/endpoints": list(listen), **(more or {})}
     for key, value in settings.items():
         *path, last = key.split("/")
         place = nested

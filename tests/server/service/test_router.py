@@ -7,7 +7,7 @@ import subprocess
 import sys
 import threading
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 
 import pytest
@@ -116,3 +116,16 @@ def test_router_begins_again_when_the_last_day_of_an_identity_is_over(
     assert next(days, None) is None, "not before its last day is over"
     assert replaced == [sys.orig_argv]
     assert "iw-router: restarted why='the last day of guest is over'" in capfd.readouterr().err
+
+
+@pytest.mark.process
+def test_connections_that_say_nothing_keep_nobody_out() -> None:
+    address = endpoint()
+    port = int(address.rpartition(":")[2])
+    with router(address), ExitStack() as stack:
+        for _ in range(200):
+            stack.enter_context(socket.create_connection(("127.0.0.1", port), DEADLINE))
+        # One attempt, which takes less time than such a connection may.
+        session = link.open_session(link.Link(connect=(address,)), threading.Event(), timeout=0.0)
+        assert session is not None
+        session.close()  # type: ignore[no-untyped-call]
