@@ -191,7 +191,7 @@ class StreamInput:
                 self._on.discard(use.meaning)
         if self._on:
             signs = [(0.0, 0.0)] if "stop" in self._on else [WORDS[meaning] for meaning in self._on]
-            return self._scaled(sum(forward for forward, _ in signs), sum(turn for _, turn in signs))
+            return self._scaled(math.fsum(forward for forward, _ in signs), math.fsum(turn for _, turn in signs))
         deflection = {use.meaning: numbers[index] * use.factor for use, index in self._axes}
         forward, turn = (without_dead_zone(deflection.get(axis, 0.0), self._channels.dead_zone) for axis in AXES)
         return self._scaled(forward, turn)

@@ -12,6 +12,7 @@ after the last signal, and soft signals bend its way. Without an update for `STA
 
 from __future__ import annotations
 
+import math
 from collections.abc import Collection, Mapping
 from typing import Final
 
@@ -68,8 +69,8 @@ class SipAndPuff:
         self._updated = now
         if self._latch:
             self._keep_latch(signals, now)
-        forward = sum(SIGNALS[signal][0] for signal in signals)
-        turn = sum(SIGNALS[signal][1] for signal in signals)
+        forward = math.fsum(SIGNALS[signal][0] for signal in signals)
+        turn = math.fsum(SIGNALS[signal][1] for signal in signals)
         if self._ended_by_sip:
             forward = 0.0
         elif now < self._until:
