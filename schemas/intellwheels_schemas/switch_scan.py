@@ -122,6 +122,10 @@ class SwitchScan:
         getattr(self, f"_{self.settings.method}")(now, new, over)
         return COMMANDS[self.view.driving or "stop"]
 
+    def lost(self) -> None:
+        """Stop at the next update, as after silence: the switches can no longer be seen."""
+        self._updated = None
+
     def _must_stop(self, now: float, pressed: frozenset[int], new: frozenset[int], over: str | None) -> bool:
         if isinstance(self._keeper, int):
             return self._keeper not in pressed

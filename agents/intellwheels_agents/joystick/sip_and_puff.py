@@ -13,6 +13,7 @@ that ended the latch drives back only when it comes again after `SIP_PAUSE`.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Collection, Mapping
 from typing import Final
 
@@ -80,6 +81,10 @@ class SipAndPuff:
         elif now < self._until:
             forward = 1.0
         return InputState(forward * self._shares[0], turn * self._shares[1])
+
+    def lost(self) -> None:
+        """Stop a latched puff."""
+        self._updated = -math.inf
 
     def _keep_latch(self, signals: set[str], now: float) -> None:
         is_latched = now < self._until
