@@ -44,6 +44,11 @@ class ChannelUse:
     channel: str
     factor: float = 1.0
 
+    @property
+    def is_number(self) -> bool:
+        """Whether the channel is a number. A label that looks like one is one too."""
+        return self.channel.isascii() and self.channel.isdigit() and len(self.channel) < 10
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ChannelMap:
@@ -205,11 +210,16 @@ class StreamInput:
 
 
 def _index(use: ChannelUse, option: str, count: int, labels: Sequence[str]) -> int:
-    """Return the number of a channel. A label that looks like a number is one."""
-    if use.channel.isascii() and use.channel.isdigit() and len(use.channel) < 10:
+    """Return the number of a channel."""
+    if use.is_number:
         if int(use.channel) < count:
             return int(use.channel)
         raise ChannelError(f"{option}: expected a channel in [0, {count - 1}], got {use.meaning}={use.channel}")
+    if labels.count(use.channel) > 1:
+        raise ChannelError(
+            f"{option}: expected a label of one channel, got {shown(use.channel)} of {labels.count(use.channel)}; "
+            "give the channel's number"
+        )
     if use.channel in labels:
         return labels.index(use.channel)
     known = ", ".join(_some(labels)) or "none"

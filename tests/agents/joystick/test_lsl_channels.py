@@ -59,6 +59,14 @@ def test_labels_name_channels() -> None:
     assert state(made, 0.0, 1.0, 0.0) == InputState(1.0)
     with pytest.raises(ChannelError, match=r"--axes: expected a number or a label .* \('Fz', 'Cz'\), got 'cz'"):
         stream(axes=parse_uses("forward=cz", "--axes"), labels=("Fz", "Cz"))
+    with pytest.raises(
+        ChannelError, match="--axes: expected a label of one channel, got 'Cz' of 2; give the channel's"
+    ):
+        stream(axes=parse_uses("forward=Cz", "--axes"), labels=("Cz", "Fz", "Cz"))
+    # What only looks like a number is looked for among the labels.
+    for label in ("²", "1234567890"):
+        made = stream(axes=parse_uses(f"forward={label}", "--axes"), labels=("Fz", label))
+        assert state(made, 0.0, 1.0, 0.0) == InputState(1.0)
 
 
 @pytest.mark.parametrize(
