@@ -203,7 +203,11 @@ class StreamInput:
 
     def _worded(self, value: object) -> InputState:
         word = SAID.get(str(value).strip().lower())
-        return NEUTRAL if word is None else self._scaled(*WORDS[word], word)
+        if word is None:
+            return NEUTRAL
+        state = self._scaled(*WORDS[word], word)
+        # Nothing with a share of 0. A mind would drive by the word alone, when it comes without forward and turn.
+        return state if state.forward or state.turn or not any(WORDS[word]) else NEUTRAL
 
     def _scaled(self, forward: float, turn: float, word: str | None = None) -> InputState:
         return InputState(forward * self._channels.forward, turn * self._channels.turn, word=word)

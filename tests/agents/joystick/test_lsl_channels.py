@@ -78,6 +78,13 @@ def test_a_stream_of_texts_has_words(word: str, forward: float, turn: float) -> 
     assert state(stream(is_text=True), "<script>", "", "") == NEUTRAL
 
 
+def test_a_word_whose_share_is_0_drives_nothing_by_itself_either() -> None:
+    made = stream(is_text=True, forward=0.0, turn=0.4)
+    assert state(made, "forward", "", "") == NEUTRAL
+    assert state(made, "left", "", "") == InputState(0.0, 0.4, word="left")
+    assert state(made, "stop", "", "") == InputState(word="stop")
+
+
 def test_input_is_zero_when_the_newest_sample_is_older_than_0_3_s() -> None:
     made = stream(axes=AXES)
     made.add((1.0, 0.0, 0.0), 9.9, 10.0)
