@@ -78,8 +78,10 @@ class VoiceSource:
             _log("stale: no sound arrives" if is_stale else "fresh: sound arrives")
         if is_stale:
             self._spoken.end()
-            self._new = []
-            return None if self._has_ended else NEUTRAL
+            # On a busy machine recognising may take that long: `stop` is still told to the mind.
+            self._new = [(word, at) for word, at in self._new if word == "stop"]
+            if not self._new:
+                return None if self._has_ended else NEUTRAL
         for word, at in self._new:
             if now - at > MAX_AGE and word != "stop":
                 _log(

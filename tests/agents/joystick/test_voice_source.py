@@ -111,3 +111,13 @@ def test_a_word_that_waited_drives_nothing_but_a_late_stop_stops(
     assert hears(made, listening, now, b"forward", 0.1) == InputState(0.5, word="forward")
     listening.age = 1.5
     assert hears(made, listening, now, b"stop", 0.1) == InputState(word="stop")
+
+
+@pytest.mark.parametrize(("word", "state"), [("forward", NEUTRAL), ("stop", InputState(word="stop"))])
+def test_of_words_that_took_long_to_recognise_only_stop_counts(now: list[float], word: str, state: InputState) -> None:
+    listening = Listening()
+    made = source(listening)
+    listening.pieces.append(word.encode())
+    made.wait(0.05)
+    now[0] += 0.4
+    assert made.state(now[0], None) == state
