@@ -105,8 +105,10 @@ WITH: dict[str, Sequence[str]] = {
     "iw-joystick --script": ("--source", "script"),
     **{
         f"iw-joystick --{name}": ("--source", "lsl", "--stream-name", "x")
-        for name in ("stream-name", "stream-type", "axes", "commands", "threshold", "dead-zone")
+        for name in ("stream-name", "stream-type", "axes", "commands")
     },
+    "iw-joystick --threshold": ("--source", "lsl", "--stream-name", "x", "--commands", "stop=0"),
+    "iw-joystick --dead-zone": ("--source", "lsl", "--stream-name", "x", "--axes", "turn=0"),
     "iw-joystick --dwell": ("--source", "scan", "--scan", "dwell"),
     "iw-joystick --scan-period": ("--source", "scan"), "iw-joystick --switch-keys": ("--source", "scan"),
     "iw-joystick --signals": ("--source", "sip-puff"),

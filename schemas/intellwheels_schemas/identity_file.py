@@ -8,6 +8,7 @@ from __future__ import annotations
 import base64
 import datetime
 import os
+from collections.abc import MutableMapping
 from pathlib import Path
 from typing import Annotated, Any, Final, Literal
 
@@ -23,6 +24,8 @@ MAX_BYTES: Final = 65_536
 """Longest file."""
 WARN_DAYS: Final = 7
 """Days before its end on which every command with an identity warns."""
+_QUIET: Final = ",zenoh::api::session=info"
+"""The more specific target counts, and of two equal ones the last."""
 
 
 class IdentityFile(msgspec.Struct, frozen=True, kw_only=True, rename="pascal", forbid_unknown_fields=True):
@@ -111,11 +114,25 @@ def check_identity(path: Path, today: datetime.date | None = None) -> str:
     renewal = f"ask for another file, made with iw-lab renew {own.name}"
     if left is not None and left < 0:
         raise WireError("value", f"{path}: {own.name} expired after {own.until}; {renewal}", str(path))
+    warnings = []
     if left is not None and left <= WARN_DAYS:
-        return f"{path}: {own.name} expires after {own.until}; {renewal}"
+        warnings.append(f"{path}: {own.name} expires after {own.until}; {renewal}")
     if path.stat().st_mode & 0o077:
-        return f"{path}: others can read this secret; run chmod 600 {path}"
-    return ""
+        warnings.append(f"{path}: others can read this secret; run chmod 600 {path}")
+    return "; ".join(warnings)
+
+
+def keep_out_of_logs(environment: MutableMapping[str, str]) -> None:
+    """Change the environment so that Zenoh's log, if `RUST_LOG` asks for it, has no password.
+
+    From the level debug on, Zenoh logs the whole configuration of a session when it opens it (seen with 1.10.2).
+
+    Args:
+        environment: `os.environ`, before the log begins.
+    """
+    asked = environment.get("RUST_LOG", "")
+    if asked and not asked.endswith(_QUIET):
+        environment["RUST_LOG"] = f"{asked}{_QUIET}"
 
 
 def write_secret(path: Path, data: bytes) -> None:

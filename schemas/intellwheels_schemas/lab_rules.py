@@ -7,7 +7,7 @@ from typing import Final, get_args
 
 from intellwheels_schemas.errors import wrong_value
 from intellwheels_schemas.explain import shown
-from intellwheels_schemas.messages import Lab, LabRole, May
+from intellwheels_schemas.messages import Identity, Lab, LabRole, May
 
 NAMES_AGENTS: Final[frozenset[LabRole]] = frozenset({"agent", "mind", "bridge"})
 """Roles that are nothing without an agent."""
@@ -30,6 +30,11 @@ def check_lab(lab: Lab, where: str) -> None:
         _check_date(identity.until, f"{place}.Until")
         for number, may in enumerate(identity.may):
             _check_may(may, f"{place}.May[{number}]")
+
+
+def has_expired(identity: Identity, today: datetime.date) -> bool:
+    """Return whether the last day of an identity is over."""
+    return identity.until is not None and datetime.date.fromisoformat(identity.until) < today
 
 
 def _check_date(text: str | None, where: str) -> None:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import os
 import threading
 import time
 from collections import deque
@@ -24,7 +25,7 @@ from intellwheels_schemas.codec import MAX_BYTES, Encoding, is_known
 from intellwheels_schemas.command_parser import readable_file
 from intellwheels_schemas.endpoint_form import cannot_listen, check_endpoint, config_reason, zenoh_reason
 from intellwheels_schemas.errors import WireError
-from intellwheels_schemas.identity_file import read_identity
+from intellwheels_schemas.identity_file import keep_out_of_logs, read_identity
 from intellwheels_schemas.identity_option import add_identity_option, check_option, router_of
 from intellwheels_schemas.names import check_name
 from intellwheels_schemas.own_rights import remember, unanswered
@@ -222,6 +223,7 @@ def open_session(
         ConnectionError: The port is in use, there was no answer in time, or the options are invalid, as the text says.
     """
     deadline = None if timeout is None else time.monotonic() + timeout
+    keep_out_of_logs(os.environ)
     zenoh.init_log_from_env_or("off")
     config = config_of(link)
     while not stop.is_set():

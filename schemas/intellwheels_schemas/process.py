@@ -15,6 +15,7 @@ import signal
 import sys
 import threading
 import time
+import traceback
 from collections.abc import Callable, Iterator
 from types import FrameType
 
@@ -98,23 +99,36 @@ def start_network_thread(
     """
     thread = threading.Thread(target=work, name=name, daemon=True)
     with _network_lock:
-        for ended in [other for other in _network_threads if other.ident is not None and not other.is_alive()]:
+        for ended in [other for other in _network_threads if not other.is_alive()]:
             del _network_threads[ended]
-        _network_threads[thread] = end
+        # Started first: one that cannot start raises, and is not waited for.
         thread.start()
+        _network_threads[thread] = end
     return thread
 
 
 def join_network_threads() -> None:
-    """Wait for the threads of `start_network_thread`, at most `THREADS_END` s in all. Python calls it when it ends."""
-    with _network_lock:
-        threads = dict(_network_threads)
-    for thread, end in threads.items():
-        if end is not None and thread.is_alive():
-            end()
+    """Wait for the threads of `start_network_thread`, at most `THREADS_END` s in all.
+
+    Threads that they start meanwhile are waited for too. An `end` that fails is reported, and the others are still
+    called. Python calls this when it ends.
+    """
     deadline = time.monotonic() + THREADS_END
-    for thread in threads:
-        thread.join(max(0.0, deadline - time.monotonic()))
+    called: set[threading.Thread] = set()
+    while True:
+        with _network_lock:
+            threads = {thread: end for thread, end in _network_threads.items() if thread.is_alive()}
+        for thread, end in threads.items():
+            if end is not None and thread not in called:
+                called.add(thread)
+                try:
+                    end()
+                except Exception:
+                    traceback.print_exc()
+        if not threads or time.monotonic() >= deadline:
+            return
+        for thread in threads:
+            thread.join(max(0.0, deadline - time.monotonic()))
 
 
 atexit.register(join_network_threads)

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import json
+import os
 from collections.abc import Mapping, Sequence
 from typing import Any, Final
 
 import zenoh
 
 from intellwheels_schemas.endpoint_form import is_loopback, zenoh_reason
+from intellwheels_schemas.identity_file import keep_out_of_logs
 from intellwheels_schemas.link import SETTINGS
 
 OPEN: Final = (
@@ -16,6 +18,11 @@ OPEN: Final = (
     "its world"
 )
 """What a router without rules, and a simulator without an identity, says at every start."""
+_DOOR: Final[dict[str, Any]] = {
+    # Connections that say nothing take the place of others. Zenoh's defaults are 100 of them, for 10 s each.
+    "transport/unicast/accept_pending": 1000,
+    "transport/unicast/accept_timeout": 3000,
+}
 
 
 def open_words(listen: Sequence[str]) -> str:
@@ -32,7 +39,7 @@ def router_settings(listen: Sequence[str], more: Mapping[str, Any] | None = None
         more: Further settings by their paths, such as `access_control`.
     """
     nested: dict[str, Any] = {}
-    settings = {**SETTINGS, "mode": "router", "listen/endpoints": list(listen), **(more or {})}
+    settings = {**SETTINGS, **_DOOR, "mode": "router", "listen/endpoints": list(listen), **(more or {})}
     for key, value in settings.items():
         *path, last = key.split("/")
         place = nested
@@ -48,6 +55,7 @@ def open_router(listen: Sequence[str], more: Mapping[str, Any] | None = None) ->
     Raises:
         ConnectionError: An endpoint is invalid, or its port is in use, as the text says.
     """
+    keep_out_of_logs(os.environ)
     zenoh.init_log_from_env_or("off")
     try:
         config = zenoh.Config.from_json5(router_settings(listen, more))

@@ -14,6 +14,7 @@ Silence stops it: when `update` was not called for `STALE_AFTER`, and the switch
 
 from __future__ import annotations
 
+import math
 from collections.abc import Collection
 from dataclasses import dataclass
 from typing import Final, Literal, TypeAlias
@@ -47,6 +48,8 @@ class ScanSettings:
         confirm: Whether a command other than stop must be selected twice before it drives.
         latch: Whether a command drives on after its switch is released, until the next press.
         hold: Longest time in seconds that a command drives without a held switch.
+        pause: Seconds for which a switch must have been released before its press confirms. A terminal shows a pause
+            within one press, before it repeats the key.
     """
 
     method: Method = "auto"
@@ -55,6 +58,7 @@ class ScanSettings:
     confirm: bool = False
     latch: bool = False
     hold: float = 2.0
+    pause: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,6 +92,8 @@ class SwitchScan:
         self._updated: float | None = None
         self._since = 0.0
         self._pressed: frozenset[int] = frozenset()
+        # When each switch was last seen pressed.
+        self._seen: dict[int, float] = {}
         self._over: str | None = None
         # The command that the pointer has driven for as long as it may: the pointer must leave it first.
         self._spent: str | None = None
@@ -110,6 +116,9 @@ class SwitchScan:
             self._rest(now)
         self._updated = now
         new, self._pressed = pressed - self._pressed, pressed
+        if self.view.armed:
+            new = frozenset(switch for switch in new if now - self._seen.get(switch, -math.inf) >= self.settings.pause)
+        self._seen.update(dict.fromkeys(pressed, now))
         if over != self._spent:
             self._spent = None
         if self.view.driving is not None:
@@ -121,6 +130,10 @@ class SwitchScan:
             new = frozenset()  # a press that stops does nothing else
         getattr(self, f"_{self.settings.method}")(now, new, over)
         return COMMANDS[self.view.driving or "stop"]
+
+    def lost(self) -> None:
+        """Stop at the next update, as after silence: the switches can no longer be seen."""
+        self._updated = None
 
     def _must_stop(self, now: float, pressed: frozenset[int], new: frozenset[int], over: str | None) -> bool:
         if isinstance(self._keeper, int):

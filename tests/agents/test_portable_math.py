@@ -117,13 +117,20 @@ def test_directions_on_the_axes_are_exact() -> None:
 GATEWAYS: Final = {"ros_gateway", "record_gateway", "ciber_gateway"}
 """Packages that exchange the numbers of a world with other programs: no run with those repeats by itself."""
 
+MEASURED: Final = {"joystick/input_latency.py", "bridge/luci_readings.py"}
+"""Files whose numbers come from clocks and real sensors: they never repeat."""
+
 
 def mind_code() -> list[Path]:
     """Return every file whose numbers may reach the world: agents, bridges, examples, and the template."""
     agents = ROOT / "agents"
     files = [*(agents / "intellwheels_agents").rglob("*.py"), *(agents / "examples").rglob("*.py")]
     return [
-        path for path in files if path.name != "portable_math.py" and not {"__pycache__", *GATEWAYS} & {*path.parts}
+        path
+        for path in files
+        if path.name != "portable_math.py"
+        and not {"__pycache__", *GATEWAYS} & {*path.parts}
+        and f"{path.parent.name}/{path.name}" not in MEASURED
     ]
 
 

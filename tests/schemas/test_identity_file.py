@@ -2,6 +2,9 @@ from __future__ import annotations
 
 import base64
 import datetime
+import os
+import subprocess
+import sys
 from pathlib import Path
 
 import msgspec
@@ -76,6 +79,15 @@ def test_identity_warns_a_week_before_its_end(tmp_path: Path, today: str, left: 
         check_identity(path, datetime.date(2027, 1, 1))
 
 
+def test_identity_that_ends_soon_still_warns_that_others_can_read_it(tmp_path: Path) -> None:
+    path = tmp_path / "student1.iwid"
+    write_secret(path, identity_text(msgspec.structs.replace(OWN, until="2026-12-31")))
+    path.chmod(0o644)
+    warning = check_identity(path, datetime.date(2026, 12, 31))
+    assert "expires after 2026-12-31" in warning
+    assert f"run chmod 600 {path}" in warning
+
+
 def test_identity_without_an_end_counts_for_ever() -> None:
     assert OWN.days_left(datetime.date(2090, 1, 1)) is None
 
@@ -88,3 +100,24 @@ def test_settings_show_what_the_file_has() -> None:
     assert base64.b64decode(more[f"{tls}/connect_certificate_base64"]) == b"CERT"
     assert base64.b64decode(more[f"{tls}/connect_private_key_base64"]) == b"KEY"
     assert more[f"{tls}/enable_mtls"] is True
+
+
+@pytest.mark.process
+@pytest.mark.parametrize("level", ["trace", "zenoh::api::session=trace"])
+def test_log_of_zenoh_has_no_password(tmp_path: Path, level: str) -> None:
+    path = tmp_path / "student1.iwid"
+    write_secret(path, identity_text(OWN))
+    program = (
+        "import sys, threading, pathlib\n"
+        "from intellwheels_schemas import link\n"
+        "route = link.Link(connect=('tcp/127.0.0.1:1',), identity=pathlib.Path(sys.argv[1]))\n"
+        "try: link.open_session(route, threading.Event(), timeout=0.0)\n"
+        "except ConnectionError: print('tried')"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", program, str(path)], env={**os.environ, "RUST_LOG": level}, capture_output=True,
+        text=True, timeout=60.0, check=True,
+    )  # fmt: skip
+    assert "tried" in done.stdout
+    assert level != "trace" or "zenoh" in done.stdout + done.stderr
+    assert OWN.password not in done.stdout + done.stderr

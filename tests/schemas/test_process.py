@@ -142,3 +142,49 @@ process.start_network_thread("stuck", threading.Event().wait)
 def test_a_thread_that_never_returns_cannot_keep_python_from_ending() -> None:
     done = subprocess.run([sys.executable, "-c", STUCK], capture_output=True, text=True, timeout=60.0, check=False)
     assert (done.returncode, done.stderr) == (0, "")
+
+
+LATER = """
+import sys, threading
+from intellwheels_schemas.process import start_network_thread
+closed = threading.Event()
+def fails():
+    raise ValueError("no end")
+def first():
+    assert closed.wait(10.0)
+    start_network_thread("second", second)
+def second():
+    sys.stdin.readline()
+    print("answered", flush=True)
+started = threading.Event()
+start_network_thread("fails", lambda: closed.wait(10.0), end=fails)
+start_network_thread("first", first, end=closed.set)
+"""
+
+
+def test_python_waits_for_a_thread_that_another_starts_though_one_end_fails() -> None:
+    command = [sys.executable, "-c", LATER]
+    pipe = subprocess.PIPE
+    with subprocess.Popen(command, stdin=pipe, stdout=pipe, stderr=pipe, text=True) as child:
+        out, err = child.communicate("go\n", timeout=60.0)
+    assert (child.returncode, out) == (0, "answered\n")
+    assert err.count("ValueError: no end") == 1
+
+
+FULL = """
+import threading
+from intellwheels_schemas.process import start_network_thread
+def full(_):
+    raise RuntimeError("can't start new thread")
+start, threading.Thread.start = threading.Thread.start, full
+try:
+    start_network_thread("none", lambda: None)
+except RuntimeError as error:
+    print(error)
+threading.Thread.start = start
+"""
+
+
+def test_a_thread_that_cannot_start_is_not_waited_for() -> None:
+    done = subprocess.run([sys.executable, "-c", FULL], capture_output=True, text=True, timeout=60.0, check=False)
+    assert (done.returncode, done.stdout, done.stderr) == (0, "can't start new thread\n", "")

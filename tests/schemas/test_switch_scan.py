@@ -125,6 +125,17 @@ def test_a_confirmed_command_is_selected_twice(method: str, switch: int) -> None
     assert person.does(0.5, [switch]) == COMMANDS["forward"]
 
 
+@pytest.mark.parametrize(("method", "switch"), [("auto", 1), ("step", 2)])
+def test_a_press_that_a_terminal_shows_as_two_does_not_confirm_itself(method: str, switch: int) -> None:
+    person = Person(method=method, confirm=True, period=5.0, pause=0.5)
+    person.does(0.3, [switch])
+    person.does(0.3)
+    assert person.does(2.0, [switch]) == STOPPED
+    assert person.scan.view.armed
+    person.does(0.6)
+    assert person.does(0.2, [switch]) == COMMANDS["forward"]
+
+
 def test_an_unconfirmed_command_is_dropped() -> None:
     person = Person(confirm=True, period=1.0)
     person.does(0.2, [1])

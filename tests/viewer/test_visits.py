@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import datetime
+
 import pytest
 
 from intellwheels_schemas.messages import Identity, Lab, May
@@ -30,6 +32,14 @@ def test_who_may_only_look_is_told_why(door: Door, headers: dict[str, str], why:
 def test_user_has_the_rights_of_the_lab() -> None:
     rights = USERS.rights({"x-remote-user": "teacher"})
     assert (rights.looks_only, rights.holders) == ("", (TEACHER,))
+
+
+def test_user_whose_last_day_is_over_may_only_look() -> None:
+    guest = Identity(name="guest", until="2026-12-31", may=TEACHER.may)
+    door = Door(user_header="x-remote-user", lab=Lab(format="iw.v1", name="room3", identity=(guest,)))
+    headers = {"x-remote-user": "guest"}
+    assert door.rights(headers, datetime.date(2026, 12, 31)).holders == (guest,)
+    assert door.rights(headers, datetime.date(2027, 1, 1)).looks_only == "guest expired after 2026-12-31"
 
 
 def test_page_without_a_login_that_others_reach_says_so() -> None:

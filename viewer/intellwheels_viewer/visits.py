@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import datetime
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+from intellwheels_schemas.lab_rules import has_expired
 from intellwheels_schemas.messages import Lab
 from intellwheels_viewer.page_rights import PageRights
 
@@ -32,11 +34,12 @@ class Door:
             return ""
         return "open: other machines reach the page without a login; viewer/PROXY.md shows a proxy that has one"
 
-    def rights(self, headers: Mapping[str, str]) -> PageRights:
+    def rights(self, headers: Mapping[str, str], today: datetime.date | None = None) -> PageRights:
         """Return the rights of a browser.
 
         Args:
             headers: The headers of its request, with names in lower case.
+            today: The day in UTC; None for that of this machine's clock.
         """
         if self.wide and not self.programs and "origin" not in headers:
             return PageRights("a program that sends no Origin may not steer; see --allow-programs")
@@ -46,6 +49,8 @@ class Door:
         if not name:
             return PageRights(f"the proxy named no user in {self.user_header}")
         for identity in () if self.lab is None else self.lab.identity:
+            if identity.name == name and has_expired(identity, today or datetime.datetime.now(datetime.UTC).date()):
+                return PageRights(f"{name} expired after {identity.until}")
             if identity.name == name:
                 return PageRights(holders=(identity,))
         return PageRights(f"{name[:40]} is not in the lab's document")

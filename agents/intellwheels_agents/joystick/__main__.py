@@ -26,7 +26,7 @@ from intellwheels_agents.joystick.pygame_source import (
 from intellwheels_agents.joystick.scan_keys import ScanKeys
 from intellwheels_agents.joystick.script_source import ScriptError, ScriptSource, read
 from intellwheels_agents.joystick.sip_and_puff import SipAndPuff
-from intellwheels_agents.joystick.terminal_source import TerminalSource
+from intellwheels_agents.joystick.terminal_source import REPEAT_PAUSE, TerminalSource
 from intellwheels_agents.joystick.voice_source import VoiceSource
 from intellwheels_agents.joystick.voice_words import MissingPocketsphinxError, WordRecogniser
 from intellwheels_agents.joystick.words_source import SpokenWords, WordsSource
@@ -81,21 +81,22 @@ def _source(options: argparse.Namespace, stop: threading.Event, stack: ExitStack
         return LslSource(options.stream_name, options.stream_type, channels, stop, options.retry_for or FIND_SECONDS)
     if name == "gamepad":
         return GamepadSource(*shares)
-    reader, in_terminal = _reader(options), name == "terminal" or options.keys_from == "terminal"
+    in_terminal = name == "terminal" or options.keys_from == "terminal"
     if name in ("scan", "sip-puff") and options.keys_from == "auto":
         in_terminal = not has_display() or missing_extra("joystick") is not None
+    reader = _reader(options, pause=REPEAT_PAUSE if in_terminal else 0.0)
     if in_terminal:
         return stack.enter_context(TerminalSource(reader, sys.stdin.fileno()))
     return KeyboardSource(f"iw-joystick {options.agent}", reader)
 
 
-def _reader(options: argparse.Namespace) -> KeyReader:
-    """Return the meaning of the keys."""
+def _reader(options: argparse.Namespace, *, pause: float) -> KeyReader:
+    """Return the meaning of the keys, which may seem released for some seconds while they are held."""
     shares = options.forward, options.turn
     if options.source == "scan":
         settings = ScanSettings(
             method=options.scan, period=options.scan_period, dwell=options.dwell, confirm=options.confirm,
-            latch=options.latch, hold=options.hold,
+            latch=options.latch, hold=options.hold, pause=pause,
         )  # fmt: skip
         return ScanKeys(settings, options.switch_keys, *shares)
     if options.source == "sip-puff":

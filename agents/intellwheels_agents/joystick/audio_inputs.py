@@ -12,13 +12,14 @@ import select
 import threading
 import time
 import wave
+from contextlib import suppress
 from pathlib import Path
 from typing import Any, Final, Protocol
 
 from intellwheels_agents.joystick.pygame_source import DeviceError
 
-PIPE_BYTES: Final = 8192
-"""Bytes that are read from a pipe at once: a quarter of a second at 16 kHz."""
+PIPE_BYTES: Final = 1 << 20
+"""Bytes that are read from a pipe at once: all that a pipe of Linux can hold, so that no old sound stays in it."""
 BLOCK_SECONDS: Final = 0.03
 """Seconds of sound in a piece: a frame of the recogniser."""
 QUEUED: Final = 100
@@ -133,5 +134,6 @@ class Microphone:
     def _heard(self, data: Any, _frames: int, _time: object, _status: object) -> None:
         """Take a piece, on a thread of PortAudio."""
         if self._pieces.full():
-            self._pieces.get_nowait()
+            with suppress(queue.Empty):  # the reader has just taken them all
+                self._pieces.get_nowait()
         self._pieces.put_nowait(bytes(data))

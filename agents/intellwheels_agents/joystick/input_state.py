@@ -76,3 +76,7 @@ class KeyReader(Protocol):
     def read(self, held: Collection[str], now: float) -> InputState:
         """Return the state of the held keys at a time in seconds of the monotonic clock."""
         ...
+
+    def lost(self) -> None:
+        """Stop what drives without a held key: the keys can no longer be seen, so none could stop it."""
+        ...

@@ -9,7 +9,7 @@ from typing import Final, TypeVar
 
 from intellwheels_agents.joystick.key_bindings import DEAD_ZONE
 from intellwheels_agents.joystick.lsl_channels import ChannelError, parse_threshold, parse_uses
-from intellwheels_agents.joystick.lsl_source import stream_text
+from intellwheels_agents.joystick.lsl_source import FIND_SECONDS, stream_text
 from intellwheels_agents.joystick.scan_keys import DEFAULT_KEYS
 from intellwheels_agents.joystick.sip_and_puff import DEFAULT_KEYS as DEFAULT_SIGNALS
 from intellwheels_agents.joystick.sip_and_puff import SIGNALS
@@ -146,7 +146,8 @@ def parser() -> argparse.ArgumentParser:
         "--retry-for",
         type=positive_seconds,
         metavar="S",
-        help="give up after S seconds without a router or simulator (default: never)",
+        help="give up after S seconds without a router or simulator (default: never), or, with --source lsl, without a "
+        f"stream at the start (default: {FIND_SECONDS:g})",
     )
     _add_key_options(result)
     _add_stream_options(result)
@@ -261,6 +262,13 @@ def check(command_line: argparse.ArgumentParser, options: argparse.Namespace) ->
         command_line.error(f"--switch-keys: expected two keys with --scan step, got {options.switch_keys[0]}")
     if source == "lsl" and options.stream_name is None and options.stream_type is None:
         command_line.error("--stream-name, --stream-type: expected at least one with --source lsl, got none")
+    if source == "scan" and options.scan == "dwell" and options.latch:
+        command_line.error("--latch: expected with --scan auto or step, got dwell, whose commands always drive on")
+    if given["hold"] and not options.latch and (source == "sip-puff" or (source == "scan" and options.scan != "dwell")):
+        command_line.error(f"--hold: expected with --latch, or with --scan dwell, for --source {source}, got neither")
+    for name, needed in (("threshold", "commands"), ("dead_zone", "axes")):
+        if given[name] and not getattr(options, needed):
+            command_line.error(f"--{_dashed(name)}: expected with --{needed}, got none")
     if source == "voice" and given["audio_rate"] and options.audio not in ("mic", "-"):
         command_line.error(
             f"--audio-rate: expected with --audio mic or -, got the file {options.audio}, which has its own"

@@ -63,6 +63,9 @@ class DrivingKeys:
         """Return the state of the held keys."""
         return from_keys(held, *self._shares)
 
+    def lost(self) -> None:
+        """Do nothing: without a held key nothing drives."""
+
 
 def _axis(held: Collection[str], positive: tuple[str, ...], negative: tuple[str, ...]) -> int:
     def is_held(names: tuple[str, ...]) -> bool:

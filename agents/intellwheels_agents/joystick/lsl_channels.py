@@ -44,6 +44,11 @@ class ChannelUse:
     channel: str
     factor: float = 1.0
 
+    @property
+    def is_number(self) -> bool:
+        """Whether the channel is a number. A label that looks like one is one too."""
+        return self.channel.isascii() and self.channel.isdigit() and len(self.channel) < 10
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ChannelMap:
@@ -191,25 +196,34 @@ class StreamInput:
                 self._on.discard(use.meaning)
         if self._on:
             signs = [(0.0, 0.0)] if "stop" in self._on else [WORDS[meaning] for meaning in self._on]
-            return self._scaled(sum(forward for forward, _ in signs), sum(turn for _, turn in signs))
+            return self._scaled(math.fsum(forward for forward, _ in signs), math.fsum(turn for _, turn in signs))
         deflection = {use.meaning: numbers[index] * use.factor for use, index in self._axes}
         forward, turn = (without_dead_zone(deflection.get(axis, 0.0), self._channels.dead_zone) for axis in AXES)
         return self._scaled(forward, turn)
 
     def _worded(self, value: object) -> InputState:
         word = SAID.get(str(value).strip().lower())
-        return NEUTRAL if word is None else self._scaled(*WORDS[word], word)
+        if word is None:
+            return NEUTRAL
+        state = self._scaled(*WORDS[word], word)
+        # Nothing with a share of 0. A mind would drive by the word alone, when it comes without forward and turn.
+        return state if state.forward or state.turn or not any(WORDS[word]) else NEUTRAL
 
     def _scaled(self, forward: float, turn: float, word: str | None = None) -> InputState:
         return InputState(forward * self._channels.forward, turn * self._channels.turn, word=word)
 
 
 def _index(use: ChannelUse, option: str, count: int, labels: Sequence[str]) -> int:
-    """Return the number of a channel. A label that looks like a number is one."""
-    if use.channel.isascii() and use.channel.isdigit() and len(use.channel) < 10:
+    """Return the number of a channel."""
+    if use.is_number:
         if int(use.channel) < count:
             return int(use.channel)
         raise ChannelError(f"{option}: expected a channel in [0, {count - 1}], got {use.meaning}={use.channel}")
+    if labels.count(use.channel) > 1:
+        raise ChannelError(
+            f"{option}: expected a label of one channel, got {shown(use.channel)} of {labels.count(use.channel)}; "
+            "give the channel's number"
+        )
     if use.channel in labels:
         return labels.index(use.channel)
     known = ", ".join(_some(labels)) or "none"

@@ -1,7 +1,8 @@
 """A stream of Lab Streaming Layer, through pylsl. The only file that knows pylsl.
 
-The stream is chosen by name, type or both. When it is lost, the input is neutral, and the source waits until a stream
-of that name and type is there again. Streams are found and lost in liblsl's own threads; nothing here waits for them.
+The stream is chosen by name, type or both. When it is lost, the input is neutral, and the source waits until exactly
+one stream of the lost one's name and type is there: it may be the same, after the network was cut. No other takes over.
+Streams are found and lost in liblsl's own threads; nothing here waits for them.
 """
 
 from __future__ import annotations
@@ -19,7 +20,7 @@ from intellwheels_schemas.extras import missing_extra
 
 FIND_SECONDS: Final = 5.0
 """Seconds in which a stream must be found at the start."""
-OTHERS_SECONDS: Final = 0.5
+OTHERS_SECONDS: Final = 1.0
 """Seconds to look for a second stream that fits."""
 LIST_SECONDS: Final = 1.0
 """Seconds to look for all streams when none fits."""
@@ -27,6 +28,8 @@ POLL: Final = 0.05
 """Seconds between two looks for a stream."""
 RETURN_AFTER: Final = 0.5
 """Seconds after a loss before another stream is taken: the release is sent first, because opening takes that long."""
+FORGET_AFTER: Final = 1.0
+"""Seconds for which a stream that is gone is still listed."""
 PULL_PERIOD: Final = 0.005
 """Shortest time between two reads in seconds: a stream of 1000 Hz would otherwise cost 13% of a core (measured)."""
 MAX_SAMPLES: Final = 4096
@@ -85,11 +88,12 @@ class LslSource:
         wanted = {"name": name, "type": kind}
         self._wanted = " ".join(f"{field} {shown(value)}" for field, value in wanted.items() if value is not None)
         predicate = " and ".join(f"{field}={_quoted(value)}" for field, value in wanted.items() if value is not None)
-        self._resolver = self._lsl.ContinuousResolver(pred=predicate, forget_after=1.0)
+        self._resolver = self._lsl.ContinuousResolver(pred=predicate, forget_after=FORGET_AFTER)
         self._clock_offset = time.monotonic() - self._lsl.local_clock()
         self._inlet: Any = None
         self._input: StreamInput | None = None
         self._uid = ""
+        self._kept: tuple[str, str] | None = None
         self._lost_at = -RETURN_AFTER
         self._pulled_at = 0.0
         self._told = ""
@@ -133,10 +137,13 @@ class LslSource:
     def _find(self, seconds: float) -> None:
         deadline = time.monotonic() + seconds
         while not self._resolver.results():
-            if time.monotonic() >= deadline or self._stop.wait(POLL):
+            if self._stop.wait(POLL):
+                return
+            if time.monotonic() >= deadline:
                 here = self._lsl.resolve_streams(wait_time=LIST_SECONDS)
                 raise DeviceError(f"--source lsl: expected a stream with {self._wanted}, got {_listed(here)}")
-        self._stop.wait(OTHERS_SECONDS)
+        if self._stop.wait(OTHERS_SECONDS):
+            return
         found = self._resolver.results()
         if len(found) > 1:
             raise DeviceError(
@@ -147,11 +154,18 @@ class LslSource:
             self._connect(found[0])
 
     def _reconnect(self) -> None:
-        for info in self._resolver.results():
-            # The resolver remembers a lost stream for a second.
-            if info.uid() != self._uid:
-                self._connect(info)
-                return
+        # A lost stream is still listed for a while. What is listed after that is there, and may be the same stream.
+        is_listed = time.monotonic() - self._lost_at < FORGET_AFTER + RETURN_AFTER
+        found = [
+            info
+            for info in self._resolver.results()
+            if (self._kept is None or self._kept == (info.name(), info.type()))
+            and not (is_listed and info.uid() == self._uid)
+        ]
+        if len(found) == 1:
+            self._connect(found[0])
+        elif found:
+            self._tell(f"expected one stream, got {_listed(found)}")
 
     def _connect(self, info: Any) -> None:
         lsl = self._lsl
@@ -160,13 +174,14 @@ class LslSource:
         labels: list[str] = []
         uses = (*self._channels.axes, *self._channels.commands)
         try:
-            if any(not use.channel.isdigit() for use in uses):
+            if any(not use.is_number for use in uses):
                 labels = _labels(inlet.info(timeout=2.0))
         except (TimeoutError, lsl.util.TimeoutError, lsl.util.LostError):
             return  # It is gone already; the next look finds the next one.
         is_text = info.channel_format() == lsl.cf_string
         self._input = StreamInput(self._channels, info.channel_count(), labels, is_text=is_text)
         self._inlet, self._uid, self._is_fresh = inlet, info.uid(), False
+        self._kept = info.name(), info.type()
         self._tell(f"found {_described(info)}")
 
     def _lose(self) -> None:
@@ -205,7 +220,10 @@ def stream_text(text: str) -> str:
 def _described(info: Any) -> str:
     rate = info.nominal_srate()
     every = f"{rate:g} Hz" if rate else "irregular"
-    return f"{shown(info.name())} ({info.type() or 'no type'}, {info.channel_count()} channels, {every})"
+    # Any machine of the network can announce a stream: its texts may be long, or have control characters.
+    kind = info.type()
+    kind = kind if kind.isprintable() and len(kind) <= 32 else shown(kind)
+    return f"{shown(info.name())} ({kind or 'no type'}, {info.channel_count()} channels, {every})"
 
 
 def _listed(infos: list[Any]) -> str:

@@ -1,7 +1,7 @@
 """Keyboard and gamepad through pygame, which is loaded only when one of them is used. The only file that knows pygame.
 
-The window gives the keyboard its focus. When it loses the focus all keys count as released, and so does a gamepad that
-is unplugged, because an unattended device must not drive.
+The window gives the keyboard its focus. When it loses the focus all keys count as released, a latched command ends, and
+a gamepad that is unplugged counts as released, because an unattended device must not drive.
 """
 
 from __future__ import annotations
@@ -87,11 +87,14 @@ class KeyboardSource:
         self._font = pygame.font.Font(None, 24)
         self._reader = reader
         self._held: set[str] = set()
+        # A press counts even if its release came with it: switch interfaces send both at once.
+        self._tapped: set[str] = set()
         self._is_closed = False
         self._shown: tuple[InputState, str] | None = None
 
     def wait(self, seconds: float) -> None:
         """Wait for a key event, at most some seconds."""
+        self._tapped.clear()
         first = self._pygame.event.wait(max(1, round(seconds * 1000.0)))
         for event in (first, *self._pygame.event.get()):
             self._on_event(event)
@@ -101,7 +104,7 @@ class KeyboardSource:
         if self._is_closed:
             self._pygame.quit()
             return None
-        state = self._reader.read(self._held, now)
+        state = self._reader.read(self._held | self._tapped, now)
         if (state, self._reader.caption) != self._shown:
             self._show(state)
         return state
@@ -111,11 +114,15 @@ class KeyboardSource:
         if event.type == pygame.QUIT or (event.type == pygame.KEYDOWN and event.key == pygame.K_ESCAPE):
             self._is_closed = True
         elif event.type == pygame.KEYDOWN:
-            self._held.add(_name(pygame, event.key))
+            name = _name(pygame, event.key)
+            self._held.add(name)
+            self._tapped.add(name)
         elif event.type == pygame.KEYUP:
             self._held.discard(_name(pygame, event.key))
         elif event.type == pygame.WINDOWFOCUSLOST:
             self._held.clear()
+            self._tapped.clear()
+            self._reader.lost()
 
     def _show(self, state: InputState) -> None:
         self._shown = state, self._reader.caption

@@ -49,6 +49,10 @@ class ScanKeys:
         forward, turn = self._scan.update(now, pressed)
         return InputState(forward * self._shares[0], turn * self._shares[1])
 
+    def lost(self) -> None:
+        """Stop a latched command, and a rest that is being counted."""
+        self._scan.lost()
+
 
 def caption(view: ScanView) -> str:
     """Return a line with all commands: `[left]` is highlighted, `?left?` waits to be confirmed, `>LEFT<` drives."""

@@ -7,11 +7,13 @@ soft puff   right
 soft sip    left
 
 A signal drives while it lasts. With a latch a hard puff drives forward until a hard sip, for at most `hold` seconds
-after the last signal, and soft signals bend its way. Without an update for `STALE_AFTER` the latch is off.
+after the last signal, and soft signals bend its way. Without an update for `STALE_AFTER` the latch is off. A hard sip
+that ended the latch drives back only when it comes again after `SIP_PAUSE`.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Collection, Mapping
 from typing import Final
 
@@ -25,6 +27,10 @@ SIGNALS: Final[dict[str, tuple[float, float]]] = {
 }
 """The signs of forward and turn of each signal."""
 DEFAULT_KEYS: Final = {"hard-puff": "up", "hard-sip": "down", "soft-puff": "right", "soft-sip": "left"}
+
+SIP_PAUSE: Final = 0.7
+"""Seconds without a hard sip after which the next one drives back. A terminal repeats a held key after 0.25 to 0.66 s,
+and shows a pause meanwhile."""
 
 
 class SipAndPuff:
@@ -44,8 +50,8 @@ class SipAndPuff:
         self._latch = latch
         self._hold = hold
         self._until = self._updated = -1.0
-        # After a hard sip that ended the latch: it must end before it drives back.
-        self._ended_by_sip = False
+        # Until when a hard sip does not drive back, because it ended the latch.
+        self._no_back_until = -1.0
         self.help = (", ".join(f"{key} is {signal}" for signal, key in keys.items()), "escape ends")
 
     @property
@@ -68,20 +74,24 @@ class SipAndPuff:
         self._updated = now
         if self._latch:
             self._keep_latch(signals, now)
-        forward = sum(SIGNALS[signal][0] for signal in signals)
-        turn = sum(SIGNALS[signal][1] for signal in signals)
-        if self._ended_by_sip:
+        forward = math.fsum(SIGNALS[signal][0] for signal in signals)
+        turn = math.fsum(SIGNALS[signal][1] for signal in signals)
+        if "hard-sip" in signals and now < self._no_back_until:
             forward = 0.0
         elif now < self._until:
             forward = 1.0
         return InputState(forward * self._shares[0], turn * self._shares[1])
 
+    def lost(self) -> None:
+        """Stop a latched puff."""
+        self._updated = -math.inf
+
     def _keep_latch(self, signals: set[str], now: float) -> None:
         is_latched = now < self._until
         if "hard-sip" in signals:
-            self._ended_by_sip = self._ended_by_sip or is_latched
+            if is_latched or now < self._no_back_until:
+                self._no_back_until = now + SIP_PAUSE
             self._until = now
             return
-        self._ended_by_sip = False
         if "hard-puff" in signals or (is_latched and signals):
             self._until = now + self._hold

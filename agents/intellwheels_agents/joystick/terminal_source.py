@@ -31,6 +31,8 @@ from intellwheels_agents.joystick.pygame_source import DeviceError
 
 KEY_TIMEOUT: Final = STALE_AFTER
 """Seconds that a key counts as held after its last character."""
+REPEAT_PAUSE: Final = 0.5
+"""Seconds for which a held key may seem released: repetition starts 0.66 s after the press, or earlier."""
 ESCAPE_TIMEOUT: Final = 0.1
 """Seconds after which an Escape that nothing follows is the key, not the start of a sequence."""
 _END: Final = ("\x04", "escape")

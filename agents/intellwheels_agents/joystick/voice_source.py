@@ -1,7 +1,8 @@
 """Driving by voice, without a network: sound in, input states out.
 
-A word drives for a limited time, as with `--source words`. When no sound arrives for 0.3 s the chair stops, because
-`stop` could not be heard.
+A word drives for a limited time, as with `--source words`. When no sound arrives for 0.3 s, or the sound has ended that
+long ago, the chair stops, because `stop` could not be heard. A word that waited too long, such as in a pipe while this
+process was stopped, drives nothing; a late `stop` still stops.
 """
 
 from __future__ import annotations
@@ -10,12 +11,15 @@ import sys
 import time
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Protocol
+from typing import Final, Protocol
 
 from intellwheels_agents.joystick.audio_inputs import AudioInput
 from intellwheels_agents.joystick.input_state import NEUTRAL, STALE_AFTER, InputState
 from intellwheels_agents.joystick.voice_words import Spoken
 from intellwheels_agents.joystick.words_source import SpokenWords
+
+MAX_AGE: Final = 1.0
+"""Seconds since its end after which a word no longer drives. The pause that ends a word takes a third of a second."""
 
 
 class Recogniser(Protocol):
@@ -58,21 +62,32 @@ class VoiceSource:
         if data is None:
             self._has_ended = True
             self._note(self._recogniser.end(), now)
+            self._heard_at = time.monotonic()
         elif data:
+            if now - self._heard_at > STALE_AFTER:
+                # This process may have been stopped too: the word from before the gap must not drive on.
+                self._spoken.end()
             self._heard_at = now
             self._note(self._recogniser.feed(data), now)
 
     def state(self, now: float, time: float | None) -> InputState | None:  # noqa: ARG002 - as `Source` has it
-        """Return the state now, or None after the end of the sound and of the last word."""
-        is_stale = now - self._heard_at > STALE_AFTER and not self._has_ended
-        if is_stale != self._is_stale:
+        """Return the state now, or None when the sound has ended and its last word no longer counts."""
+        is_stale = now - self._heard_at > STALE_AFTER
+        if is_stale != self._is_stale and not self._has_ended:
             self._is_stale = is_stale
             _log("stale: no sound arrives" if is_stale else "fresh: sound arrives")
         if is_stale:
             self._spoken.end()
-            self._new = []
-            return NEUTRAL
+            # On a busy machine recognising may take that long: `stop` is still told to the mind.
+            self._new = [(word, at) for word, at in self._new if word == "stop"]
+            if not self._new:
+                return None if self._has_ended else NEUTRAL
         for word, at in self._new:
+            if now - at > MAX_AGE and word != "stop":
+                _log(
+                    f"dropped word={word} why='expected one of the last {MAX_AGE:g} s, got one of {now - at:.1f} s ago'"
+                )
+                continue
             self._spoken.add(word, now)
             self._said_at = at
             _log(f"heard word={word}")

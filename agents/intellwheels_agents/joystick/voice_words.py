@@ -45,7 +45,7 @@ class Spoken(NamedTuple):
 
     Attributes:
         word: A word of the contract.
-        age: Seconds of sound since the word ended, or 0 if it has not ended yet.
+        age: Seconds of sound that has arrived since the word ended, or since `stop` was believed before its end.
     """
 
     word: str
@@ -93,19 +93,25 @@ class WordRecogniser:
         Args:
             data: The next samples: signed 16 bits, little-endian, one channel. A sample may be cut between two pieces.
         """
+        spoken = self._words(data)
+        # Of a piece that is long, because it had to wait, the first words are old.
+        return [Spoken(word, age + self._heard - at) for word, age, at in spoken]
+
+    def end(self) -> list[Spoken]:
+        """Return the last words: the sound has ended, and silence follows."""
+        return [Spoken(word, age) for word, age, _ in self._words(bytes(2 * self.rate))]
+
+    def _words(self, data: bytes) -> list[tuple[str, float, float]]:
+        """Return words with their age when they became known, and the seconds of sound until then."""
         self._rest += data
         spoken = []
         whole = len(self._rest) - len(self._rest) % self._frame
         for begin in range(0, whole, self._frame):
             word = self._hear(self._rest[begin : begin + self._frame])
             if word is not None:
-                spoken.append(word)
+                spoken.append((*word, self._heard))
         self._rest = self._rest[whole:]
         return spoken
-
-    def end(self) -> list[Spoken]:
-        """Return the last words: the sound has ended, and silence follows."""
-        return self.feed(bytes(2 * self.rate))
 
     def _hear(self, frame: bytes) -> Spoken | None:
         speech = self._endpointer.process(frame)

@@ -65,9 +65,11 @@ class SpokenWords:
         if word not in WORDS:
             self._waiting.append(word)
             return
-        self._word, self._next_at = word, now + WORD_SECONDS
         forward, turn = WORDS[word]
         self._drive = forward * self._shares[0], turn * self._shares[1]
+        # Nothing with a share of 0. A mind would drive by the word alone, when it comes without forward and turn.
+        self._word = word if any(self._drive) or not any(WORDS[word]) else None
+        self._next_at = now + WORD_SECONDS
         self._drive_until = now + self._hold
         self._word_until = self._drive_until if any(self._drive) else self._next_at
 

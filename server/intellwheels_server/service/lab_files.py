@@ -3,12 +3,17 @@
 from __future__ import annotations
 
 import datetime
+import re
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Final
 
 from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.files import read_with_lines
 from intellwheels_schemas.messages import Lab
+
+_NO_VERBS: Final = re.compile(r"""\bVerbs\s*=\s*(?:"\s*"|'\s*')""")
+"""Whoever writes it means none, but without verbs an operator has all."""
 
 
 @dataclass(frozen=True)
@@ -50,9 +55,16 @@ def read_lab(path: Path) -> Lab:
     """Return the document of a lab.
 
     Raises:
-        WireError: It is missing or wrong; the text has file and line.
+        WireError: It is missing or wrong, or an operator has an empty list of verbs; the text has file and line.
     """
-    return read_with_lines(Lab, path)[0]
+    lab = read_with_lines(Lab, path)[0]
+    text = path.read_text(encoding="utf-8", errors="replace")
+    if (empty := _NO_VERBS.search(text)) is not None:
+        where = f"{path}:{text.count(chr(10), 0, empty.start()) + 1}"
+        raise WireError(
+            "value", f"{where}: Verbs: expected verbs, or no Verbs for all of them, got an empty list", where
+        )
+    return lab
 
 
 def read_users(path: Path) -> dict[str, str]:

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import argparse
 import datetime
+import ipaddress
+import re
 import secrets
 import sys
 from collections.abc import Sequence
@@ -18,12 +20,11 @@ from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.extras import missing_extra
 from intellwheels_schemas.files import write_file
 from intellwheels_schemas.identity_file import ENDING, IdentityFile, identity_text, read_identity, write_secret
-from intellwheels_schemas.lab_rules import check_lab
+from intellwheels_schemas.lab_rules import check_lab, has_expired
 from intellwheels_schemas.messages import Identity, Lab
-from intellwheels_schemas.names import check_agent
+from intellwheels_schemas.names import check_agent, check_name, check_word
 from intellwheels_schemas.process import add_process_options
 from intellwheels_server.service.lab_files import LabFiles, read_lab, read_users
-from intellwheels_server.service.lab_router import has_expired
 from intellwheels_server.service.lab_template import new_lab
 
 RESTART: Final = (
@@ -31,6 +32,8 @@ RESTART: Final = (
 )
 DAYS: Final = 365
 """Days for which a certificate counts, unless the lab's document or an option says less."""
+_STUDENTS: Final = re.compile(r"st[0-9]+-")
+"""Beginnings of the agents of students in a new lab."""
 
 
 def parser() -> argparse.ArgumentParser:
@@ -64,7 +67,7 @@ def parser() -> argparse.ArgumentParser:
         "identities that have expired or are no longer in the document",
     )
     keys.add_argument(
-        "--host", action="append", default=[], metavar="HOST",
+        "--host", action="append", default=[], type=_host, metavar="HOST",
         help="name or address of the router in the tls/ endpoints of others, besides localhost, 127.0.0.1 and ::1, "
         "which are always in its certificate; may be repeated, and is remembered",
     )  # fmt: skip
@@ -230,13 +233,27 @@ class _LabDesk:
 def _new(options: argparse.Namespace) -> int:
     for chair in options.chair:
         check_agent(chair, "--chair")
+        check_name(f"bridge-{chair}", "--chair: the name of its bridge")
+        if _STUDENTS.match(chair):
+            got = f"{chair}, which a student could drive"
+            raise WireError("value", f"--chair: expected a name that does not begin as st1-, got {got}", "--chair")
     if options.lab.exists():
         raise WireError("value", f"--lab: expected a file that does not exist yet, got {options.lab}", "--lab")
-    lab = new_lab(options.lab.stem.lower(), options.students, options.chair)
+    lab = new_lab(check_word(options.lab.stem.lower(), "--lab"), options.students, options.chair)
     check_lab(lab, "Lab")
     options.lab.write_text(write_file(lab), encoding="utf-8")
     _print(f"wrote identities={len(lab.identity)} file={options.lab}")
     return 0
+
+
+def _host(text: str) -> str:
+    try:
+        return str(ipaddress.ip_address(text))
+    except ValueError:
+        # What an endpoint can have.
+        if text and host_of(f"tls/{text}:1") == text:
+            return text
+    raise argparse.ArgumentTypeError(f"expected a host name or an address without a port, got {text!r}")
 
 
 def _students(text: str) -> int:

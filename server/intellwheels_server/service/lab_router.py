@@ -7,15 +7,11 @@ from typing import Any
 
 from intellwheels_schemas.access_rules import Rule, rules_for
 from intellwheels_schemas.errors import WireError
+from intellwheels_schemas.lab_rules import has_expired
 from intellwheels_schemas.messages import Identity, Lab
 from intellwheels_schemas.rights import rights_key
 from intellwheels_schemas.traffic_limits import rates, size_limits
 from intellwheels_server.service.lab_files import LabFiles, read_lab, read_users, router_until
-
-
-def has_expired(identity: Identity, today: datetime.date) -> bool:
-    """Return whether the last day of an identity is over."""
-    return identity.until is not None and datetime.date.fromisoformat(identity.until) < today
 
 
 def checked_settings(files: LabFiles, today: datetime.date, *, printed: bool) -> dict[str, Any]:

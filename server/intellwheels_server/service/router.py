@@ -16,12 +16,13 @@ from intellwheels_schemas.command_parser import CommandParser, readable_file
 from intellwheels_schemas.endpoint_form import check_endpoint
 from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.identity_file import WARN_DAYS
+from intellwheels_schemas.lab_rules import has_expired
 from intellwheels_schemas.own_rights import answer_rights
 from intellwheels_schemas.panic_watch import PanicWatch
 from intellwheels_schemas.process import SLICE, add_process_options, stop_on_signals
 from intellwheels_schemas.router_link import open_router, open_words, router_settings
 from intellwheels_server.service.lab_files import LabFiles, read_lab, router_until
-from intellwheels_server.service.lab_router import checked_settings, has_expired
+from intellwheels_server.service.lab_router import checked_settings
 
 EXAMPLES = """\
 examples:
@@ -80,7 +81,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Run the router until it is stopped; return the exit code: 0 done, 1 failed, 2 wrong usage."""
     options = parser().parse_args(arguments)
     listen = options.listen or [defaults.ENDPOINT]
-    files, today = None if options.lab is None else LabFiles(options.lab), datetime.datetime.now(datetime.UTC).date()
+    files, today = None if options.lab is None else LabFiles(options.lab), _today()
     try:
         for endpoint in listen:
             _check_listen(endpoint, files)
@@ -94,28 +95,38 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return 0
     stop = stop_on_signals(options.lifeline)
     watch = PanicWatch(lambda line: _begin_again(watch, line))
+    over = ""
     try:
         with open_router(listen, more) as session:
-            queryables = [] if files is None else answer_rights(session, read_lab(files.lab).identity)
+            identities = () if files is None else read_lab(files.lab).identity
+            let_in = [one for one in identities if not has_expired(one, today)]
+            queryables = answer_rights(session, identities)
             for warning in warnings:
                 print(f"iw-router: {warning}", file=sys.stderr, flush=True)
             if more is None:
                 print(f"iw-router: {open_words(listen)}", file=sys.stderr, flush=True)
             print(f"ready listen={','.join(listen)}", flush=True)
-            while not stop.wait(SLICE):
-                pass
+            while not over and not stop.wait(SLICE):
+                over = ", ".join(one.name for one in let_in if has_expired(one, _today()))
             for queryable in queryables:
                 queryable.undeclare()
     except ConnectionError as error:
         print(f"iw-router: {error}", file=sys.stderr)
         return 1
+    if over:
+        # Zenoh keeps its users and their sessions until it ends.
+        _begin_again(watch, f"the last day of {over} is over")
     return 0
 
 
-def _begin_again(watch: PanicWatch, line: str) -> None:
+def _today() -> datetime.date:
+    return datetime.datetime.now(datetime.UTC).date()
+
+
+def _begin_again(watch: PanicWatch, why: str) -> None:
     """Replace this process by a new one, which listens at the same endpoints. A router keeps nothing."""
     watch.close()
-    print(f"iw-router: restarted why={line!r}", file=sys.stderr, flush=True)
+    print(f"iw-router: restarted why={why!r}", file=sys.stderr, flush=True)
     os.execv(sys.executable, sys.orig_argv)  # noqa: S606 - this process's own command line
 
 

@@ -63,6 +63,9 @@ def test_a_pipe_gives_what_has_arrived_until_it_ends() -> None:
     assert audio.read(0.0) == b""
     os.write(writing, b"abc")
     assert audio.read(5.0) == b"abc"
+    # What waited, such as while this process was stopped, comes at once: the recogniser then knows how old it is.
+    os.write(writing, bytes(60_000))
+    assert audio.read(5.0) == bytes(60_000)
     os.close(writing)
     assert audio.read(5.0) is None
     os.close(reading)
@@ -99,6 +102,16 @@ def test_a_microphone_is_heard_and_old_sound_is_dropped(monkeypatch: pytest.Monk
     assert audio.read(0.0) == bytes(range(20, QUEUED + 20))
     audio.close()
     assert audio.read(0.0) is None
+
+
+def test_sound_is_taken_though_the_reader_empties_the_queue_meanwhile(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(
+        sys.modules, "sounddevice", SimpleNamespace(RawInputStream=Stream, PortAudioError=PortAudioError)
+    )
+    audio = Microphone(16000)
+    monkeypatch.setattr(audio._pieces, "full", lambda: True)
+    audio._stream.hear(b"ab", 1, None, None)
+    assert audio.read(0.0) == b"ab"
 
 
 def test_no_microphone_is_said(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -27,6 +27,11 @@ def refused(capsys: pytest.CaptureFixture[str], *words: str) -> str:
         ("--source scan --dwell 2", "--dwell: expected with --scan dwell, got auto"),
         ("--source scan --scan step --scan-period 2", "--scan-period: expected with --scan auto, got step"),
         ("--source scan --scan step --switch-keys x", "--switch-keys: expected two keys with --scan step, got x"),
+        ("--source scan --scan dwell --latch", "--latch: expected with --scan auto or step, got dwell"),
+        ("--source scan --hold 3", "--hold: expected with --latch, or with --scan dwell, for --source scan, got neit"),
+        ("--source sip-puff --hold 3", "--hold: expected with --latch, .* for --source sip-puff, got neither"),
+        ("--source lsl --stream-name x --axes turn=0 --threshold 2", "--threshold: expected with --commands, got none"),
+        ("--source lsl --stream-name x --commands stop=0 --dead-zone 0", "--dead-zone: expected with --axes, got none"),
         ("--source scan --signals hard-puff=w", "--signals: expected with --source sip-puff, got scan"),
         ("--source words --latch", "--latch: expected with --source scan or sip-puff, got words"),
         ("--source voice --audio /dev/null --audio-rate 48000", "--audio-rate: expected with --audio mic or -"),
@@ -50,7 +55,19 @@ def test_wrong_options_are_named(words: str, said: str, capsys: pytest.CaptureFi
 
 def test_options_are_read() -> None:
     command_line = parser()
-    words = ["chair1", "--source", "lsl", "--stream-type", "EEG", "--axes", "turn=Fz*-0.5", "--threshold", "2,1"]
+    words = [
+        "chair1",
+        "--source",
+        "lsl",
+        "--stream-type",
+        "EEG",
+        "--axes",
+        "turn=Fz*-0.5",
+        "--threshold",
+        "2,1",
+        "--commands",
+        "stop=1",
+    ]
     options = command_line.parse_args(words)
     check(command_line, options)
     assert options.axes == (ChannelUse("turn", "Fz", -0.5),)
@@ -61,3 +78,10 @@ def test_options_are_read() -> None:
     options = command_line.parse_args(["chair1", "--source", "scan", "--switch-keys", "space"])
     check(command_line, options)
     assert options.switch_keys == ("space",)
+    for words in (
+        ["--source", "scan", "--scan", "dwell", "--hold", "3"], ["--source", "scan", "--latch", "--hold", "3"],
+        ["--source", "sip-puff", "--latch", "--hold", "3"], ["--source", "words", "--hold", "3"],
+    ):  # fmt: skip
+        options = command_line.parse_args(["chair1", *words])
+        check(command_line, options)
+        assert options.hold == 3.0

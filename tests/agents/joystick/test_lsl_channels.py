@@ -59,6 +59,14 @@ def test_labels_name_channels() -> None:
     assert state(made, 0.0, 1.0, 0.0) == InputState(1.0)
     with pytest.raises(ChannelError, match=r"--axes: expected a number or a label .* \('Fz', 'Cz'\), got 'cz'"):
         stream(axes=parse_uses("forward=cz", "--axes"), labels=("Fz", "Cz"))
+    with pytest.raises(
+        ChannelError, match="--axes: expected a label of one channel, got 'Cz' of 2; give the channel's"
+    ):
+        stream(axes=parse_uses("forward=Cz", "--axes"), labels=("Cz", "Fz", "Cz"))
+    # What only looks like a number is looked for among the labels.
+    for label in ("²", "1234567890"):
+        made = stream(axes=parse_uses(f"forward={label}", "--axes"), labels=("Fz", label))
+        assert state(made, 0.0, 1.0, 0.0) == InputState(1.0)
 
 
 @pytest.mark.parametrize(
@@ -68,6 +76,13 @@ def test_a_stream_of_texts_has_words(word: str, forward: float, turn: float) -> 
     got = state(stream(is_text=True, forward=0.5, turn=0.4), word, "", "")
     assert (got.forward, got.turn) == (forward, turn)
     assert state(stream(is_text=True), "<script>", "", "") == NEUTRAL
+
+
+def test_a_word_whose_share_is_0_drives_nothing_by_itself_either() -> None:
+    made = stream(is_text=True, forward=0.0, turn=0.4)
+    assert state(made, "forward", "", "") == NEUTRAL
+    assert state(made, "left", "", "") == InputState(0.0, 0.4, word="left")
+    assert state(made, "stop", "", "") == InputState(word="stop")
 
 
 def test_input_is_zero_when_the_newest_sample_is_older_than_0_3_s() -> None:

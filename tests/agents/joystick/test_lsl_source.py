@@ -6,10 +6,12 @@ import sys
 import threading
 import time
 from collections.abc import Callable
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
 
+from intellwheels_agents.joystick import lsl_source
 from intellwheels_agents.joystick.input_state import NEUTRAL, InputState
 from intellwheels_agents.joystick.lsl_channels import ChannelError, ChannelMap, parse_uses
 from intellwheels_agents.joystick.lsl_source import LslSource, stream_text
@@ -64,6 +66,102 @@ def test_a_stream_drives_until_it_is_stale_or_lost_and_again_when_it_is_back(
         until(source, lambda _: False)
 
 
+def announced(name: str, kind: str, uid: str) -> Any:
+    """Return what the resolver tells about a stream."""
+    texts = {"name": name, "type": kind, "uid": uid}
+    numbers = {"channel_count": 2, "nominal_srate": 0.0, "channel_format": 1}
+    return SimpleNamespace(**{key: lambda value=value: value for key, value in {**texts, **numbers}.items()})
+
+
+class LostError(Exception):
+    """What pylsl raises when a stream is lost."""
+
+
+class Library:
+    """Stands in for pylsl: its resolver lists what the test says, and its inlets are empty."""
+
+    cf_string, proc_clocksync = 3, 1
+    util = SimpleNamespace(LostError=LostError, TimeoutError=TimeoutError)
+
+    def __init__(self, *here: Any) -> None:
+        self.here = list(here)
+        self.is_lost = False
+
+    def ContinuousResolver(self, **_: Any) -> Any:  # noqa: N802 - as pylsl has it
+        return SimpleNamespace(results=lambda: self.here)
+
+    def StreamInlet(self, info: Any, **_: Any) -> Any:  # noqa: N802 - as pylsl has it
+        return SimpleNamespace(pull_chunk=self.pull, info=info)
+
+    def pull(self, **_: Any) -> tuple[list[Any], list[float]]:
+        if self.is_lost:
+            raise LostError
+        return [], []
+
+    def resolve_streams(self, **_: Any) -> list[Any]:
+        return self.here
+
+    def local_clock(self) -> float:
+        return time.monotonic()
+
+
+@pytest.fixture
+def library(monkeypatch: pytest.MonkeyPatch) -> Library:
+    made = Library(announced("mine", "EEG", "1"))
+    monkeypatch.setattr(lsl_source, "pylsl_of", lambda: made)
+    monkeypatch.setattr(lsl_source, "OTHERS_SECONDS", 0.0)
+    return made
+
+
+def lose(source: LslSource, library: Library, *, seconds_ago: float) -> None:
+    library.is_lost = True
+    source.wait(0.0)
+    library.is_lost = False
+    assert source._inlet is None
+    source._lost_at -= seconds_ago
+
+
+def test_the_same_stream_is_taken_again_after_the_network_was_cut(library: Library) -> None:
+    source = LslSource(None, "EEG", AXES, threading.Event())
+    lose(source, library, seconds_ago=1.0)
+    source.wait(0.0)
+    assert source._inlet is None  # it may be what is still listed
+    source._lost_at -= 1.0
+    source.wait(0.0)
+    assert source._inlet is not None
+
+
+def test_no_other_stream_takes_over_from_a_lost_one(library: Library, capsys: pytest.CaptureFixture[str]) -> None:
+    source = LslSource(None, "EEG", AXES, threading.Event())
+    lose(source, library, seconds_ago=2.0)
+    library.here = [announced("of somebody else", "EEG", "2")]
+    source.wait(0.0)
+    assert source._inlet is None
+    library.here = [announced("mine", "EEG", "3"), announced("mine", "EEG", "4")]
+    source.wait(0.0)
+    assert source._inlet is None
+    assert "expected one stream, got 'mine' (EEG, 2 channels, irregular); 'mine'" in capsys.readouterr().err
+    del library.here[0]
+    source.wait(0.0)
+    assert source._uid == "4"
+
+
+def test_a_signal_while_a_stream_is_looked_for_is_no_error(library: Library) -> None:
+    stop = threading.Event()
+    stop.set()
+    for here in ([], library.here * 2):
+        library.here = here
+        assert LslSource(None, "EEG", AXES, stop).state(0.0, None) == NEUTRAL
+
+
+def test_the_texts_of_a_stream_cannot_write_to_the_terminal(library: Library) -> None:
+    library.here = [announced("\x1b[2J", "\x1b[2J", "1"), announced("a", "x" * 10_000, "2")]
+    with pytest.raises(DeviceError) as refused:
+        LslSource(None, "EEG", AXES, threading.Event())
+    assert str(refused.value).isprintable()
+    assert len(str(refused.value)) < 1000
+
+
 @pytest.mark.process
 def test_labels_and_texts_of_a_stream() -> None:
     labelled = streams.outlet("labelled", labels=("Fz", "Cz"))
@@ -77,7 +175,7 @@ def test_labels_and_texts_of_a_stream() -> None:
 @pytest.mark.process
 def test_an_unknown_or_ambiguous_stream_is_refused_with_those_that_are_there() -> None:
     here = [streams.outlet("twin", "EMG"), streams.outlet("twin", "gaze")]
-    with pytest.raises(DeviceError, match=r"expected a stream with name 'none', got .*'twin' \(EMG, 2 channels, irreg"):
+    with pytest.raises(DeviceError, match=r"expected a stream with name 'none', got 'twin' \(\w+, 2 channels, irreg"):
         LslSource("none", None, AXES, threading.Event(), find=0.1)
     with pytest.raises(DeviceError, match=r"expected one stream with name 'twin', got .*; give --stream-name and"):
         LslSource("twin", None, AXES, threading.Event())

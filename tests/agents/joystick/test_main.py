@@ -12,9 +12,11 @@ import pytest
 
 from intellwheels_agents.joystick import __main__ as command
 from intellwheels_agents.joystick import main
-from intellwheels_agents.joystick.input_state import InputState, Source
+from intellwheels_agents.joystick.input_state import InputState, KeyReader, Source
 from intellwheels_agents.joystick.pygame_source import DeviceError
+from intellwheels_agents.joystick.scan_keys import ScanKeys
 from intellwheels_agents.joystick.script_source import ScriptSource
+from intellwheels_agents.joystick.terminal_source import REPEAT_PAUSE
 from intellwheels_schemas.link import Link
 
 
@@ -83,6 +85,22 @@ def test_keys_of_switches_come_from_the_terminal_without_a_display(
     assert "keys of the terminal: expected a terminal on standard input" in capsys.readouterr().err
     os.close(reading)
     os.close(writing)
+
+
+def test_a_scan_in_a_terminal_knows_that_a_held_key_pauses(monkeypatch: pytest.MonkeyPatch) -> None:
+    readers: list[KeyReader] = []
+
+    def made(reader: KeyReader, *_: object) -> Source:
+        readers.append(reader)
+        raise DeviceError
+
+    monkeypatch.setattr(command, "TerminalSource", made)
+    monkeypatch.setattr(command, "KeyboardSource", lambda _, reader: made(reader))
+    monkeypatch.setattr("sys.stdin", SimpleNamespace(fileno=lambda: 0))
+    for where in ("terminal", "window"):
+        assert main(["chair1", "--source", "scan", "--confirm", "--keys-from", where]) == 1
+    pauses = [reader._scan.settings.pause for reader in readers if isinstance(reader, ScanKeys)]
+    assert pauses == [REPEAT_PAUSE, 0.0]
 
 
 @pytest.mark.parametrize(

@@ -7,9 +7,10 @@ from collections.abc import Iterator
 import pytest
 
 from intellwheels_agents.joystick import pygame_source
-from intellwheels_agents.joystick.input_state import NEUTRAL, InputState
+from intellwheels_agents.joystick.input_state import NEUTRAL, InputState, KeyReader
 from intellwheels_agents.joystick.key_bindings import GENTLE, DrivingKeys
 from intellwheels_agents.joystick.scan_keys import ScanKeys
+from intellwheels_agents.joystick.sip_and_puff import DEFAULT_KEYS, SipAndPuff
 from intellwheels_schemas.switch_scan import ScanSettings
 
 pygame = pytest.importorskip("pygame", reason="keyboard and gamepad need the extra `joystick`")
@@ -54,6 +55,43 @@ def test_the_window_shows_a_scan_and_its_switch_drives(monkeypatch: pytest.Monke
 def test_losing_the_focus_releases_all_keys(keyboard: pygame_source.KeyboardSource) -> None:
     assert post(keyboard, pygame.KEYDOWN, key=pygame.K_UP) == InputState(GENTLE)
     assert post(keyboard, pygame.WINDOWFOCUSLOST) == NEUTRAL
+
+
+@pytest.mark.parametrize(
+    "reader",
+    [
+        ScanKeys(ScanSettings(period=60.0, latch=True, hold=60.0), ("up",), 0.8, 0.4),
+        ScanKeys(ScanSettings(method="dwell", dwell=0.2, hold=60.0), ("up",), 0.8, 0.4),
+        SipAndPuff(DEFAULT_KEYS, 0.8, 0.4, latch=True, hold=60.0),
+    ],
+)
+def test_losing_the_focus_ends_what_drives_without_a_key(monkeypatch: pytest.MonkeyPatch, reader: KeyReader) -> None:
+    monkeypatch.setenv("SDL_VIDEODRIVER", "dummy")
+    source = pygame_source.KeyboardSource("test", reader)
+    source.state(0.0, None)
+    post(source, pygame.KEYDOWN, key=pygame.K_UP)
+    post(source, pygame.KEYUP, key=pygame.K_UP)
+    assert source.state(0.25, None) != NEUTRAL
+    pygame.event.post(pygame.event.Event(pygame.WINDOWFOCUSLOST))
+    source.wait(1.0)
+    # It ends at once, and a rest that was being counted does not drive either.
+    assert [source.state(0.3 + 0.1 * number, None) for number in range(10)] == [NEUTRAL] * 10
+    pygame.quit()
+
+
+def test_a_press_counts_though_its_release_comes_with_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("SDL_VIDEODRIVER", "dummy")
+    reader = ScanKeys(ScanSettings(period=60.0, latch=True, hold=60.0), ("enter",), 0.8, 0.4)
+    source = pygame_source.KeyboardSource("test", reader)
+    source.state(0.0, None)
+    for now, driven in ((0.1, InputState(0.8)), (0.3, NEUTRAL)):
+        pygame.event.post(pygame.event.Event(pygame.KEYDOWN, key=pygame.K_RETURN))
+        pygame.event.post(pygame.event.Event(pygame.KEYUP, key=pygame.K_RETURN))
+        source.wait(1.0)
+        assert source.state(now, None) == driven
+        source.wait(0.0)
+        assert source.state(now + 0.1, None) == driven
+    pygame.quit()
 
 
 @pytest.mark.parametrize("how", ["escape", "closed"])

@@ -51,9 +51,18 @@ def test_a_latched_puff_drives_until_a_hard_sip_which_does_not_drive_back() -> N
     assert times(made, 0.2, 1.0) == InputState(0.8)
     assert times(made, 1.0, 1.2, "left") == InputState(0.8, 0.4)
     assert times(made, 1.2, 1.5, "down") == NEUTRAL
-    assert times(made, 1.5, 2.0) == NEUTRAL
-    assert times(made, 2.0, 2.2, "down") == InputState(-0.8)
-    assert times(made, 2.2, 2.4) == NEUTRAL
+    assert times(made, 1.5, 2.25) == NEUTRAL
+    assert times(made, 2.25, 2.4, "down") == InputState(-0.8)
+    assert times(made, 2.4, 2.6) == NEUTRAL
+
+
+def test_a_hard_sip_that_a_terminal_repeats_after_a_pause_still_does_not_drive_back() -> None:
+    made = switch(latch=True)
+    times(made, 0.0, 0.2, "up")
+    for begin in (0.2, 0.85, 1.5):
+        assert times(made, begin, begin + 0.3, "down") == NEUTRAL
+        assert times(made, begin + 0.3, begin + 0.65) == NEUTRAL
+    assert times(made, 2.15, 2.3, "up") == InputState(0.8)
 
 
 def test_a_latch_ends_after_its_time_and_a_signal_prolongs_it() -> None:

@@ -16,6 +16,7 @@ class Listening:
     """A recogniser whose sound is its words, and an input that gives what the test puts in."""
 
     rate = 16000
+    age = 0.25
 
     def __init__(self) -> None:
         self.pieces: list[bytes | None] = []
@@ -24,7 +25,7 @@ class Listening:
         return self.pieces.pop(0) if self.pieces else b""
 
     def feed(self, data: bytes) -> list[Spoken]:
-        return [Spoken(word, 0.25) for word in data.decode().split()]
+        return [Spoken(word, self.age) for word in data.decode().split()]
 
     def end(self) -> list[Spoken]:
         return []
@@ -77,13 +78,46 @@ def test_no_sound_for_0_3_s_stops_and_the_word_does_not_come_back(
     ]  # fmt: skip
 
 
-def test_the_end_of_the_sound_ends_it(now: list[float]) -> None:
+@pytest.mark.parametrize("word", ["forward", "stop"])
+def test_the_end_of_the_sound_stops_and_ends_it(now: list[float], word: str) -> None:
     listening = Listening()
     made = source(listening)
-    hears(made, listening, now, b"forward", 0.1)
+    hears(made, listening, now, word.encode(), 0.1)
     last = hears(made, listening, now, None, 0.1)
-    for _ in range(100):
-        if last is None:
-            break
-        last = hears(made, listening, now, None, 0.05)
-    assert last is None
+    assert last is not None
+    assert last.word == word
+    # Nobody can say stop any more: the word ends long before its 2 s.
+    assert hears(made, listening, now, None, 0.31) is None
+
+
+def test_a_word_does_not_drive_on_after_a_gap_in_which_this_process_was_stopped(now: list[float]) -> None:
+    listening = Listening()
+    made = source(listening)
+    assert hears(made, listening, now, b"forward", 0.1) == InputState(0.5, word="forward")
+    # No state was asked for in the gap, and sound is there at once after it.
+    assert hears(made, listening, now, b" ", 1.0) == NEUTRAL
+    assert hears(made, listening, now, b"left", 0.1) == InputState(0.0, 0.25, word="left")
+
+
+def test_a_word_that_waited_drives_nothing_but_a_late_stop_stops(
+    now: list[float], capsys: pytest.CaptureFixture[str]
+) -> None:
+    listening = Listening()
+    made = source(listening)
+    listening.age = 1.5
+    assert hears(made, listening, now, b"forward", 0.1) == NEUTRAL
+    assert "dropped word=forward why='expected one of the last 1 s, got one of 1.5 s ago'" in capsys.readouterr().err
+    listening.age = 0.25
+    assert hears(made, listening, now, b"forward", 0.1) == InputState(0.5, word="forward")
+    listening.age = 1.5
+    assert hears(made, listening, now, b"stop", 0.1) == InputState(word="stop")
+
+
+@pytest.mark.parametrize(("word", "state"), [("forward", NEUTRAL), ("stop", InputState(word="stop"))])
+def test_of_words_that_took_long_to_recognise_only_stop_counts(now: list[float], word: str, state: InputState) -> None:
+    listening = Listening()
+    made = source(listening)
+    listening.pieces.append(word.encode())
+    made.wait(0.05)
+    now[0] += 0.4
+    assert made.state(now[0], None) == state

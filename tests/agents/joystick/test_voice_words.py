@@ -44,6 +44,11 @@ def test_a_word_is_known_a_third_of_a_second_after_its_end_and_stop_before(recog
     assert stop.age == 0.0
 
 
+def test_the_age_of_a_word_counts_the_sound_that_came_with_it(recogniser: WordRecogniser) -> None:
+    (forward,) = recogniser.feed(said("forward").rstrip(b"\0") + bytes(2 * 2 * RATE))
+    assert forward.age == pytest.approx(2.0, abs=0.2)
+
+
 def test_other_words_do_not_drive(recogniser: WordRecogniser) -> None:
     for word in OTHERS:
         assert {spoken.word for spoken in heard(recogniser, said(word))} <= {"stop"}

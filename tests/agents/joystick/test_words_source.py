@@ -118,3 +118,13 @@ def test_waiting_words_are_sent_after_the_end_but_drive_no_more() -> None:
         assert source.state(1.5, None) is None
     finally:
         os.close(reading)
+
+
+def test_a_word_whose_share_is_0_drives_nothing_by_itself_either() -> None:
+    words = SpokenWords(0.0, 0.5, 2.0)
+    words.add("left", 0.0)
+    assert words.state(0.1) == InputState(0.0, 0.5, word="left")
+    words.add("forward", 0.2)
+    assert words.state(0.3) == InputState()
+    words.add("stop", 0.4)
+    assert words.state(0.5) == InputState(word="stop")

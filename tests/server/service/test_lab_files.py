@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from intellwheels_schemas.errors import WireError
-from intellwheels_server.service.lab_files import LabFiles, router_until
+from intellwheels_server.service.lab_files import LabFiles, read_lab, router_until
 
 
 def test_files_are_beside_the_lab(tmp_path: Path) -> None:
@@ -16,3 +16,14 @@ def test_files_are_beside_the_lab(tmp_path: Path) -> None:
     files.router.write_text("-----BEGIN CERTIFICATE-----\n")
     with pytest.raises(WireError, match="expected the certificate that iw-lab keys makes"):
         router_until(files)
+
+
+@pytest.mark.parametrize("verbs", ['Verbs=""', "Verbs = ' '"])
+def test_empty_list_of_verbs_is_refused_as_it_would_mean_all(tmp_path: Path, verbs: str) -> None:
+    path = tmp_path / "lab.xml"
+    may = f'<May Role="operator" {verbs}/>'
+    path.write_text(f'<Lab Format="iw.v1" Name="l">\n<Identity Name="op">{may}</Identity></Lab>')
+    with pytest.raises(WireError, match=r"lab\.xml:2: Verbs: expected verbs, or no Verbs for all of them"):
+        read_lab(path)
+    path.write_text(path.read_text().replace(verbs, 'Verbs="pause"'))
+    assert read_lab(path).identity[0].may[0].verbs == ("pause",)

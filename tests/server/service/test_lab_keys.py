@@ -112,6 +112,34 @@ def test_new_lab_and_files_for_everybody(
 @pytest.mark.parametrize(
     ("words", "text"),
     [
+        (["--lab", "Room 3.xml"], "--lab: expected a word of letters"),
+        (["--lab", "b.xml", "--chair", "a" * 32], "--chair: the name of its bridge: expected a name of a-z"),
+        (
+            ["--lab", "b.xml", "--chair", "st1-real"],
+            "does not begin as st1-, got st1-real, which a student could drive",
+        ),
+    ],
+)
+def test_new_lab_that_no_command_would_take_or_that_opens_a_chair_is_refused(
+    folder: Path, words: list[str], text: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["new", *words]) == 2
+    assert text in capsys.readouterr().err
+    assert [file.name for file in folder.iterdir()] == ["LAB.xml"]
+
+
+@pytest.mark.parametrize("host", ["", "a b", "café", "10.0.0.5:7447", "*", "lab.org:7447", "fe80::1]"])
+def test_host_that_no_endpoint_can_have_is_refused(folder: Path, host: str, capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit) as caught:
+        main(["keys", "--host", host])
+    assert caught.value.code == 2
+    assert f"--host: expected a host name or an address without a port, got {host!r}" in capsys.readouterr().err
+    assert [file.name for file in folder.iterdir()] == ["LAB.xml"]
+
+
+@pytest.mark.parametrize(
+    ("words", "text"),
+    [
         (["invite", "mallory"], "NAME: expected an identity of LAB.xml, got 'mallory'"),
         (["revoke", "mallory"], "NAME: expected an identity of LAB.xml, got 'mallory'"),
         (["invite", "sim", "--connect", "nowhere"], "--connect"),

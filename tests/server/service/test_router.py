@@ -1,3 +1,4 @@
+import datetime
 import json
 import os
 import signal
@@ -6,13 +7,18 @@ import subprocess
 import sys
 import threading
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
+from pathlib import Path
 
 import pytest
 import zenoh
 
 from intellwheels_schemas import link
+from intellwheels_schemas.files import write_file
+from intellwheels_schemas.messages import Identity, Lab, May
 from intellwheels_schemas.present import main as present
+from intellwheels_server.service import lab_keys
+from intellwheels_server.service import router as command
 from intellwheels_server.service.router import main
 
 DEADLINE = 30.0
@@ -89,3 +95,37 @@ def test_world_with_a_router_alone_has_no_simulator_or_agent() -> None:
     with router(address):
         assert present(["--router", "--connect", address]) == 0
         assert present(["--connect", address]) == 1
+
+
+@pytest.mark.process
+def test_router_begins_again_when_the_last_day_of_an_identity_is_over(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    last = datetime.date(2090, 1, 1)
+    guest = Identity(name="guest", until=last.isoformat(), may=(May(role="viewer"),))
+    ended = Identity(name="ended", until="2020-01-01", may=(May(role="viewer"),))
+    file = tmp_path / "lab.xml"
+    file.write_text(write_file(Lab(format="iw.v1", name="lab", identity=(guest, ended))))
+    assert lab_keys.main(["keys", "--lab", str(file)]) == 0
+    days = iter([last, last, last])
+    replaced: list[list[str]] = []
+    monkeypatch.setattr(command, "_today", lambda: next(days, last + datetime.timedelta(days=1)))
+    monkeypatch.setattr(command, "stop_on_signals", lambda _lifeline: threading.Event())
+    monkeypatch.setattr(os, "execv", lambda _program, words: replaced.append(words))
+    assert main(["--lab", str(file), "--listen", endpoint()]) == 0
+    assert next(days, None) is None, "not before its last day is over"
+    assert replaced == [sys.orig_argv]
+    assert "iw-router: restarted why='the last day of guest is over'" in capfd.readouterr().err
+
+
+@pytest.mark.process
+def test_connections_that_say_nothing_keep_nobody_out() -> None:
+    address = endpoint()
+    port = int(address.rpartition(":")[2])
+    with router(address), ExitStack() as stack:
+        for _ in range(200):
+            stack.enter_context(socket.create_connection(("127.0.0.1", port), DEADLINE))
+        # One attempt, which takes less time than such a connection may.
+        session = link.open_session(link.Link(connect=(address,)), threading.Event(), timeout=0.0)
+        assert session is not None
+        session.close()  # type: ignore[no-untyped-call]

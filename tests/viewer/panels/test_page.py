@@ -165,6 +165,34 @@ def test_a_pointer_that_rests_on_a_command_drives_until_it_leaves(scanning: Page
     board.wait(released)
 
 
+PAUSE = "() => new Promise(done => setTimeout(done, 300))"
+"""Three beats of the page's timer, by its own clock."""
+
+
+def test_a_short_press_of_a_switch_counts(scanning: Page, board: Board) -> None:
+    choose(board, "Two switches")
+    scanning.wait_for_selector("#iw-scan .lit[data-scan='1']")
+    for lit in (2, 3, 4):
+        # The page has sent that the switch is up.
+        scanning.evaluate(PAUSE)
+        scanning.keyboard.press(" ")
+        scanning.wait_for_selector(f"#iw-scan .lit[data-scan='{lit}']", timeout=5000.0)
+
+
+def test_a_finger_that_was_lifted_rests_nowhere(scanning: Page, board: Board) -> None:
+    choose(board, "Dwell", 3.0)
+    cell = scanning.locator("#iw-scan [data-scan='2']")
+    cell.scroll_into_view_if_needed()
+    box = cell.bounding_box()
+    assert box is not None
+    at = f"{{clientX: {box['x'] + 5}, clientY: {box['y'] + 5}, pointerType: 'touch'}}"
+    scanning.evaluate(f"window.dispatchEvent(new PointerEvent('pointermove', {at}))")
+    scanning.wait_for_selector("#iw-scan [data-scan='2'] i", state="attached", timeout=5000.0)
+    scanning.evaluate(f"window.dispatchEvent(new PointerEvent('pointerup', {at}))")
+    scanning.wait_for_selector("#iw-scan [data-scan='2'] i", state="detached", timeout=2500.0)
+    assert board.calls == []
+
+
 def test_typing_is_not_driving(page: Page, board: Board) -> None:
     field = page.locator("form input:visible").first
     field.fill("")

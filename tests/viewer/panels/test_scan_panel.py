@@ -110,7 +110,7 @@ def test_another_selection_or_setting_ends_driving(gui: viser.GuiApi, calls: Cal
 
 
 @pytest.mark.parametrize(
-    "choices", [Choices(), Choices(selected="table1"), Choices(selected="chair1", rights=made_up.LOOKS_ONLY)]
+    "choices", [Choices(), Choices(selected="table1"), Choices(selected="chair1", rights=made_up.DENIED)]
 )
 def test_nothing_is_driven_or_shown_when_nothing_can_be(gui: viser.GuiApi, calls: Calls, choices: Choices) -> None:
     page = Page(gui, calls, "One switch")

@@ -2,7 +2,9 @@
 
 The page sends ten times a second which switches are down and over which command the pointer is, while the board is
 shown, the page has the focus and is visible. The scan runs here, only when such a message comes, and publishes nothing
-else: a page that is closed or hangs stops the chair. The script uses a private name of viser (see callbacks).
+else: a page that is closed or hangs stops the chair. A press counts for at least `TAP` ms, because viser sends only the
+newest of the messages of 50 ms. A finger that is lifted rests nowhere. The script uses a private name of viser (see
+callbacks).
 """
 
 from __future__ import annotations
@@ -37,7 +39,7 @@ _HINTS: Final[dict[Method, str]] = {
 }
 _SCRIPT: Final = """
 (() => {
-const W = window, D = document, KEYS = {Space: 1, Enter: 2};
+const W = window, D = document, KEYS = {Space: 1, Enter: 2}, TAP = 120, since = {}, ups = {};
 if (W.__iwScan) W.__iwScan.abort();
 const stop = W.__iwScan = new AbortController();
 let down = 0, x = -1, y = -1, n = 0, live = false;
@@ -60,14 +62,19 @@ const ours = e => e.code in KEYS && board() && !e.ctrlKey && !e.metaKey && !e.al
 on('keydown', e => {
   if (!ours(e)) return;
   e.preventDefault(); e.stopImmediatePropagation();
-  if (!e.repeat) { down |= KEYS[e.code]; beat(); }
+  if (e.repeat) return;
+  clearTimeout(ups[e.code]);
+  since[e.code] = performance.now(); down |= KEYS[e.code]; beat();
 });
 on('keyup', e => {
   if (!(e.code in KEYS) || !(down & KEYS[e.code])) return;
   e.preventDefault(); e.stopImmediatePropagation();
-  down &= ~KEYS[e.code]; beat();
+  const up = () => { down &= ~KEYS[e.code]; beat(); }, left = since[e.code] + TAP - performance.now();
+  if (left > 0) ups[e.code] = setTimeout(up, left); else up();
 });
 on('pointermove', e => { x = e.clientX; y = e.clientY; });
+for (const type of ['pointerup', 'pointercancel'])
+  on(type, e => { if (e.pointerType === 'touch') { x = -1; beat(); } });
 D.addEventListener('pointerleave', () => { x = -1; beat(); }, {signal: stop.signal});
 on('blur', e => { if (e.target === W) { down = 0; x = -1; beat(); } });
 on('pagehide', () => { down = 0; x = -1; beat(); });

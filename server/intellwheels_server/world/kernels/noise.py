@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import hashlib
 import math
+from functools import lru_cache
 
 import numpy as np
 from numba import njit
@@ -27,6 +28,7 @@ _WORD = np.uint64(64)
 _TWELVE = np.uint64(12)
 
 
+@lru_cache(maxsize=4096)  # every join asks for the keys of all sensors again
 def noise_key(seed: str, agent: str, stream: str) -> tuple[np.uint64, np.uint64]:
     """Return the key of one stream of noise.
 
