@@ -104,7 +104,7 @@ def motion_of(message: Any) -> tuple[float, float, float]:
     Raises:
         WireError: `value`, when they cannot be in these units.
     """
-    gravity = math.sqrt(message.gravity_x**2 + message.gravity_y**2 + message.gravity_z**2)
+    gravity = math.hypot(message.gravity_x, message.gravity_y, message.gravity_z)
     if not abs(gravity - GRAVITY) <= GRAVITY_TOLERANCE:
         raise _value_error("ImuData.gravity", f"{GRAVITY} m/s2, at most {GRAVITY_TOLERANCE:g} off", gravity)
     forward, left, turn_rate = message.acceleration_y, -message.acceleration_x, message.gyro_z
