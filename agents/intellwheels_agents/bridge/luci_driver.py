@@ -313,7 +313,8 @@ class LuciDriver:
         joystick = message.joystick
         if joystick.source != AUTONOMOUS_REMOTE or not self._accepted.is_set():
             return
-        forward, turn = stick_of(joystick, "ActiveScaling.joystick")
+        # A value out of range is no reason to drop the report: a wrong centre may cause it.
+        forward, turn = joystick.forward_back / STICK, -joystick.left_right / STICK
         with self._lock:
             is_explained = self._check.is_explained(forward, turn, time.monotonic())
         if not is_explained and self.failure is None:

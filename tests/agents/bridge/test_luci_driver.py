@@ -4,12 +4,14 @@ import math
 import threading
 import time
 from collections.abc import Callable, Iterator
+from types import SimpleNamespace
 
 import msgspec
 import pytest
 
 from intellwheels_agents.bridge.hardware_driver import Reading
 from intellwheels_agents.bridge.luci_driver import LuciDriver
+from intellwheels_agents.bridge.luci_schema import AUTONOMOUS_REMOTE, message
 from intellwheels_agents.bridge.luci_stand_in import LuciChair, serve
 from intellwheels_maps import robot
 
@@ -187,6 +189,21 @@ def test_a_joystick_with_another_centre_is_found_and_the_chair_let_go(line: Line
     assert line.driver.failure is not None
     assert "which this bridge did not send" in line.driver.failure
     assert line.lines[-1] == "source removed=1"
+
+
+def test_a_chair_that_drives_out_of_range_is_let_go(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A unit that takes 150 as it comes drives at full speed: the report is no garbage."""
+    now = [100.0]
+    monkeypatch.setattr("intellwheels_agents.bridge.luci_driver.time", SimpleNamespace(monotonic=lambda: now[0]))
+    driver = LuciDriver("127.0.0.1:1", CHAIR, threading.Event())
+    driver.begin_run("a" * 16)
+    joystick = message("JoystickData", forward_back=150, left_right=0, source=AUTONOMOUS_REMOTE)
+    for _ in range(2):
+        driver._on_active_scaling(message("ActiveScaling", joystick=joystick))
+        now[0] += 0.3
+    assert driver.failure is not None
+    assert driver.failure.startswith("the chair drives with forward 1.5 and turn 0, which this bridge did not send")
+    assert driver.faults()["garbage"] == 0
 
 
 def test_a_second_bridge_on_one_unit_is_refused(line: Line) -> None:
