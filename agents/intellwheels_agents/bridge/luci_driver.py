@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 from intellwheels_agents.bridge.fault_notes import FaultNotes
 from intellwheels_agents.bridge.hardware_driver import Reading
-from intellwheels_agents.bridge.line_lock import LineLock
+from intellwheels_agents.bridge.line_lock import LineLock, names_of
 from intellwheels_agents.bridge.luci_readings import (
     STICK,
     Point,
@@ -104,7 +104,7 @@ class LuciDriver:
         self._waiting = waiting
         self._reason = ""
         self._faults = FaultNotes(tell)
-        self._lock_of_chair = LineLock(f"luci/{address}")
+        self._locks: list[LineLock] = []
         self._accepted = threading.Event()
         self._readings: deque[Reading] = deque(maxlen=MAX_READINGS)
         self._turns = WheelTurns(chair.encoder_ticks, frozenset(reversed_wheels))
@@ -127,7 +127,8 @@ class LuciDriver:
 
     def start(self) -> None:
         """Start looking for the unit, unless another bridge on this machine uses it."""
-        if not self._lock_of_chair.take():
+        self._locks = [LineLock(f"luci/{name}") for name in names_of(self._address)]
+        if not all(lock.take() for lock in self._locks):
             self._fail(f"{self._address} is in use by another iw-bridge")
             return
         self._thread.start()
@@ -166,7 +167,8 @@ class LuciDriver:
         """Wait for the threads to end. If overrides were sent, the last one is the centre. `stop` is set already."""
         if self._thread.is_alive():
             self._thread.join(timeout=2.0)
-        self._lock_of_chair.release()
+        for lock in self._locks:
+            lock.release()
 
     # ------------------------------------------------------------ the connection
 
