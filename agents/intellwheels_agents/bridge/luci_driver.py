@@ -13,6 +13,7 @@ import threading
 import time
 from collections import deque
 from collections.abc import Callable, Sequence
+from functools import partial
 from typing import TYPE_CHECKING, Any, Final
 
 from intellwheels_agents.bridge.fault_notes import FaultNotes
@@ -41,6 +42,7 @@ from intellwheels_agents.bridge.wrapping_counter import WrappingCounter
 from intellwheels_agents.user_input import unmixed
 from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.messages import Pace, Robot
+from intellwheels_schemas.process import start_network_thread
 
 if TYPE_CHECKING:
     import grpc
@@ -55,6 +57,10 @@ _SLICE: Final = 0.05
 _OPTIONS: Final = (
     ("grpc.max_receive_message_length", MAX_MESSAGE),
     ("grpc.enable_http_proxy", 0),
+    # The system drops a connection on which nothing is acknowledged, and with it the overrides that still wait there.
+    # Otherwise they would reach the chair when the network returns. No more pings than the default of a server allows.
+    ("grpc.keepalive_time_ms", 300_000),
+    ("grpc.keepalive_timeout_ms", round(1000.0 * QUIET_LINE)),
     # Each connection makes its own attempt: this driver does the waiting between two.
     ("grpc.use_local_subchannel_pool", 1),
 )
@@ -121,7 +127,9 @@ class LuciDriver:
         self._check = OverrideCheck()
         self._heard_at = 0.0
         self._opened = self._unsent = 0
-        self._thread = threading.Thread(target=self._run, name="luci", daemon=True)
+        self._refused: set[str] = set()
+        self._tell = tell
+        self._thread: threading.Thread | None = None
 
     # ------------------------------------------------------------ the driver
 
@@ -131,7 +139,7 @@ class LuciDriver:
         if not all(lock.take() for lock in self._locks):
             self._fail(f"{self._address} is in use by another iw-bridge")
             return
-        self._thread.start()
+        self._thread = start_network_thread("luci", self._run)
 
     def read(self) -> list[Reading]:
         """Return the readings since the last call."""
@@ -165,7 +173,7 @@ class LuciDriver:
 
     def close(self) -> None:
         """Wait for the threads to end. If overrides were sent, the last one is the centre. `stop` is set already."""
-        if self._thread.is_alive():
+        if self._thread is not None:
             self._thread.join(timeout=2.0)
         for lock in self._locks:
             lock.release()
@@ -192,13 +200,9 @@ class LuciDriver:
             ("UserJoystickStream", "Empty", {}, "JoystickData", self._on_user_joystick),
             ("ActiveScalingStream", "Empty", {}, "ActiveScaling", self._on_active_scaling),
         )
-        threads = [
-            threading.Thread(target=self._read, args=(channel, ended, *stream), name=stream[0], daemon=True)
-            for stream in streams
-        ]
-        threads.append(threading.Thread(target=self._steer, args=(channel, ended), name="overrides", daemon=True))
-        for thread in threads:
-            thread.start()
+        # A thread that is inside grpc when Python ends may abort the process.
+        threads = [start_network_thread(one[0], partial(self._read, channel, ended, *one)) for one in streams]
+        threads.append(start_network_thread("overrides", partial(self._steer, channel, ended)))
         while not (self._stop.is_set() or ended.wait(_SLICE)):
             now = time.monotonic()
             if now - max(self._heard_at, began) > QUIET_LINE:
@@ -275,7 +279,12 @@ class LuciDriver:
             sent = message(request, source=AUTONOMOUS_REMOTE, **fields).SerializeToString()
             try:
                 channel.unary_unary(SERVICE + method)(sent, timeout=CALL_TIMEOUT)
-            except (grpc.RpcError, ValueError):  # a closed channel is a ValueError
+            except (grpc.RpcError, ValueError) as error:  # a closed channel is a ValueError
+                code = error.code() if isinstance(error, grpc.RpcError) else grpc.StatusCode.CANCELLED
+                is_lost = code in (grpc.StatusCode.CANCELLED, grpc.StatusCode.UNAVAILABLE)
+                if not is_lost and method not in self._refused:
+                    self._refused.add(method)
+                    self._tell(f"{method}: expected the unit to accept it, got {code.name.lower()}: {error.details()}")
                 return False
             return True
 

@@ -1,9 +1,13 @@
 from __future__ import annotations
 
+import contextlib
 import math
+import os
+import socket
 import threading
 import time
 from collections.abc import Callable, Iterator
+from pathlib import Path
 from types import SimpleNamespace
 
 import msgspec
@@ -14,6 +18,7 @@ from intellwheels_agents.bridge.luci_driver import LuciDriver
 from intellwheels_agents.bridge.luci_schema import AUTONOMOUS_REMOTE, message
 from intellwheels_agents.bridge.luci_stand_in import LuciChair, serve
 from intellwheels_maps import robot
+from intellwheels_schemas import process
 
 pytestmark = pytest.mark.process
 
@@ -34,7 +39,7 @@ class Line:
         self.readings: list[Reading] = []
         self._ended = threading.Event()
         self._server, port = serve(self.luci, "127.0.0.1:0", self._ended)
-        self.address = f"127.0.0.1:{port}"
+        self.address, self.port = f"127.0.0.1:{port}", port
         self.driver = self.another()
         self._last = time.monotonic()
         if accepted:
@@ -189,6 +194,43 @@ def test_a_joystick_with_another_centre_is_found_and_the_chair_let_go(line: Line
     assert line.driver.failure is not None
     assert "which this bridge did not send" in line.driver.failure
     assert line.lines[-1] == "source removed=1"
+
+
+def test_a_unit_that_refuses_the_bridge_is_told_once() -> None:
+    line = Line(accepted=False)
+
+    def refused(_source: int) -> None:
+        raise PermissionError("another one steers")
+
+    try:
+        line.luci.add_source = refused  # type: ignore[method-assign]
+        line.driver.begin_run("a" * 16)
+        line.until(lambda: line.told, "the refusal")
+        line.until_read(10, (0.5, 0.5))
+        (told,) = line.told
+        assert told.startswith("AddInputSource: expected the unit to accept it, got unknown: ")
+        assert "another one steers" in told
+        assert line.lines == []
+    finally:
+        line.end()
+
+
+def test_overrides_of_a_broken_connection_do_not_arrive_late(line: Line) -> None:
+    line.until_read()
+    limits = []
+    for path in list(Path("/proc/self/fd").iterdir()):
+        if not path.is_socket():
+            continue
+        with contextlib.suppress(OSError), socket.socket(fileno=os.dup(int(path.name))) as one:
+            if one.getpeername()[1:2] == (line.port,):
+                limits.append(one.getsockopt(socket.IPPROTO_TCP, socket.TCP_USER_TIMEOUT))
+    assert limits == [1000]
+
+
+def test_python_waits_for_the_threads_that_use_grpc(line: Line) -> None:
+    line.until_read()
+    waited = {thread.name for thread in process._network_threads if thread.is_alive()}
+    assert {"luci", "EncoderStream", "ActiveScalingStream", "overrides"} <= waited
 
 
 def test_a_chair_that_drives_out_of_range_is_let_go(monkeypatch: pytest.MonkeyPatch) -> None:
