@@ -351,7 +351,12 @@ class LuciDriver:
     def _on_encoders(self, message: Any) -> None:
         now, edge = time.monotonic(), message.edge_timestamp
         stamp = self._stamp(edge, now)
-        left, right = self._turns.update(message.left_angle, message.right_angle)
+        try:
+            left, right = self._turns.update(message.left_angle, message.right_angle)
+        except WireError:
+            self._encoders_at = None if self._turns.is_lost else self._encoders_at
+            raise
+        self._encoders_at = stamp
         self._seq += 1
         stick = _fresh(self._stick, now)
         self._readings.append(
@@ -382,7 +387,6 @@ class LuciDriver:
             if restarted:
                 self._edge.reset()
                 stamp = self._edge.extend(edge) / 1000.0
-        self._encoders_at = stamp
         return stamp
 
     def _fresh_points(self, now: float) -> list[Point] | None:

@@ -179,6 +179,11 @@ class WheelTurns:
             raise _value_error("EncoderData", "degrees", f"angles up to 2 pi only: {left:g} and {right:g}")
         return round(self._turned[0] * self._per_degree), round(self._turned[1] * self._per_degree)
 
+    @property
+    def is_lost(self) -> bool:
+        """Whether the last angle of a wheel is not known."""
+        return None in self._last
+
     def forget_angles(self) -> None:
         """Take the next angles as they are: after a long silence the turns between are unknown."""
         self._last = [None, None]

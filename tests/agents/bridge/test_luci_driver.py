@@ -19,6 +19,7 @@ from intellwheels_agents.bridge.luci_schema import AUTONOMOUS_REMOTE, message
 from intellwheels_agents.bridge.luci_stand_in import LuciChair, serve
 from intellwheels_maps import robot
 from intellwheels_schemas import process
+from intellwheels_schemas.errors import WireError
 
 pytestmark = pytest.mark.process
 
@@ -231,6 +232,35 @@ def test_python_waits_for_the_threads_that_use_grpc(line: Line) -> None:
     line.until_read()
     waited = {thread.name for thread in process._network_threads if thread.is_alive()}
     assert {"luci", "EncoderStream", "ActiveScalingStream", "overrides"} <= waited
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [
+        pytest.param([(361.0, 100.0)] * 2, id="out-of-range"),
+        pytest.param([(0.0, 105.0), (0.0, 112.0)], id="magnet"),
+    ],
+)
+def test_after_wrong_angles_the_way_in_between_is_unknown(wrong: list[tuple[float, float]]) -> None:
+    driver = LuciDriver("127.0.0.1:1", CHAIR, threading.Event())
+    edge = 1000
+    for left, right in [(100.0, 100.0), *wrong, (80.0, 130.0)]:
+        with contextlib.suppress(WireError):
+            driver._on_encoders(message("EncoderData", left_angle=left, right_angle=right, edge_timestamp=edge))
+        # Two of them last longer than half a turn of a wheel at top speed; a lost magnet needs no such silence.
+        edge += 20 if wrong[0][0] == 0.0 else 500
+    first, *_, last = driver.read()
+    assert first.epoch != last.epoch
+
+
+def test_a_single_wrong_angle_loses_no_way() -> None:
+    driver = LuciDriver("127.0.0.1:1", CHAIR, threading.Event())
+    for edge, angle in ((1000, 100.0), (1020, 361.0), (1040, 110.0)):
+        with contextlib.suppress(WireError):
+            driver._on_encoders(message("EncoderData", left_angle=angle, right_angle=angle, edge_timestamp=edge))
+    first, last = driver.read()
+    assert first.epoch == last.epoch
+    assert last.left - first.left == round(CHAIR.encoder_ticks * 10.0 / 360.0)
 
 
 def test_a_chair_that_drives_out_of_range_is_let_go(monkeypatch: pytest.MonkeyPatch) -> None:
