@@ -279,10 +279,11 @@ class LuciDriver:
             sent = message(request, source=AUTONOMOUS_REMOTE, **fields).SerializeToString()
             try:
                 channel.unary_unary(SERVICE + method)(sent, timeout=CALL_TIMEOUT)
-            except (grpc.RpcError, ValueError) as error:  # a closed channel is a ValueError
-                code = error.code() if isinstance(error, grpc.RpcError) else grpc.StatusCode.CANCELLED
-                is_lost = code in (grpc.StatusCode.CANCELLED, grpc.StatusCode.UNAVAILABLE)
-                if not is_lost and method not in self._refused:
+            except ValueError:  # a closed channel
+                return False
+            except grpc.RpcError as error:
+                code = error.code()
+                if method not in self._refused and code.name not in ("CANCELLED", "UNAVAILABLE"):
                     self._refused.add(method)
                     self._tell(f"{method}: expected the unit to accept it, got {code.name.lower()}: {error.details()}")
                 return False

@@ -200,7 +200,8 @@ def test_a_joystick_with_another_centre_is_found_and_the_chair_let_go(line: Line
 def test_a_unit_that_refuses_the_bridge_is_told_once() -> None:
     line = Line(accepted=False)
 
-    def refused(_source: int) -> None:
+    def refused(source: int) -> None:
+        del source
         raise PermissionError("another one steers")
 
     try:
