@@ -126,9 +126,24 @@ def join_network_threads() -> None:
                 except Exception:
                     traceback.print_exc()
         if not threads or time.monotonic() >= deadline:
-            return
+            break
         for thread in threads:
             thread.join(max(0.0, deadline - time.monotonic()))
+    for thread in _callback_threads():
+        thread.join(max(0.0, deadline - time.monotonic()))
+
+
+def _callback_threads() -> list[threading.Thread]:
+    """Return the threads on which Zenoh calls back, one for each subscriber, that Python does not wait for by itself.
+
+    They are daemons if a daemon declared the subscriber. They end a moment after it is closed, and abort the process if
+    Python has ended before.
+    """
+    return [
+        thread
+        for thread in threading.enumerate()
+        if thread.daemon and getattr(getattr(thread, "_target", None), "__name__", "") == "pyo3-closure"
+    ]
 
 
 atexit.register(join_network_threads)

@@ -145,3 +145,5 @@ def test_an_r_net_chair_is_followed_in_silence_and_driven_only_with_the_flag(sta
     # Without the simulator, the bridge falls silent, and the joystick at rest is in force.
     stage.signal(server, signal.SIGKILL)
     chair.line("stopped")
+    stage.signal(driver, signal.SIGTERM)
+    assert stage.exit(driver) == 0

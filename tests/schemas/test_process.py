@@ -131,6 +131,38 @@ def test_python_ends_after_the_threads_that_use_the_network() -> None:
         assert child.returncode == 0
 
 
+CALLBACK = """
+import atexit, sys, threading
+atexit.register(print, "last", flush=True)
+import zenoh
+from intellwheels_schemas.process import start_network_thread
+inside = threading.Event()
+def on_sample(sample):
+    inside.set()
+    sys.stdin.readline()
+    print("called back", flush=True)
+def works():
+    config = zenoh.Config()
+    config.insert_json5("scouting/multicast/enabled", "false")
+    config.insert_json5("listen/endpoints", "[]")
+    with zenoh.open(config) as session, session.declare_subscriber("a", on_sample):
+        session.put("a", b"")
+        inside.wait(30.0)
+start_network_thread("works", works).join(60.0)
+print("ending", flush=True)
+"""
+
+
+def test_python_ends_after_the_callbacks_of_a_network_thread() -> None:
+    """Zenoh calls back on threads that are daemons if the thread that subscribed is one."""
+    command = [sys.executable, "-c", CALLBACK]
+    with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as child:
+        assert child.stdout is not None
+        assert child.stdout.readline() == "ending\n"
+        assert child.communicate("go\n", timeout=30.0)[0] == "called back\nlast\n"
+        assert child.returncode == 0
+
+
 STUCK = """
 import threading
 from intellwheels_schemas import process

@@ -35,6 +35,7 @@ class DriverKind:
         hardware: What the chair is, unless `--hardware` says otherwise.
         drift: Variance of the travel of a wheel, m2 a metre, unless `--drift` says otherwise.
         has_motion: Whether it reads an inertial unit.
+        has_sonars: Whether it reads sonars.
     """
 
     options: tuple[str, ...]
@@ -44,6 +45,7 @@ class DriverKind:
     hardware: Literal["real", "simulated"] = "real"
     drift: float = DRIFT
     has_motion: bool = False
+    has_sonars: bool = True
 
 
 DRIVERS: Final = {
@@ -58,7 +60,7 @@ DRIVERS: Final = {
     ),
     "rnet": DriverKind(
         ("--channel", "--interface", "--can-option", "--allow-injection"), "--channel", "a CAN bus", "rnet",
-        drift=DRIFT_OF_STICK,
+        drift=DRIFT_OF_STICK, has_sonars=False,
     ),
 }  # fmt: skip
 """Every driver, by its name on the command line."""
@@ -78,6 +80,10 @@ def check_usage(command: argparse.ArgumentParser, given: argparse.Namespace) -> 
                 command.error(f"{option}: expected with the driver {name}, got {given.driver}")
     if kind.where is not None and getattr(given, kind.where.removeprefix("--")) is None:
         command.error(f"{kind.where}: expected {kind.what} with the driver {given.driver}, got none")
+    if given.sensors != "virtual" and not kind.has_sonars:
+        command.error(
+            f"--sensors: expected virtual with the driver {given.driver}, which reads none, got {given.sensors}"
+        )
     lacking = None if kind.extra is None else missing_extra(kind.extra)
     return None if lacking is None else f"the driver {given.driver}: {lacking}"
 

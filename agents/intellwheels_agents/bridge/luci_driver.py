@@ -13,11 +13,12 @@ import threading
 import time
 from collections import deque
 from collections.abc import Callable, Sequence
+from functools import partial
 from typing import TYPE_CHECKING, Any, Final
 
 from intellwheels_agents.bridge.fault_notes import FaultNotes
 from intellwheels_agents.bridge.hardware_driver import Reading
-from intellwheels_agents.bridge.line_lock import LineLock
+from intellwheels_agents.bridge.line_lock import LineLock, names_of
 from intellwheels_agents.bridge.luci_readings import (
     STICK,
     Point,
@@ -41,6 +42,7 @@ from intellwheels_agents.bridge.wrapping_counter import WrappingCounter
 from intellwheels_agents.user_input import unmixed
 from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.messages import Pace, Robot
+from intellwheels_schemas.process import start_network_thread
 
 if TYPE_CHECKING:
     import grpc
@@ -55,6 +57,10 @@ _SLICE: Final = 0.05
 _OPTIONS: Final = (
     ("grpc.max_receive_message_length", MAX_MESSAGE),
     ("grpc.enable_http_proxy", 0),
+    # The system drops a connection on which nothing is acknowledged, and with it the overrides that still wait there.
+    # Otherwise they would reach the chair when the network returns. No more pings than the default of a server allows.
+    ("grpc.keepalive_time_ms", 300_000),
+    ("grpc.keepalive_timeout_ms", round(1000.0 * QUIET_LINE)),
     # Each connection makes its own attempt: this driver does the waiting between two.
     ("grpc.use_local_subchannel_pool", 1),
 )
@@ -104,7 +110,7 @@ class LuciDriver:
         self._waiting = waiting
         self._reason = ""
         self._faults = FaultNotes(tell)
-        self._lock_of_chair = LineLock(f"luci/{address}")
+        self._locks: list[LineLock] = []
         self._accepted = threading.Event()
         self._readings: deque[Reading] = deque(maxlen=MAX_READINGS)
         self._turns = WheelTurns(chair.encoder_ticks, frozenset(reversed_wheels))
@@ -121,16 +127,19 @@ class LuciDriver:
         self._check = OverrideCheck()
         self._heard_at = 0.0
         self._opened = self._unsent = 0
-        self._thread = threading.Thread(target=self._run, name="luci", daemon=True)
+        self._refused: set[str] = set()
+        self._tell = tell
+        self._thread: threading.Thread | None = None
 
     # ------------------------------------------------------------ the driver
 
     def start(self) -> None:
         """Start looking for the unit, unless another bridge on this machine uses it."""
-        if not self._lock_of_chair.take():
+        self._locks = [LineLock(f"luci/{name}") for name in names_of(self._address)]
+        if not all(lock.take() for lock in self._locks):
             self._fail(f"{self._address} is in use by another iw-bridge")
             return
-        self._thread.start()
+        self._thread = start_network_thread("luci", self._run)
 
     def read(self) -> list[Reading]:
         """Return the readings since the last call."""
@@ -164,9 +173,10 @@ class LuciDriver:
 
     def close(self) -> None:
         """Wait for the threads to end. If overrides were sent, the last one is the centre. `stop` is set already."""
-        if self._thread.is_alive():
+        if self._thread is not None:
             self._thread.join(timeout=2.0)
-        self._lock_of_chair.release()
+        for lock in self._locks:
+            lock.release()
 
     # ------------------------------------------------------------ the connection
 
@@ -190,13 +200,9 @@ class LuciDriver:
             ("UserJoystickStream", "Empty", {}, "JoystickData", self._on_user_joystick),
             ("ActiveScalingStream", "Empty", {}, "ActiveScaling", self._on_active_scaling),
         )
-        threads = [
-            threading.Thread(target=self._read, args=(channel, ended, *stream), name=stream[0], daemon=True)
-            for stream in streams
-        ]
-        threads.append(threading.Thread(target=self._steer, args=(channel, ended), name="overrides", daemon=True))
-        for thread in threads:
-            thread.start()
+        # A thread that is inside grpc when Python ends may abort the process.
+        threads = [start_network_thread(one[0], partial(self._read, channel, ended, *one)) for one in streams]
+        threads.append(start_network_thread("overrides", partial(self._steer, channel, ended)))
         while not (self._stop.is_set() or ended.wait(_SLICE)):
             now = time.monotonic()
             if now - max(self._heard_at, began) > QUIET_LINE:
@@ -273,7 +279,13 @@ class LuciDriver:
             sent = message(request, source=AUTONOMOUS_REMOTE, **fields).SerializeToString()
             try:
                 channel.unary_unary(SERVICE + method)(sent, timeout=CALL_TIMEOUT)
-            except (grpc.RpcError, ValueError):  # a closed channel is a ValueError
+            except ValueError:  # a closed channel
+                return False
+            except grpc.RpcError as error:
+                code = error.code()
+                if method not in self._refused and code.name not in ("CANCELLED", "UNAVAILABLE"):
+                    self._refused.add(method)
+                    self._tell(f"{method}: expected the unit to accept it, got {code.name.lower()}: {error.details()}")
                 return False
             return True
 
@@ -313,7 +325,8 @@ class LuciDriver:
         joystick = message.joystick
         if joystick.source != AUTONOMOUS_REMOTE or not self._accepted.is_set():
             return
-        forward, turn = stick_of(joystick, "ActiveScaling.joystick")
+        # A value out of range is no reason to drop the report: a wrong centre may cause it.
+        forward, turn = joystick.forward_back / STICK, -joystick.left_right / STICK
         with self._lock:
             is_explained = self._check.is_explained(forward, turn, time.monotonic())
         if not is_explained and self.failure is None:
@@ -339,7 +352,12 @@ class LuciDriver:
     def _on_encoders(self, message: Any) -> None:
         now, edge = time.monotonic(), message.edge_timestamp
         stamp = self._stamp(edge, now)
-        left, right = self._turns.update(message.left_angle, message.right_angle)
+        try:
+            left, right = self._turns.update(message.left_angle, message.right_angle)
+        except WireError:
+            self._encoders_at = None if self._turns.is_lost else self._encoders_at
+            raise
+        self._encoders_at = stamp
         self._seq += 1
         stick = _fresh(self._stick, now)
         self._readings.append(
@@ -370,7 +388,6 @@ class LuciDriver:
             if restarted:
                 self._edge.reset()
                 stamp = self._edge.extend(edge) / 1000.0
-        self._encoders_at = stamp
         return stamp
 
     def _fresh_points(self, now: float) -> list[Point] | None:

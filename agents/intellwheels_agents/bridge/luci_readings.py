@@ -104,7 +104,7 @@ def motion_of(message: Any) -> tuple[float, float, float]:
     Raises:
         WireError: `value`, when they cannot be in these units.
     """
-    gravity = math.sqrt(message.gravity_x**2 + message.gravity_y**2 + message.gravity_z**2)
+    gravity = math.hypot(message.gravity_x, message.gravity_y, message.gravity_z)
     if not abs(gravity - GRAVITY) <= GRAVITY_TOLERANCE:
         raise _value_error("ImuData.gravity", f"{GRAVITY} m/s2, at most {GRAVITY_TOLERANCE:g} off", gravity)
     forward, left, turn_rate = message.acceleration_y, -message.acceleration_x, message.gyro_z
@@ -178,6 +178,11 @@ class WheelTurns:
         if not self._are_degrees and since_wrap > AFTER_WRAP:
             raise _value_error("EncoderData", "degrees", f"angles up to 2 pi only: {left:g} and {right:g}")
         return round(self._turned[0] * self._per_degree), round(self._turned[1] * self._per_degree)
+
+    @property
+    def is_lost(self) -> bool:
+        """Whether the last angle of a wheel is not known."""
+        return None in self._last
 
     def forget_angles(self) -> None:
         """Take the next angles as they are: after a long silence the turns between are unknown."""

@@ -55,6 +55,8 @@ ECHO_TIME: Final = 0.2
 """Seconds in which a frame that was sent may come back."""
 MAX_ERRORS: Final = 10
 """Errors of the bus in a row after which it is opened again. A stranger's bytes make single ones."""
+MAX_BATCH: Final = 1000
+"""Frames that are taken at once. After so many there may be newer ones."""
 _READ_TIMEOUT: Final = 0.05
 _ECHOING: Final = ("udp_multicast",)
 """Interfaces of python-can that hand back what was sent, and cannot be told not to."""
@@ -107,6 +109,7 @@ class RnetDriver:
         self._waiting = waiting
         self._reason = ""
         self._status = status
+        self._tell = tell
         self._faults = FaultNotes(tell)
         self._lock_of_chair = LineLock(f"rnet/{interface}/{channel}")
         self._accepted = False
@@ -182,11 +185,13 @@ class RnetDriver:
                     interface=self._interface, channel=self._channel, bitrate=BITRATE, can_filters=FILTERS,
                     **self._options,
                 )  # fmt: skip
-            except (can.CanInterfaceNotImplementedError, TypeError, ValueError) as error:
-                # The adapter's kind or its options are wrong: waiting does not help.
-                self._fail(f"--interface, --can-option: python-can cannot use {self._interface}: {_in_words(error)}")
-                return
-            except (can.CanError, OSError) as error:
+            except Exception as error:  # the library of an adapter may raise anything
+                may_pass = isinstance(error, (can.CanError, OSError))
+                if not may_pass or isinstance(error, can.CanInterfaceNotImplementedError):
+                    # The adapter's kind or its options are wrong: waiting does not help.
+                    used = f"python-can cannot use {self._interface}"
+                    self._fail(f"--interface, --can-option: {used}: {_in_words(error)}")
+                    return
                 self._wait_for(f"cannot open {self._channel}: {_in_words(error)}")
                 self._stop.wait(REOPEN_PERIOD)
                 continue
@@ -197,42 +202,59 @@ class RnetDriver:
 
     def _use(self, bus: can.BusABC) -> None:
         """Read from an open bus until it is lost or the process stops."""
-        import can  # noqa: PLC0415
-
         self._heard_at, errors = time.monotonic(), 0
+        batch: list[can.Message] = []
         while not self._stop.is_set():
             try:
-                received = bus.recv(_READ_TIMEOUT)
+                received = bus.recv(0.0 if batch else _READ_TIMEOUT)
                 errors = 0
-            except (can.CanError, OSError, ValueError) as error:
+            except Exception as error:  # a stranger's bytes must not end this thread
                 errors += 1
                 self._faults.add(WireError("malformed", f"CAN bus: {_in_words(error)}", "CAN bus"))
                 if errors >= MAX_ERRORS:
                     return
                 continue
-            now = time.monotonic()
             if received is not None:
-                self._on_message(bus, received, now)
+                batch.append(received)
+                if len(batch) < MAX_BATCH:
+                    continue
+            now = time.monotonic()
+            self._on_batch(bus, batch, now)
+            batch = []
             if now - self._heard_at > QUIET_LINE:
                 self._wait_for(f"{self._channel} is open, but no joystick frames come; is the chair on, at 125 kbit/s?")
 
-    def _on_message(self, bus: can.BusABC, received: can.Message, now: float) -> None:
+    def _on_batch(self, bus: can.BusABC, batch: list[can.Message], now: float) -> None:
+        """Take all frames that had arrived, in order. Only the newest frame of a joystick may be followed by a power.
+
+        After a pause of this process old frames at rest come first, and the person may have moved the joystick since.
+        """
+        contents = [content for received in batch if (content := self._content(received, now)) is not None]
+        sticks = [content for content in contents if isinstance(content, Stick)]
+        if any(_is_deflected(stick) for stick in sticks):
+            self._deflected_at = now
+        newest = {stick.device: stick for stick in sticks} if len(batch) < MAX_BATCH else {}
+        for content in contents:
+            if isinstance(content, Stick):
+                self._on_stick(bus, content, now, is_newest=content is newest.get(content.device))
+            else:
+                self._note(content)
+        if contents:
+            self._say(now)
+
+    def _content(self, received: can.Message, now: float) -> Content | None:
+        """Return what a frame says, or None for an own one that came back, and for one that says nothing."""
         is_plain = received.is_extended_id and not (
             received.is_remote_frame or received.is_error_frame or received.is_fd
         )
         frame = Frame(received.arbitration_id, bytes(received.data), is_plain)
         if self._is_echo(frame, now):
-            return
+            return None
         try:
-            content = decode_frame(frame)
+            return decode_frame(frame)
         except WireError as error:
             self._faults.add(error)
-            return
-        if isinstance(content, Stick):
-            self._on_stick(bus, content, now)
-        else:
-            self._note(content)
-        self._say(now)
+            return None
 
     def _is_echo(self, frame: Frame, now: float) -> bool:
         """Return whether a frame is one that this driver sent."""
@@ -246,18 +268,16 @@ class RnetDriver:
                 return True
         return False
 
-    def _on_stick(self, bus: can.BusABC, stick: Stick, now: float) -> None:
+    def _on_stick(self, bus: can.BusABC, stick: Stick, now: float, *, is_newest: bool) -> None:
         forward, turn = stick.forward, stick.turn
-        is_at_rest = max(abs(forward), abs(turn)) < DEAD_ZONE
-        if not is_at_rest:
-            self._deflected_at = now
+        is_at_rest = not _is_deflected(stick)
         if self._device is None or now - self._heard_at > QUIET_LINE:
             self._device = stick.device
         if stick.device != self._device:  # an attendant's joystick: its deflection counts, its rest does not
             if not is_at_rest:
                 self._motion.obey(forward, turn)
             return
-        injected = self._injection(now) if is_at_rest else None
+        injected = self._injection(now) if is_at_rest and is_newest else None
         if injected is not None and self._send(bus, joystick_frame(stick.device, *injected), now):
             self._motion.obey(*injected)
         else:
@@ -289,14 +309,16 @@ class RnetDriver:
 
         try:
             bus.send(can.Message(arbitration_id=frame.identifier, is_extended_id=True, data=frame.data), timeout=0.005)
-        except (can.CanError, OSError):
+        except Exception as error:  # as in `_use`
+            if self._unsent == 0:
+                self._tell(f"a frame could not be sent; is {self._channel} in listen-only mode? {_in_words(error)}")
             self._unsent += 1
             return False
         self._injected += 1
         self._sent.append((now, frame))
         return True
 
-    def _note(self, content: Content | None) -> None:
+    def _note(self, content: Content) -> None:
         match content:
             case SpeedLimit(share):
                 self._motion.speed_limit = share
@@ -325,6 +347,10 @@ class RnetDriver:
     def _fail(self, reason: str) -> None:
         self.failure = reason
         self._stop.set()
+
+
+def _is_deflected(stick: Stick) -> bool:
+    return max(abs(stick.forward), abs(stick.turn)) >= DEAD_ZONE
 
 
 def _in_words(error: Exception) -> str:

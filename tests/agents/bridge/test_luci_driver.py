@@ -1,17 +1,25 @@
 from __future__ import annotations
 
+import contextlib
 import math
+import os
+import socket
 import threading
 import time
 from collections.abc import Callable, Iterator
+from pathlib import Path
+from types import SimpleNamespace
 
 import msgspec
 import pytest
 
 from intellwheels_agents.bridge.hardware_driver import Reading
 from intellwheels_agents.bridge.luci_driver import LuciDriver
+from intellwheels_agents.bridge.luci_schema import AUTONOMOUS_REMOTE, message
 from intellwheels_agents.bridge.luci_stand_in import LuciChair, serve
 from intellwheels_maps import robot
+from intellwheels_schemas import process
+from intellwheels_schemas.errors import WireError
 
 pytestmark = pytest.mark.process
 
@@ -32,7 +40,7 @@ class Line:
         self.readings: list[Reading] = []
         self._ended = threading.Event()
         self._server, port = serve(self.luci, "127.0.0.1:0", self._ended)
-        self.address = f"127.0.0.1:{port}"
+        self.address, self.port = f"127.0.0.1:{port}", port
         self.driver = self.another()
         self._last = time.monotonic()
         if accepted:
@@ -189,11 +197,93 @@ def test_a_joystick_with_another_centre_is_found_and_the_chair_let_go(line: Line
     assert line.lines[-1] == "source removed=1"
 
 
+def test_a_unit_that_refuses_the_bridge_is_told_once() -> None:
+    line = Line(accepted=False)
+
+    def refused(source: int) -> None:
+        del source
+        raise PermissionError("another one steers")
+
+    try:
+        line.luci.add_source = refused  # type: ignore[method-assign]
+        line.driver.begin_run("a" * 16)
+        line.until(lambda: line.told, "the refusal")
+        line.until_read(10, (0.5, 0.5))
+        (told,) = line.told
+        assert told.startswith("AddInputSource: expected the unit to accept it, got unknown: ")
+        assert "another one steers" in told
+        assert line.lines == []
+    finally:
+        line.end()
+
+
+def test_overrides_of_a_broken_connection_do_not_arrive_late(line: Line) -> None:
+    line.until_read()
+    limits = []
+    for path in list(Path("/proc/self/fd").iterdir()):
+        if not path.is_socket():
+            continue
+        with contextlib.suppress(OSError), socket.socket(fileno=os.dup(int(path.name))) as one:
+            if one.getpeername()[1:2] == (line.port,):
+                limits.append(one.getsockopt(socket.IPPROTO_TCP, socket.TCP_USER_TIMEOUT))
+    assert limits == [1000]
+
+
+def test_python_waits_for_the_threads_that_use_grpc(line: Line) -> None:
+    line.until_read()
+    waited = {thread.name for thread in process._network_threads if thread.is_alive()}
+    assert {"luci", "EncoderStream", "ActiveScalingStream", "overrides"} <= waited
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [
+        pytest.param([(361.0, 100.0)] * 2, id="out-of-range"),
+        pytest.param([(0.0, 105.0), (0.0, 112.0)], id="magnet"),
+    ],
+)
+def test_after_wrong_angles_the_way_in_between_is_unknown(wrong: list[tuple[float, float]]) -> None:
+    driver = LuciDriver("127.0.0.1:1", CHAIR, threading.Event())
+    edge = 1000
+    for left, right in [(100.0, 100.0), *wrong, (80.0, 130.0)]:
+        with contextlib.suppress(WireError):
+            driver._on_encoders(message("EncoderData", left_angle=left, right_angle=right, edge_timestamp=edge))
+        # Two of them last longer than half a turn of a wheel at top speed; a lost magnet needs no such silence.
+        edge += 20 if wrong[0][0] == 0.0 else 500
+    first, *_, last = driver.read()
+    assert first.epoch != last.epoch
+
+
+def test_a_single_wrong_angle_loses_no_way() -> None:
+    driver = LuciDriver("127.0.0.1:1", CHAIR, threading.Event())
+    for edge, angle in ((1000, 100.0), (1020, 361.0), (1040, 110.0)):
+        with contextlib.suppress(WireError):
+            driver._on_encoders(message("EncoderData", left_angle=angle, right_angle=angle, edge_timestamp=edge))
+    first, last = driver.read()
+    assert first.epoch == last.epoch
+    assert last.left - first.left == round(CHAIR.encoder_ticks * 10.0 / 360.0)
+
+
+def test_a_chair_that_drives_out_of_range_is_let_go(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A unit that takes 150 as it comes drives at full speed: the report is no garbage."""
+    now = [100.0]
+    monkeypatch.setattr("intellwheels_agents.bridge.luci_driver.time", SimpleNamespace(monotonic=lambda: now[0]))
+    driver = LuciDriver("127.0.0.1:1", CHAIR, threading.Event())
+    driver.begin_run("a" * 16)
+    joystick = message("JoystickData", forward_back=150, left_right=0, source=AUTONOMOUS_REMOTE)
+    for _ in range(2):
+        driver._on_active_scaling(message("ActiveScaling", joystick=joystick))
+        now[0] += 0.3
+    assert driver.failure is not None
+    assert driver.failure.startswith("the chair drives with forward 1.5 and turn 0, which this bridge did not send")
+    assert driver.faults()["garbage"] == 0
+
+
 def test_a_second_bridge_on_one_unit_is_refused(line: Line) -> None:
     line.until_read()
-    second = line.another()
-    second._stop = threading.Event()
-    second.start()
-    second.close()
-    assert second.failure == f"{line.address} is in use by another iw-bridge"
+    for address in (line.address, line.address.replace("127.0.0.1", "localhost")):
+        second = LuciDriver(address, CHAIR, threading.Event())
+        second.start()
+        second.close()
+        assert second.failure == f"{address} is in use by another iw-bridge"
     line.until_read(3)

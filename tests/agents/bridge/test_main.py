@@ -16,6 +16,10 @@ from intellwheels_agents.bridge import main
             ["luci", "--name", "c", "--address", "h", "--allow-injection"],
             "--allow-injection: expected with the driver rnet, got luci",
         ),
+        (
+            ["rnet", "--name", "c", "--channel", "x", "--sensors", "real"],
+            "--sensors: expected virtual with the driver rnet, which reads none, got real",
+        ),
         (["luci", "--name", "c", "--address", "http://h"], "--address: expected HOST or HOST:PORT, got 'http://h'"),
         (["rnet", "--name", "c", "--channel", "x", "--can-option", "fd=1"], "--can-option: expected KEY=VALUE, each"),
         (["world", "--name", "Chair 1"], "--name: expected a name"),

@@ -197,6 +197,83 @@ def test_an_adapter_that_python_can_does_not_know_is_refused() -> None:
     assert driver.failure.startswith("--interface, --can-option: python-can cannot use nothing: ")
 
 
+class Recorded:
+    """A bus on which some frames have arrived already. The process stops after them."""
+
+    def __init__(self, stop: threading.Event, *frames: Frame | Exception) -> None:
+        self.sent: list[Frame] = []
+        self._stop = stop
+        self._frames = list(frames)
+
+    def recv(self, _timeout: float) -> can.Message | None:
+        if not self._frames:
+            # The driver has taken the frames when it asks again with nothing in hand.
+            if _timeout > 0.0:
+                self._stop.set()
+            return None
+        frame = self._frames.pop(0)
+        if isinstance(frame, Exception):
+            raise frame
+        return can.Message(arbitration_id=frame.identifier, data=frame.data)
+
+    def send(self, message: can.Message, timeout: float) -> None:
+        del timeout
+        self.sent.append(Frame(message.arbitration_id, bytes(message.data)))
+
+
+@pytest.mark.parametrize(
+    ("last", "count"), [(REST, 1), (joystick_frame(1, -0.5, 0.0), 0), (joystick_frame(2, 1, 0), 0)]
+)
+def test_after_a_pause_old_frames_at_rest_are_not_followed_by_a_power(last: Frame, count: int) -> None:
+    stop = threading.Event()
+    driver = RnetDriver("virtual", new_hex(), CHAIR, stop, inject=True)
+    driver.begin_run("a" * 16)
+    driver.write(0.5, 0.5)
+    bus = Recorded(stop, *[REST] * 20, last)
+    driver._use(bus)  # type: ignore[arg-type]
+    assert bus.sent == [joystick_frame(1, 0.5, 0.0)] * count
+    assert driver.faults()["injected"] == count
+
+
+def test_no_error_of_an_adapter_s_library_ends_the_driver() -> None:
+    stop, told = threading.Event(), list[str]()
+    driver = RnetDriver("virtual", new_hex(), CHAIR, stop, tell=told.append)
+    driver._use(Recorded(stop, REST, AttributeError("strange bytes"), REST))  # type: ignore[arg-type]
+    assert told == ["CAN bus: strange bytes"]
+    assert driver.connected.is_set()
+
+
+def test_an_adapter_whose_library_is_missing_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    def lacking(**_: object) -> None:
+        raise ImportError("please install it")
+
+    monkeypatch.setattr(can, "Bus", lacking)
+    stop = threading.Event()
+    driver = RnetDriver("neovi", new_hex(), CHAIR, stop)
+    driver.start()
+    assert stop.wait(DEADLINE)
+    driver.close()
+    assert driver.failure == "--interface, --can-option: python-can cannot use neovi: please install it"
+
+
+def test_frames_that_cannot_be_sent_are_told_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    stop, told = threading.Event(), list[str]()
+    driver = RnetDriver("virtual", "can0", CHAIR, stop, inject=True, tell=told.append)
+    driver.begin_run("a" * 16)
+    driver.write(0.5, 0.5)
+    bus = Recorded(stop)
+
+    def refused(*_: object, **__: object) -> None:
+        raise can.CanOperationError("no buffer")
+
+    monkeypatch.setattr(bus, "send", refused)
+    for _ in range(2):
+        rest = can.Message(arbitration_id=REST.identifier, data=REST.data)
+        driver._on_batch(bus, [rest], time.monotonic())  # type: ignore[arg-type]
+    assert told == ["a frame could not be sent; is can0 in listen-only mode? no buffer"]
+    assert (driver.faults()["unwritten"], driver.faults()["injected"]) == (2, 0)
+
+
 def test_a_missing_bus_is_reported_once() -> None:
     stop, waits = threading.Event(), list[str]()
 
