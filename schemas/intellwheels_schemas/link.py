@@ -243,7 +243,8 @@ def open_session(
             waiting = None
         if deadline is not None and time.monotonic() >= deadline:
             raise ConnectionError(words)
-        while not stop.is_set() and (left := _until(began + TRY_EVERY, deadline)) > 0:
+        again = began + TRY_EVERY if deadline is None else min(began + TRY_EVERY, deadline)
+        while not stop.is_set() and (left := again - time.monotonic()) > 0:
             stop.wait(min(left, _SLICE))
     return None
 
@@ -253,10 +254,6 @@ def _why_not(link: Link) -> str:
     from intellwheels_schemas.router_probe import why_not  # noqa: PLC0415 - sockets, after a failure only
 
     return why_not(next(iter(link.connect), ""), link.identity) or f"nobody answers at {link.where()}"
-
-
-def _until(moment: float, deadline: float | None) -> float:
-    return min(moment, moment if deadline is None else deadline) - time.monotonic()
 
 
 # ---------------------------------------------------------------- out
