@@ -48,11 +48,16 @@ class TerminalKeys:
 
     Args:
         keys: The names of the keys that count, beside the digits.
+
+    Attributes:
+        passed: After `held`, the keys that were pressed since the call before, and that another key has replaced.
     """
 
     def __init__(self, keys: Collection[str] = DrivingKeys.keys) -> None:
         self._keys = keys
         self.has_ended = False
+        self.passed: list[str] = []
+        self._pressed: list[str] = []
         self._until: dict[str, float] = {}
         self._rest = ""
         self._rest_at = 0.0
@@ -81,6 +86,7 @@ class TerminalKeys:
         if self._rest and now - self._rest_at > ESCAPE_TIMEOUT:
             self.has_ended |= self._rest == "\x1b"
             self._rest = ""
+        self.passed, self._pressed = self._pressed[:-1], []
         return {name for name, until in self._until.items() if now < until}
 
     def _press(self, name: str, shift: bool, now: float) -> None:
@@ -91,6 +97,8 @@ class TerminalKeys:
             # A second direction replaces the first, which no longer repeats: its release could not be seen.
             self._until = {other: until for other, until in self._until.items() if other not in self._keys}
             self._until["shift"] = now + KEY_TIMEOUT if shift else now
+            if self._pressed[-1:] != [name]:
+                self._pressed.append(name)
         self._until[name] = now + KEY_TIMEOUT
 
 
@@ -157,6 +165,9 @@ class TerminalSource:
         held = self._keys.held(now)
         if self._keys.has_ended:
             return None
+        for key in self._keys.passed:
+            # The first of two quick presses must not be lost: the second switch would select another command.
+            self._reader.read({key}, now)
         state = replace(self._reader.read(held, now), at=self._at)
         if self._reader.caption != self._caption:
             self._caption = self._reader.caption

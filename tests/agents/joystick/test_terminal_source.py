@@ -12,7 +12,9 @@ import pytest
 from intellwheels_agents.joystick.input_state import NEUTRAL, InputState
 from intellwheels_agents.joystick.key_bindings import GENTLE, DrivingKeys
 from intellwheels_agents.joystick.pygame_source import DeviceError
+from intellwheels_agents.joystick.scan_keys import ScanKeys
 from intellwheels_agents.joystick.terminal_source import ESCAPE_TIMEOUT, KEY_TIMEOUT, TerminalKeys, TerminalSource
+from intellwheels_schemas.switch_scan import ScanSettings
 
 DEADLINE = 10.0
 
@@ -133,6 +135,16 @@ def test_other_keys_count_when_they_are_asked_for() -> None:
         keys = TerminalKeys({"space", "enter", "tab", "x", "1"})
         keys.feed(text, 1.0)
         assert keys.held(1.0) - {"shift"} == {name}
+
+
+def test_of_two_switches_that_are_pressed_at_once_none_is_lost(terminal: tuple[int, int]) -> None:
+    ours, theirs = terminal
+    reader = ScanKeys(ScanSettings(method="step"), ("a", "b"), 1.0, 1.0)
+    with TerminalSource(reader, theirs) as source:
+        assert source.state(time.monotonic(), None) == NEUTRAL
+        os.write(ours, b"ab")
+        until(source, lambda state: state is not None and state.turn > 0.0)
+    assert reader.caption.split() == ["forward", ">LEFT<", "right", "back", "stop"]
 
 
 class Captioned(DrivingKeys):
