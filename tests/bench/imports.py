@@ -5,11 +5,13 @@ from __future__ import annotations
 import random
 import time
 from collections.abc import Callable
+from functools import partial
 from importlib.util import find_spec
 
 import numpy as np
 
 from intellwheels_maps.importers import FloorSource, import_floor
+from intellwheels_schemas.errors import WireError
 from tests.bench.rows import Row
 from tests.maps.importers import drawn_floors as floors
 
@@ -33,6 +35,12 @@ def office(side: int) -> dict[str, bytes]:
     return {"m.yaml": b"image: m.pgm\nresolution: 0.05\norigin: [0, 0, 0]\nfree_thresh: 0.2\n", "m.pgm": image}
 
 
+def _beside(files: dict[str, bytes], name: str) -> bytes:
+    if name not in files:
+        raise WireError("value", f"{name}: expected a file, got none", name)
+    return files[name]
+
+
 def bench(side: int = 1300, floor: int = 7) -> list[Row]:
     """Import a ROS map, and a floor of a few rooms in each other format.
 
@@ -51,7 +59,7 @@ def bench(side: int = 1300, floor: int = 7) -> list[Row]:
     rows = []
     for case, given in files.items():
         name = next(iter(given))
-        source = FloorSource(name, given[name], given.__getitem__)
+        source = FloorSource(name, given[name], partial(_beside, given))
         import_floor(source)  # the libraries are loaded
         began = time.perf_counter()
         import_floor(source)

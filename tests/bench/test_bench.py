@@ -47,7 +47,7 @@ def test_benchmarks_run_and_say_every_share_of_a_tick(tmp_path: Path) -> None:
         cwd=Path(__file__).parents[2],
         capture_output=True,
         text=True,
-        timeout=180,
+        timeout=600,
         check=False,
     )
     assert done.returncode == 0, done.stderr

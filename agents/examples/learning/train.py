@@ -57,7 +57,7 @@ def learn(generations: int, population: int, episodes: int, jobs: int) -> list[f
     options = {"popsize": population, "seed": 1, "verbose": -9}
     search = cma.CMAEvolutionStrategy(start, 0.3, options)
     began = time.monotonic()
-    with get_context("fork").Pool(jobs) as pool:
+    with get_context("spawn").Pool(jobs) as pool:
         for generation in range(generations):
             # New seeds for each generation, the same for all its candidates.
             seeds = range(FIRST_SEED + generation * episodes, FIRST_SEED + (generation + 1) * episodes)
