@@ -10,6 +10,8 @@ from typing import Any
 Ring = list[tuple[float, float]]
 
 MOST_CORNERS = 10_000
+CLOSE = 0.05
+"""Share of their distances at which the doorways and pillars of `crowded` stand."""
 
 
 def comb(corners: int, chance: random.Random) -> Ring:
@@ -76,16 +78,23 @@ def load(shape: str, corners: int, number: int = 0) -> dict[str, Any]:
 
 
 def crowded(things: int) -> dict[str, Any]:
-    """Return a `Load` with so many doorways and pillars that no simulator checks all pairs of them in time."""
+    """Return a `Load` with so many doorways and pillars that no simulator checks all pairs of them in time.
+
+    They are as near to each other as in a drawing whose units were mistaken, so every wall may belong to every doorway.
+    """
     found = load("boxes", 4 * things)
+    for wall in found["Map"]["Wall"]:
+        wall["Corner"] = [
+            {axis: round(CLOSE * value, 4) for axis, value in corner.items()} for corner in wall["Corner"]
+        ]
     across = math.isqrt(things)
     found["Map"]["Doorway"] = [
         {
             "Name": f"d{k}",
-            "X": 2.0 * (k % across) + 1.5,
-            "Y": 2.0 * (k // across) + 0.5,
+            "X": round(CLOSE * (2.0 * (k % across) + 1.5), 4),
+            "Y": round(CLOSE * (2.0 * (k // across) + 0.5), 4),
             "HeadingDeg": 90.0,
-            "Width": 1.0,
+            "Width": CLOSE,
         }
         for k in range(things)
     ]
