@@ -116,7 +116,8 @@ def parser() -> argparse.ArgumentParser:
     )
     add_batch_options(found)
     link = found.add_argument_group(
-        "connection", "by default the simulator listens at a free port of this machine; not for a batch or branch"
+        "connection",
+        "by default the simulator listens at a free port of this machine; a batch or branch takes none of these",
     )
     link.add_argument(
         "--world",

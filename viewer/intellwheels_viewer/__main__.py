@@ -33,8 +33,9 @@ examples:
   iw-viewer --host 0.0.0.0 --allow-host lab-pc   let other machines open the page as http://lab-pc:8080
   iw-viewer --record run.html --seconds 30       save 30 s of the run as a page that needs no simulator
 
-It prints one line, `ready url=...`, when the page can be opened. It stores no part of the run, so you can stop and
-restart it at any time. The page has no login: do not expose it to a network that you do not trust.
+It prints `ready url=...` when the page can be opened and, with --record, `recorded file=... bytes=...` at the end. It
+stores no part of the run, so you can stop and restart it at any time. The page has no login: do not expose it to a
+network that you do not trust.
 Exit codes: 0 done, 1 refused or failed, 2 wrong usage. The command needs the extra `viewer`.
 """
 

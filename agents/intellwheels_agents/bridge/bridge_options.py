@@ -108,7 +108,8 @@ def parser() -> argparse.ArgumentParser:
     body.add_argument(
         "--sensors", choices=SENSORS, default="virtual",
         help="which sensors the mind gets: the virtual ones of --robot, the real sonars of --chair, or both; with "
-        "both, a real sonar is named real-ID; with the driver luci, real and both include its inertial unit "
+        "both, a real sonar is named real-ID; with the driver luci, real and both include its inertial unit; with "
+        "rnet, only virtual is possible "
         "(default: virtual)",
     )  # fmt: skip
     chair = result.add_argument_group("the chair")

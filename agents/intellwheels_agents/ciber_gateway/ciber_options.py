@@ -33,16 +33,17 @@ examples:
 
 A unit of a lab is 1 m. Robots start at the places of the map that have no kind, or the kind robot. The Id that an
 agent asks for is the number of its place in their order. Beacons are the places of kind beacon, targets the zones.
-A cycle is a tick, and lasts 50 ms with the simulator's default period. With a shorter one, robots need --option
-TopSpeed=S to get the largest power.
+A cycle is a tick, and lasts 50 ms with the simulator's default period. With a shorter one, give --option
+TopSpeed=V with V at least 0.15 m divided by the period in s, or the largest powers are reduced.
 
 A robot that meets an obstacle slides along it; in the Ciber-Rato simulator it only turned.
-A robot does not hear itself, and its GPS has no random origin; there both were so. Scores are not kept, and there is
-no line sensor. RobotBeacon, Panel and the binary protocol are refused. A viewer shows the robots of this iw-ciber.
+In the Ciber-Rato simulator a robot heard itself, and its GPS had a random origin; here neither is so. Scores are not
+kept, and there is no line sensor. RobotBeacon, Panel and the binary protocol are refused. A viewer shows the robots of
+this iw-ciber.
 Anybody who can send datagrams to the port can drive a robot of its own; by default only this machine can.
 
 Standard output has the lines `ready port=...`, `joined agent=...`, `run agent=...`, `viewer client=...`,
-`left agent=...`. What is not obeyed is in the log, the 1st, 10th, 100th time and so on.
+`left agent=...`. Standard error has what was not obeyed, for the 1st, 10th, 100th time and so on.
 Exit codes: 0 done, 1 refused or failed, 2 wrong usage.
 """
 PORT: Final = 6000

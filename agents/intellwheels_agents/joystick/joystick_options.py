@@ -48,7 +48,8 @@ examples:
 
 The arrow keys, W A S D and I J K L give 0.6 of --forward and --turn, with shift all of it; space stops.
 Use it with worlds at pace realtime. At the paces lockstep and free a run is too fast to steer by hand.
-Each message is valid for 0.3 s and is repeated while the input lasts. Input of a device that is older counts as none.
+Each message is valid for 0.3 s and is repeated while the input lasts. Input of a device that is older than 0.3 s
+counts as none.
 Standard output has the lines `ready agent=...`, `taken agent=...`, `released agent=...`, `ended agent=...`, and with
 --latency `latency agent=...`.
 Exit codes: 0 done, 1 refused or failed, 2 wrong usage. A gamepad and keys in a window need the extra `joystick`,
@@ -215,15 +216,17 @@ def _add_stream_options(result: argparse.ArgumentParser) -> None:
     group.add_argument(
         "--axes", type=_of(lambda text: parse_uses(text, "--axes")), default=(), metavar="AXIS=CHANNEL,...",
         help="channels that are axes: forward and turn (positive to the left), each by number, from 0, or by label, "
-        "and optionally a factor: forward=0,turn=Fz*-0.5. A value of 1 after the factor is full deflection",
+        "and optionally a factor: forward=0,turn=Fz*-0.5. A value of 1 after the factor is full deflection; this or "
+        "--commands is required for a stream of numbers",
     )  # fmt: skip
     group.add_argument(
         "--commands", type=_of(lambda text: parse_uses(text, "--commands")), default=(), metavar="COMMAND=CHANNEL,...",
-        help=f"channels that are commands: {', '.join(WORDS)}",
+        help=f"channels that are commands: {', '.join(WORDS)}; this or --axes is required for a stream of numbers",
     )  # fmt: skip
     group.add_argument(
         "--threshold", type=_of(parse_threshold), default=(0.5, 0.5), metavar="ON[,OFF]",
-        help="value from which a command is on, and value below which it is off again (default: 0.5 for both)",
+        help="value from which a command is on, and value, at most ON, below which it is off again (default: 0.5; OFF "
+        "as ON)",
     )  # fmt: skip
     group.add_argument(
         "--dead-zone", type=number("a share", 0.0, 0.9), default=DEAD_ZONE, metavar="SHARE",

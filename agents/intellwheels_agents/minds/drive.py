@@ -2,7 +2,7 @@
 
     left, right   motor powers (default 0)
     script        "time:left,right; time:left,right": the powers from each time on, in simulated seconds; 0 before the
-                  first time
+                  first time; not with left or right
     say           a message, sent once at the first tick
 
 It ignores its sensors, so it drives into anything in its way.

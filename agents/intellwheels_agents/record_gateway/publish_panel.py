@@ -21,6 +21,8 @@ from intellwheels_schemas.names import is_name
 PREFIX: Final = "/user/"
 REPEAT_EVERY: Final = 0.1
 """Seconds between repeats: the simulator stops a chair after 0.3 s without input."""
+AGAIN: Final = 0.5
+"""Seconds after which what a page subscribed to is sent once more."""
 ROOM: Final = 256
 """Inputs that wait; older ones are dropped."""
 
@@ -38,6 +40,7 @@ class PublishPanel:
         self._topics: dict[tuple[int, int], str] = {}
         self._arrived: deque[tuple[str, bytes]] = deque(maxlen=ROOM)
         self._subscribed: deque[str] = deque(maxlen=4 * ROOM)
+        self._again: dict[str, float] = {}
         self._held: dict[str, tuple[UserInput, float]] = {}
         self._due = 0.0
 
@@ -68,12 +71,22 @@ class PublishPanel:
 
     # ------------------------------------------------------------ called by the loop
 
-    def subscribed(self) -> list[str]:
-        """Return the topics that pages have subscribed to since the last call."""
+    def subscribed(self, now: float) -> list[str]:
+        """Return the topics that pages have subscribed to since the last call, and each once more a little later.
+
+        The server may call back before it serves the subscription: what is sent at once may reach nobody.
+
+        Args:
+            now: A monotonic clock, s.
+        """
         with self._lock:
             found = list(dict.fromkeys(self._subscribed))
             self._subscribed.clear()
-        return found
+        due = [topic for topic, at in self._again.items() if now >= at]
+        for topic in due:
+            del self._again[topic]
+        self._again.update(dict.fromkeys(found, now + AGAIN))
+        return list(dict.fromkeys([*found, *due]))
 
     def inputs(self, robots: Mapping[str, Robot], now: float) -> tuple[list[tuple[str, UserInput]], list[str]]:
         """Return the inputs to send now, by agent, and what is wrong with others, as lines for people.

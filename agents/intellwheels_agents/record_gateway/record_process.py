@@ -109,7 +109,7 @@ def _follow(
         source.work(stop)
         if given.live:
             driver.work(translator.robots, time.monotonic())
-            for topic in panel.subscribed():
+            for topic in panel.subscribed(time.monotonic()):
                 sinks.repeat(topic)
         sinks.tend()
 

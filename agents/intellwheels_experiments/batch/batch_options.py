@@ -32,11 +32,13 @@ def add_batch_options(parser: argparse.ArgumentParser) -> None:
         "`experiments`",
     )
     batch.add_argument(
-        "--seeds", type=whole(1, MOST_RUNS), metavar="N", help="run with the seeds 1 to N and write a report"
-    )
+        "--seeds", type=whole(1, MOST_RUNS), metavar="N",
+        help="run with the seeds 1 to N, in [1, 100000], and write a report",
+    )  # fmt: skip
     batch.add_argument(
-        "--jobs", type=whole(1, MOST_RUNS), metavar="N", default=1, help="number of runs at a time (default: 1)"
-    )
+        "--jobs", type=whole(1, MOST_RUNS), metavar="N", default=1,
+        help="number of runs at a time, in [1, 100000] (default: 1)",
+    )  # fmt: skip
     batch.add_argument(
         "--row",
         metavar="ROW",

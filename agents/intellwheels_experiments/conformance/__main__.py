@@ -60,7 +60,10 @@ def parser() -> argparse.ArgumentParser:
         "--world", default=defaults.WORLD, metavar="NAME", help="the world's name (default: %(default)s)"
     )
     result.add_argument("--listen", metavar="ENDPOINT", help="where to listen (default: a free port of this machine)")
-    result.add_argument("--connect", metavar="ENDPOINT", help="connect to this router instead of listening")
+    result.add_argument(
+        "--connect", metavar="ENDPOINT",
+        help="connect to this router instead of listening (default: the first endpoint of --identity, if it is given)",
+    )  # fmt: skip
     add_identity_option(result)
     patience = Patience()
     for what, does, default in (

@@ -43,7 +43,7 @@ def parser() -> argparse.ArgumentParser:
         description="Make passwords and certificates for the identities of a lab. The router reads them from files "
         "beside the lab's document.",
         epilog="The document is described in schemas/KEYS.md (Lab, and `Who may do what`). Exit codes: 0 done, 1 "
-        "failed, 2 wrong usage. Certificates need the extra `lab`.",
+        "failed, 2 wrong usage. To make certificates, it needs the extra `lab`.",
     )
     actions = found.add_subparsers(dest="action", metavar="ACTION")
 
@@ -68,8 +68,8 @@ def parser() -> argparse.ArgumentParser:
     )
     keys.add_argument(
         "--host", action="append", default=[], type=_host, metavar="HOST",
-        help="name or address of the router in the tls/ endpoints of others, besides localhost, 127.0.0.1 and ::1, "
-        "which are always in its certificate; may be repeated, and is remembered",
+        help="name or address by which other machines reach the router at a tls/ endpoint, put into its certificate; "
+        "localhost, 127.0.0.1 and ::1 are always in it; may be repeated, and is remembered",
     )  # fmt: skip
     invite = action("invite", "write identity files, for --identity of any command")
     renew = action("renew", "write identity files again, with a later end; an old file stays valid until its own end")
@@ -92,8 +92,8 @@ def parser() -> argparse.ArgumentParser:
         )
         one.add_argument(
             "--connect", action="append", default=[], metavar="ENDPOINT",
-            help="endpoint of the router, as others reach it; may be repeated (default: those of the file, if it "
-            "exists)",
+            help="endpoint of the router, as others reach it; may be repeated (default: those of the file if it "
+            "exists, else none)",
         )  # fmt: skip
         one.add_argument(
             "--days", type=_days, default=DAYS, metavar="N",
