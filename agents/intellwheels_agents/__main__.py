@@ -35,11 +35,11 @@ from intellwheels_schemas.process import add_process_options, stop_on_signals
 
 EXAMPLES = """\
 examples:
-  a chair that drives to a place on the map; iw-server runs on this machine
+  a chair that drives to a place on the map room; iw-server runs on this machine
       iw-agent waypoints --name chair1 --robot rear-wheel --option to=goal1
   a chair with scripted motor powers: straight on, a turn to the left, a stop
       iw-agent drive --name chair1 --option script="0:0.5,0.5; 2:0.1,0.4; 4:0,0"
-  an automatic door with a noisy compass; a name that begins with a capital letter sets a field of the robot
+  a door on the map room with a noisy compass; a name that begins with a capital letter sets a field of the robot
       iw-agent door --name door --robot door --place hinge --option swing=right --option Compass.NoiseDeg=1
   a chair at coordinates instead of a place
       iw-agent avoid --name chair1 --position 3,2,90

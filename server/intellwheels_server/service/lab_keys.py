@@ -28,7 +28,7 @@ from intellwheels_server.service.lab_files import LabFiles, read_lab, read_users
 from intellwheels_server.service.lab_template import new_lab
 
 RESTART: Final = (
-    "restart iw-router: it reads names, passwords and rules when it starts, and keeps old sessions till then"
+    "restart iw-router if it runs: it reads names, passwords and rules when it starts, and keeps old sessions till then"
 )
 DAYS: Final = 365
 """Days for which a certificate counts, unless the lab's document or an option says less."""
@@ -187,7 +187,7 @@ class _LabDesk:
         if made.ensure_router(self._files, authority, tuple(self._options.host), self._today):
             hosts = ",".join(sorted(made.router_hosts(self._files)))
             _print(f"wrote certificate=router hosts={hosts} file={self._files.router}")
-            _log("restart iw-router: it reads its certificate when it starts")
+            _log("restart iw-router if it runs: it reads its certificate when it starts")
 
     def _invite(self, identity: Identity) -> None:
         options = self._options
