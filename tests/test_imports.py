@@ -43,6 +43,7 @@ KNOWS_ZENOH = {
     "schemas/intellwheels_schemas/link.py",
     "schemas/intellwheels_schemas/own_rights.py",
     "schemas/intellwheels_schemas/router_link.py",
+    "schemas/intellwheels_schemas/simulator_query.py",
     "schemas/intellwheels_schemas/zenoh_inbox.py",
     "server/intellwheels_server/service/simulator_peer.py",
     "agents/intellwheels_agents/agent_peer.py",

@@ -25,7 +25,7 @@ from intellwheels_agents.robot_document import (
 )
 from intellwheels_maps import robot as robot_file
 from intellwheels_schemas.codec import Encoding
-from intellwheels_schemas.command_parser import CommandParser, naming, positive_seconds
+from intellwheels_schemas.command_parser import CommandParser, add_retry_option, naming
 from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.link import add_link_options, link_of
 from intellwheels_schemas.messages import Position, Robot
@@ -130,13 +130,7 @@ def parser() -> argparse.ArgumentParser:
         action="store_true",
         help="do not make the simulator wait for this agent in lockstep (default: as the robot says)",
     )
-    result.add_argument(
-        "--retry-for",
-        type=positive_seconds,
-        default=math.inf,
-        metavar="S",
-        help="give up after S seconds without a router or simulator (default: never)",
-    )
+    add_retry_option(result)
     add_link_options(result)
     add_process_options(result)
     return result

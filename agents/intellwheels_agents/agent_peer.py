@@ -47,6 +47,7 @@ from intellwheels_schemas.own_rights import denied_join
 from intellwheels_schemas.process import start_network_thread
 from intellwheels_schemas.repliers import by_simulator
 from intellwheels_schemas.session_closing import closing
+from intellwheels_schemas.simulator_query import ask_simulator
 
 SLICE = 0.2
 """Longest single wait, s: a wait without a timeout can miss a signal."""
@@ -359,7 +360,7 @@ class _AgentPeer:
             _log(f"unanswered request=leave why={f'the simulator may have ended first: {error}'!r}")
 
     def _fetch_map(self) -> Map:
-        answer = link.query(self._session, self._map_key, encoding=Encoding.JSON, timeout=JOIN_TIMEOUT)[0]
+        answer = ask_simulator(self._session, self._keys, self._map_key, timeout=JOIN_TIMEOUT)[0]
         if not answer.ok:
             raise ConnectionError(f"map: expected the simulator's map, got an error: {answer.data[:200]!r}")
         return decode(Map, answer.data, encoding_of(answer.encoding, answer.data), strict=False)

@@ -229,3 +229,16 @@ _ERRORS: Final[tuple[tuple[str, Callable[..., str]], ...]] = (
     (r"ambiguous option: (\S+) could match (.*)", lambda _, got, names: f"{got}: expected one of {names}, got {got!r}"),
     (r"unrecognized arguments: (.*)", _unknown),
 )
+
+
+def add_retry_option(parser: argparse.ArgumentParser, what: str = "a router or simulator") -> None:
+    """Add `--retry-for`, which is `retry_for` in the result: seconds, or infinity, after which the command gives up.
+
+    Args:
+        parser: The command's parser.
+        what: What the command waits for, for its help.
+    """
+    parser.add_argument(
+        "--retry-for", type=positive_seconds, default=math.inf, metavar="S",
+        help=f"give up after S seconds without {what} (default: never)",
+    )  # fmt: skip

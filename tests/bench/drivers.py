@@ -98,7 +98,7 @@ def _luci_power(powers: int) -> float:
             began = time.perf_counter()
             driver.write(wanted, wanted)
             while luci.chair.stick[0] != wanted and time.perf_counter() - began < 10.0:
-                time.sleep(0.0002)
+                stop.wait(0.0002)
             delays.append(time.perf_counter() - began)
         return statistics.median(delays[1:])
     finally:
@@ -124,7 +124,7 @@ def _injection(powers: int) -> float:
                 got = bus.recv(1.0)
                 if got is not None and Frame(got.arbitration_id, bytes(got.data)) != rest:
                     delays.append(time.perf_counter() - began)
-                time.sleep(0.002)
+                stop.wait(0.002)
         finally:
             stop.set()
             driver.close()

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import argparse
+import math
 import os
 import re
 from collections.abc import Callable
@@ -12,6 +13,7 @@ import pytest
 from intellwheels_schemas import command_parser, messages
 from intellwheels_schemas.command_parser import (
     CommandParser,
+    add_retry_option,
     like_field,
     naming,
     number,
@@ -142,3 +144,11 @@ def test_input_is_a_file_that_can_be_read(tmp_path: Path, monkeypatch: pytest.Mo
     monkeypatch.setattr(os, "access", lambda *_: False)
     with pytest.raises(argparse.ArgumentTypeError, match=r"^expected a file that may be read, got "):
         readable_file(str(file))
+
+
+def test_a_command_waits_for_ever_unless_it_is_told_how_long() -> None:
+    parser = CommandParser(prog="iw-x")
+    add_retry_option(parser, "the chair")
+    assert parser.parse_args([]).retry_for == math.inf
+    assert parser.parse_args(["--retry-for", "2.5"]).retry_for == 2.5
+    assert "give up after S seconds without the chair (default: never)" in parser.format_help()

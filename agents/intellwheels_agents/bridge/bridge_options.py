@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import math
 from typing import Final
 
 from intellwheels_agents.bridge.driver_choice import DRIVERS
@@ -12,7 +11,7 @@ from intellwheels_agents.bridge.pose_source import DRIFT, POSE_SOURCES
 from intellwheels_agents.bridge.rnet_options import add_bus_options
 from intellwheels_agents.bridge.sensor_merge import SENSORS
 from intellwheels_schemas import messages
-from intellwheels_schemas.command_parser import CommandParser, like_field, number, positive_seconds, share, whole
+from intellwheels_schemas.command_parser import CommandParser, add_retry_option, like_field, number, share, whole
 
 EXAMPLES = """\
 examples:
@@ -135,10 +134,7 @@ def parser() -> argparse.ArgumentParser:
     result.add_argument(
         "--encoding", choices=("json", "xml"), default="json", help="encoding of messages (default: json)"
     )
-    result.add_argument(
-        "--retry-for", type=positive_seconds, default=math.inf, metavar="S",
-        help="give up after S seconds without the chair or the simulator (default: never)",
-    )  # fmt: skip
+    add_retry_option(result, "the chair or the simulator")
     return result
 
 

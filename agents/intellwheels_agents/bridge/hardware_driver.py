@@ -7,7 +7,8 @@ until it has done so there is nothing to read.
 from __future__ import annotations
 
 import threading
-from collections.abc import Sequence
+from collections import deque
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -115,3 +116,55 @@ class Driver(Protocol):
     def close(self) -> None:
         """Stop the motors and release the hardware."""
         ...
+
+
+class RealHardware:
+    """What the drivers of real chairs share: readings that wait, and neither runs nor ticks. See `Driver`.
+
+    Attributes:
+        restarts_at_start: False, because a real chair stays where it is when its electronics restart.
+        failure: Why the driver has given up for good, or None.
+        connected: Set when the first reading has arrived.
+    """
+
+    restarts_at_start = False
+
+    def __init__(self, stop: threading.Event, waiting: Callable[[str], None], most_readings: int) -> None:
+        """Begin without readings.
+
+        Args:
+            stop: Ends every thread of the driver, and is set when it gives up.
+            waiting: Called with the reason whenever the driver starts to wait for its hardware.
+            most_readings: Readings kept until they are read; the oldest are dropped.
+        """
+        self.failure: str | None = None
+        self.connected = threading.Event()
+        self._stop = stop
+        self._waiting = waiting
+        self._reason = ""
+        self._readings: deque[Reading] = deque(maxlen=most_readings)
+
+    def read(self) -> list[Reading]:
+        """Return the readings since the last call."""
+        found = []
+        while self._readings:
+            found.append(self._readings.popleft())
+        return found
+
+    def sync_tick(self, run: str, tick: int, pace: Pace) -> bool:  # noqa: ARG002 - as `Driver` has it
+        """Return False: real hardware does not wait."""
+        return False
+
+    def power_received(self, run: str, tick: int) -> None:
+        """Do nothing: real hardware has no ticks."""
+
+    def _wait_for(self, reason: str) -> None:
+        """Report what the driver waits for, once until it has come (`_reason` is empty then) or the reason changes."""
+        if reason != self._reason:
+            self._reason = reason
+            self._waiting(reason)
+
+    def _fail(self, reason: str) -> None:
+        """Give up for good."""
+        self.failure = reason
+        self._stop.set()

@@ -11,13 +11,12 @@ from __future__ import annotations
 import math
 import threading
 import time
-from collections import deque
 from collections.abc import Callable, Sequence
 from functools import partial
 from typing import TYPE_CHECKING, Any, Final
 
 from intellwheels_agents.bridge.fault_notes import FaultNotes
-from intellwheels_agents.bridge.hardware_driver import Reading
+from intellwheels_agents.bridge.hardware_driver import Reading, RealHardware
 from intellwheels_agents.bridge.line_lock import LineLock, names_of
 from intellwheels_agents.bridge.luci_readings import (
     STICK,
@@ -41,7 +40,7 @@ from intellwheels_agents.bridge.timeouts import (
 from intellwheels_agents.bridge.wrapping_counter import WrappingCounter
 from intellwheels_agents.user_input import unmixed
 from intellwheels_schemas.errors import WireError
-from intellwheels_schemas.messages import Pace, Robot
+from intellwheels_schemas.messages import Robot
 from intellwheels_schemas.process import start_network_thread
 
 if TYPE_CHECKING:
@@ -66,16 +65,8 @@ _OPTIONS: Final = (
 )
 
 
-class LuciDriver:
-    """The driver `luci`.
-
-    Attributes:
-        restarts_at_start: False, because a real chair stays where it is when its unit restarts.
-        failure: Why the driver has given up for good, or None.
-        connected: Set when the first reading has arrived.
-    """
-
-    restarts_at_start = False
+class LuciDriver(RealHardware):
+    """The driver `luci`."""
 
     def __init__(
         self,
@@ -99,20 +90,15 @@ class LuciDriver:
             waiting: Called with the reason whenever the driver starts to wait for the unit or its encoders.
             tell: Called with what was wrong with a message, once for each kind.
         """
-        self.failure: str | None = None
-        self.connected = threading.Event()
+        super().__init__(stop, waiting, MAX_READINGS)
         self._address = address
         self._sonars = chair.proximity
         # Longer silences may hide half a turn of a wheel, after which its angle no longer tells how far it turned.
         self._longest_gap = 0.5 * math.pi * chair.wheel_diameter / max(chair.top_speed, 0.1)
-        self._stop = stop
         self._centre = centre
-        self._waiting = waiting
-        self._reason = ""
         self._faults = FaultNotes(tell)
         self._locks: list[LineLock] = []
         self._accepted = threading.Event()
-        self._readings: deque[Reading] = deque(maxlen=MAX_READINGS)
         self._turns = WheelTurns(chair.encoder_ticks, frozenset(reversed_wheels))
         self._edge = WrappingCounter()
         self._encoders_at: float | None = None
@@ -141,13 +127,6 @@ class LuciDriver:
             return
         self._thread = start_network_thread("luci", self._run)
 
-    def read(self) -> list[Reading]:
-        """Return the readings since the last call."""
-        found = []
-        while self._readings:
-            found.append(self._readings.popleft())
-        return found
-
     def write(self, left: float, right: float) -> None:
         """Set the motor powers. The thread that sends overrides takes them."""
         power = unmixed(left, right)
@@ -159,13 +138,6 @@ class LuciDriver:
     def begin_run(self, run: str) -> None:  # noqa: ARG002 - as `Driver` has it
         """Allow sending: the simulator has accepted the bridge."""
         self._accepted.set()
-
-    def sync_tick(self, run: str, tick: int, pace: Pace) -> bool:  # noqa: ARG002 - as `Driver` has it
-        """Return False: real hardware does not wait."""
-        return False
-
-    def power_received(self, run: str, tick: int) -> None:
-        """Do nothing: real hardware has no ticks."""
 
     def faults(self) -> dict[str, int]:
         """Return the number of faults so far, by name."""
@@ -258,16 +230,6 @@ class LuciDriver:
                 ended.set()
                 return
             ended.wait(REOPEN_PERIOD)
-
-    def _wait_for(self, reason: str) -> None:
-        """Report what the driver waits for, once until encoder data comes or the reason changes."""
-        if reason != self._reason:
-            self._reason = reason
-            self._waiting(reason)
-
-    def _fail(self, reason: str) -> None:
-        self.failure = reason
-        self._stop.set()
 
     # ------------------------------------------------------------ overrides
 

@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 from intellwheels_agents.bridge.chair_joystick import DEAD_ZONE
 from intellwheels_agents.bridge.fault_notes import FaultNotes
-from intellwheels_agents.bridge.hardware_driver import Reading
+from intellwheels_agents.bridge.hardware_driver import Reading, RealHardware
 from intellwheels_agents.bridge.line_lock import LineLock
 from intellwheels_agents.bridge.rnet_frames import (
     BITRATE,
@@ -42,7 +42,7 @@ from intellwheels_agents.bridge.timeouts import (
 )
 from intellwheels_agents.user_input import unmixed
 from intellwheels_schemas.errors import WireError
-from intellwheels_schemas.messages import Pace, Robot
+from intellwheels_schemas.messages import Robot
 
 if TYPE_CHECKING:
     import can
@@ -62,16 +62,8 @@ _ECHOING: Final = ("udp_multicast",)
 """Interfaces of python-can that hand back what was sent, and cannot be told not to."""
 
 
-class RnetDriver:
-    """The driver `rnet`.
-
-    Attributes:
-        restarts_at_start: False, because a real chair stays where it is when its electronics restart.
-        failure: Why the driver has given up for good, or None.
-        connected: Set when the first reading has arrived.
-    """
-
-    restarts_at_start = False
+class RnetDriver(RealHardware):
+    """The driver `rnet`."""
 
     def __init__(
         self,
@@ -99,21 +91,16 @@ class RnetDriver:
             tell: Called with what was wrong with a frame, once for each kind.
             status: Called with a line about battery, speed setting and motor current.
         """
-        self.failure: str | None = None
-        self.connected = threading.Event()
+        super().__init__(stop, waiting, MAX_READINGS)
         self._interface = interface
         self._channel = channel
         self._options = dict(options or {})
-        self._stop = stop
         self._inject = inject
-        self._waiting = waiting
-        self._reason = ""
         self._status = status
         self._tell = tell
         self._faults = FaultNotes(tell)
         self._lock_of_chair = LineLock(f"rnet/{interface}/{channel}")
         self._accepted = False
-        self._readings: deque[Reading] = deque(maxlen=MAX_READINGS)
         self._motion = StickMotion(chair)
         self._power = (0.0, 0.0)
         self._power_at = float("-inf")
@@ -136,13 +123,6 @@ class RnetDriver:
             return
         self._thread.start()
 
-    def read(self) -> list[Reading]:
-        """Return the readings since the last call."""
-        found = []
-        while self._readings:
-            found.append(self._readings.popleft())
-        return found
-
     def write(self, left: float, right: float) -> None:
         """Set the motor powers. The thread of the bus sends them, if it may."""
         self._power = unmixed(left, right)
@@ -151,13 +131,6 @@ class RnetDriver:
     def begin_run(self, run: str) -> None:  # noqa: ARG002 - as `Driver` has it
         """Allow sending: the simulator has accepted the bridge."""
         self._accepted = True
-
-    def sync_tick(self, run: str, tick: int, pace: Pace) -> bool:  # noqa: ARG002 - as `Driver` has it
-        """Return False: real hardware does not wait."""
-        return False
-
-    def power_received(self, run: str, tick: int) -> None:
-        """Do nothing: real hardware has no ticks."""
 
     def faults(self) -> dict[str, int]:
         """Return the number of faults so far, by name, and of injected frames."""
@@ -337,16 +310,6 @@ class RnetDriver:
             self._said = (now, line)
             self._status(line)
             self._current = 0
-
-    def _wait_for(self, reason: str) -> None:
-        """Report what the driver waits for, once until the joystick is heard or the reason changes."""
-        if reason != self._reason:
-            self._reason = reason
-            self._waiting(reason)
-
-    def _fail(self, reason: str) -> None:
-        self.failure = reason
-        self._stop.set()
 
 
 def _is_deflected(stick: Stick) -> bool:

@@ -13,11 +13,10 @@ import errno
 import os
 import threading
 import time
-from collections import deque
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Final
 
-from intellwheels_agents.bridge.hardware_driver import Fix, Reading
+from intellwheels_agents.bridge.hardware_driver import Fix, Reading, RealHardware
 from intellwheels_agents.bridge.line_protocol import (
     LineSplitter,
     PositionFix,
@@ -29,7 +28,7 @@ from intellwheels_agents.bridge.line_protocol import (
 from intellwheels_agents.bridge.timeouts import QUIET_LINE, REOPEN_PERIOD
 from intellwheels_agents.bridge.wrapping_counter import WrappingCounter
 from intellwheels_schemas.errors import WireError
-from intellwheels_schemas.messages import Pace, Proximity, ProximityReading
+from intellwheels_schemas.messages import Proximity, ProximityReading
 
 if TYPE_CHECKING:
     import serial
@@ -57,16 +56,8 @@ def check_port(port: str) -> None:
         raise WireError("value", f"{expected}, got {port!r}", "--port")
 
 
-class SerialDriver:
-    """The driver `serial`.
-
-    Attributes:
-        restarts_at_start: False, because a real chair stays where it is when its controller restarts.
-        failure: Why the driver has given up for good, or None.
-        connected: Set when the first reading has arrived.
-    """
-
-    restarts_at_start = False
+class SerialDriver(RealHardware):
+    """The driver `serial`."""
 
     def __init__(
         self,
@@ -85,16 +76,11 @@ class SerialDriver:
             stop: Ends the thread, and is set when the driver gives up.
             waiting: Called with the reason whenever the driver starts to wait for the device or its telemetry.
         """
-        self.failure: str | None = None
-        self.connected = threading.Event()
+        super().__init__(stop, waiting, MAX_READINGS)
         self._port = port
         self._baud = baud
         self._sonars = tuple(sonars)
-        self._stop = stop
-        self._waiting = waiting
-        self._reason = ""
         self._accepted = False
-        self._readings: deque[Reading] = deque(maxlen=MAX_READINGS)
         self._splitter = LineSplitter()
         self._fix: Fix | None = None
         self._boot = -1
@@ -112,13 +98,6 @@ class SerialDriver:
         """Start looking for the controller."""
         self._thread.start()
 
-    def read(self) -> list[Reading]:
-        """Return the readings since the last call."""
-        found = []
-        while self._readings:
-            found.append(self._readings.popleft())
-        return found
-
     def write(self, left: float, right: float) -> None:
         """Send a power to the controller. Without a line nothing is sent, and the controller stops by itself."""
         with self._lock:
@@ -128,13 +107,6 @@ class SerialDriver:
     def begin_run(self, run: str) -> None:  # noqa: ARG002 - as `Driver` has it
         """Allow writing: the simulator has accepted the bridge. Real hardware has no runs."""
         self._accepted = True
-
-    def sync_tick(self, run: str, tick: int, pace: Pace) -> bool:  # noqa: ARG002 - as `Driver` has it
-        """Return False: real hardware does not wait."""
-        return False
-
-    def power_received(self, run: str, tick: int) -> None:
-        """Do nothing: real hardware has no ticks."""
 
     def faults(self) -> dict[str, int]:
         """Return the number of faults on the line so far, by name."""
@@ -162,15 +134,13 @@ class SerialDriver:
             except OSError as error:  # pyserial's own errors are OSErrors
                 # A line that was lost may be taken for a while when it is back: ModemManager probes new devices.
                 if error.errno in _LOCKED and not self._opened:
-                    self.failure = f"{self._port} is in use by another program, perhaps by another iw-bridge"
-                    self._stop.set()
+                    self._fail(f"{self._port} is in use by another program, perhaps by another iw-bridge")
                     return
                 self._wait_for(f"cannot open {self._port}: {_in_words(error)}")
                 self._stop.wait(REOPEN_PERIOD)
                 continue
             except ValueError as error:
-                self.failure = f"--port: expected a device or a pyserial URL, got {self._port!r}: {error}"
-                self._stop.set()
+                self._fail(f"--port: expected a device or a pyserial URL, got {self._port!r}: {error}")
                 return
             self._opened += 1
             with line:
@@ -206,12 +176,6 @@ class SerialDriver:
             line.write(encode_line(PowerLine(round(1000.0 * left), round(1000.0 * right))))
         except OSError:
             self._unwritten += 1
-
-    def _wait_for(self, reason: str) -> None:
-        """Report what the driver waits for, once until telemetry comes or the reason changes."""
-        if reason != self._reason:
-            self._reason = reason
-            self._waiting(reason)
 
     def _on_data(self, data: bytes, now: float) -> None:
         for line in self._splitter.feed(data):

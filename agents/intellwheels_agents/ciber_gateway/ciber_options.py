@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import math
 import socket
 from collections.abc import Mapping
 from typing import Final
@@ -15,7 +14,7 @@ from intellwheels_agents.ciber_gateway.robot_client import Waits
 from intellwheels_agents.ciber_gateway.simulator_messages import KINDS, Settings
 from intellwheels_agents.options import OptionError
 from intellwheels_agents.robot_document import equipped
-from intellwheels_schemas.command_parser import CommandParser, number, port, positive_seconds, whole
+from intellwheels_schemas.command_parser import CommandParser, add_retry_option, number, port, positive_seconds, whole
 from intellwheels_schemas.messages import Place
 
 EXAMPLES: Final = """\
@@ -115,10 +114,7 @@ def parser() -> argparse.ArgumentParser:
         "--key-time", type=whole(0, 1_000_000), default=_SETTINGS.key_time, metavar="N",
         help=f"cycles of its first phase, in [0, 1000000], at most --sim-time (default: {_SETTINGS.key_time})",
     )  # fmt: skip
-    result.add_argument(
-        "--retry-for", type=positive_seconds, default=math.inf, metavar="S",
-        help="give up after S seconds without a router or simulator (default: never)",
-    )  # fmt: skip
+    add_retry_option(result)
     return result
 
 

@@ -24,6 +24,7 @@ from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.keys import Keys
 from intellwheels_schemas.messages import Clock, Map, Pause, Resume, WorldState
 from intellwheels_schemas.process import SLICE, THREADS_END
+from intellwheels_schemas.simulator_query import ask_simulator
 from intellwheels_schemas.zenoh_inbox import Inbox, Presence, Put
 
 ANSWER_TIMEOUT: Final = 5.0
@@ -144,7 +145,7 @@ class CiberProcess:
         return None
 
     def _lab(self, session: Any) -> Lab:
-        answers = link.query(session, self._keys.map, timeout=ANSWER_TIMEOUT, stop=self._stop)
+        answers = ask_simulator(session, self._keys, self._keys.map, timeout=ANSWER_TIMEOUT, stop=self._stop)
         for answer in answers:
             if answer.ok:
                 try:

@@ -11,7 +11,7 @@ from typing import Final
 
 from intellwheels_agents.options import OptionError
 from intellwheels_schemas import defaults
-from intellwheels_schemas.command_parser import CommandParser, number, port, positive_seconds, readable_file
+from intellwheels_schemas.command_parser import CommandParser, add_retry_option, number, port, readable_file
 from intellwheels_schemas.output_paths import add_overwrite_option, check_output_file, check_output_folder
 
 EXAMPLES: Final = """\
@@ -85,10 +85,7 @@ def parser() -> argparse.ArgumentParser:
     )  # fmt: skip
     live.add_argument("--take", action="store_true", help="drive chairs instead of their minds, while input comes")
     result.add_argument("--layout", action="store_true", help="print the layout for Foxglove, and exit")
-    result.add_argument(
-        "--retry-for", type=positive_seconds, default=math.inf, metavar="S",
-        help="give up after S seconds without a router or simulator (default: never)",
-    )  # fmt: skip
+    add_retry_option(result)
     return result
 
 

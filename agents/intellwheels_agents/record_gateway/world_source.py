@@ -14,6 +14,7 @@ from intellwheels_schemas.codec import decode, encoding_of
 from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.keys import Keys
 from intellwheels_schemas.messages import Map
+from intellwheels_schemas.simulator_query import ask_simulator
 from intellwheels_schemas.zenoh_inbox import Inbox, Presence, Put
 
 ANSWER_TIMEOUT: Final = 2.0
@@ -120,7 +121,7 @@ class WorldSource:
 
     def _answers(self, key: str, stop: threading.Event) -> Iterator[link.Answer]:
         try:
-            answers = link.query(self._session, key, timeout=ANSWER_TIMEOUT, stop=stop)
+            answers = ask_simulator(self._session, self._keys, key, timeout=ANSWER_TIMEOUT, stop=stop)
         except ConnectionError:
             return
         yield from (answer for answer in answers if answer.ok)

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import argparse
-import math
 import os
 from collections.abc import Mapping
 from typing import Final
 
 from intellwheels_agents.options import OptionError
 from intellwheels_agents.ros_gateway.rmw_wire import LARGEST_DOMAIN
-from intellwheels_schemas.command_parser import CommandParser, number, positive_seconds, whole
+from intellwheels_schemas.command_parser import CommandParser, add_retry_option, number, whole
 from intellwheels_schemas.errors import wrong_value
 
 EXAMPLES: Final = """\
@@ -100,10 +99,7 @@ def parser() -> argparse.ArgumentParser:
         "with which the map has at most a million cells)",
     )  # fmt: skip
     result.add_argument("--urdf", metavar="NAME|FILE", help="print the description of a robot, and exit")
-    result.add_argument(
-        "--retry-for", type=positive_seconds, default=math.inf, metavar="S",
-        help="give up after S seconds without a router or simulator (default: never)",
-    )  # fmt: skip
+    add_retry_option(result)
     return result
 
 

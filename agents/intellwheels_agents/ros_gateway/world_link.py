@@ -18,6 +18,7 @@ from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.keys import Keys, Verb
 from intellwheels_schemas.messages import Body, Clock, Entity, Map, Record, Result, WorldState
 from intellwheels_schemas.process import SLICE
+from intellwheels_schemas.simulator_query import ask_simulator
 from intellwheels_schemas.zenoh_inbox import Inbox, Presence, Put
 
 MAP_TOPIC: Final = Topic("/map", "nav_msgs/msg/OccupancyGrid", LATCHED)
@@ -46,8 +47,9 @@ class WorldQueries:
 
     def control(self, verb: Verb, message: Record) -> Result:
         """Send a control verb, and return its result, also that of an error reply."""
-        answers = link.query(
-            self._session, self._keys.ctl_of(verb, message), encode(message), timeout=CONTROL_TIMEOUT, stop=self._stop
+        key = self._keys.ctl_of(verb, message)
+        answers = ask_simulator(
+            self._session, self._keys, key, encode(message), timeout=CONTROL_TIMEOUT, stop=self._stop
         )
         return _read(Result, answers[0])
 
@@ -73,7 +75,7 @@ class WorldQueries:
         return parts[0].time, [entity for part in parts for entity in part.entity]
 
     def _all(self, kind: type[_Message], key: str) -> list[_Message]:
-        answers = link.query(self._session, key, timeout=ANSWER_TIMEOUT, stop=self._stop)
+        answers = ask_simulator(self._session, self._keys, key, timeout=ANSWER_TIMEOUT, stop=self._stop)
         found = [_read(kind, answer) for answer in answers if answer.ok]
         if not found:
             raise ConnectionError(f"{key}: expected an answer, got an error: {answers[0].data[:200]!r}")

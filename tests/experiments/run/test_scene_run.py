@@ -125,7 +125,9 @@ def test_run_that_ends_is_judged_by_the_last_state(tmp_path: Path) -> None:
 
 
 def test_simulator_that_fails_or_is_killed_after_the_end_does_not_hold(tmp_path: Path) -> None:
-    ended = RUNNING + f"print('ended tick=812 hash={HASH}', flush=True); "
+    # The run ends the simulator as soon as it reads the line. Here the simulator must fail by itself, at any speed.
+    deaf = "signal.signal(signal.SIGTERM, signal.SIG_IGN); "
+    ended = RUNNING + deaf + f"print('ended tick=812 hash={HASH}', flush=True); "
     for last, how in (("exit(1)", "exit 1"), ("import os; os.kill(os.getpid(), 9)", "killed by SIGKILL")):
         result = play(tmp_path, ended + last)
         assert (result.finish, result.held) == ("died", False)
