@@ -99,7 +99,7 @@ def main(arguments: list[str] | None = None) -> int:
 def _live(browser: Browser, folder: Path, log: Path) -> None:
     """Take the pictures of a run: all but the last while it is paused."""
     scene = ("figure6", "--view", "--view-port", "0", *SLOW, "--log", str(log))
-    with _started(r"view it at ([^;\s]+)", "intellwheels_experiments", *scene) as url, _page(browser, url) as page:
+    with _started(r"view it at (\S+)", "intellwheels_experiments", *scene) as url, _page(browser, url) as page:
         _halt(page, AT_DOOR)
         for key, name in (("p", "plan"), ("f", "follow"), ("h", "first-person")):
             page.keyboard.press(key)

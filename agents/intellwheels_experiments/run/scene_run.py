@@ -171,7 +171,7 @@ def _start(
         children.launch(VIEWER, spec.viewer_command)
         ready = _await_ready(VIEWER, VIEW_LIMIT, children, stop, progress)
         # Before anything moves.
-        progress.say(f"view it at {ready.get('url', '?')}; the scene starts when the page is open")
+        progress.say(f"view it at {ready.get('url', '?')} (the scene starts when the page is open)")
     for cast in spec.scene.cast:
         if cast.name in spec.bridges:
             children.launch(bridge_child(cast.name), partial(spec.bridge_command, cast))
