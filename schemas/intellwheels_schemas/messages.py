@@ -415,8 +415,9 @@ class Proximity(Record, frozen=True, kw_only=True):
     """Longest distance that can be measured; if nothing is nearer, the status is none."""
     model: Model = "ideal"
     """Error model: ideal (no errors), infrared (noise grows with distance) or sonar (detects only echoes). Latency of a
-    sonar must cover its delay and the time of sound to MaxRange and back. Every must cover this time and 50 ms, or the
-    ping period of its Device, and the difference between its delays."""
+    sonar must be at least its longer delay plus the time of sound to MaxRange and back. Every must be at least the
+    larger of that time of sound and the ping period of its Device (50 ms without one), plus the difference between its
+    two delays."""
     noise_volts: Volts = 0.01
     """Infrared only: standard deviation of the sensor's voltage. The voltage is 0.47 V m divided by the distance."""
     dropout: Dropout = 0.0
@@ -661,7 +662,7 @@ class Robot(Record, frozen=True, kw_only=True):
     """Boxes that make up the body, for contact and for the sensors of other bodies."""
     position: Position | None = None
     """Pose to start at, if no Place is given. On a map with outer walls it must be within the box of all walls,
-    obstacles and places; a map without them ends nowhere. A real robot may start anywhere."""
+    obstacles and places; a map without outer walls has no boundary. A real robot may start anywhere."""
     proximity: tuple[Proximity, ...] = ()
     """Proximity sensors on the body."""
     lidar: tuple[Lidar, ...] = ()
@@ -1104,7 +1105,7 @@ class Entity(Record, frozen=True, kw_only=True):
     say: ElementText | None = None
     """Last message that the agent sent, shown for 3 s of simulated time."""
     command_age: Seconds = 0.0
-    """Mean time from the Measures to the effect of the commands that answer them; 0 below half a tick."""
+    """Mean time from the Measures to the effect of the commands that answer them; 0 stands for less than half a tick."""
     travelled: Travel | None = None
     """Path of its centre of movement since the start of the run, without moves by an operator; absent in a playback."""
     turned: Turned | None = None
@@ -1581,7 +1582,8 @@ class Uniform(Record, frozen=True, kw_only=True):
     high: Offset
     """Largest offset, more than Low."""
     follows: Word | None = None
-    """Another option of the agent that is drawn, whose offset is added too: a calibration follows what it measures."""
+    """Name of another Uniform option of this agent, whose offset is added to this number as well: so a calibration can
+    follow the wheel that it measures."""
 
 
 class Bridge(Record, frozen=True, kw_only=True):
@@ -1716,7 +1718,8 @@ class May(Record, frozen=True, kw_only=True):
     world: Name = defaults.WORLD
     """World in which it may do so."""
     agents: Annotated[tuple[NamePattern, ...], Meta(max_length=64)] = ()
-    """Agents that it may be, or steer and change: names, or beginnings such as st1-*. The role may need them."""
+    """Agents that it may be, steer or change: names, beginnings such as st1-*, or * for all. The roles agent, mind and
+    bridge require them; simulator and recorder have none."""
     verbs: Annotated[tuple[ControlVerb, ...], Meta(max_length=32)] = ()
     """Of an operator: control verbs that it may ask for; none means all."""
 

@@ -31,7 +31,7 @@ def outside(walls: Walls, floor: Map, x: float, y: float) -> str | None:
     """Return what is wrong with a position outside a map with outer walls, or None.
 
     A position is outside if it is beyond the box of all walls, obstacles and places. A map without outer walls, such as
-    a plane with a few obstacles, ends nowhere.
+    a plane with a few obstacles, has no boundary.
 
     Args:
         walls: The walls of the map.
