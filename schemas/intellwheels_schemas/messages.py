@@ -1105,7 +1105,7 @@ class Entity(Record, frozen=True, kw_only=True):
     say: ElementText | None = None
     """Last message that the agent sent, shown for 3 s of simulated time."""
     command_age: Seconds = 0.0
-    """Mean time from the Measures to the effect of the commands that answer them; 0 stands for less than half a tick."""
+    """Mean time from the Measures to the effect of the commands that answer them; 0 means less than half a tick."""
     travelled: Travel | None = None
     """Path of its centre of movement since the start of the run, without moves by an operator; absent in a playback."""
     turned: Turned | None = None
@@ -1255,7 +1255,7 @@ class End(Record, frozen=True, kw_only=True):
 
 
 class Pause(Record, frozen=True, kw_only=True):
-    """Stop simulated time. Steps that are being made end, and their request gets `incorrect-state`."""
+    """Stop simulated time. Steps in progress end, and their request gets `incorrect-state`."""
 
 
 class Resume(Record, frozen=True, kw_only=True):

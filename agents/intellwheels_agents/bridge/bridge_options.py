@@ -30,8 +30,8 @@ examples:
       iw-bridge world --lab-connect tcp/127.0.0.1:7448 --name chair1 --place lobby1 --chair-option WheelRatio=1.002 \\
           --pose corrected --fix-every 20 --fix-noise 0.05
 
-Two worlds in lockstep advance together, tick by tick. Give each server a --deadline that covers the slowest tick of the
-other.
+Two worlds in lockstep advance together, tick by tick. Give each server a --deadline that is longer than the slowest
+tick of the other.
 
 Standard output has lines that begin with one of these words:
     hardware                        the first reading of the chair has arrived

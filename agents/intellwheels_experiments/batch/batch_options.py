@@ -12,7 +12,7 @@ from intellwheels_schemas.command_parser import readable_file, whole
 
 LINES_HELP: Final = """
 a batch's lines, where standard output is no terminal:
-  progress  how many runs are done, and how long the others take, as hours:minutes:seconds
+  progress  how many runs are done, and how long the rest will take, as hours:minutes:seconds
   row       succeeded, and low and high: the 95 % interval of the success rate (Wilson); died: runs that ended early;
             missing: runs that were not made
   compare   second is `-` if one row is judged alone; difference of the success rates, first minus second; found says

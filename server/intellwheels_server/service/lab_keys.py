@@ -75,8 +75,8 @@ def parser() -> argparse.ArgumentParser:
     renew = action("renew", "write identity files again, with a later end; an old file stays valid until its own end")
     revoke = action(
         "revoke",
-        "give an identity another password: its old file is void when iw-router is restarted, and invite writes the "
-        "new one",
+        "give an identity another password: its old file is void from the next restart of iw-router on, and invite "
+        "writes the new one",
     )
     for one in (invite, renew):
         one.add_argument("names", nargs="*", metavar="NAME", help="identities, as in the lab's document (default: all)")
