@@ -104,7 +104,7 @@ def parser() -> argparse.ArgumentParser:
     add_overwrite_option(found)
     found.add_argument(
         "--logs", type=Path, metavar="DIR",
-        help="keep what the processes print in this folder, and replace what is there of an earlier run (default: a "
+        help="keep what the processes print in this folder, and replace what an earlier run left there (default: a "
         "temporary folder, kept only if the run fails)",
     )  # fmt: skip
     found.add_argument(
