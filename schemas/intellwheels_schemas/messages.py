@@ -423,13 +423,13 @@ class Proximity(Record, frozen=True, kw_only=True):
     dropout: Dropout = 0.0
     """Share of samples that fail and are reported as fault; must be 0 for the ideal model."""
     device: SonarName | None = None
-    """Sonar only: a device whose published figures the sensor has; ConeDeg, ranges and Every must fit them."""
+    """Sonar only: name of a device, whose published figures then apply; ConeDeg, ranges and Every must fit them."""
     crosstalk: Share = 0.0
-    """Sonar only: share of the pulses of other sonars that the sensor takes for its own echo, if it can hear them."""
+    """Sonar only: share of the pings of other sonars that the sensor takes for its own echo, if it can hear them."""
     ping_delay: PingDelay = 0.0
-    """Sonar only: time from the tick of a sample to its pulse."""
+    """Sonar only: time from the tick of a sample to its ping."""
     second_ping_delay: PingDelay = 0.0
-    """Sonar only: the same for the second, fourth, ... pulse, so that crosstalk differs from pulse to pulse."""
+    """Sonar only: the same time for the second, fourth, ... ping, so that crosstalk differs from ping to ping."""
     group: Cycles = 0
     """Firing group: number of ticks by which the sensor samples later than group 0; must be less than Every."""
     mount: SensorMount = "body"
@@ -1107,9 +1107,9 @@ class Entity(Record, frozen=True, kw_only=True):
     command_age: Seconds = 0.0
     """Mean time from the Measures to the effect of the commands that answer them; 0 means less than half a tick."""
     travelled: Travel | None = None
-    """Path of its centre of movement since the start of the run, without moves by an operator; absent in a playback."""
+    """Distance that the body has travelled in the run, without moves by an operator; absent in a playback."""
     turned: Turned | None = None
-    """Largest angle from the heading that it had at first in the run, up to pi; absent in a playback."""
+    """Largest angle from the first heading of the body in the run, up to pi; absent in a playback."""
 
 
 class WorldState(Record, frozen=True, kw_only=True):
