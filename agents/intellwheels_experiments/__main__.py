@@ -188,7 +188,7 @@ def _batch(options: argparse.Namespace, chosen: Scene, chosen_floor: Map, folder
         out=out,
         jobs=options.jobs,
         timeout=options.timeout or WALL_LIMIT,
-        say=once(lambda text: console.print(text, markup=False, highlight=False)),
+        say=once(lambda text: console.print(text, markup=False, highlight=False, soft_wrap=True)),
         part=options.part,
         cluster=options.cluster,
     )

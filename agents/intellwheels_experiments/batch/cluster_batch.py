@@ -208,14 +208,19 @@ def inspect_worker(files: dict[str, str], expected: str) -> str:
 def _client(address: str) -> Iterator[Client]:
     """Connect to the scheduler."""
     import logging  # noqa: PLC0415
+    import warnings  # noqa: PLC0415
 
     from distributed import Client  # noqa: PLC0415
+    from distributed.versions import VersionMismatchWarning  # noqa: PLC0415
 
     # What it logs as an error, such as a scheduler that is gone, is told in a sentence here.
     for name in [name for name in logging.root.manager.loggerDict if name.startswith("distributed")]:
         logging.getLogger(name).setLevel(logging.CRITICAL)
     try:
-        client = Client(address, timeout=CONNECT_LIMIT, set_as_default=False)
+        with warnings.catch_warnings():
+            # Workers with other versions of Python or of libraries serve: only plain records are exchanged.
+            warnings.filterwarnings("ignore", category=VersionMismatchWarning)
+            client = Client(address, timeout=CONNECT_LIMIT, set_as_default=False)
     except (OSError, TimeoutError, ValueError) as error:
         text = f"--cluster: expected a Dask scheduler at {address}, got no answer within {CONNECT_LIMIT:.0f} s"
         raise WireError("value", text, "--cluster") from error
@@ -248,8 +253,9 @@ def _await_workers(client: Client, address: str, batch: Batch, stop: threading.E
             answer = f"expected IntellWheels with the extra cluster, got none ({answer})"  # noqa: PLW2901
         if answer:
             raise WireError("value", f"--cluster: worker {worker}: {answer}", "--cluster")
-    workers, slots = len(asked), _slots(client)
-    return f"cluster {address}: {workers} {'worker' if workers == 1 else 'workers'}, {slots} at a time"
+    threads = client.nthreads()
+    noun = "worker" if len(threads) == 1 else "workers"
+    return f"cluster {address}: {len(threads)} {noun}, {sum(threads.values())} runs at a time"
 
 
 def batch_files(batch: Batch) -> dict[str, str]:
