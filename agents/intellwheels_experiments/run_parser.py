@@ -33,6 +33,7 @@ examples:
       an experiment: every row with 40 seeds, and a report; after an interruption, run the same command again
   iw-run table1 --seeds 400 --part 2/8 --out p2          the second of eight shares, on one of eight machines
   iw-run table1 --seeds 400 --merge p1 --merge p2 ...    the report of all shares
+  iw-run table1 --seeds 400 --cluster tcp://host:8786    the runs are made on a Dask cluster
   iw-run table1 --row real-autonomous --branch t1/runs/real-autonomous/3/input.jsonl --at 200 \\
       --option chair.speed=0.3 --out what-if
       what if: repeat that run, but slower from tick 200 on
@@ -40,7 +41,8 @@ examples:
 exit codes: 0 all conditions of the scene held or, in a batch or branch, every run reached its end; 1 otherwise, also if
 the run is interrupted; 2 wrong usage; 130 if interrupted before anything started
 
-The command needs the extra `server`; with --view also `viewer`, and for a batch or branch also `experiments`.
+The command needs the extra `server`; with --view also `viewer`, and for a batch or branch also `experiments`,
+and with --cluster also `cluster`.
 """
 
 

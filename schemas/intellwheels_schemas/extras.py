@@ -13,6 +13,7 @@ MODULES: Final = {
     "lsl": ("pylsl",),
     "voice": ("pocketsphinx", "sounddevice"),
     "experiments": ("numpy", "scipy", "shapely", "matplotlib"),
+    "cluster": ("distributed",),
     "bridge": ("serial",),
     "luci": ("grpc", "google"),
     "rnet": ("can",),
