@@ -131,7 +131,8 @@ class Inbox:
         if length > self._max_bytes:
             self._keep(TooLong(key, length), 1)
         else:
-            self._keep(Put(key, sample.payload.to_bytes(), str(sample.encoding)), length + len(key) + 1)
+            put = Put(key, sample.payload.to_bytes(), str(sample.encoding))
+            self._keep(put, _size(put))
 
     def on_query(self, query: zenoh.Query) -> None:
         """Keep a query. This is the callback for `declare_queryable`."""
@@ -192,12 +193,16 @@ class Inbox:
             self._queued_bytes -= _size(ask)
         return ask
 
-    def take(self) -> list[Arrival]:
-        """Remove and return all arrivals, in order of arrival, except those of `next_query`."""
+    def take(self, most: int | None = None) -> list[Arrival]:
+        """Remove and return all arrivals, or the first so many, in order of arrival; not those of `next_query`."""
         with self._some:
-            taken = list(self._kept)
-            self._kept.clear()
-            self._bytes = 0
+            if most is None or len(self._kept) <= most:
+                taken = list(self._kept)
+                self._kept.clear()
+                self._bytes = 0
+            else:
+                taken = [self._kept.popleft() for _ in range(most)]
+                self._bytes -= sum(map(_length, taken))
         return taken
 
     def wait(self, seconds: float) -> bool:
@@ -206,6 +211,13 @@ class Inbox:
             return bool(self._kept or self._turns) or self._some.wait(max(seconds, 0.0))
 
 
-def _size(ask: Ask) -> int:
-    """Return the bytes that count for a query."""
-    return len(ask.data) + len(ask.key) + 1
+def _size(some: Ask | Put) -> int:
+    """Return the bytes that count for a sample or a query."""
+    return len(some.data) + len(some.key) + 1
+
+
+def _length(arrival: Arrival) -> int:
+    """Return the bytes that count for an arrival."""
+    if isinstance(arrival, Put | Ask):
+        return _size(arrival)
+    return 1 if isinstance(arrival, TooLong) else 0

@@ -384,7 +384,7 @@ def test_flood_of_queries_and_tokens_leaves_others_their_ticks_and_answers(room:
 
     for number in range(rounds):
         for key in keys:
-            done = zenoh.handlers.Callback(lambda _reply: None, on_end)
+            done: Any = zenoh.handlers.Callback(lambda _reply: None, on_end)
             viewer.get(f"iw/v1/main/{key}", done, timeout=DEADLINE)
         tokens += [
             agent.liveliness().declare_token(f"iw/v1/main/in/st2-a/alive/both/{number:08x}{more:08x}")

@@ -57,6 +57,18 @@ def test_what_does_not_fit_is_counted_and_room_is_there_again_after_taking() -> 
     assert (len(inbox.take()), inbox.dropped) == (1, 2)
 
 
+def test_first_arrivals_can_be_taken_alone_and_give_their_room_back() -> None:
+    inbox = Inbox(total_bytes=100, max_bytes=30)
+    keep(inbox, Sample(Payload(b"1" * 30)), Sample(Payload(b"2" * 31)))
+    inbox.on_token(Sample(Payload(b"")))  # type: ignore[arg-type]
+    assert [type(one) for one in inbox.take(1)] == [Put]
+    keep(inbox, Sample(Payload(b"3" * 30)))
+    assert inbox.dropped == 0
+    assert [type(one) for one in inbox.take(2)] == [TooLong, Presence]
+    assert [type(one) for one in inbox.take(9)] == [Put]
+    assert inbox.take(9) == []
+
+
 def test_a_delete_is_counted_and_not_kept_and_a_token_is_never_dropped() -> None:
     inbox = Inbox(room=0)
     keep(inbox, Sample(Payload(b""), deleted=True), Sample(Payload(b"{}")))
