@@ -95,6 +95,7 @@ OPENERS = {
     "intellwheels_agents.record_gateway.record_process",
     "intellwheels_agents.record_gateway.world_source",
     "intellwheels_server.service.arrival_reader",
+    "intellwheels_server.service.main_loop",
     "intellwheels_schemas.present",
     "intellwheels_server.server_options",
     "intellwheels_experiments.run.usage_checks",

@@ -112,7 +112,10 @@ ACCESS: Final = """## Who may do what
 that queries a key *writes* it, and one that answers the query *reads* it. `<agent>` stands for the `Agents` of the
 identity. An operator, a viewer and a recorder read about every agent. An operator asks for its `Verbs` only, and a
 viewer only for `take`. The router drops what is longer than the [limits](#limits), and what an agent sends beyond 5,000
-messages a second on one key.
+messages a second on one key. It closes sessions beyond 100 of one certificate, or of one address of another machine
+(`--max-sessions`), and says so; Zenoh does not tell it whose password opened a session. Queries other than `join` and
+`leave` have no rate. The simulator answers them between ticks: up to 2,048 wait for each key, and it reports those that
+find no room.
 
 """
 

@@ -11,6 +11,7 @@ from tests.bench import (
     drivers,
     imports,
     inputs,
+    lab,
     learning,
     loads,
     network,
@@ -38,8 +39,8 @@ def main() -> None:
         help="tick: the cost of a tick, part by part; network: whole processes; viewer: a page; loads: loading maps; "
         "imports: floors of other programs; inputs: from an input to the motors; ros, record and ciber: gateways; "
         "drivers: those of real chairs; learning: "
-        "steps of learning environments; bystanders: late ticks beside a frozen viewer, 25 minutes (default: all but "
-        "bystanders)",
+        "steps of learning environments; lab: chairs through routers with and without rules, 10 minutes; bystanders: "
+        "late ticks beside a frozen viewer, 25 minutes (default: all but lab and bystanders)",
     )
     parser.add_argument(
         "--quick",
@@ -75,6 +76,8 @@ def main() -> None:
         rows += drivers.bench(rounds=50, powers=4) if options.quick else drivers.bench()
     if "learning" in wanted:
         rows += learning.bench(steps=8, rounds=2) if options.quick else learning.bench()
+    if "lab" in wanted:
+        rows += lab.bench((2,), sessions=2, ticks=10, rounds=1, settle=0.2) if options.quick else lab.bench()
     if "bystanders" in wanted:
         quick = {"chairs": 2, "count": 1, "pages": 2}
         rows += bystanders.bench(**quick, seconds=1.0, settle=0.3) if options.quick else bystanders.bench()

@@ -372,6 +372,37 @@ def test_long_messages_and_floods_end_at_the_router(room: Room) -> None:
     publisher.undeclare()
 
 
+def test_flood_of_queries_and_tokens_leaves_others_their_ticks_and_answers(room: Room) -> None:
+    viewer, agent = room.sessions["viewer", "password"], room.sessions["agent", "password"]
+    tokens: list[Any] = []
+    ended = itertools.count(1)
+    over, rounds, keys = threading.Event(), 200, ("map", "clock", "event", "body/*", "state/*")
+
+    def on_end() -> None:
+        if next(ended) == rounds * len(keys):
+            over.set()
+
+    for number in range(rounds):
+        for key in keys:
+            done: Any = zenoh.handlers.Callback(lambda _reply: None, on_end)
+            viewer.get(f"iw/v1/main/{key}", done, timeout=DEADLINE)
+        tokens += [
+            agent.liveliness().declare_token(f"iw/v1/main/in/st2-a/alive/both/{number:08x}{more:08x}")
+            for more in range(5)
+        ]
+    # Meanwhile others are answered, and their chairs go on.
+    assert link.query(room.teacher, "iw/v1/main/ctl/resume", b"{}", timeout=DEADLINE)[0].ok
+    room.ticks(5)
+    assert _later(room, f"in/{OWN}/actions")
+    words = ("drive", "--name", "st1-late")
+    room.start("late", "intellwheels_agents", "student1", *words)
+    room.stage.line("late", "joined")
+    assert over.wait(DEADLINE), "each query has an end"
+    for token in tokens:
+        token.undeclare()
+    room.stage.end(["late"])
+
+
 def test_no_secret_is_in_a_log_a_command_line_or_an_environment(room: Room) -> None:
     secrets = []
     for file in room.folder.glob("*.iwid"):

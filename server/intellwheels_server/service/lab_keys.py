@@ -114,7 +114,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         if options.action == "new":
             return _new(options)
-        return _LabDesk(options, LabFiles(options.lab), read_lab(options.lab), today).run()
+        files = LabFiles(options.lab)
+        for warning in files.exposed():
+            _log(f"warning: {warning}")
+        return _LabDesk(options, files, read_lab(options.lab), today).run()
     except WireError as error:
         _log(str(error))
         return 2

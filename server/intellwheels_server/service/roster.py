@@ -30,7 +30,9 @@ OPERATOR: Final = "operator"
 MAX_BODIES: Final = 10_000
 """Largest number of bodies in a world."""
 MAX_TOKENS: Final = 40_000
-"""Largest number of tokens remembered. Further ones are ignored."""
+"""Largest number of tokens remembered. A further one takes the place of the oldest that belongs to no member."""
+MAX_INSTANCES: Final = 64
+"""Largest number of tokens remembered for one role of one agent. Further ones are ignored."""
 
 
 def new_hex() -> str:
@@ -113,7 +115,7 @@ class Roster:
     def __init__(self) -> None:
         self._agents: dict[str, _Roles] = {}
         self._tokens: dict[tuple[str, Role], set[str]] = {}
-        self._token_count = 0
+        self._ages: dict[tuple[str, Role, str], None] = {}  # all tokens, the oldest first
         self._absent: set[Member] = set()
 
     # ------------------------------------------------------------ queries
@@ -153,26 +155,41 @@ class Roster:
 
     def token(self, agent: str, role: Role, instance: str, present: bool, now: float) -> Member | None:
         """Note a token that appeared or disappeared; return the member whose presence this changes, if any."""
-        instances = self._tokens.get((agent, role))
         if present:
-            if instances is None:
-                if self._token_count >= MAX_TOKENS:
-                    return None
-                instances = self._tokens[agent, role] = set()
-            if instance not in instances and self._token_count < MAX_TOKENS:
-                instances.add(instance)
-                self._token_count += 1
-        elif instances is not None and instance in instances:
-            instances.discard(instance)
-            self._token_count -= 1
-            if not instances:
-                del self._tokens[agent, role]
+            self._remember(agent, role, instance)
+        else:
+            self._forget(agent, role, instance)
         member = self._member(agent, role)
         if member is None or member.instance != instance or present == (member.absent_since is None):
             return None
         member.absent_since = None if present else now
         (self._absent.discard if present else self._absent.add)(member)
         return member
+
+    def _remember(self, agent: str, role: Role, instance: str) -> None:
+        instances = self._tokens.get((agent, role), set())
+        if instance in instances or (len(instances) >= MAX_INSTANCES and not self._is_member(agent, role, instance)):
+            return
+        # Members are fewer, so this ends.
+        while len(self._ages) >= MAX_TOKENS:
+            oldest = next(iter(self._ages))
+            self._forget(*oldest)
+            if self._is_member(*oldest):
+                self._note(*oldest)
+        self._note(agent, role, instance)
+
+    def _note(self, agent: str, role: Role, instance: str) -> None:
+        self._tokens.setdefault((agent, role), set()).add(instance)
+        self._ages[agent, role, instance] = None
+
+    def _forget(self, agent: str, role: Role, instance: str) -> None:
+        if (agent, role, instance) not in self._ages:
+            return
+        del self._ages[agent, role, instance]
+        instances = self._tokens[agent, role]
+        instances.discard(instance)
+        if not instances:
+            del self._tokens[agent, role]
 
     def lost(self, now: float, grace: float) -> list[Member]:
         """Return the members whose token has been gone for the grace time or longer."""
@@ -241,6 +258,10 @@ class Roster:
             del roles.by_role[member.role]
             if not roles.by_role:
                 del self._agents[member.agent]
+
+    def _is_member(self, agent: str, role: Role, instance: str) -> bool:
+        member = self._member(agent, role)
+        return member is not None and member.instance == instance
 
     def _member(self, agent: str, role: Role) -> Member | None:
         roles = self._agents.get(agent)

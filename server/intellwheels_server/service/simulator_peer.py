@@ -12,7 +12,7 @@ import time
 from collections.abc import Callable
 from contextlib import closing
 from pathlib import Path
-from typing import Any, Final, Protocol
+from typing import Any, Final
 
 import zenoh
 
@@ -31,16 +31,15 @@ from intellwheels_server.log.run_files import RunFiles
 from intellwheels_server.log.run_recorder import RunRecorder
 from intellwheels_server.log.seekable_log import SeekableLog
 from intellwheels_server.service import console
-from intellwheels_server.service.arrival import Arrival
 from intellwheels_server.service.arrival_reader import ArrivalReader
 from intellwheels_server.service.live_run import LiveRun
 from intellwheels_server.service.load_floor import load_floor
 from intellwheels_server.service.log_playback import Playback
+from intellwheels_server.service.main_loop import Service, run_service
 from intellwheels_server.service.roster import new_hex
 from intellwheels_server.service.service_state import Options
 from intellwheels_server.service.side_process import SideProcess
 from intellwheels_server.service.world_claim import WorldClaim
-from intellwheels_server.world import State
 
 SHUTDOWN_TIME: Final = 0.1
 """Seconds that the last messages get to leave before the session closes."""
@@ -140,39 +139,6 @@ class ZenohOutlet:
     def log_line(self, line: str) -> None:
         """Print a line for people."""
         console.log_line(line)
-
-
-class Service(Protocol):
-    """A live run or the playback of a log, as the main loop uses it."""
-
-    @property
-    def exit(self) -> int | None:
-        """The exit code of the process once the service is over, else None."""
-
-    @property
-    def state(self) -> State:
-        """The world."""
-
-    def digest(self) -> str:
-        """Return the hash of the state."""
-
-    def begin(self) -> None:
-        """Publish what is known before anything happens."""
-
-    def take(self, arrival: Arrival, now: float) -> None:
-        """Take what arrived."""
-
-    def work(self, now: float) -> None:
-        """Do everything that is due."""
-
-    def due(self, now: float) -> float:
-        """Return when to call `work` next if nothing arrives."""
-
-    def spend(self, seconds: float, now: float) -> None:
-        """Note that its work has taken so many seconds until now."""
-
-    def finish(self, now: float) -> None:
-        """Publish what is left before the service ends."""
 
 
 def serve(
@@ -348,44 +314,13 @@ def _serve(
         console.print_line(f"ready world={options.world} run={service.state.run} listen={route.where()}")
         try:
             claim.begin()
-            _loop(service, ArrivalReader(keys), inbox, stop, claim.check, flush_if_due)
+            run_service(service, ArrivalReader(keys), inbox, stop, claim.check, flush_if_due)
             service.finish(time.monotonic())
             console.log_line(f"ended run={service.state.run} tick={service.state.tick} hash={service.digest()}")
         finally:
             token.undeclare()
         time.sleep(SHUTDOWN_TIME)
     return service.exit or 0
-
-
-def _loop(
-    service: Service,
-    reader: ArrivalReader,
-    inbox: zenoh_inbox.Inbox,
-    stop: threading.Event,
-    check_claim: Callable[[], None],
-    flush_if_due: Callable[[float], None],
-) -> None:
-    """Wait until something arrives or is due, take what arrived, and do what is due, until the service is over."""
-    dropped = 0
-    while service.exit is None and not stop.is_set():
-        now = time.monotonic()
-        # A long wait in the main thread could delay a signal, so no wait is longer than a slice.
-        left = min(service.due(now) - now, SLICE)
-        if left > 0.0:
-            inbox.wait(left)
-            now = time.monotonic()
-        check_claim()
-        for delivered in inbox.take():
-            arrival = reader.read(delivered)
-            if arrival is not None:
-                service.take(arrival, now)
-        service.work(now)
-        flush_if_due(now)
-        done = time.monotonic()
-        service.spend(done - now, done)
-        if inbox.dropped != dropped:
-            console.log_line(f"dropped arrivals={inbox.dropped - dropped} why='more than can be read'")
-            dropped = inbox.dropped
 
 
 def _undeclare(publisher: Any) -> None:
