@@ -46,7 +46,7 @@ from intellwheels_server.world.kernels.sample_schedule import KEY0, KEY1, due_sl
 from intellwheels_server.world.kernels.sonar_beam import FIGURE_COLUMNS
 from intellwheels_server.world.kernels.sonar_echoes import sense_sonars
 from intellwheels_server.world.sensors.angles import unit_vector
-from intellwheels_server.world.sensors.kind import Fitted, Kind, View
+from intellwheels_server.world.sensors.kind import Array, Fitted, Kind, ManyViews, View
 
 WEDGE_RAYS: Final = 2.0
 """Rays of a lidar that cost as much as an exact or infrared wedge."""
@@ -79,6 +79,22 @@ def _spoil(tick: int, infrared: Floats, schedule: Ints, samples: Floats) -> None
         if infrared[sensor, _DROPOUT] > 0.0 and uniform(key0, key1, tick, 1) < infrared[sensor, _DROPOUT]:
             samples[slot] = STATUS_FAULT
             samples[slot + 1] = 0.0
+
+
+@njit(cache=True, error_model="numpy", nogil=True)
+def _take_many(
+    ticks: Ints, numbers: Floats, samples: Floats, first: int, end: int, parts: Floats, part_start: Ints,
+    pieces: Floats, links: Ints, edges: Floats, cells: Ints, frame: Floats, mounts: Floats, groups: Ints, beams: Floats,
+    schedule: Ints, infrared: Floats, infrared_schedule: Ints,
+) -> None:  # fmt: skip
+    """Store the samples of the exact and the infrared sensors of some worlds, of which every array has a row each."""
+    for world in range(first, end):
+        tick = ticks[world]
+        sense_proximity(
+            tick, numbers[world], parts[world], part_start, pieces, links, edges, cells, frame, mounts[world],
+            groups[world], beams[world], schedule[world], samples[world],
+        )  # fmt: skip
+        _spoil(tick, infrared[world], infrared_schedule[world], samples[world])
 
 
 class _Grouped(NamedTuple):
@@ -126,6 +142,21 @@ class ProximityBlock:
                 tick, view.period, numbers, parts, part_start, *view.walls, of.mounts, of.groups, of.beams,
                 self.sonar_figures, self.sonar_schedule, samples,
             )  # fmt: skip
+
+    def stackable(self) -> tuple[Array, ...] | None:
+        """Return the arrays that `take_many` needs; None if there is a sonar."""
+        if len(self.sonar_schedule):
+            return None
+        return *self.seeing, self.seeing_schedule, self.infrared, self.infrared_schedule
+
+    @staticmethod
+    def take_many(
+        ticks: Ints, views: ManyViews, arrays: Sequence[Array], samples: Floats, first: int, end: int
+    ) -> None:
+        """Store the samples that are due in some worlds."""
+        _take_many(
+            ticks, views.numbers, samples, first, end, views.parts, views.part_start, *(*views.walls, *arrays)
+        )  # fmt: skip
 
 
 class ProximityKind(Kind):
