@@ -82,25 +82,36 @@ class Worlds(msgspec.Struct, frozen=True, kw_only=True):
             samples=self.samples[world],
         )
 
-    def replaced(self, world: int, state: State) -> Worlds:
-        """Return these worlds with one of them replaced, such as one that begins again.
+    def replaced(self, states: Mapping[int, State]) -> Worlds:
+        """Return these worlds with some of them replaced by others, such as those that begin again.
+
+        Args:
+            states: The new states, by world.
 
         Raises:
-            ValueError: It cannot stand beside the others: see `stack`.
+            ValueError: One cannot stand beside the others: see `stack`.
         """
-        _check_fits(self.state(0), state, world)
         numbers, flags, samples = self.numbers.copy(), self.flags.copy(), self.samples.copy()
-        numbers[world], flags[world], samples[world] = state.numbers, state.flags, state.samples
         ticks, watched = self.ticks.copy(), self.watched.copy()
-        ticks[world], watched[world] = state.tick, _is_watched(state)
         fixed = tuple(block.copy() for block in self.fixed)
-        for block, own in zip(fixed, _fixed_of(state), strict=True):
-            block[world] = own
-        rest = (*self.rest[:world], _without_arrays(state), *self.rest[world + 1 :])
+        rest = list(self.rest)
+        for world, state in states.items():
+            misfit = self.misfit(state)
+            if misfit is not None:
+                raise ValueError(f"world {world}: {misfit}")
+            numbers[world], flags[world], samples[world] = state.numbers, state.flags, state.samples
+            ticks[world], watched[world], rest[world] = state.tick, _is_watched(state), _without_arrays(state)
+            for block, own in zip(fixed, _fixed_of(state), strict=True):
+                block[world] = own
+        sensors = self.sensors.replaced({world: state.body_set.plan for world, state in states.items()})
         return Worlds(
-            rest=rest, watched=watched, ticks=ticks, numbers=numbers, flags=flags, samples=samples, fixed=fixed,
-            sensors=self.sensors.replaced(world, state.body_set.plan),
+            rest=tuple(rest), watched=watched, ticks=ticks, numbers=numbers, flags=flags, samples=samples, fixed=fixed,
+            sensors=sensors,
         )  # fmt: skip
+
+    def misfit(self, state: State) -> str | None:
+        """Return why a state cannot stand beside these worlds; None if it can."""
+        return _misfit(self.rest[0], state)
 
 
 def stack(states: Sequence[State]) -> Worlds:
@@ -117,7 +128,9 @@ def stack(states: Sequence[State]) -> Worlds:
     if not states:
         raise ValueError("states: expected at least one, got none")
     for world, state in enumerate(states):
-        _check_fits(states[0], state, world)
+        misfit = _misfit(states[0], state)
+        if misfit is not None:
+            raise ValueError(f"world {world}: {misfit}")
     return Worlds(
         rest=tuple(_without_arrays(state) for state in states),
         watched=np.array([_is_watched(state) for state in states]),
@@ -292,19 +305,20 @@ def _fixed_of(state: State) -> tuple[Any, ...]:
     )  # fmt: skip
 
 
-def _check_fits(first: State, state: State, world: int) -> None:
-    """Refuse a world that cannot be stacked onto the first one."""
+def _misfit(first: State, state: State) -> str | None:
+    """Return why a state cannot be stacked onto the first one; None if it can."""
     if state.ended:
-        raise ValueError(f"world {world}: expected a run that goes on, got one that ended")
+        return "expected a run that goes on, got one that ended"
     for what in ("period", "strict"):
         wanted, got = getattr(first.setup, what), getattr(state.setup, what)
         if wanted != got:
-            raise ValueError(f"world {world}: expected the {what} of the first world, {wanted}, got {got}")
+            return f"expected the {what} of the first world, {wanted}, got {got}"
     if state.names != first.names:
-        raise ValueError(f"world {world}: expected bodies {', '.join(first.names)}, got {', '.join(state.names)}")
+        return f"expected bodies {', '.join(first.names)}, got {', '.join(state.names)}"
     if state.walls is not first.walls and not all(map(np.array_equal, state.walls, first.walls)):
-        raise ValueError(f"world {world}: expected the walls of the first world, got others")
+        return "expected the walls of the first world, got others"
     if not np.array_equal(state.body_set.bodies.part_start, first.body_set.bodies.part_start):
-        raise ValueError(f"world {world}: expected as many parts of each body as in the first world, got others")
+        return "expected as many parts of each body as in the first world, got others"
     if state.body_set is not first.body_set and layout_of(state.body_set.plan) != layout_of(first.body_set.plan):
-        raise ValueError(f"world {world}: expected sensors laid out as in the first world, got others")
+        return "expected sensors laid out as in the first world, got others"
+    return None

@@ -6,7 +6,7 @@ world after the other, which gives the same samples and takes longer.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TypeAlias
 
@@ -28,10 +28,14 @@ class _Together:
     def take(self, ticks: Ints, views: ManyViews, samples: Floats, first: int, end: int) -> None:
         self.kind.take_many(ticks, views, self.arrays, samples, first, end)
 
-    def replaced(self, world: int, block: Block) -> _Together:
-        own = block.stackable() if isinstance(block, StackableBlock) else None
-        assert own is not None  # noqa: S101 - its sensors are laid out as those of the others
-        return _Together(self.kind, tuple(_with(old, world, new) for old, new in zip(self.arrays, own, strict=True)))
+    def replaced(self, blocks: Mapping[int, Block]) -> _Together:
+        arrays = tuple(array.copy() for array in self.arrays)
+        for world, block in blocks.items():
+            own = block.stackable() if isinstance(block, StackableBlock) else None
+            assert own is not None  # noqa: S101 - its sensors are laid out as those of the others
+            for array, new in zip(arrays, own, strict=True):
+                array[world] = new
+        return _Together(self.kind, arrays)
 
 
 @dataclass(frozen=True)
@@ -45,8 +49,8 @@ class _OneByOne:
             view = View(views.numbers[world], views.parts[world], views.part_start, views.walls, views.period)
             self.blocks[world].take(int(ticks[world]), view, samples[world])
 
-    def replaced(self, world: int, block: Block) -> _OneByOne:
-        return _OneByOne((*self.blocks[:world], block, *self.blocks[world + 1 :]))
+    def replaced(self, blocks: Mapping[int, Block]) -> _OneByOne:
+        return _OneByOne(tuple(blocks.get(world, block) for world, block in enumerate(self.blocks)))
 
 
 _Stack: TypeAlias = _Together | _OneByOne
@@ -81,9 +85,12 @@ class StackedSensors:
         if self.sensors:
             round_readings(self.spans[first * self.sensors : end * self.sensors], samples.reshape(-1))
 
-    def replaced(self, world: int, plan: SensorPlan) -> StackedSensors:
-        """Return these sensors with those of one world replaced. They must be laid out as before: see `layout_of`."""
-        stacks = tuple(stack.replaced(world, block) for stack, block in zip(self.stacks, plan.blocks, strict=True))
+    def replaced(self, plans: Mapping[int, SensorPlan]) -> StackedSensors:
+        """Return these sensors with those of some worlds replaced, laid out as before: see `layout_of`."""
+        stacks = tuple(
+            stack.replaced({world: plan.blocks[k] for world, plan in plans.items()})
+            for k, stack in enumerate(self.stacks)
+        )
         return StackedSensors(stacks, self.spans, self.sensors)
 
 
@@ -117,9 +124,3 @@ def _stacked(blocks: Sequence[Block]) -> _Stack:
     first = blocks[0]
     assert isinstance(first, StackableBlock)  # noqa: S101 - they all are
     return _Together(type(first), tuple(np.stack(column) for column in zip(*ready, strict=True)))
-
-
-def _with(stacked: Array, world: int, own: Array) -> Array:
-    changed = stacked.copy()
-    changed[world] = own
-    return changed

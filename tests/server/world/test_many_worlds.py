@@ -130,7 +130,7 @@ def test_worlds_are_values_and_one_of_them_can_begin_again() -> None:
     after, _ = advance_many(before, commands=full)
     assert [digest(before.state(k)) for k in range(3)] == [digest(state) for state in states]
     fresh = one_chair(9, **SENSORS)
-    again = after.replaced(1, fresh)
+    again = after.replaced({1: fresh})
     assert same(fresh, again.state(1))
     assert same(after.state(0), again.state(0))
     kept = digest(after.state(1))
@@ -172,7 +172,7 @@ def test_worlds_that_cannot_stand_together_are_named(
     with pytest.raises(ValueError, match=f"world 1: expected .*{text}"):
         stack([one_chair(), other])
     with pytest.raises(ValueError, match=f"world 0: expected .*{text}"):
-        worlds.replaced(0, other)
+        worlds.replaced({0: other})
 
 
 def test_wrong_arguments_are_named() -> None:
