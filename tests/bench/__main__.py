@@ -18,12 +18,14 @@ from tests.bench import (
     ros,
     tick,
     viewer,
+    worlds,
 )  # fmt: skip
 from tests.bench.rows import append, show
 
 ABOUT = f"{__doc__} The default benchmarks take about 6 minutes; `bystanders` also counts late ticks with ten pages."
 DEFAULT = (
     "tick", "network", "viewer", "loads", "imports", "inputs", "ros", "record", "ciber", "drivers", "learning",
+    "worlds",
 )  # fmt: skip
 """The benchmarks that run if none is named."""
 
@@ -37,8 +39,8 @@ def main() -> None:
         metavar="BENCH",
         help="tick: the cost of a tick, part by part; network: whole processes; viewer: a page; loads: loading maps; "
         "imports: floors of other programs; inputs: from an input to the motors; ros, record and ciber: gateways; "
-        "drivers: those of real chairs; learning: "
-        "steps of learning environments; bystanders: late ticks beside a frozen viewer, 25 minutes (default: all but "
+        "drivers: those of real chairs; learning: steps of learning environments; worlds: many small worlds at once; "
+        "bystanders: late ticks beside a frozen viewer, 25 minutes (default: all but "
         "bystanders)",
     )
     parser.add_argument(
@@ -75,6 +77,8 @@ def main() -> None:
         rows += drivers.bench(rounds=50, powers=4) if options.quick else drivers.bench()
     if "learning" in wanted:
         rows += learning.bench(steps=8, rounds=2) if options.quick else learning.bench()
+    if "worlds" in wanted:
+        rows += worlds.bench((1, 10), rounds=2) if options.quick else worlds.bench()
     if "bystanders" in wanted:
         quick = {"chairs": 2, "count": 1, "pages": 2}
         rows += bystanders.bench(**quick, seconds=1.0, settle=0.3) if options.quick else bystanders.bench()

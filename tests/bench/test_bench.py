@@ -39,6 +39,7 @@ def test_benchmarks_run_and_say_every_share_of_a_tick(tmp_path: Path) -> None:
             "ciber",
             "drivers",
             "learning",
+            "worlds",
             "bystanders",
             "--quick",
             "--csv",
@@ -70,5 +71,6 @@ def test_benchmarks_run_and_say_every_share_of_a_tick(tmp_path: Path) -> None:
         "ciber",
         "drivers",
         "learning",
+        "worlds",
         "bystanders",
     }

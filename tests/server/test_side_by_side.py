@@ -9,10 +9,10 @@ from tests.bench.tick import APART, LENGTH, commands, hospital_world
 
 
 def test_bodies_of_one_hospital_move_to_the_bit_as_if_the_others_were_empty() -> None:
-    everybody = hospital_world(500, plans=4)
+    everybody = hospital_world(300, plans=3)
     west = LENGTH + 0.5 * APART
     there = [name for name, x in zip(everybody.names, everybody.numbers[X].tolist(), strict=True) if x < west]
-    assert 80 < len(there) < 200
+    assert 70 < len(there) < 150
     alone, _ = apply(everybody, [Depart(agent=name) for name in everybody.names if name not in there])
     powers = commands(everybody)
     touched = 0.0

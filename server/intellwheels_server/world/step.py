@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
 
 import msgspec
 import numpy as np
@@ -47,7 +46,7 @@ def steps_in(seconds: float, period: float) -> int:
     return math.ceil(seconds / period - 1e-9)
 
 
-class Entered(NamedTuple):
+class Entered(msgspec.Struct, frozen=True, gc=False):
     """What the inputs of a step leave behind beside the arrays.
 
     Attributes:
@@ -138,7 +137,7 @@ def conclude(
         touched: The bits of `motor_power.powers`, the pairs that touched and their numbers, as `tick_all` returns them.
         after: Numbers, flags and samples after the step. Contacts are counted in the flags.
     """
-    statuses, said, user, forwarded, _, happenings = entered
+    statuses, said, user, happenings = entered.statuses, entered.said, entered.user, entered.happenings
     found, hits, hit_numbers = touched
     numbers, flags, samples = after
     tick = state.tick + 1
@@ -177,7 +176,7 @@ def conclude(
         episodes=episodes,
         statuses=statuses,
         user=user,
-        forwarded=forwarded,
+        forwarded=entered.forwarded,
         heard=heard,
         coming=coming,
         spoken=(),

@@ -10,6 +10,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from typing import Any, ClassVar, Final, NamedTuple, Protocol, runtime_checkable
 
+import msgspec
 from numpy.typing import NDArray
 
 from intellwheels_schemas.messages import Map, Position, Record, Robot
@@ -20,7 +21,7 @@ Declaration = Any
 """One of the declaration classes; each kind knows its own."""
 
 
-class View(NamedTuple):
+class View(msgspec.Struct, frozen=True, gc=False):
     """The world at a tick, as sensors can see it.
 
     Attributes:

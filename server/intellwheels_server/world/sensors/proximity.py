@@ -41,6 +41,7 @@ from intellwheels_server.world.kernels.proximity_wedges import (
     STATUS_FAULT,
     STATUS_OK,
     sense_proximity,
+    sense_proximity_many,
 )
 from intellwheels_server.world.kernels.sample_schedule import KEY0, KEY1, due_slot
 from intellwheels_server.world.kernels.sonar_beam import FIGURE_COLUMNS
@@ -82,19 +83,10 @@ def _spoil(tick: int, infrared: Floats, schedule: Ints, samples: Floats) -> None
 
 
 @njit(cache=True, error_model="numpy", nogil=True)
-def _take_many(
-    ticks: Ints, numbers: Floats, samples: Floats, first: int, end: int, parts: Floats, part_start: Ints,
-    pieces: Floats, links: Ints, edges: Floats, cells: Ints, frame: Floats, mounts: Floats, groups: Ints, beams: Floats,
-    schedule: Ints, infrared: Floats, infrared_schedule: Ints,
-) -> None:  # fmt: skip
-    """Store the samples of the exact and the infrared sensors of some worlds, of which every array has a row each."""
+def _spoil_many(ticks: Ints, samples: Floats, first: int, end: int, infrared: Floats, schedule: Ints) -> None:
+    """Turn the exact samples of some worlds, of which every array has a row each, into those of infrared sensors."""
     for world in range(first, end):
-        tick = ticks[world]
-        sense_proximity(
-            tick, numbers[world], parts[world], part_start, pieces, links, edges, cells, frame, mounts[world],
-            groups[world], beams[world], schedule[world], samples[world],
-        )  # fmt: skip
-        _spoil(tick, infrared[world], infrared_schedule[world], samples[world])
+        _spoil(ticks[world], infrared[world], schedule[world], samples[world])
 
 
 class _Grouped(NamedTuple):
@@ -154,9 +146,12 @@ class ProximityBlock:
         ticks: Ints, views: ManyViews, arrays: Sequence[Array], samples: Floats, first: int, end: int
     ) -> None:
         """Store the samples that are due in some worlds."""
-        _take_many(
-            ticks, views.numbers, samples, first, end, views.parts, views.part_start, *(*views.walls, *arrays)
+        *seeing, infrared, infrared_schedule = arrays
+        sense_proximity_many(
+            ticks, views.numbers, samples, first, end, views.parts, views.part_start, *(*views.walls, *seeing)
         )  # fmt: skip
+        if infrared.shape[1]:
+            _spoil_many(ticks, samples, first, end, infrared, infrared_schedule)
 
 
 class ProximityKind(Kind):
