@@ -19,12 +19,14 @@ from tests.bench import (
     ros,
     tick,
     viewer,
+    worlds,
 )  # fmt: skip
 from tests.bench.rows import append, show
 
 ABOUT = f"{__doc__} The default benchmarks take about 6 minutes; `bystanders` also counts late ticks with ten pages."
 DEFAULT = (
     "tick", "network", "viewer", "loads", "imports", "inputs", "ros", "record", "ciber", "drivers", "learning",
+    "worlds",
 )  # fmt: skip
 """The benchmarks that run if none is named."""
 
@@ -38,8 +40,8 @@ def main() -> None:
         metavar="BENCH",
         help="tick: the cost of a tick, part by part; network: whole processes; viewer: a page; loads: loading maps; "
         "imports: floors of other programs; inputs: from an input to the motors; ros, record and ciber: gateways; "
-        "drivers: those of real chairs; learning: "
-        "steps of learning environments; lab: chairs through routers with and without rules, 10 minutes; bystanders: "
+        "drivers: those of real chairs; learning: steps of learning environments; worlds: many small worlds at once; "
+        "lab: chairs through routers with and without rules, 10 minutes; bystanders: "
         "late ticks beside a frozen viewer, 25 minutes (default: all but lab and bystanders)",
     )
     parser.add_argument(
@@ -55,7 +57,7 @@ def main() -> None:
     wanted = options.benches or list(DEFAULT)
     rows = []
     if "tick" in wanted:
-        rows += tick.bench((1, 10) if options.quick else (1, 10, 100, 1000), quick=options.quick)
+        rows += tick.bench((1, 10), quick=True) if options.quick else tick.bench()
     if "network" in wanted:
         rows += network.bench(seconds=2.0, lockstep_seconds=1.0, small=True) if options.quick else network.bench()
     if "viewer" in wanted:
@@ -78,6 +80,8 @@ def main() -> None:
         rows += learning.bench(steps=8, rounds=2) if options.quick else learning.bench()
     if "lab" in wanted:
         rows += lab.bench((2,), sessions=2, ticks=10, rounds=1, settle=0.2) if options.quick else lab.bench()
+    if "worlds" in wanted:
+        rows += worlds.bench((1, 10), rounds=2) if options.quick else worlds.bench()
     if "bystanders" in wanted:
         quick = {"chairs": 2, "count": 1, "pages": 2}
         rows += bystanders.bench(**quick, seconds=1.0, settle=0.3) if options.quick else bystanders.bench()

@@ -40,6 +40,7 @@ def test_benchmarks_run_and_say_every_share_of_a_tick(tmp_path: Path) -> None:
             "drivers",
             "learning",
             "lab",
+            "worlds",
             "bystanders",
             "--quick",
             "--csv",
@@ -72,5 +73,6 @@ def test_benchmarks_run_and_say_every_share_of_a_tick(tmp_path: Path) -> None:
         "drivers",
         "learning",
         "lab",
+        "worlds",
         "bystanders",
     }

@@ -96,8 +96,12 @@ def advance(state: State, inputs: Inputs) -> tuple[State, Outputs]:
     Raises:
         RuntimeError: The run has ended, and the changes have no `GoOn` or `Restart`.
     """
-    state, before = apply(state, inputs.changes)
+    before = None
+    if inputs.changes:
+        state, before = apply(state, inputs.changes)
     if state.ended:
         raise RuntimeError(f"run {state.run} ended at tick {state.tick}: expected GoOn or Restart before another step")
     state, events, ended = step(state, inputs)
+    if before is None:
+        return state, Outputs(events=events, ended=ended)
     return state, Outputs(outcomes=before.outcomes, events=before.events + events, ended=ended)

@@ -30,6 +30,8 @@ from intellwheels_server.world.kernels.spatial_query import (
     SIN,
     SLACK,
     WIDE,
+    Nearby,
+    PlacedBodies,
     gather_bodies,
     gather_walls,
     place_bodies,
@@ -168,6 +170,70 @@ def beam_at(beams: Floats, sensor: int, x: float, y: float, c: float, s: float) 
     )
 
 
+# Inlined, so that the compiler sees that the buffers do not overlap: loops over them then run on vectors.
+@njit(cache=True, error_model="numpy", inline="always")
+def _sense_all(
+    tick: int, number: int, pose: Floats, placed: PlacedBodies, walls: Walls, nearby: Nearby, squares: Floats,
+    mounts: Floats, groups: Ints, beams: Floats, schedule: Ints, samples: Floats,
+) -> None:  # fmt: skip
+    """Store the samples that all proximity sensors of a world take at a tick.
+
+    The number is that of the first mount among all that use the same buffers.
+    """
+    part_start, boxes, extents, cell_start, cell_bodies, grid = placed
+    pieces, links, edges, cells, frame = walls
+    around, polygons, solids, found, found_for = nearby
+    for mount in range(groups.shape[0]):
+        begin, end = groups[mount, GROUP_BEGIN], groups[mount, GROUP_END]
+        any_due = False
+        for sensor in range(begin, end):
+            if due_slot(schedule, sensor, tick, SAMPLE_WIDTH) >= 0:
+                any_due = True
+                break
+        if not any_due:
+            continue
+        x, y, c, s = mount_pose(mounts, groups, pose, mount)
+        place = Place(x, y, mounts[mount, MOUNT_REACH] + SLACK, groups[mount, GROUP_OWNER], number + mount)
+        of_bodies = gather_bodies(place, part_start, boxes, extents, cell_start, cell_bodies, grid, around, found)
+        near, polygon_count = gather_walls(
+            place, pieces, links, edges, cells, frame, of_bodies, around, polygons, solids, found, found_for
+        )
+        # The loop over sensors calls nothing that takes many arrays: passing them costs as much as a sensor.
+        for sensor in range(begin, end):
+            slot = due_slot(schedule, sensor, tick, SAMPLE_WIDTH)
+            if slot < 0:
+                continue
+            beam = beam_at(beams, sensor, x, y, c, s)
+            square = _nearest_box(
+                around, near, beam.x, beam.y, beam.z, beam.direction_x, beam.direction_y, beam.half_cos, beam.half_sin,
+                squares,
+            )  # fmt: skip
+            limit = min(square, beam.farthest * beam.farthest) + SLACK
+            for at in range(polygon_count):
+                piece = polygons[at]
+                gap_x = max(abs(solids[piece, CENTRE_X] - beam.x) - solids[piece, EXTENT_X], 0.0)
+                gap_y = max(abs(solids[piece, CENTRE_Y] - beam.y) - solids[piece, EXTENT_Y], 0.0)
+                if gap_x * gap_x + gap_y * gap_y > limit or not solids[piece, LOW] <= beam.z < solids[piece, HIGH]:
+                    continue
+                square = min(
+                    square,
+                    polygon_in_wedge(
+                        edges, links[piece, FIRST_EDGE], links[piece, END_EDGE], beam.x, beam.y,
+                        beam.direction_x, beam.direction_y, beam.half_cos, beam.half_sin,
+                    ),
+                )  # fmt: skip
+                limit = min(limit, square + SLACK)
+            nearest = math.sqrt(square)
+            samples[slot + 1] = 0.0
+            if nearest > beam.farthest:
+                samples[slot] = STATUS_NONE
+            elif nearest < beams[sensor, BEAM_NEAREST] or nearest == 0.0:
+                samples[slot] = STATUS_NEAR
+            else:
+                samples[slot] = STATUS_OK
+                samples[slot + 1] = nearest
+
+
 @njit(cache=True, error_model="numpy")
 def sense_proximity(
     tick: int,
@@ -207,55 +273,29 @@ def sense_proximity(
         return
     placed, walls = place_bodies(pose, parts, part_start), Walls(pieces, links, edges, cells, frame)
     nearby = room_for(placed, walls)
-    _, boxes, extents, cell_start, cell_bodies, grid = placed
-    around, polygons, solids, found, found_for = nearby
-    squares = np.empty(around.shape[1])
-    for mount in range(groups.shape[0]):
-        begin, end = groups[mount, GROUP_BEGIN], groups[mount, GROUP_END]
-        any_due = False
-        for sensor in range(begin, end):
-            if due_slot(schedule, sensor, tick, SAMPLE_WIDTH) >= 0:
-                any_due = True
-                break
-        if not any_due:
-            continue
-        x, y, c, s = mount_pose(mounts, groups, pose, mount)
-        place = Place(x, y, mounts[mount, MOUNT_REACH] + SLACK, groups[mount, GROUP_OWNER], mount)
-        of_bodies = gather_bodies(place, part_start, boxes, extents, cell_start, cell_bodies, grid, around, found)
-        near, polygon_count = gather_walls(
-            place, pieces, links, edges, cells, frame, of_bodies, around, polygons, solids, found, found_for
-        )
-        # The loop over sensors calls nothing that takes many arrays: passing them costs as much as a sensor.
-        for sensor in range(begin, end):
-            slot = due_slot(schedule, sensor, tick, SAMPLE_WIDTH)
-            if slot < 0:
-                continue
-            beam = beam_at(beams, sensor, x, y, c, s)
-            square = _nearest_box(
-                around, near, beam.x, beam.y, beam.z, beam.direction_x, beam.direction_y, beam.half_cos, beam.half_sin,
-                squares,
-            )  # fmt: skip
-            limit = min(square, beam.farthest * beam.farthest) + SLACK
-            for at in range(polygon_count):
-                piece = polygons[at]
-                gap_x = max(abs(solids[piece, CENTRE_X] - beam.x) - solids[piece, EXTENT_X], 0.0)
-                gap_y = max(abs(solids[piece, CENTRE_Y] - beam.y) - solids[piece, EXTENT_Y], 0.0)
-                if gap_x * gap_x + gap_y * gap_y > limit or not solids[piece, LOW] <= beam.z < solids[piece, HIGH]:
-                    continue
-                square = min(
-                    square,
-                    polygon_in_wedge(
-                        edges, links[piece, FIRST_EDGE], links[piece, END_EDGE], beam.x, beam.y,
-                        beam.direction_x, beam.direction_y, beam.half_cos, beam.half_sin,
-                    ),
-                )  # fmt: skip
-                limit = min(limit, square + SLACK)
-            nearest = math.sqrt(square)
-            samples[slot + 1] = 0.0
-            if nearest > beam.farthest:
-                samples[slot] = STATUS_NONE
-            elif nearest < beams[sensor, BEAM_NEAREST] or nearest == 0.0:
-                samples[slot] = STATUS_NEAR
-            else:
-                samples[slot] = STATUS_OK
-                samples[slot + 1] = nearest
+    squares = np.empty(nearby.around.shape[1])
+    _sense_all(tick, 0, pose, placed, walls, nearby, squares, mounts, groups, beams, schedule, samples)
+
+
+@njit(cache=True, error_model="numpy", nogil=True)
+def sense_proximity_many(
+    ticks: Ints, numbers: Floats, samples: Floats, first: int, end: int, parts: Floats, part_start: Ints,
+    pieces: Floats, links: Ints, edges: Floats, cells: Ints, frame: Floats, mounts: Floats, groups: Ints, beams: Floats,
+    schedule: Ints,
+) -> None:  # fmt: skip
+    """Store the samples of all proximity sensors of the worlds from `first` to before `end`.
+
+    The arguments are those of `sense_proximity`, stacked: the first axis is the world. The worlds share the walls, and
+    have as many parts of each body.
+    """
+    if groups.shape[1] == 0 or first >= end:
+        return
+    walls = Walls(pieces, links, edges, cells, frame)
+    nearby = room_for(place_bodies(numbers[first], parts[first], part_start), walls)
+    squares = np.empty(nearby.around.shape[1])
+    for world in range(first, end):
+        placed = place_bodies(numbers[world], parts[world], part_start)
+        _sense_all(
+            ticks[world], world * groups.shape[1], numbers[world], placed, walls, nearby, squares, mounts[world],
+            groups[world], beams[world], schedule[world], samples[world],
+        )  # fmt: skip

@@ -41,12 +41,13 @@ from intellwheels_server.world.kernels.proximity_wedges import (
     STATUS_FAULT,
     STATUS_OK,
     sense_proximity,
+    sense_proximity_many,
 )
 from intellwheels_server.world.kernels.sample_schedule import KEY0, KEY1, due_slot
 from intellwheels_server.world.kernels.sonar_beam import FIGURE_COLUMNS
 from intellwheels_server.world.kernels.sonar_echoes import sense_sonars
 from intellwheels_server.world.sensors.angles import unit_vector
-from intellwheels_server.world.sensors.kind import Fitted, Kind, View
+from intellwheels_server.world.sensors.kind import Array, Fitted, Kind, ManyViews, View
 
 WEDGE_RAYS: Final = 2.0
 """Rays of a lidar that cost as much as an exact or infrared wedge."""
@@ -79,6 +80,13 @@ def _spoil(tick: int, infrared: Floats, schedule: Ints, samples: Floats) -> None
         if infrared[sensor, _DROPOUT] > 0.0 and uniform(key0, key1, tick, 1) < infrared[sensor, _DROPOUT]:
             samples[slot] = STATUS_FAULT
             samples[slot + 1] = 0.0
+
+
+@njit(cache=True, error_model="numpy", nogil=True)
+def _spoil_many(ticks: Ints, samples: Floats, first: int, end: int, infrared: Floats, schedule: Ints) -> None:
+    """Turn the exact samples of some worlds, of which every array has a row each, into those of infrared sensors."""
+    for world in range(first, end):
+        _spoil(ticks[world], infrared[world], schedule[world], samples[world])
 
 
 class _Grouped(NamedTuple):
@@ -126,6 +134,24 @@ class ProximityBlock:
                 tick, view.period, numbers, parts, part_start, *view.walls, of.mounts, of.groups, of.beams,
                 self.sonar_figures, self.sonar_schedule, samples,
             )  # fmt: skip
+
+    def stackable(self) -> tuple[Array, ...] | None:
+        """Return the arrays that `take_many` needs; None if there is a sonar."""
+        if len(self.sonar_schedule):
+            return None
+        return *self.seeing, self.seeing_schedule, self.infrared, self.infrared_schedule
+
+    @staticmethod
+    def take_many(
+        ticks: Ints, views: ManyViews, arrays: Sequence[Array], samples: Floats, first: int, end: int
+    ) -> None:
+        """Store the samples that are due in some worlds."""
+        *seeing, infrared, infrared_schedule = arrays
+        sense_proximity_many(
+            ticks, views.numbers, samples, first, end, views.parts, views.part_start, *(*views.walls, *seeing)
+        )  # fmt: skip
+        if infrared.shape[1]:
+            _spoil_many(ticks, samples, first, end, infrared, infrared_schedule)
 
 
 class ProximityKind(Kind):

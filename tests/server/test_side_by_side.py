@@ -1,0 +1,31 @@
+"""A map of several hospitals side by side: what happens in one has no influence on another."""
+
+from __future__ import annotations
+
+from intellwheels_schemas.file_records import Depart, Inputs
+from intellwheels_server.world import State, advance, apply
+from intellwheels_server.world.kernels.rows import TOUCHING, X
+from tests.bench.tick import APART, LENGTH, commands, hospital_world
+
+
+def test_bodies_of_one_hospital_move_to_the_bit_as_if_the_others_were_empty() -> None:
+    everybody = hospital_world(300, plans=3)
+    west = LENGTH + 0.5 * APART
+    there = [name for name, x in zip(everybody.names, everybody.numbers[X].tolist(), strict=True) if x < west]
+    assert 70 < len(there) < 150
+    alone, _ = apply(everybody, [Depart(agent=name) for name in everybody.names if name not in there])
+    powers = commands(everybody)
+    touched = 0.0
+    for tick in range(60):
+        everybody, _ = advance(everybody, Inputs(actions=powers[tick % 20]))
+        alone, _ = advance(alone, Inputs(actions={name: powers[tick % 20][name] for name in there}))
+        touched = max(touched, float(alone.numbers[TOUCHING].max()))
+    columns = [everybody.body_set.index[name] for name in there]
+    assert touched == 1.0
+    assert everybody.numbers[:, columns].tolist() == alone.numbers.tolist()
+    assert [samples_of(everybody, name) for name in there] == [samples_of(alone, name) for name in there]
+
+
+def samples_of(state: State, name: str) -> list[float]:
+    fitting = state.body_set.plan.fittings[state.body_set.index[name]]
+    return list(state.samples[fitting.begin : fitting.end].tolist())
