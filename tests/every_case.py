@@ -87,11 +87,11 @@ def _row(case: Any, count: int) -> tuple[str | None, tuple[Any, ...]]:
     return (None if name is None else str(name)), values
 
 
-def _failures(name: str, error: Exception | pytest.fail.Exception) -> list[tuple[str, Exception]]:
+def _failures(name: str, error: BaseException) -> list[tuple[str, Exception]]:
     """Return the failures of one case: several, if it has cases of its own."""
     if isinstance(error, CasesFailedError):
         return [(f"{name}, {inner}", one) for inner, one in error.failed]
     if not isinstance(error, Exception):
-        error = AssertionError(error.msg)
+        error = AssertionError(str(error))
     error.add_note(f"case: {name}")
     return [(name, error)]
