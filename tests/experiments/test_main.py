@@ -12,6 +12,7 @@ import pytest
 from intellwheels_experiments.__main__ import main
 from intellwheels_experiments.run.endpoints import free_endpoint
 from intellwheels_schemas.link import START_ONE
+from tests.every_case import every_case
 from tests.experiments.scenes import write_scene
 
 DEADLINE = 120.0
@@ -23,7 +24,7 @@ def test_unknown_scene_is_wrong_usage_and_the_known_are_named(capsys: pytest.Cap
     assert "figure6" in capsys.readouterr().err
 
 
-@pytest.mark.parametrize(
+@every_case(
     ("words", "error"),
     [
         (["--row", "x"], "--row: expected with --seeds or --branch, got a single run"),

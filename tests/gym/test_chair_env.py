@@ -14,6 +14,7 @@ from gymnasium.vector import AutoresetMode, SyncVectorEnv
 from intellwheels_gym.chair_env import ChairEnv, chair_vector
 from intellwheels_gym.rewards import End
 from intellwheels_gym.task import load_task
+from tests.every_case import every_case
 
 
 @pytest.mark.parametrize(
@@ -71,7 +72,7 @@ def test_seeds_follow_from_the_first() -> None:
     assert len(set(seeds[0])) == 3
 
 
-@pytest.mark.parametrize(
+@every_case(
     ("settings", "text"),
     [
         ({"render_mode": "human"}, "render_mode: expected None, got 'human'"),

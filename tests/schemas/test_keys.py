@@ -5,6 +5,7 @@ import pytest
 from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.keys import Control, In, Keys, Out, Token, parse_alive
 from intellwheels_schemas.messages import Delete, Pause
+from tests.every_case import every_case
 
 HEX = "5f0c2a9be1d84377"
 
@@ -54,7 +55,7 @@ def test_what_was_made_is_taken_apart_again() -> None:
     assert parse_alive(keys.alive) == "main"
 
 
-@pytest.mark.parametrize(
+@every_case(
     "key",
     [
         "iw/v1/main/in/*/actions",
@@ -102,7 +103,7 @@ def test_no_token_is_made_of_what_is_no_instance() -> None:
         Keys().token("a", "both", "1")
 
 
-@pytest.mark.parametrize(
+@every_case(
     ("key", "agent"),
     [
         ("in/a/acton", "a"), ("in/a", "a"), ("in/a/actions/x", "a"), ("in/A/actions", ""), ("in", ""),

@@ -35,6 +35,7 @@ from intellwheels_viewer.cameras import (
     plan_of,
     ray,
 )
+from tests.every_case import every_case
 from tests.viewer.wire import entity
 
 EMPTY = Map(format="iw.v1", name="empty")
@@ -75,8 +76,8 @@ def test_all_that_must_be_shown_is_in_the_picture_and_no_nearer_view_shows_it(
     assert view.fov == fov
 
 
-@pytest.mark.parametrize("name", ["room", "ward"])
-@pytest.mark.parametrize("aspect", [0.5, 0.9, 1.6, 2.4])
+@every_case("name", ["room", "ward"])
+@every_case("aspect", [0.5, 0.9, 1.6, 2.4])
 def test_the_first_view_shows_a_floor_whole_whatever_the_panels_leave(name: str, aspect: float) -> None:
     corners = corners_of(library.floor(name))
     for view in (fit(corners, STEEP, FOV, aspect), plan_of(corners, aspect)):
@@ -135,7 +136,7 @@ def test_a_ray_meets_the_floor_where_it_points() -> None:
     assert on_floor((1.0, 2.0, 4.0), (1.0, 0.0, -2.0)) == pytest.approx((3.0, 2.0))
 
 
-@pytest.mark.parametrize(
+@every_case(
     ("origin", "direction"),
     [
         ((0, 0, 1), (1, 0, 0)), ((0, 0, 1), (0, 0, 1)), ((0, 0, -1), (0, 0, -1)), ((0, 0, 1), (1, 0, -1e-7)),

@@ -15,6 +15,8 @@ from tests.agents.arena import Arena
 from tests.agents.minds.corridor import Corridor, lane_order, weidmann
 
 SEEDS = [str(seed) for seed in range(1, 21)]
+FEW_OR_ALL = [*SEEDS[:5], *(pytest.param(seed, marks=pytest.mark.soak) for seed in SEEDS[5:])]
+"""Seeds of the suite, and the others of the soak tests."""
 STRETCH = {"MotorNoise": "0.05"}
 
 
@@ -59,7 +61,7 @@ def test_two_people_who_meet_pass_each_other(seed: str, aside: float) -> None:
     assert arena.contacts() == []
 
 
-@pytest.mark.parametrize("seed", SEEDS)
+@pytest.mark.parametrize("seed", FEW_OR_ALL)
 def test_people_get_out_of_the_way_of_a_chair_that_does_not_look(seed: str) -> None:
     rng = np.random.default_rng(int(seed))
     arena = Arena(corridor(20.0, 3.4), seed)
@@ -80,7 +82,7 @@ def test_people_get_out_of_the_way_of_a_chair_that_does_not_look(seed: str) -> N
 
 
 @pytest.mark.parametrize("name", ["crossing", "corner"])
-@pytest.mark.parametrize("seed", SEEDS)
+@pytest.mark.parametrize("seed", FEW_OR_ALL)
 def test_everybody_in_the_scene_arrives_without_contact(name: str, seed: str) -> None:
     document = scene(name)
     arena = Arena.of(document, seed)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import shutil
 import threading
+import time
 import warnings
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -30,6 +31,22 @@ from intellwheels_viewer.panels.stick_input import StickInput
 from intellwheels_viewer.snapshot import Snapshot
 
 CHROMIUM = shutil.which("chromium")
+
+
+class SteadyClock:
+    """A monotonic clock in seconds, on which no more than 0.2 s pass from one call to the next.
+
+    A busy machine may stand still between two messages of a page for longer than the silence that ends a scan.
+    """
+
+    def __init__(self) -> None:
+        self._read = time.monotonic()
+        self._now = 0.0
+
+    def __call__(self) -> float:
+        before, self._read = self._read, time.monotonic()
+        self._now += min(self._read - before, 0.2)
+        return self._now
 
 
 class Board:
@@ -65,7 +82,7 @@ class Board:
             self.agents = AgentsPanel(gui, self.note("select"))
         with tabs.add_tab("Drive"):
             self.drive = DrivePanel(gui, stick, on_stick=self.note("stick"), on_say=self.note("say"))
-            self.scan = ScanPanel(gui, on_stick=self.note("stick"))
+            self.scan = ScanPanel(gui, on_stick=self.note("stick"), now=SteadyClock())
         with tabs.add_tab("Place"):
             self.place = PlacePanel(
                 gui, on_choose=self.note("choose"), on_turn=self.note("turn"), on_turn_selected=self.note("turn by"),

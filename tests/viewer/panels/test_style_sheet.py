@@ -8,6 +8,7 @@ import pytest
 
 from intellwheels_viewer.panels import style_sheet
 from intellwheels_viewer.panels.marks import _linear
+from tests.every_case import every_case
 
 GROUNDS = {"light": "#ffffff", "dark": "#242424"}
 """viser's panel in each theme."""
@@ -28,9 +29,9 @@ def contrast(one: str, other: str) -> float:
     return (high + 0.05) / (low + 0.05)
 
 
-@pytest.mark.parametrize("theme", GROUNDS)
-@pytest.mark.parametrize("text", ["ink", "soft", "red", "amber", "green", "near", "middle", "far"])
-@pytest.mark.parametrize("ground", ["panel", "tint", "chosen"])
+@every_case("theme", GROUNDS)
+@every_case("text", ["ink", "soft", "red", "amber", "green", "near", "middle", "far"])
+@every_case("ground", ["panel", "tint", "chosen"])
 def test_text_is_seen_on_every_ground_of_each_theme(theme: str, text: str, ground: str) -> None:
     colours = variables(theme)
     # WCAG 2, level AA for text of any size.

@@ -33,6 +33,7 @@ from intellwheels_server.world.kernels.geometry import arc
 from intellwheels_server.world.kernels.motor_model import drive, lag
 from intellwheels_server.world.kernels.penetration import A_WALL
 from intellwheels_server.world.wall_pieces import Line, Solid, walls_from
+from tests.every_case import every_case
 from tests.server.world.kernels.crowds import (
     CHAIR,
     LEAF,
@@ -164,8 +165,8 @@ def test_blind_goal_seeking_chair_gets_past_a_step_and_round_a_corner(start: flo
     assert floor.tick_number < 400
 
 
-@pytest.mark.parametrize("period", [0.1, 0.05, 0.02, 0.01])
-@pytest.mark.parametrize("angle_deg", [5, 15, 30, 45, 60, 75, 85])
+@every_case("period", [0.1, 0.05, 0.02, 0.01])
+@every_case("angle_deg", [5, 15, 30, 45, 60, 75, 85])
 def test_chair_slides_along_a_wall_at_v_cos(angle_deg: int, period: float) -> None:
     angle = math.radians(angle_deg)
     # A centimetre before the corner touches.

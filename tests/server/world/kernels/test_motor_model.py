@@ -18,6 +18,7 @@ from intellwheels_server.world.kernels.motor_model import (
     wheel_cycle,
     wheel_scales,
 )
+from tests.every_case import every_case
 
 INF = math.inf
 MODEL = Path(intellwheels_server.world.__file__).with_name("MODEL.md").read_text(encoding="utf-8")
@@ -164,8 +165,8 @@ def test_acceleration_is_limited_after_the_lag() -> None:
     assert wheel_cycle(0.0, 1.0, *lag(0.5, 0.05), 20.0, 1.0, 0.05)[0] == 0.5
 
 
-@pytest.mark.parametrize("a", [0.0, 0.5, 0.95])
-@pytest.mark.parametrize("limit", [0.3, 1.0, 2.0])
+@every_case("a", [0.0, 0.5, 0.95])
+@every_case("limit", [0.3, 1.0, 2.0])
 def test_limited_wheel_meets_the_closed_solution_whatever_the_cycle(a: float, limit: float) -> None:
     tau = -0.05 / math.log(a) if a > 0.0 else 0.0
     # Even until the lag asks for less than the limit, then exponential: from 0.2 to -0.9 m/s in 6 s.
