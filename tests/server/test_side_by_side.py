@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+from intellwheels_maps.hospital import LENGTH
 from intellwheels_schemas.file_records import Depart, Inputs
 from intellwheels_server.world import State, advance, apply
 from intellwheels_server.world.kernels.rows import TOUCHING, X
-from tests.bench.tick import APART, LENGTH, commands, hospital_world
+from tests.bench.tick import APART, commands, hospital_world
 
 
 def test_bodies_of_one_hospital_move_to_the_bit_as_if_the_others_were_empty() -> None:
