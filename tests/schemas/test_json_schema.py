@@ -10,7 +10,7 @@ from tests.schemas.documents import GROWN, REFUSED, SCHEMAS, class_name, json_va
 
 
 @pytest.mark.parametrize("folder", ["reader", "writer"])
-@pytest.mark.parametrize("path", vectors("json"), ids=lambda path: path.name)
+@every_case("path", vectors("json"), ids=lambda path: path.name)
 def test_every_vector_is_valid(path: Path, folder: str) -> None:
     validator = json_validator(class_name(path), folder)
     assert [error.message for error in validator.iter_errors(json.loads(path.read_bytes()))] == []
