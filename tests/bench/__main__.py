@@ -39,7 +39,7 @@ def main() -> None:
         help="tick: the cost of a tick, part by part; network: whole processes; viewer: a page; loads: loading maps; "
         "imports: floors of other programs; inputs: from an input to the motors; ros, record and ciber: gateways; "
         "drivers: those of real chairs; learning: "
-        "steps of learning environments; lab: chairs through routers with and without rules, 10 minutes; bystanders: "
+        "steps of learning environments; lab: chairs through routers with and without rules, 15 minutes; bystanders: "
         "late ticks beside a frozen viewer, 25 minutes (default: all but lab and bystanders)",
     )
     parser.add_argument(

@@ -24,8 +24,9 @@ from intellwheels_server.service import lab_keys
 from tests.bench.network import WORLD, process, wait_for
 from tests.bench.rows import Row
 
-CASES: Final = ("no rules", "rules", "rules and TLS")
-BESIDE: Final = {"rules": "no rules", "rules and TLS": "rules"}
+FLOOD: Final = "rules, one student floods the simulator with queries"
+CASES: Final = ("no rules", "rules", "rules and TLS", FLOOD)
+BESIDE: Final = {"rules": "no rules", "rules and TLS": "rules", FLOOD: "rules"}
 """What each case is compared with."""
 RATE: Final = 20.0  # Hz
 
@@ -82,6 +83,9 @@ def measure(case: str, folder: Path, chairs: int, sessions: int, ticks: int, set
         students = (str(folder),) if rules else ("",)
         driving = ("tests.bench.chairs", address, WORLD, str(chairs), str(sessions), *students)
         wait_for(stack.enter_context(process(*driving)), "ready")
+        if case == FLOOD:
+            flood = ("tests.bench.flood", address, WORLD, str(folder / "student0.iwid"), "st0-0")
+            wait_for(stack.enter_context(process(*flood)), "ready")
         route = link.Link(WORLD, connect=(address,), identity=folder / "teacher.iwid" if rules else None)
         session = link.open_session(route, threading.Event(), timeout=60.0)
         assert session is not None
