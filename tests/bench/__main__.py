@@ -77,7 +77,8 @@ def main() -> None:
     if "learning" in wanted:
         rows += learning.bench(steps=8, rounds=2) if options.quick else learning.bench()
     if "lab" in wanted:
-        rows += lab.bench((2,), sessions=2, ticks=10, rounds=1, settle=0.2) if options.quick else lab.bench()
+        short = {"sessions": 2, "ticks": 10, "rounds": 1}
+        rows += lab.bench((2,), ("rules", lab.FLOOD), **short, settle=0.2) if options.quick else lab.bench()
     if "bystanders" in wanted:
         quick = {"chairs": 2, "count": 1, "pages": 2}
         rows += bystanders.bench(**quick, seconds=1.0, settle=0.3) if options.quick else bystanders.bench()

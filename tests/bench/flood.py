@@ -7,6 +7,7 @@ import os
 import sys
 import threading
 from pathlib import Path
+from typing import Any
 
 import zenoh
 
@@ -31,7 +32,8 @@ def main() -> None:
     for key in itertools.cycle((keys.map, keys.clock, keys.body(agent))):
         if ended.is_set():
             return
-        session.get(key, zenoh.handlers.Callback(lambda _reply: None, lambda: None), timeout=5.0)
+        ignored: Any = zenoh.handlers.Callback(lambda _reply: None, lambda: None)
+        session.get(key, ignored, timeout=5.0)
 
 
 if __name__ == "__main__":
