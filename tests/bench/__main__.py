@@ -41,7 +41,7 @@ def main() -> None:
         help="tick: the cost of a tick, part by part; network: whole processes; viewer: a page; loads: loading maps; "
         "imports: floors of other programs; inputs: from an input to the motors; ros, record and ciber: gateways; "
         "drivers: those of real chairs; learning: steps of learning environments; worlds: many small worlds at once; "
-        "lab: chairs through routers with and without rules, 10 minutes; bystanders: "
+        "lab: chairs through routers with and without rules, 15 minutes; bystanders: "
         "late ticks beside a frozen viewer, 25 minutes (default: all but lab and bystanders)",
     )
     parser.add_argument(
@@ -79,7 +79,8 @@ def main() -> None:
     if "learning" in wanted:
         rows += learning.bench(steps=8, rounds=2) if options.quick else learning.bench()
     if "lab" in wanted:
-        rows += lab.bench((2,), sessions=2, ticks=10, rounds=1, settle=0.2) if options.quick else lab.bench()
+        short = {"sessions": 2, "ticks": 10, "rounds": 1}
+        rows += lab.bench((2,), ("rules", lab.FLOOD), **short, settle=0.2) if options.quick else lab.bench()
     if "worlds" in wanted:
         rows += worlds.bench((1, 10), rounds=2) if options.quick else worlds.bench()
     if "bystanders" in wanted:

@@ -24,8 +24,9 @@ from intellwheels_server.service import lab_keys
 from tests.bench.network import WORLD, process, wait_for
 from tests.bench.rows import Row
 
-CASES: Final = ("no rules", "rules", "rules and TLS")
-BESIDE: Final = {"rules": "no rules", "rules and TLS": "rules"}
+FLOOD: Final = "rules, one student floods the simulator with queries"
+CASES: Final = ("no rules", "rules", "rules and TLS", FLOOD)
+BESIDE: Final = {"rules": "no rules", "rules and TLS": "rules", FLOOD: "rules"}
 """What each case is compared with."""
 RATE: Final = 20.0  # Hz
 
@@ -82,6 +83,9 @@ def measure(case: str, folder: Path, chairs: int, sessions: int, ticks: int, set
         students = (str(folder),) if rules else ("",)
         driving = ("tests.bench.chairs", address, WORLD, str(chairs), str(sessions), *students)
         wait_for(stack.enter_context(process(*driving)), "ready")
+        if case == FLOOD:
+            flood = ("tests.bench.flood", address, WORLD, str(folder / "student0.iwid"), "st0-0")
+            wait_for(stack.enter_context(process(*flood)), "ready")
         route = link.Link(WORLD, connect=(address,), identity=folder / "teacher.iwid" if rules else None)
         session = link.open_session(route, threading.Event(), timeout=60.0)
         assert session is not None
@@ -103,7 +107,13 @@ def _clock(session: object) -> Clock:
 
 
 def bench(
-    chairs: Iterable[int] = (100, 300), *, sessions: int = 20, ticks: int = 200, rounds: int = 3, settle: float = 2.0
+    chairs: Iterable[int] = (100, 300),
+    cases: tuple[str, ...] = CASES,
+    *,
+    sessions: int = 20,
+    ticks: int = 200,
+    rounds: int = 3,
+    settle: float = 2.0,
 ) -> list[Row]:
     """Return the rows: the least CPU and late ticks of all rounds, as other work can only add to them; and ratios."""
     rows = []
@@ -112,9 +122,9 @@ def bench(
         (folder / "hospital.xml").write_text(write_file(hospital(1)))
         write_lab(folder, sessions)
         for count in chairs:
-            found: dict[str, list[Measured]] = {case: [] for case in CASES}
+            found: dict[str, list[Measured]] = {case: [] for case in cases}
             for _ in range(rounds):
-                for case in CASES:
+                for case in cases:
                     found[case].append(measure(case, folder, count, sessions, ticks, settle))
             rows += _rows(f"{count} chairs, {sessions} sessions, 20 Hz", found)
     return rows
@@ -128,7 +138,7 @@ def _rows(load: str, found: dict[str, list[Measured]]) -> list[Row]:
         rows.append(Row("lab", where, "late ticks", 100.0 * one.late, "%"))
         rows.append(Row("lab", where, "CPU of the simulator", 1e3 * one.simulator, "ms/tick"))
         rows.append(Row("lab", where, "CPU of the router", 1e3 * one.router, "ms/tick"))
-        if (other := BESIDE.get(case)) is not None:
+        if (other := BESIDE.get(case)) in least:
             beside, where = least[other], f"{load}, {case} / {other}"
             rows.append(Row("lab", where, "CPU of the simulator", one.simulator / beside.simulator, "ratio"))
             rows.append(Row("lab", where, "CPU of the router", one.router / beside.router, "ratio"))

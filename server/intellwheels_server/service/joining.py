@@ -54,7 +54,8 @@ def take_token(service: ServiceState, token: Token, now: float) -> None:
         code = "returned" if token.present else "lost"
         service.publisher.outlet.log_line(f"{code} agent={member.agent} role={member.role}")
         service.queue_change(partial(_note_presence, service, member, token.present))
-    if token.present and service.agents.waiting_joins:
+    # A flood of tokens of others must not look through all joins each time.
+    if token.present and any(join.query.name == token.agent for join in service.agents.waiting_joins):
         _recheck_waiting_joins(service)
 
 
