@@ -12,6 +12,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 from itertools import groupby
 from typing import Final, NamedTuple, get_args
 
@@ -116,19 +117,11 @@ class ProximityBlock:
         """Store the samples that are due at a tick."""
         numbers, parts, part_start = view.numbers, view.parts, view.part_start
         if len(self.seeing_schedule):
-            mounts, groups, beams = self.seeing
-
-            def see(first: int, end: int) -> None:
-                sense_proximity(
-                    tick, numbers, parts, part_start, *view.walls, mounts[first:end], groups[first:end], beams,
-                    self.seeing_schedule, samples,
-                )  # fmt: skip
-
-            if view.threads > 1 and len(groups) >= FEWEST_SHARED:
-                share(see, parts_of(len(groups), view.threads))
+            if view.threads > 1 and len(self.seeing.groups) >= FEWEST_SHARED:
+                share(partial(self._see, tick, view, samples), parts_of(len(self.seeing.groups), view.threads))
             else:
                 sense_proximity(
-                    tick, numbers, parts, part_start, *view.walls, mounts, groups, beams, self.seeing_schedule, samples
+                    tick, numbers, parts, part_start, *view.walls, *self.seeing, self.seeing_schedule, samples
                 )  # fmt: skip
         if len(self.infrared_schedule):
             _spoil(tick, self.infrared, self.infrared_schedule, samples)
@@ -138,6 +131,14 @@ class ProximityBlock:
                 tick, view.period, numbers, parts, part_start, *view.walls, of.mounts, of.groups, of.beams,
                 self.sonar_figures, self.sonar_schedule, samples,
             )  # fmt: skip
+
+    def _see(self, tick: int, view: View, samples: Floats, first: int, end: int) -> None:
+        """Store the exact samples of some mounts."""
+        mounts, groups, beams = self.seeing
+        sense_proximity(
+            tick, view.numbers, view.parts, view.part_start, *view.walls, mounts[first:end], groups[first:end], beams,
+            self.seeing_schedule, samples,
+        )  # fmt: skip
 
     def stackable(self) -> tuple[Array, ...] | None:
         """Return the arrays that `take_many` needs; None if there is a sonar."""
