@@ -25,6 +25,7 @@ from intellwheels_schemas.messages import Actions, Grid, Map, Place, Proximity, 
 from intellwheels_server.world import Setup, State, advance, apply, begin, measures
 from intellwheels_server.world.sensors import sense
 from intellwheels_server.world.sensors.kind import View
+from intellwheels_server.world.sensors.proximity import FEWEST_SHARED
 from tests.bench.rows import Row
 from tests.bench.sink import endpoint
 
@@ -132,6 +133,11 @@ def _of(count: int, times: int) -> list[Row]:
         held[0], _ = advance(held[0], Inputs(actions=powers[held[0].tick % 20]))
 
     whole = best(move, times)
+
+    def move_by_two() -> None:
+        held[0], _ = advance(held[0], Inputs(actions=powers[held[0].tick % 20]), threads=2)
+
+    shared = best(move_by_two, times) if count >= FEWEST_SHARED else None
     state = held[0]
     view = View(
         state.numbers, state.body_set.bodies.parts, state.body_set.bodies.part_start, state.walls, state.setup.period
@@ -144,6 +150,8 @@ def _of(count: int, times: int) -> list[Row]:
         Row("tick", case, "sense", sensing * share, "µs/body"),
         Row("tick", case, "step and sense", whole * share, "µs/body", GOALS.get(count, "")),
     ]
+    if shared is not None:
+        moving.append(Row("tick", case, "step and sense, 2 threads", shared * share, "µs/body"))
     if plans > 1:  # more agents than a simulator lets in
         return moving
     packed = [encode(action) for action in powers[0].values()]

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from intellwheels_maps.hospital import LENGTH
 from intellwheels_schemas.file_records import Depart, Inputs
-from intellwheels_server.world import State, advance, apply
+from intellwheels_server.world import State, advance, apply, digest
 from intellwheels_server.world.kernels.rows import TOUCHING, X
+from intellwheels_server.world.sensors.proximity import FEWEST_SHARED
 from tests.bench.tick import APART, commands, hospital_world
 
 
@@ -25,6 +26,16 @@ def test_bodies_of_one_hospital_move_to_the_bit_as_if_the_others_were_empty() ->
     assert touched == 1.0
     assert everybody.numbers[:, columns].tolist() == alone.numbers.tolist()
     assert [samples_of(everybody, name) for name in there] == [samples_of(alone, name) for name in there]
+
+
+def test_two_threads_give_the_same_world_to_the_bit_as_one() -> None:
+    one = two = hospital_world(FEWEST_SHARED + 40)
+    powers = commands(one)
+    for tick in range(5):
+        one, _ = advance(one, Inputs(actions=powers[tick]))
+        two, _ = advance(two, Inputs(actions=powers[tick]), threads=2)
+    assert digest(one) == digest(two)
+    assert one.samples.tobytes() == two.samples.tobytes()
 
 
 def samples_of(state: State, name: str) -> list[float]:

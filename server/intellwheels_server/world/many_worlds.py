@@ -12,8 +12,6 @@ contacts, messages, time-outs, inputs other than commands. The kernels are compi
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
-from itertools import pairwise
 from typing import Any
 
 import msgspec
@@ -25,6 +23,7 @@ from intellwheels_server.world.kernels import rows
 from intellwheels_server.world.kernels.arrays import Floats, Ints, Walls
 from intellwheels_server.world.kernels.tick_many import END_HIT, FIRST_HIT, FOUND, tick_many
 from intellwheels_server.world.sensors.kind import ManyViews
+from intellwheels_server.world.shared_work import parts_of, share
 from intellwheels_server.world.stacked_sensors import StackedSensors, layout_of, stack_sensors
 from intellwheels_server.world.state import State, no_episodes
 from intellwheels_server.world.step import Entered, conclude, enter, limits_of
@@ -163,8 +162,7 @@ def advance_many(
     """
     count = len(worlds)
     inputs = inputs or {}
-    if isinstance(threads, bool) or not isinstance(threads, int) or threads < 1:
-        raise ValueError(f"threads: expected a whole number from 1, got {threads!r}")
+    parts = parts_of(count, threads)
     _check_inputs(worlds, inputs)
     numbers, flags, samples = worlds.numbers.copy(), worlds.flags.copy(), worlds.samples.copy()
     if commands is not None:
@@ -178,20 +176,10 @@ def advance_many(
     ticks = worlds.ticks + 1
     hits: dict[int, tuple[Ints, Floats]] = {}
 
-    def move(part: tuple[int, int]) -> None:
-        first, end = part
+    def move(first: int, end: int) -> None:
         hits[first] = _kernels(worlds, (numbers, flags, samples), ticks, summary, first, end)
 
-    parts = _parts(count, threads)
-    if len(parts) == 1:
-        move(parts[0])
-    else:
-        with ThreadPoolExecutor(len(parts) - 1) as pool:
-            others = [pool.submit(move, part) for part in parts[1:]]
-            move(parts[0])
-            for other in others:
-                other.result()
-
+    share(move, parts)
     touched = summary[END_HIT] > summary[FIRST_HIT]
     eventful = worlds.watched | (summary[FOUND] != 0) | touched
     for world, (state, left) in entered.items():
@@ -230,13 +218,6 @@ def _kernels(
     )  # fmt: skip
     worlds.sensors.take(ticks, ManyViews(numbers, parts, part_start, walls, setup.period), samples, first, end)
     return found
-
-
-def _parts(count: int, threads: int) -> list[tuple[int, int]]:
-    """Return the worlds of each thread: the first, and one past the last."""
-    threads = min(threads, count)
-    edges = [count * k // threads for k in range(threads + 1)]
-    return list(pairwise(edges))
 
 
 def _enter_commands(commands: Floats, numbers: Floats, flags: Ints) -> None:

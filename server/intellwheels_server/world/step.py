@@ -66,8 +66,8 @@ class Entered(msgspec.Struct, frozen=True, gc=False):
     happenings: list[Happening]
 
 
-def step(state: State, inputs: Inputs) -> tuple[State, tuple[Event, ...], bool]:
-    """Return the next state, the events, and whether the end condition was met."""
+def step(state: State, inputs: Inputs, threads: int = 1) -> tuple[State, tuple[Event, ...], bool]:
+    """Return the next state, the events, and whether the end condition was met. Threads may share the sensors."""
     body_set, walls, period = state.body_set, state.walls, state.setup.period
     numbers, flags = state.numbers.copy(), state.flags.copy()
     entered = enter(state, inputs, numbers, flags)
@@ -86,7 +86,10 @@ def step(state: State, inputs: Inputs) -> tuple[State, tuple[Event, ...], bool]:
     )
     bodies = body_set.bodies
     samples = sense(
-        body_set.plan, View(numbers, bodies.parts, bodies.part_start, walls, period), state.tick + 1, state.samples
+        body_set.plan,
+        View(numbers, bodies.parts, bodies.part_start, walls, period, threads),
+        state.tick + 1,
+        state.samples,
     )
     return conclude(state, inputs, entered, touched, (numbers, flags, samples))
 

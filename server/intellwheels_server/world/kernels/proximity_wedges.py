@@ -234,7 +234,7 @@ def _sense_all(
                 samples[slot + 1] = nearest
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", nogil=True)
 def sense_proximity(
     tick: int,
     pose: Floats,

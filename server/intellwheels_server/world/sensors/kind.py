@@ -30,6 +30,7 @@ class View(msgspec.Struct, frozen=True, gc=False):
         part_start: int64[n + 1], the first part of each body and the end.
         walls: The walls and obstacles of the map.
         period: Simulated time of a tick, s.
+        threads: Threads that may share the work. The samples are the same for any number.
     """
 
     numbers: Floats
@@ -37,6 +38,7 @@ class View(msgspec.Struct, frozen=True, gc=False):
     part_start: Ints
     walls: Walls
     period: float
+    threads: int = 1
 
 
 class ManyViews(NamedTuple):

@@ -12,6 +12,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 from itertools import groupby
 from typing import Final, NamedTuple, get_args
 
@@ -48,6 +49,7 @@ from intellwheels_server.world.kernels.sonar_beam import FIGURE_COLUMNS
 from intellwheels_server.world.kernels.sonar_echoes import sense_sonars
 from intellwheels_server.world.sensors.angles import unit_vector
 from intellwheels_server.world.sensors.kind import Array, Fitted, Kind, ManyViews, View
+from intellwheels_server.world.shared_work import parts_of, share
 
 WEDGE_RAYS: Final = 2.0
 """Rays of a lidar that cost as much as an exact or infrared wedge."""
@@ -55,6 +57,8 @@ SONAR_RAYS: Final = 10.0
 """Rays of a lidar that cost as much as a sonar."""
 CROSSTALK_RAYS: Final = 15.0
 """Rays of a lidar that cost as much as looking for the pings of others, measured with eight sonars on each body."""
+FEWEST_SHARED: Final = 200
+"""Bodies with sensors from which on a second thread takes less time than it costs."""
 VOLT_METRES: Final = 0.47
 """c of an infrared sensor, V m: MODEL.md's 10 mV are then 2 mm at 0.3 m and 48 mm at 1.5 m."""
 
@@ -113,19 +117,12 @@ class ProximityBlock:
         """Store the samples that are due at a tick."""
         numbers, parts, part_start = view.numbers, view.parts, view.part_start
         if len(self.seeing_schedule):
-            of = self.seeing
-            sense_proximity(
-                tick,
-                numbers,
-                parts,
-                part_start,
-                *view.walls,
-                of.mounts,
-                of.groups,
-                of.beams,
-                self.seeing_schedule,
-                samples,
-            )
+            if view.threads > 1 and len(self.seeing.groups) >= FEWEST_SHARED:
+                share(partial(self._see, tick, view, samples), parts_of(len(self.seeing.groups), view.threads))
+            else:
+                sense_proximity(
+                    tick, numbers, parts, part_start, *view.walls, *self.seeing, self.seeing_schedule, samples
+                )  # fmt: skip
         if len(self.infrared_schedule):
             _spoil(tick, self.infrared, self.infrared_schedule, samples)
         if len(self.sonar_schedule):
@@ -134,6 +131,14 @@ class ProximityBlock:
                 tick, view.period, numbers, parts, part_start, *view.walls, of.mounts, of.groups, of.beams,
                 self.sonar_figures, self.sonar_schedule, samples,
             )  # fmt: skip
+
+    def _see(self, tick: int, view: View, samples: Floats, first: int, end: int) -> None:
+        """Store the exact samples of some mounts."""
+        mounts, groups, beams = self.seeing
+        sense_proximity(
+            tick, view.numbers, view.parts, view.part_start, *view.walls, mounts[first:end], groups[first:end], beams,
+            self.seeing_schedule, samples,
+        )  # fmt: skip
 
     def stackable(self) -> tuple[Array, ...] | None:
         """Return the arrays that `take_many` needs; None if there is a sonar."""
