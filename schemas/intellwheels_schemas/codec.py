@@ -19,6 +19,7 @@ from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.explain import check_plain, object_of_pairs, root_of, shown, too_long
 from intellwheels_schemas.messages import (
     Actions,
+    CrewJoin,
     Delete,
     Leave,
     Load,
@@ -70,6 +71,7 @@ LIMITS: Final[dict[type[Record], int]] = {
     Pose: 4 * SMALL,
     Robot: 16 * SMALL,
     Spawn: 16 * SMALL,
+    CrewJoin: MAX_BYTES // 2,
     Load: MAX_BYTES,
 }  # fmt: skip
 """Longest message of each class that the simulator receives, in bytes; for all others it is `MAX_BYTES`."""
@@ -187,7 +189,12 @@ def _no_constant(name: str) -> Any:
     raise ValueError(f"expected a number, got {name}")
 
 
-def _parse_json(data: bytes, where: str) -> Any:
+def parse_json(data: bytes, where: str) -> Any:
+    """Return the plain data of a JSON document.
+
+    Raises:
+        WireError: `malformed`.
+    """
     try:
         return json.loads(data.decode(), object_pairs_hook=object_of_pairs, parse_constant=_no_constant)
     except RecursionError:
@@ -223,7 +230,7 @@ def _from_json(cls: type[_M], data: bytes, strict: bool) -> _M:
         # A colon within text counts on both sides, unless it is escaped.
         if b"null" not in data and b"\\u" not in data and data.count(b":") == _write(message).count(b":"):
             return message
-    return from_plain(cls, _parse_json(data, root_of(cls)), strict=strict)
+    return from_plain(cls, parse_json(data, root_of(cls)), strict=strict)
 
 
 def _from_xml(cls: type[_M], data: bytes, strict: bool) -> _M:

@@ -9,13 +9,15 @@ from typing import Any
 import msgspec
 
 from intellwheels_maps import floor, robot
-from intellwheels_schemas.codec import Encoding, encode
+from intellwheels_schemas.codec import Encoding, decode, encode
 from intellwheels_schemas.file_records import Inputs
 from intellwheels_schemas.keys import AGENT_VERBS
 from intellwheels_schemas.messages import (
     Actions,
     Body,
     Clock,
+    CrewError,
+    CrewMeasures,
     End,
     Error,
     Event,
@@ -106,6 +108,16 @@ class Stage:
 
     def undeclare_agent(self, agent: str) -> None:
         self.sent.append((agent, "undeclare", Robot(), JSON))
+
+    def crew_measures(self, crew: str, data: bytes, encoding: Encoding) -> None:
+        self.sent.append((crew, "crew-measures", decode(CrewMeasures, data, encoding), encoding))
+
+    def crew_error(self, crew: str, error: CrewError, encoding: Encoding) -> None:
+        encode(error, encoding)
+        self.sent.append((crew, "crew-error", error, encoding))
+
+    def undeclare_crew(self, crew: str) -> None:
+        self.sent.append((crew, "undeclare-crew", Robot(), JSON))
 
     def body(self, agent: str, body: Body) -> None:
         self.sent.append((agent, "body", body, JSON))

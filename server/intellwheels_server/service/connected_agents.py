@@ -5,9 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from intellwheels_schemas.codec import Encoding
-from intellwheels_schemas.messages import Robot
+from intellwheels_schemas.messages import CrewJoin, Robot, Role
 from intellwheels_server.service.arrival import Query
 from intellwheels_server.service.barrier import Answer
+from intellwheels_server.service.crews import Crews
 from intellwheels_server.service.lease import Leases
 from intellwheels_server.service.roster import Roster
 
@@ -20,6 +21,17 @@ class WaitingJoin:
     robot: Robot
     encoding: Encoding
     until: float
+
+
+@dataclass(slots=True, eq=False)
+class WaitingCrew:
+    """A join of a crew of which tokens have not arrived yet; at `until` it is answered without them."""
+
+    query: Query
+    join: CrewJoin
+    encoding: Encoding
+    until: float
+    missing: set[tuple[str, Role, str]]
 
 
 @dataclass(slots=True)
@@ -45,7 +57,9 @@ class ConnectedAgents:
         leases: Which users may steer which body.
         bridges: The reports of each real body.
         encodings: How each agent gets its measures.
+        crews: The crews, and the agents in each.
         waiting_joins: Joins that wait for their token, the oldest first.
+        waiting_crews: Joins of crews that wait for tokens, the oldest first.
         deleted: The session of each agent whose body an operator deleted, until the agent joins again.
     """
 
@@ -54,7 +68,9 @@ class ConnectedAgents:
         self.leases = Leases()
         self.bridges: dict[str, BridgeStatus] = {}
         self.encodings: dict[str, Encoding] = {}
+        self.crews = Crews()
         self.waiting_joins: list[WaitingJoin] = []
+        self.waiting_crews: list[WaitingCrew] = []
         self.deleted: dict[str, str] = {}
 
     def count_silence_from(self, now: float) -> None:

@@ -10,7 +10,7 @@ import msgspec
 from intellwheels_schemas.codec import Encoding, decode, encoding_of
 from intellwheels_schemas.errors import RequestRefusedError, WireError
 from intellwheels_schemas.file_records import Depart, Join, Note, TakeBody
-from intellwheels_schemas.messages import ErrorCode, Joined, Leave, Parameters, Position, Refused, RefusedCode, Robot
+from intellwheels_schemas.messages import ErrorCode, Joined, Leave, Position, Refused, RefusedCode, Robot
 from intellwheels_schemas.metal_codes import new_key
 from intellwheels_schemas.rules import has_motors
 from intellwheels_server.service import outbound
@@ -33,7 +33,7 @@ MAX_WAITING: Final = 256
 
 NAME_EXPECTED: Final = "expected a name: a-z, then a-z 0-9 _ -, at most 32"
 
-_REFUSED: Final[dict[ErrorCode, RefusedCode]] = {
+REFUSED: Final[dict[ErrorCode, RefusedCode]] = {
     "field": "field",
     "value": "value",
     "malformed": "value",
@@ -49,7 +49,7 @@ _REFUSED: Final[dict[ErrorCode, RefusedCode]] = {
 
 def take_token(service: ServiceState, token: Token, now: float) -> None:
     """Note that a liveliness token appeared or disappeared."""
-    member = service.agents.roster.token(token.agent, token.role, token.instance, token.present, now)
+    member = service.agents.roster.token(token.agent, token.role, token.presence, token.present, now)
     if member is not None:
         code = "returned" if token.present else "lost"
         service.publisher.outlet.log_line(f"{code} agent={member.agent} role={member.role}")
@@ -117,7 +117,7 @@ def handle_join(service: ServiceState, query: Query, now: float) -> None:
         encoding = encoding_of(query.encoding, query.data)
         robot = decode(Robot, query.data, encoding)
     except WireError as error:
-        query.refuse(Refused(code=_REFUSED.get(error.code, "value"), text=error.text[:1000]))
+        query.refuse(Refused(code=REFUSED.get(error.code, "value"), text=error.text[:1000]))
         return
     if not _has_token(service.agents.roster, query.name, robot):
         if len(service.agents.waiting_joins) < MAX_WAITING:
@@ -135,7 +135,7 @@ def _has_token(roster: Roster, agent: str, robot: Robot) -> bool:
 
 def _join(service: ServiceState, query: Query, robot: Robot, encoding: Encoding, now: float) -> None:
     try:
-        joined = _admit(service, query.name, robot, encoding, query.parameters.get("session"), now)
+        joined = admit(service, query.name, robot, encoding, query.parameters.get("session"), now)
     except RequestRefusedError as refusal:
         service.publisher.outlet.log_line(f"refused agent={query.name} role={robot.role} code={refusal.code}")
         query.refuse(Refused(code=refusal.code, text=refusal.text[:1000]))
@@ -143,10 +143,10 @@ def _join(service: ServiceState, query: Query, robot: Robot, encoding: Encoding,
     query.reply(joined)
 
 
-def _admit(
-    service: ServiceState, agent: str, robot: Robot, encoding: Encoding, session: str | None, now: float
+def admit(
+    service: ServiceState, agent: str, robot: Robot, encoding: Encoding, session: str | None, now: float, crew: str = ""
 ) -> Joined:
-    """Let an agent join and return the reply.
+    """Let an agent join and return the reply. If it has a crew, the caller puts its measures.
 
     Raises:
         RequestRefusedError: It may not join.
@@ -154,11 +154,11 @@ def _admit(
     agents, pacing = service.agents, service.pacing
     if robot.format is not None:
         raise RequestRefusedError("field", "Robot.Format: expected none in a join; it belongs to files")
-    if robot.crew is not None:
-        raise RequestRefusedError("value", "Robot.Crew: crews are not supported; join each body by itself")
+    if robot.crew != (crew or None):
+        raise RequestRefusedError("value", f"Robot.Crew: expected none in join/{agent}; crews join at crew/<crew>/join")
     if robot.instance is None:
         robot = msgspec.structs.replace(robot, instance=agents.roster.only_instance(agent, robot.role))
-    current = agents.roster.predecessor(agent, robot, session)
+    current = agents.roster.predecessor(agent, robot, session, crew)
     model = service.run.state.body_set.models.get(agent)
     keeps_body = current is not None and model is not None and same_body(current.robot, robot)
     if robot.role == "mind":
@@ -185,6 +185,7 @@ def _admit(
         real=body.type == "real",
         simulated_hardware=body.hardware == "simulated",
         barrier=barrier,
+        crew=crew,
     )
     returns = current is not None and current.instance == member.instance
     if member.real and member.has_body:
@@ -200,7 +201,7 @@ def _admit(
     report_joined(service, member, position, starts=current is None)
     if pacing.barrier_open and pacing.lockstep:
         pacing.barrier.add(member.answers())
-    if not pacing.waiting_to_start and (pacing.barrier_open or not pacing.lockstep):
+    if not crew and pacing.measures_are_out:
         outbound.put_measures(service, agent)
     return _joined_reply(service, member, position, shows_key=not returns)
 
@@ -285,20 +286,12 @@ def position_of(state: State, agent: str) -> Position:
 
 def _joined_reply(service: ServiceState, member: Member, position: Position, *, shows_key: bool) -> Joined:
     state, options = service.run.state, service.options
-    setup, model = state.setup, state.body_set.models[member.agent]
+    model = state.body_set.models[member.agent]
     return Joined(
         run=state.run,
         tick=state.tick,
         session=member.session,
-        parameters=Parameters(
-            world=options.world,
-            period=setup.period,
-            pace=options.pace,
-            say_limit=setup.say_limit,
-            say_range=setup.say_range,
-            command_timeout=setup.command_timeout,
-            grace=options.grace,
-        ),
+        parameters=service.parameters(),
         # An agent that returns to a laboratory gets the start pose of its chair, not the true pose.
         position=model.start if options.hide_truth else position,
         robot=nominal(model.robot) if options.hide_truth else model.robot,
@@ -386,11 +379,15 @@ def _update_members(service: ServiceState, agent: str) -> None:
     service.pacing.answers = agents.expected_answers() if service.pacing.lockstep else frozenset()
     mind, body = agents.roster.mind(agent), agents.roster.body(agent)
     reader = mind or body
+    if (ended := agents.crews.place(agent, reader)) is not None:
+        outlet.undeclare_crew(ended)
     if reader is None:
         agents.encodings.pop(agent, None)
         service.error_limit.forget(agent)
         service.unasked_limit.forget(agent)
         outlet.undeclare_agent(agent)
+    elif reader.crew:
+        agents.encodings.pop(agent, None)
     else:
         agents.encodings[agent] = reader.encoding
         outlet.declare_agent(agent, reader.encoding, (body or reader).encoding)

@@ -7,11 +7,13 @@ from typing import Final
 
 import msgspec
 
-from intellwheels_schemas.codec import Encoding
+from intellwheels_schemas.codec import Encoding, encode
+from intellwheels_schemas.crew_messages import crew_messages, for_crew
 from intellwheels_schemas.messages import (
     Body,
     Clock,
     ClockState,
+    CrewError,
     Entity,
     Error,
     MapInfo,
@@ -50,11 +52,34 @@ def put_measures(service: ServiceState, agent: str) -> None:
         service.publisher.outlet.agent(agent, "measures", measures, encoding)
 
 
+def put_measures_again(service: ServiceState, agents: Iterable[str]) -> None:
+    """Put the measures of some agents once more; those of a crew together."""
+    of_crews: dict[str, list[str]] = {}
+    for agent in agents:
+        crew = service.agents.crews.of(agent)
+        if crew is None:
+            put_measures(service, agent)
+        else:
+            of_crews.setdefault(crew.name, []).append(agent)
+    for name, members in of_crews.items():
+        put_crew_measures(service, name, members)
+
+
+def put_crew_measures(service: ServiceState, crew: str, agents: Iterable[str]) -> None:
+    """Put the measures of agents of a crew."""
+    state, outlet, encoding = service.run.state, service.publisher.outlet, service.agents.crews.named[crew].encoding
+    items = [for_crew(encode(world.measures(state, agent), encoding), agent, encoding) for agent in agents]
+    for data in crew_messages("Measures", crew, items, encoding):
+        outlet.crew_measures(crew, data, encoding)
+
+
 def put_all_measures(service: ServiceState) -> None:
     """Put the measures of every agent."""
     state, put = service.run.state, service.publisher.outlet.agent
     for agent, encoding in service.agents.encodings.items():
         put(agent, "measures", world.measures(state, agent), encoding)
+    for name, crew in service.agents.crews.named.items():
+        put_crew_measures(service, name, crew.members)
 
 
 def send_error(service: ServiceState, agent: str, fault: Fault, now: float) -> None:
@@ -68,11 +93,43 @@ def send_unasked_error(service: ServiceState, agent: str, fault: Fault, now: flo
 
 
 def _send_error(service: ServiceState, agent: str, fault: Fault, suppressed: int | None) -> None:
-    roster, state = service.agents.roster, service.run.state
     if suppressed is None:
         return
+    roster = service.agents.roster
     member = roster.mind(agent) or roster.body(agent)
-    error = Error(
+    error = _error_of(service, fault, suppressed)
+    service.publisher.outlet.agent(agent, "error", error, member.encoding if member else Encoding.JSON)
+    crew = service.agents.crews.of(agent)
+    if crew is not None:
+        _put_crew_error(service, crew.name, error, agent)
+
+
+def send_crew_error(service: ServiceState, crew: str, fault: Fault, now: float, agent: str | None = None) -> None:
+    """Send a crew an error about one of its messages, unless it got too many errors recently.
+
+    Args:
+        service: The service.
+        crew: The crew.
+        fault: What is wrong.
+        now: The current time, s.
+        agent: The name in the message that the error is about, if it is about one.
+    """
+    # No agent's name has a slash.
+    suppressed = service.error_limit.admit(f"crew/{crew}", crew in service.agents.crews.named, now)
+    if suppressed is not None:
+        _put_crew_error(service, crew, _error_of(service, fault, suppressed), agent)
+
+
+def _put_crew_error(service: ServiceState, crew: str, error: Error, agent: str | None) -> None:
+    known = service.agents.crews.named.get(crew)
+    fields = {name: getattr(error, name) for name in Error.__struct_fields__}
+    encoding = known.encoding if known is not None else Encoding.JSON
+    service.publisher.outlet.crew_error(crew, CrewError(**fields, agent=agent), encoding)
+
+
+def _error_of(service: ServiceState, fault: Fault, suppressed: int) -> Error:
+    state = service.run.state
+    return Error(
         run=state.run,
         tick=state.tick,
         code=fault.code,
@@ -81,7 +138,6 @@ def _send_error(service: ServiceState, agent: str, fault: Fault, suppressed: int
         suppressed=suppressed,
         text=fault.text[:TEXT_LIMIT],
     )
-    service.publisher.outlet.agent(agent, "error", error, member.encoding if member else Encoding.JSON)
 
 
 def put_powers(service: ServiceState, tick: int) -> None:

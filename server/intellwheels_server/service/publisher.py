@@ -7,7 +7,7 @@ from typing import Protocol
 
 from intellwheels_schemas.codec import Encoding
 from intellwheels_schemas.keys import OutKind
-from intellwheels_schemas.messages import Body, Clock, Event, MapInfo, Pose, Record, WorldState
+from intellwheels_schemas.messages import Body, Clock, CrewError, Event, MapInfo, Pose, Record, WorldState
 from intellwheels_server.service.event_buffer import EventBuffer
 from intellwheels_server.service.publish_schedule import PublishSchedule
 from intellwheels_server.service.truth_filter import without_positions
@@ -24,6 +24,15 @@ class Outlet(Protocol):
 
     def undeclare_agent(self, agent: str) -> None:
         """Undeclare the publishers of an agent."""
+
+    def crew_measures(self, crew: str, data: bytes, encoding: Encoding) -> None:
+        """Put encoded `CrewMeasures` on `crew/<crew>/measures`."""
+
+    def crew_error(self, crew: str, error: CrewError, encoding: Encoding) -> None:
+        """Put `crew/<crew>/error`, also for a crew that has not joined."""
+
+    def undeclare_crew(self, crew: str) -> None:
+        """Undeclare the publisher of a crew, if there is one."""
 
     def body(self, agent: str, body: Body) -> None:
         """Put `body/<agent>`."""

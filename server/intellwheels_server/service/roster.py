@@ -38,6 +38,14 @@ def new_hex() -> str:
     return secrets.token_hex(8)
 
 
+def presence_of(instance: str, crew: str) -> str:
+    """Return what the end of a token says: the instance, and the crew if there is one. A crew needs tokens of its own.
+
+    By the key of a token a router knows that the agent's owner lets this crew act for it.
+    """
+    return f"{instance}/{crew}" if crew else instance
+
+
 @dataclass(slots=True, eq=False)
 class Member:
     """A role of an agent that has joined.
@@ -53,6 +61,7 @@ class Member:
         simulated_hardware: Whether that chair is itself simulated.
         barrier: Whether lockstep waits for it.
         key: What makes the codes of its poses and powers, if its body is real; else empty.
+        crew: The crew whose keys carry its actions and measures, or empty.
         absent_since: When its token disappeared, s, or None.
     """
 
@@ -66,7 +75,13 @@ class Member:
     simulated_hardware: bool = False
     barrier: bool = True
     key: str = ""
+    crew: str = ""
     absent_since: float | None = None
+
+    @property
+    def presence(self) -> str:
+        """What its token says besides agent and role."""
+        return presence_of(self.instance, self.crew)
 
     @property
     def is_mind(self) -> bool:
@@ -145,30 +160,33 @@ class Roster:
         found = self._agents.get(agent)
         return found.body if found else None
 
-    def has_token(self, agent: str, role: Role, instance: str) -> bool:
-        """Return whether the token of this instance is present."""
-        return instance in self._tokens.get((agent, role), ())
+    def has_token(self, agent: str, role: Role, presence: str) -> bool:
+        """Return whether the token of this instance is present; `presence` is what `presence_of` returns."""
+        return presence in self._tokens.get((agent, role), ())
 
     # ------------------------------------------------------------ presence
 
-    def token(self, agent: str, role: Role, instance: str, present: bool, now: float) -> Member | None:
-        """Note a token that appeared or disappeared; return the member whose presence this changes, if any."""
+    def token(self, agent: str, role: Role, presence: str, present: bool, now: float) -> Member | None:
+        """Note a token that appeared or disappeared; return the member whose presence this changes, if any.
+
+        `presence` is what `presence_of` returns.
+        """
         instances = self._tokens.get((agent, role))
         if present:
             if instances is None:
                 if self._token_count >= MAX_TOKENS:
                     return None
                 instances = self._tokens[agent, role] = set()
-            if instance not in instances and self._token_count < MAX_TOKENS:
-                instances.add(instance)
+            if presence not in instances and self._token_count < MAX_TOKENS:
+                instances.add(presence)
                 self._token_count += 1
-        elif instances is not None and instance in instances:
-            instances.discard(instance)
+        elif instances is not None and presence in instances:
+            instances.discard(presence)
             self._token_count -= 1
             if not instances:
                 del self._tokens[agent, role]
         member = self._member(agent, role)
-        if member is None or member.instance != instance or present == (member.absent_since is None):
+        if member is None or member.presence != presence or present == (member.absent_since is None):
             return None
         member.absent_since = None if present else now
         (self._absent.discard if present else self._absent.add)(member)
@@ -184,13 +202,14 @@ class Roster:
 
     # ------------------------------------------------------------ joining and leaving
 
-    def predecessor(self, agent: str, robot: Robot, session: str | None) -> Member | None:
+    def predecessor(self, agent: str, robot: Robot, session: str | None, crew: str = "") -> Member | None:
         """Return the member that a join would replace, or None if the role is free.
 
         Args:
             agent: The agent in the key.
             robot: What it sent; `instance` must be known by now.
             session: The earlier session that the join shows, or None.
+            crew: The crew that it joins with, if any.
 
         Raises:
             RequestRefusedError: `already-here`, `name`, `no-token`, `full`.
@@ -200,11 +219,9 @@ class Roster:
             raise RequestRefusedError("name", f"the name '{OPERATOR}' is reserved for people; take another")
         if robot.name is not None and robot.name != agent:
             raise RequestRefusedError("name", f"Robot.Name: expected '{agent}' as in the key, got '{robot.name}'")
-        if robot.instance is None or not self.has_token(agent, role, robot.instance):
-            instance = robot.instance or "<Robot.Instance>"
-            raise RequestRefusedError(
-                "no-token", f"expected a liveliness token in/{agent}/alive/{role}/{instance} before the join, got none"
-            )
+        if robot.instance is None or not self.has_token(agent, role, presence_of(robot.instance, crew)):
+            token = f"in/{agent}/alive/{role}/{presence_of(robot.instance or '<Robot.Instance>', crew)}"
+            raise RequestRefusedError("no-token", f"expected a liveliness token {token} before the join, got none")
         current = self._member(agent, role)
         if current is None:
             conflicting = [m for m in self.members(agent) if "both" in (role, m.role)]
@@ -216,14 +233,14 @@ class Roster:
         # The session of a real robot is in its poses, which anybody can read in an open world.
         shows_session = session == current.session and not current.key
         same_process = robot.instance == current.instance or shows_session
-        if same_process or not self.has_token(agent, role, current.instance):
+        if same_process or not self.has_token(agent, role, current.presence):
             return current
         raise RequestRefusedError("already-here", f"agent '{agent}' is already here")
 
     def only_instance(self, agent: str, role: Role) -> str | None:
         """Return the instance of an agent that did not name one: the instance with a token, if there is exactly one."""
-        instances = self._tokens.get((agent, role), set())
-        return next(iter(instances)) if len(instances) == 1 else None
+        instances = [each for each in self._tokens.get((agent, role), ()) if "/" not in each]
+        return instances[0] if len(instances) == 1 else None
 
     def add(self, member: Member) -> None:
         """Add a member, in place of the one that had its role."""
@@ -248,12 +265,12 @@ class Roster:
 
 
 def same_body(old: Robot, new: Robot) -> bool:
-    """Return whether two robots are the same body, apart from name, instance and start."""
+    """Return whether two robots are the same body, apart from name, instance, crew and start."""
     return _anonymous(old) == _anonymous(new)
 
 
 def _anonymous(robot: Robot) -> Robot:
-    return msgspec.structs.replace(robot, name=None, instance=None, place=None, position=None)
+    return msgspec.structs.replace(robot, name=None, instance=None, crew=None, place=None, position=None)
 
 
 def check_session(

@@ -6,8 +6,9 @@ from typing import Protocol
 
 import msgspec
 
+from intellwheels_schemas.crew_messages import alone
 from intellwheels_schemas.file_records import Change, Inputs
-from intellwheels_schemas.messages import Event, Result, ResultCode
+from intellwheels_schemas.messages import Actions, Event, Result, ResultCode
 from intellwheels_server import world
 from intellwheels_server.world import Outcome, Outputs, State, Walls
 
@@ -74,6 +75,9 @@ class RunState:
     def record_step(self, tick: int, inputs: Inputs) -> None:
         """Record the step from a tick, with the changes made at that tick."""
         if self._record is not None:
+            if any(type(actions) is not Actions for actions in inputs.actions.values()):
+                actions = {agent: alone(actions) for agent, actions in inputs.actions.items()}
+                inputs = msgspec.structs.replace(inputs, actions=actions)
             if self._unrecorded:
                 inputs = msgspec.structs.replace(inputs, changes=tuple(self._unrecorded))
             self._record(tick, inputs, self.digest(), stepped=True)

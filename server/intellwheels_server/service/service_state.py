@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 from intellwheels_maps.turning import TurningCheck
 from intellwheels_schemas import defaults
 from intellwheels_schemas.file_records import Change
-from intellwheels_schemas.messages import Pace, Result, ResultCode
+from intellwheels_schemas.messages import Pace, Parameters, Result, ResultCode
 from intellwheels_server import world
 from intellwheels_server.log.branch import Branch
 from intellwheels_server.service.command_ages import CommandAges
@@ -155,6 +155,19 @@ class ServiceState:
     def result(self, code: ResultCode, text: str | None = None) -> Result:
         """Return a reply to a control message or a leave, with the current run, tick and hash."""
         return self.run.result(code, text)
+
+    def parameters(self) -> Parameters:
+        """Return what agents need to know of the simulation."""
+        options, setup = self.options, self.run.state.setup
+        return Parameters(
+            world=options.world,
+            period=setup.period,
+            pace=options.pace,
+            say_limit=setup.say_limit,
+            say_range=setup.say_range,
+            command_timeout=setup.command_timeout,
+            grace=options.grace,
+        )
 
     # ------------------------------------------------------------ changes
 
