@@ -9,7 +9,7 @@ from typing import Any
 import msgspec
 
 from intellwheels_maps import floor, robot
-from intellwheels_schemas.codec import Encoding, encode
+from intellwheels_schemas.codec import Encoding, decode, encode
 from intellwheels_schemas.file_records import Inputs
 from intellwheels_schemas.keys import AGENT_VERBS
 from intellwheels_schemas.messages import (
@@ -100,6 +100,9 @@ class Stage:
     def agent(self, agent: str, kind: str, message: Record, encoding: Encoding) -> None:
         encode(message, encoding)
         self.sent.append((agent, kind, message, encoding))
+
+    def put_measures(self, agent: str, data: bytes, encoding: Encoding, /) -> None:
+        self.sent.append((agent, "measures", decode(Measures, data, encoding), encoding))
 
     def declare_agent(self, agent: str, mind: Encoding, body: Encoding) -> None:
         self.sent.append((agent, "declare", Robot(), mind))

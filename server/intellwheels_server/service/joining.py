@@ -387,12 +387,12 @@ def _update_members(service: ServiceState, agent: str) -> None:
     mind, body = agents.roster.mind(agent), agents.roster.body(agent)
     reader = mind or body
     if reader is None:
-        agents.encodings.pop(agent, None)
+        agents.set_encoding(agent, None)
         service.error_limit.forget(agent)
         service.unasked_limit.forget(agent)
         outlet.undeclare_agent(agent)
     else:
-        agents.encodings[agent] = reader.encoding
+        agents.set_encoding(agent, reader.encoding)
         outlet.declare_agent(agent, reader.encoding, (body or reader).encoding)
     if agent in service.run.state.body_set.models:
         outbound.publish_body(service, agent)

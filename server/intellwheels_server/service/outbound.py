@@ -7,7 +7,7 @@ from typing import Final
 
 import msgspec
 
-from intellwheels_schemas.codec import Encoding
+from intellwheels_schemas.codec import Encoding, encode
 from intellwheels_schemas.messages import (
     Body,
     Clock,
@@ -47,14 +47,16 @@ def put_measures(service: ServiceState, agent: str) -> None:
     encoding = service.agents.encodings.get(agent)
     if encoding is not None:
         measures = world.measures(service.run.state, agent)
-        service.publisher.outlet.agent(agent, "measures", measures, encoding)
+        service.publisher.outlet.put_measures(agent, encode(measures, encoding), encoding)
 
 
 def put_all_measures(service: ServiceState) -> None:
     """Put the measures of every agent."""
-    state, put = service.run.state, service.publisher.outlet.agent
-    for agent, encoding in service.agents.encodings.items():
-        put(agent, "measures", world.measures(state, agent), encoding)
+    state, publisher = service.run.state, service.publisher
+    put = publisher.outlet.put_measures
+    for encoding, agents in service.agents.by_encoding().items():
+        for agent, data in zip(agents, publisher.writers[encoding].write(state, agents), strict=True):
+            put(agent, data, encoding)
 
 
 def send_error(service: ServiceState, agent: str, fault: Fault, now: float) -> None:
