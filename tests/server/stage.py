@@ -103,6 +103,9 @@ class Stage:
         encode(message, encoding)
         self.sent.append((agent, kind, message, encoding))
 
+    def put_measures(self, agent: str, data: bytes, encoding: Encoding, /) -> None:
+        self.sent.append((agent, "measures", decode(Measures, data, encoding), encoding))
+
     def declare_agent(self, agent: str, mind: Encoding, body: Encoding) -> None:
         self.sent.append((agent, "declare", Robot(), mind))
 

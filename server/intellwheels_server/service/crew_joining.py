@@ -125,7 +125,7 @@ def _join(service: ServiceState, query: Query, join: CrewJoin, encoding: Encodin
         )
     )
     if joined and service.pacing.measures_are_out:
-        outbound.put_crew_measures(service, join.crew, joined)
+        outbound.put_crew_measures(service, join.crew, list(joined))
 
 
 def _admit(service: ServiceState, join: CrewJoin, robot: Robot, encoding: Encoding, now: float) -> Joined:

@@ -382,14 +382,14 @@ def _update_members(service: ServiceState, agent: str) -> None:
     if (ended := agents.crews.place(agent, reader)) is not None:
         outlet.undeclare_crew(ended)
     if reader is None:
-        agents.encodings.pop(agent, None)
+        agents.set_encoding(agent, None)
         service.error_limit.forget(agent)
         service.unasked_limit.forget(agent)
         outlet.undeclare_agent(agent)
     elif reader.crew:
-        agents.encodings.pop(agent, None)
+        agents.set_encoding(agent, None)
     else:
-        agents.encodings[agent] = reader.encoding
+        agents.set_encoding(agent, reader.encoding)
         outlet.declare_agent(agent, reader.encoding, (body or reader).encoding)
     if agent in service.run.state.body_set.models:
         outbound.publish_body(service, agent)

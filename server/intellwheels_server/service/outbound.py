@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from typing import Final
 
 import msgspec
 
 from intellwheels_schemas.codec import Encoding, encode
-from intellwheels_schemas.crew_messages import crew_messages, for_crew
+from intellwheels_schemas.crew_messages import crew_messages
 from intellwheels_schemas.messages import (
     Body,
     Clock,
@@ -49,7 +49,7 @@ def put_measures(service: ServiceState, agent: str) -> None:
     encoding = service.agents.encodings.get(agent)
     if encoding is not None:
         measures = world.measures(service.run.state, agent)
-        service.publisher.outlet.agent(agent, "measures", measures, encoding)
+        service.publisher.outlet.put_measures(agent, encode(measures, encoding), encoding)
 
 
 def put_measures_again(service: ServiceState, agents: Iterable[str]) -> None:
@@ -65,21 +65,23 @@ def put_measures_again(service: ServiceState, agents: Iterable[str]) -> None:
         put_crew_measures(service, name, members)
 
 
-def put_crew_measures(service: ServiceState, crew: str, agents: Iterable[str]) -> None:
+def put_crew_measures(service: ServiceState, crew: str, agents: Sequence[str]) -> None:
     """Put the measures of agents of a crew."""
-    state, outlet, encoding = service.run.state, service.publisher.outlet, service.agents.crews.named[crew].encoding
-    items = [for_crew(encode(world.measures(state, agent), encoding), agent, encoding) for agent in agents]
-    for data in crew_messages("Measures", crew, items, encoding):
-        outlet.crew_measures(crew, data, encoding)
+    state, outlet, known = service.run.state, service.publisher.outlet, service.agents.crews.named[crew]
+    items = known.write(state, agents)
+    for data in crew_messages("Measures", crew, items, known.encoding):
+        outlet.crew_measures(crew, data, known.encoding)
 
 
 def put_all_measures(service: ServiceState) -> None:
     """Put the measures of every agent."""
-    state, put = service.run.state, service.publisher.outlet.agent
-    for agent, encoding in service.agents.encodings.items():
-        put(agent, "measures", world.measures(state, agent), encoding)
+    state, publisher = service.run.state, service.publisher
+    put = publisher.outlet.put_measures
+    for encoding, agents in service.agents.by_encoding().items():
+        for agent, data in zip(agents, publisher.writers[encoding].write(state, agents), strict=True):
+            put(agent, data, encoding)
     for name, crew in service.agents.crews.named.items():
-        put_crew_measures(service, name, crew.members)
+        put_crew_measures(service, name, crew.names)
 
 
 def send_error(service: ServiceState, agent: str, fault: Fault, now: float) -> None:

@@ -11,6 +11,7 @@ from intellwheels_schemas.messages import Body, Clock, CrewError, Event, MapInfo
 from intellwheels_server.service.event_buffer import EventBuffer
 from intellwheels_server.service.publish_schedule import PublishSchedule
 from intellwheels_server.service.truth_filter import without_positions
+from intellwheels_server.world.measures_writer import MeasuresWriter
 
 
 class Outlet(Protocol):
@@ -18,6 +19,9 @@ class Outlet(Protocol):
 
     def agent(self, agent: str, kind: OutKind, message: Record, encoding: Encoding) -> None:
         """Put `out/<agent>/<kind>`."""
+
+    def put_measures(self, agent: str, data: bytes, encoding: Encoding, /) -> None:
+        """Put the bytes of measures on `out/<agent>/measures`. The agent is declared, with that encoding."""
 
     def declare_agent(self, agent: str, mind: Encoding, body: Encoding) -> None:
         """Declare the publishers of an agent: measures and errors in one encoding, power in the other."""
@@ -71,6 +75,7 @@ class Publisher:
         observer: Called with each event before positions are removed, if set.
         power_seq: Number of the last power for a real chair.
         idle_power_at: When real chairs next get power 0 while the run is stopped.
+        writers: What writes measures in each encoding.
     """
 
     def __init__(self, outlet: Outlet, unix_time: Callable[[], float], *, hide_truth: bool) -> None:
@@ -82,6 +87,7 @@ class Publisher:
         self.observer: Callable[[Event], None] | None = None
         self.power_seq = 0
         self.idle_power_at = 0.0
+        self.writers = {encoding: MeasuresWriter(encoding) for encoding in Encoding}
 
     def put_event(self, event: Event) -> None:
         """Keep an event and publish it."""

@@ -57,6 +57,7 @@ class ZenohOutlet:
         self._session = session
         self._keys = keys
         self._agents: dict[str, dict[str, tuple[zenoh.Publisher, Encoding]]] = {}
+        self._put_measures: dict[str, Callable[[bytes], None]] = {}
         self._parts: dict[int, zenoh.Publisher] = {}
         self._bodies: dict[str, zenoh.Publisher] = {}
         self._poses: dict[str, zenoh.Publisher] = {}
@@ -77,6 +78,10 @@ class ZenohOutlet:
         once.put(encode(message, encoding))
         _undeclare(once)
 
+    def put_measures(self, agent: str, data: bytes, _encoding: Encoding, /) -> None:
+        """Put the bytes of measures on `out/<agent>/measures`. The agent must be declared, with that encoding."""
+        self._put_measures[agent](data)
+
     def declare_agent(self, agent: str, mind: Encoding, body: Encoding) -> None:
         """Declare the publishers of an agent, except those that are declared already."""
         wanted: dict[OutKind, Encoding] = {"measures": mind, "power": body, "error": mind}
@@ -87,9 +92,11 @@ class ZenohOutlet:
                     _undeclare(publishers[kind][0])
                 key = self._keys.out(agent, kind)
                 publishers[kind] = (link.declare(self._session, key, CHANNELS[kind], encoding), encoding)
+        self._put_measures[agent] = publishers["measures"][0].put
 
     def undeclare_agent(self, agent: str) -> None:
         """Undeclare the publishers of an agent."""
+        self._put_measures.pop(agent, None)
         for publisher, _ in self._agents.pop(agent, {}).values():
             _undeclare(publisher)
         if agent in self._bodies:
