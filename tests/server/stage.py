@@ -14,9 +14,13 @@ from intellwheels_schemas.file_records import Inputs
 from intellwheels_schemas.keys import AGENT_VERBS
 from intellwheels_schemas.messages import (
     Actions,
+    AgentActions,
     Body,
     Clock,
+    CrewActions,
     CrewError,
+    CrewJoin,
+    CrewJoined,
     CrewMeasures,
     End,
     Error,
@@ -38,6 +42,7 @@ from intellwheels_server.log.input_log import Line, Log
 from intellwheels_server.service.arrival import Put, PutKind, Query, Token, Topic
 from intellwheels_server.service.live_run import LiveRun
 from intellwheels_server.service.load_floor import LoadFault, LoadRequest, PackedFloor, load_floor
+from intellwheels_server.service.roster import presence_of
 from intellwheels_server.service.service_state import Options
 from intellwheels_server.service.side_process import Outcome
 
@@ -243,6 +248,34 @@ class Stage:
         more.setdefault("tick", state.tick)
         actions = Actions(run=state.run, session=self.sessions[agent], left_motor=left, right_motor=right, **more)
         self.put(agent, actions)
+
+    def join_crew(
+        self, name: str, *agents: str, instance: str = "c" * 16, encoding: Encoding = JSON, **fields: Any
+    ) -> Record:
+        """Join with agents as a crew and return the reply; `fields` are those of their robots."""
+        wanted = tuple(
+            msgspec.structs.replace(robot("rear-wheel"), **({"format": None, "name": agent} | fields))
+            for agent in agents
+        )
+        crew = name
+        for each in wanted:
+            self.token(each.name or "", each.role, presence_of(instance, crew))
+        join = CrewJoin(crew=crew, instance=instance, robot=wanted)
+        replies = self.ask("crew-join", crew, join, encoding=encoding)
+        assert len(replies) == 1, replies
+        reply = replies[0][0]
+        if isinstance(reply, CrewJoined):
+            self.sessions |= {each.agent: each.session for each in reply.joined}
+        return reply
+
+    def crew_act(self, crew: str, *agents: str, **more: Any) -> None:
+        """Answer the current tick for agents of a crew, with their sessions unless another is given."""
+        state = self.live_run.state
+        fields = {"run": state.run, "tick": state.tick, "left_motor": 0.5, "right_motor": 0.5} | more
+        actions = tuple(
+            AgentActions(agent=agent, **({"session": self.sessions.get(agent, NOBODY)} | fields)) for agent in agents
+        )
+        self.put(crew, CrewActions(crew=crew, actions=actions), "crew")
 
     # ------------------------------------------------------------ what came out
 
