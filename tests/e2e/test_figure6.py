@@ -13,7 +13,7 @@ import pytest
 from intellwheels_schemas.messages import Entity
 from intellwheels_server.log.input_log import read_header, read_lines
 from intellwheels_server.world import advance, apply, begin, digest, entities, measures
-from tests.e2e.stage import run
+from tests.e2e.stage import Stage, run
 
 
 def play(folder: Path, *words: str, **environment: str) -> dict[str, Any]:
@@ -73,6 +73,16 @@ def moments(folder: Path, first: dict[str, Any]) -> list[Moment]:
             sees = {reading.id: math.inf if reading.value is None else reading.value for reading in sensors.proximity}
             found.append(Moment(digest(state), {entity.name: entity for entity in entities(state)}, sees))
     return found
+
+
+@pytest.mark.process
+@pytest.mark.parametrize("encoding", ["json", "xml"])
+def test_cast_in_one_crew_ends_with_the_same_hash(first: dict[str, Any], tmp_path: Path, encoding: str) -> None:
+    with Stage(tmp_path, "crew") as stage:
+        stage.server("--scene", "figure6", "--seed", str(first["seed"]), "--quit-at-end")
+        stage.start("crew", "tests.e2e.crew_of_scene", "figure6", stage.endpoint, stage.world, encoding)
+        words = stage.line("server", "ended", 120.0).split()
+    assert words[1:3] == [f"tick={first['ticks']}", f"hash={first['hash']}"]
 
 
 def test_hash_of_the_result_is_that_of_the_last_step_run_again(first: dict[str, Any], moments: list[Moment]) -> None:
