@@ -13,7 +13,7 @@ from typing import Final
 from intellwheels_schemas.file_records import Verdict
 from intellwheels_schemas.messages import Event
 from intellwheels_server.log.branch import Branch
-from intellwheels_server.service import control, inbound, joining, outbound
+from intellwheels_server.service import control, inbound, joining, outbound, presence
 from intellwheels_server.service.arrival import Arrival, Put, Query, Token
 from intellwheels_server.service.connected_agents import BridgeStatus
 from intellwheels_server.service.load_floor import FloorWorker
@@ -69,7 +69,7 @@ class LiveRun:
         if isinstance(arrival, Put):
             inbound.take_put(self._service, arrival, now)
         elif isinstance(arrival, Token):
-            joining.take_token(self._service, arrival, now)
+            presence.take_token(self._service, arrival, now)
         else:
             self._take_query(arrival, now)
 
@@ -78,7 +78,7 @@ class LiveRun:
         service = self._service
         if service.exit is not None:
             return
-        joining.handle_deadlines(service, now)
+        presence.handle_deadlines(service, now)
         for request in service.floors.work(now):
             service.queue_change(request)
         if service.has_queued_changes and service.may_change():
