@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from functools import partial
 from typing import Final
 
@@ -16,6 +17,7 @@ from intellwheels_schemas.messages import (
     CrewJoined,
     CrewLeave,
     Joined,
+    Record,
     Refused,
     Robot,
 )
@@ -99,42 +101,61 @@ def _join(service: ServiceState, query: Query, join: CrewJoin, encoding: Encodin
         service.publisher.outlet.log_line(f"refused crew={join.crew} code=already-here")
         query.refuse(Refused(code="already-here", text=f"crew '{join.crew}' is already here, of another process"))
         return
-    joined: dict[str, Joined] = {}
-    refused: list[AgentRefused] = []
+    replies = _Replies(service, query, join)
+    group = joining.JoinGroup(service)
+    names = set(crew.members) if crew is not None else set()
     for robot in join.robot:
         agent = robot.name or ""
+        one = Query("crew-join", agent, b"", encoding.value, partial(replies.take, agent), lambda: None)
         try:
-            joined[agent] = _admit(service, join, robot, encoding, now)
+            group.joins.append((one, _checked(join, robot, names), encoding))
+            names.add(agent)
         except RequestRefusedError as refusal:
-            service.publisher.outlet.log_line(
-                f"refused agent={agent} role={robot.role} crew={join.crew} code={refusal.code}"
+            joining.refuse(service, one, robot, refusal)
+    group(now)
+    replies.send()
+
+
+class _Replies:
+    """The replies to the agents of a crew, which get one together."""
+
+    def __init__(self, service: ServiceState, query: Query, join: CrewJoin) -> None:
+        self._service, self._query, self._join = service, query, join
+        self._joined: list[AgentJoined] = []
+        self._refused: list[AgentRefused] = []
+
+    def take(self, agent: str, message: Record, _encoding: Encoding, _ok: bool, _name: str | None) -> None:
+        """Take the reply to one agent."""
+        if isinstance(message, Joined):
+            self._joined.append(
+                AgentJoined(agent=agent, session=message.session, position=message.position, robot=message.robot)
             )
-            refused.append(AgentRefused(agent=agent, code=refusal.code, text=refusal.text[:1000]))
-    state = service.run.state
-    query.reply(
-        CrewJoined(
-            crew=join.crew,
-            run=state.run,
-            tick=state.tick,
-            parameters=service.parameters(),
-            joined=tuple(
-                AgentJoined(agent=agent, session=each.session, position=each.position, robot=each.robot)
-                for agent, each in joined.items()
-            ),
-            refused=tuple(refused),
-        )
-    )
-    if joined and service.pacing.measures_are_out:
-        outbound.put_crew_measures(service, join.crew, list(joined))
+        elif isinstance(message, Refused):
+            self._refused.append(AgentRefused(agent=agent, code=message.code, text=message.text))
+
+    def send(self) -> None:
+        """Send them, and then the first measures."""
+        service, crew, state = self._service, self._join.crew, self._service.run.state
+        joined = CrewJoined(
+            crew=crew, run=state.run, tick=state.tick, parameters=service.parameters(), joined=tuple(self._joined),
+            refused=tuple(self._refused),
+        )  # fmt: skip
+        self._query.reply(joined)
+        if self._joined and service.pacing.measures_are_out:
+            outbound.put_crew_measures(service, crew, [each.agent for each in self._joined])
 
 
-def _admit(service: ServiceState, join: CrewJoin, robot: Robot, encoding: Encoding, now: float) -> Joined:
-    """Let an agent join with its crew.
+def _checked(join: CrewJoin, robot: Robot, names: Collection[str]) -> Robot:
+    """Return the robot of an agent that may be of a crew, with what it has in common with the others.
+
+    Args:
+        join: The request of the crew.
+        robot: The robot in it.
+        names: The agents that are in the crew, or will be.
 
     Raises:
         RequestRefusedError: It may not.
     """
-    agent = robot.name or ""
     if robot.role == "body":
         raise RequestRefusedError("value", "Robot.Role: expected both or mind in a crew, got body; join it by itself")
     if robot.type == "real":
@@ -145,13 +166,11 @@ def _admit(service: ServiceState, join: CrewJoin, robot: Robot, encoding: Encodi
         raise RequestRefusedError(
             "value", f"Robot.Instance: expected {join.instance} as in the CrewJoin, got {robot.instance}"
         )
-    crew = service.agents.crews.named.get(join.crew)
-    if crew is not None and agent not in crew.members and len(crew.members) >= MAX_CREW:
+    if robot.name not in names and len(names) >= MAX_CREW:
         raise RequestRefusedError(
             "limit", f"CrewJoin.Robot: expected at most {MAX_CREW} agents in a crew, got one more"
         )
-    robot = msgspec.structs.replace(robot, crew=join.crew, instance=join.instance)
-    return joining.admit(service, agent, robot, encoding, None, now, join.crew)
+    return msgspec.structs.replace(robot, crew=join.crew, instance=join.instance)
 
 
 # ------------------------------------------------------------ leaves

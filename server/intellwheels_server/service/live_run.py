@@ -13,7 +13,7 @@ from typing import Final
 from intellwheels_schemas.file_records import Verdict
 from intellwheels_schemas.messages import Event
 from intellwheels_server.log.branch import Branch
-from intellwheels_server.service import control, crew_inbound, crew_joining, inbound, joining, outbound
+from intellwheels_server.service import control, crew_inbound, crew_joining, inbound, joining, outbound, presence
 from intellwheels_server.service.arrival import Arrival, Put, Query, Token
 from intellwheels_server.service.connected_agents import BridgeStatus
 from intellwheels_server.service.load_floor import FloorWorker
@@ -71,7 +71,7 @@ class LiveRun:
         elif isinstance(arrival, Put):
             inbound.take_put(self._service, arrival, now)
         elif isinstance(arrival, Token):
-            joining.take_token(self._service, arrival, now)
+            presence.take_token(self._service, arrival, now)
             crew_joining.take_crew_token(self._service, arrival)
         else:
             self._take_query(arrival, now)
@@ -81,7 +81,7 @@ class LiveRun:
         service = self._service
         if service.exit is not None:
             return
-        joining.handle_deadlines(service, now)
+        presence.handle_deadlines(service, now)
         crew_joining.handle_crew_deadlines(service, now)
         for request in service.floors.work(now):
             service.queue_change(request)

@@ -264,6 +264,16 @@ class Roster:
         return roles.by_role.get(role) if roles else None
 
 
+def role_text(member: Member) -> str | None:
+    """Return the role of a member as notes name it, or None if it has both."""
+    return None if member.role == "both" else member.role
+
+
+def is_return(current: Member | None, member: Member) -> bool:
+    """Return whether a member is the same process as the one that it replaces."""
+    return current is not None and current.instance == member.instance
+
+
 def same_body(old: Robot, new: Robot) -> bool:
     """Return whether two robots are the same body, apart from name, instance, crew and start."""
     return _anonymous(old) == _anonymous(new)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Protocol
 
 import msgspec
@@ -63,9 +64,14 @@ class RunState:
             change: The change.
             walls: The walls of its map, if it has one and they are cut already.
         """
-        self.state, outputs = world.apply(self.state, (change,), walls)
-        self._unrecorded.append(change)
+        outputs = self.apply_all((change,), walls)
         return outputs.outcomes[0], outputs.events
+
+    def apply_all(self, changes: Sequence[Change], walls: Walls | None = None) -> Outputs:
+        """Change the world at the current tick; return the outcome of each change, and the events."""
+        self.state, outputs = world.apply(self.state, changes, walls)
+        self._unrecorded.extend(changes)
+        return outputs
 
     def advance(self, inputs: Inputs) -> Outputs:
         """Move the world by one tick and return the outputs. `record_step` must follow."""

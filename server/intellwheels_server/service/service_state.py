@@ -6,7 +6,7 @@ publishes, and `live_run` moves the world.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 from intellwheels_maps.turning import TurningCheck
@@ -175,6 +175,11 @@ class ServiceState:
         """Call `request` with the time as soon as changes may act."""
         self._queue.append(request)
 
+    @property
+    def last_queued(self) -> Callable[[float], None] | None:
+        """The last change in the queue, None if there is none."""
+        return self._queue[-1] if self._queue else None
+
     def make_queued_changes(self, now: float) -> None:
         """Make the queued changes, and further ones that these queue."""
         while self._queue:
@@ -194,6 +199,14 @@ class ServiceState:
         for event in events:
             self.publisher.put_event(event)
         return outcome
+
+    def apply_all(self, changes: Sequence[Change]) -> tuple[Outcome, ...]:
+        """Change the world several times, with one set of bodies made at the end; return the outcome of each change."""
+        outputs = self.run.apply_all(changes)
+        self.publisher.schedule.mark_changed()
+        for event in outputs.events:
+            self.publisher.put_event(event)
+        return outputs.outcomes
 
     def answer_steps(self, code: ResultCode, text: str | None = None) -> None:
         """Answer the operator who asked for steps, if any, and make no more of them."""
