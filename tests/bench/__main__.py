@@ -8,6 +8,7 @@ from pathlib import Path
 from tests.bench import (
     bystanders,
     ciber,
+    crews,
     drivers,
     imports,
     inputs,
@@ -23,7 +24,7 @@ from tests.bench.rows import append, show
 
 ABOUT = f"{__doc__} The default benchmarks take about 6 minutes; `bystanders` also counts late ticks with ten pages."
 DEFAULT = (
-    "tick", "network", "viewer", "loads", "imports", "inputs", "ros", "record", "ciber", "drivers", "learning",
+    "tick", "network", "crews", "viewer", "loads", "imports", "inputs", "ros", "record", "ciber", "drivers", "learning",
 )  # fmt: skip
 """The benchmarks that run if none is named."""
 
@@ -35,9 +36,9 @@ def main() -> None:
         "benches",
         nargs="*",
         metavar="BENCH",
-        help="tick: the cost of a tick, part by part; network: whole processes; viewer: a page; loads: loading maps; "
-        "imports: floors of other programs; inputs: from an input to the motors; ros, record and ciber: gateways; "
-        "drivers: those of real chairs; learning: "
+        help="tick: the cost of a tick, part by part; network: whole processes; crews: those of many chairs each; "
+        "viewer: a page; loads: loading maps; imports: floors of other programs; inputs: from an input to the motors; "
+        "ros, record and ciber: gateways; drivers: those of real chairs; learning: "
         "steps of learning environments; bystanders: late ticks beside a frozen viewer, 25 minutes (default: all but "
         "bystanders)",
     )
@@ -57,6 +58,8 @@ def main() -> None:
         rows += tick.bench((1, 10) if options.quick else (1, 10, 100, 1000), quick=options.quick)
     if "network" in wanted:
         rows += network.bench(seconds=2.0, lockstep_seconds=1.0, small=True) if options.quick else network.bench()
+    if "crews" in wanted:
+        rows += crews.bench(seconds=1.0, small=True) if options.quick else crews.bench()
     if "viewer" in wanted:
         rows += viewer.bench((2,), seconds=1.0, settle=2.0) if options.quick else viewer.bench()
     if "loads" in wanted:

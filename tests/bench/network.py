@@ -18,7 +18,7 @@ from intellwheels_schemas import link
 from intellwheels_schemas.codec import decode
 from intellwheels_schemas.files import write_file
 from intellwheels_schemas.keys import Keys
-from intellwheels_schemas.messages import Clock
+from intellwheels_schemas.messages import Clock, Map
 from tests.bench.rows import Row
 from tests.bench.sink import endpoint
 
@@ -66,20 +66,29 @@ def cpu_of(pid: int) -> float:
     return (int(numbers[11]) + int(numbers[12])) / os.sysconf("SC_CLK_TCK")
 
 
-def measure(server: str, pace: str, chairs: int, sessions: int, seconds: float) -> tuple[float, int, float, float]:
+def measure(
+    server: str,
+    pace: str,
+    chairs: int,
+    sessions: int,
+    seconds: float,
+    *,
+    host: str = "tests.bench.chairs",
+    floor: Map | None = None,
+) -> tuple[float, int, float, float]:
     """Return ticks a second, late ticks, CPU share of the simulator and ticks, over so many seconds."""
     address = endpoint()
     with tempfile.TemporaryDirectory() as folder:
-        floor = Path(folder) / "hospital.xml"
-        floor.write_text(write_file(hospital(1)))
-        words = [server, "--map", str(floor), "--world", WORLD, "--listen", address, "--pace", pace]
+        file = Path(folder) / "hospital.xml"
+        file.write_text(write_file(hospital(1) if floor is None else floor))
+        words = [server, "--map", str(file), "--world", WORLD, "--listen", address, "--pace", pace]
         if pace == "lockstep":
             words += ["--miss", "elastic"]
         names = ",".join(f"a{k:04d}" for k in range(chairs))
         with ExitStack() as stack:
             simulator = stack.enter_context(process(*words, "--expect", names))
             wait_for(simulator, "ready")
-            body_set = stack.enter_context(process("tests.bench.chairs", address, WORLD, str(chairs), str(sessions)))
+            body_set = stack.enter_context(process(host, address, WORLD, str(chairs), str(sessions)))
             wait_for(body_set, "ready")
             session = link.open_session(link.Link(connect=(address,)), threading.Event())
             assert session is not None

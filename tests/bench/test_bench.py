@@ -30,6 +30,7 @@ def test_benchmarks_run_and_say_every_share_of_a_tick(tmp_path: Path) -> None:
             "tests.bench",
             "tick",
             "network",
+            "crews",
             "viewer",
             "loads",
             "ros",
@@ -60,6 +61,7 @@ def test_benchmarks_run_and_say_every_share_of_a_tick(tmp_path: Path) -> None:
     assert {row["bench"] for row in rows} == {
         "tick",
         "network",
+        "crews",
         "lockstep",
         "viewer",
         "loads",
