@@ -1,4 +1,4 @@
-"""Which keys carry the measures of agents, some of which may be in crews; and their measures in those of a crew. Pure."""
+"""Which keys carry the measures of agents, some of which may be in crews, and their measures there. Pure."""
 
 from __future__ import annotations
 
