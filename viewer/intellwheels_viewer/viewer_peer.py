@@ -270,12 +270,9 @@ class Network:
                 _deliver(Clock, put, store.on_clock, world.guard)
             elif keys.parse_state(put.key) is not None:
                 _deliver(WorldState, put, store.on_state, world.guard)
-            elif (
-                (out := keys.parse_out(put.key)) is not None
-                and out.kind == "measures"
-                and (out.agent in world.shown or "*" in world.watched)
-            ):
-                _deliver(Measures, put, partial(store.on_measures, out.agent), world.guard)
+            elif (out := keys.parse_out(put.key)) is not None and out.kind == "measures":
+                if out.agent in world.shown or "*" in world.watched:
+                    _deliver(Measures, put, partial(store.on_measures, out.agent), world.guard)
             elif (report := keys.parse_in(put.key)) is not None and report.kind == "pose":
                 _deliver(Pose, put, partial(store.on_reported, report.agent))
 
