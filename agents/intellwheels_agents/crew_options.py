@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from typing import Final, NamedTuple
 
 from intellwheels_agents.options import OptionError
@@ -92,11 +92,10 @@ def numbered(count: int, name: str, place: str | None, options: Mapping[str, str
     """
     pattern = name if NUMBER in name else f"{name}{NUMBER}"
     for number in map(str, range(1, count + 1)):
-        fill: Callable[[str], str] = lambda text, number=number: text.replace(NUMBER, number)  # noqa: E731
         yield Numbered(
-            check_agent(fill(pattern), "--name"),
-            None if place is None else check_word(fill(place), "--place"),
-            {option: fill(value) for option, value in options.items()},
+            check_agent(pattern.replace(NUMBER, number), "--name"),
+            None if place is None else check_word(place.replace(NUMBER, number), "--place"),
+            {option: value.replace(NUMBER, number) for option, value in options.items()},
         )
 
 

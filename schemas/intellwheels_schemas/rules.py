@@ -302,6 +302,9 @@ def _check_crew_measures(crew: CrewMeasures, where: str) -> None:
 
 def _check_crew_actions(crew: CrewActions, where: str) -> None:
     _check_part(crew, where)
+    names = {actions.agent for actions in crew.actions if actions.session is not None}
+    if len(names) == len(crew.actions):
+        return  # nearly always, and this is done every tick for many agents
     agents: set[str] = set()
     for index, actions in enumerate(crew.actions):
         if actions.agent in agents:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import signal
 from collections.abc import Iterator
 from typing import Any
@@ -70,7 +71,7 @@ def test_wrong_messages_have_named_errors_and_disturb_nobody(world: tuple[Stage,
         peer.put("crew/stay/actions", payload)
     peer.put("crew/stay/actions", b"?")
     stage.wait(lambda: len(errors) >= 5 or None, "five errors")
-    assert [error["Code"] for error in errors] == ["field", "session", "not-joined", "value", "malformed"]
+    assert [json.loads(data)["Code"] for _, data in errors] == ["field", "session", "not-joined", "value", "malformed"]
     moving.clear()
     stage.wait(lambda: len(moving) >= 5 or None, "measures of the crew")
     assert names(peer, "stay") == {"stay1", "stay2", "stay3"}

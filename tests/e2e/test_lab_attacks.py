@@ -347,7 +347,7 @@ def test_crew_of_a_stranger_gets_no_agent_of_others(room: Room, way: str) -> Non
         session.liveliness().declare_token(f"iw/v1/main/in/{agent}/alive/both/{MARK}/{OTHER_CREW}") for agent in agents
     ]
     robots = [{"Name": agent, "Length": 0.4, "Width": 0.4, "TopSpeed": 1.0} for agent in agents]
-    robots = [robot | {"Position": {"X": 3.0, "Y": 6.5}} for robot in robots]
+    robots = [robot | {"Position": {"X": 3.0, "Y": 6.5, "Heading": 0.0}} for robot in robots]
     join = {"Crew": OTHER_CREW, "Instance": MARK, "Robot": robots}
     (answer,) = link.query(session, f"iw/v1/main/crew/{OTHER_CREW}/join", json.dumps(join).encode(), timeout=DEADLINE)
     reply = json.loads(answer.data)

@@ -40,14 +40,13 @@ BOTH = pytest.mark.parametrize("encoding", list(Encoding))
 @pytest.mark.parametrize("name", [name for name in VALID if name.partition("-")[0] in ("Measures", "Actions")])
 def test_message_of_an_agent_becomes_an_element_of_that_of_its_crew(name: str, encoding: Encoding) -> None:
     message = VALID[name]
-    kind = type(message).__name__
-    assert kind in ("Measures", "Actions")
     item = for_crew(encode(message, encoding), "a1", encoding)
-    (data,) = crew_messages(kind, "c", [item], encoding)  # type: ignore[arg-type]
-    of_crew = CrewMeasures if isinstance(message, Measures) else CrewActions
-    found = decode(of_crew, data, encoding)
+    (data,) = crew_messages("Measures" if isinstance(message, Measures) else "Actions", "c", [item], encoding)
+    found: CrewMeasures | CrewActions = (
+        decode(CrewMeasures, data, encoding) if isinstance(message, Measures) else decode(CrewActions, data, encoding)
+    )
     assert encode(found, encoding) == data
-    (one,) = found.measures if isinstance(found, CrewMeasures) else found.actions  # type: ignore[union-attr]
+    (one,) = found.measures if isinstance(found, CrewMeasures) else found.actions
     assert one.agent == "a1"
     assert all(getattr(one, field) == getattr(message, field) for field in type(message).__struct_fields__)
 

@@ -271,9 +271,9 @@ class Stage:
     def crew_act(self, crew: str, *agents: str, **more: Any) -> None:
         """Answer the current tick for agents of a crew, with their sessions unless another is given."""
         state = self.live_run.state
-        fields = {"run": state.run, "tick": state.tick, "left_motor": 0.5, "right_motor": 0.5} | more
+        fields: dict[str, Any] = {"run": state.run, "tick": state.tick, "left_motor": 0.5, "right_motor": 0.5} | more
         actions = tuple(
-            AgentActions(agent=agent, **({"session": self.sessions.get(agent, NOBODY)} | fields)) for agent in agents
+            AgentActions(agent=agent, **{"session": self.sessions.get(agent, NOBODY), **fields}) for agent in agents
         )
         self.put(crew, CrewActions(crew=crew, actions=actions), "crew")
 

@@ -3,7 +3,6 @@ from __future__ import annotations
 from intellwheels_schemas.codec import Encoding, decode, encode
 from intellwheels_schemas.keys import Keys
 from intellwheels_schemas.messages import AgentMeasures, Body, CrewMeasures, Robot
-from intellwheels_schemas.zenoh_inbox import Put
 from intellwheels_viewer.crew_watch import measures_in, subscriptions
 
 RUN = "a" * 16
@@ -35,12 +34,12 @@ def test_many_agents_are_watched_with_one_subscription_for_each_kind_of_key() ->
 def test_measures_of_watched_agents_are_found_in_those_of_their_crew() -> None:
     measures = tuple(AgentMeasures(agent=name, run=RUN, tick=1, time=0.05) for name in ("a1", "a2"))
     for encoding in Encoding:
-        put = Put(KEYS.crew_measures("c"), encode(CrewMeasures(crew="c", measures=measures), encoding), encoding.value)
-        ((agent, piece),) = measures_in(put, {"a2", "b"})
+        data = encode(CrewMeasures(crew="c", measures=measures), encoding)
+        ((agent, own),) = measures_in(data, encoding.value, {"a2", "b"})
         assert agent == "a2"
-        assert decode(AgentMeasures, piece.data, encoding, strict=False) == measures[1]
+        assert decode(AgentMeasures, own, encoding, strict=False) == measures[1]
 
 
 def test_what_is_no_message_of_a_crew_is_ignored() -> None:
     for data in (b"", b"?", b"{}", b"<x/>"):
-        assert list(measures_in(Put("k", data, ""), {"a"})) == []
+        assert list(measures_in(data, "", {"a"})) == []

@@ -9,7 +9,6 @@ from intellwheels_schemas.crew_messages import split_measures
 from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.keys import Keys
 from intellwheels_schemas.messages import Body
-from intellwheels_schemas.zenoh_inbox import Put
 
 
 def subscriptions(keys: Keys, bodies: Mapping[str, Body], agents: Collection[str], most: int) -> dict[str, str]:
@@ -28,12 +27,12 @@ def subscriptions(keys: Keys, bodies: Mapping[str, Body], agents: Collection[str
     return found | {f"crew/{crew}": keys.crew_measures(crew) for crew in crews.values()}
 
 
-def measures_in(put: Put, agents: Collection[str]) -> Iterator[tuple[str, Put]]:
-    """Yield the measures of some agents, each with its name, in the measures of a crew."""
+def measures_in(data: bytes, encoding: str, agents: Collection[str]) -> Iterator[tuple[str, bytes]]:
+    """Yield the names of some agents and their `AgentMeasures`, still encoded, of those in the measures of a crew."""
     try:
-        part = split_measures(put.data, encoding_of(put.encoding, put.data))
+        part = split_measures(data, encoding_of(encoding, data))
     except WireError:
         return  # any peer can publish in a world; what cannot be decoded is ignored
-    for agent, data in part.measures.items():
+    for agent, own in part.measures.items():
         if agent in agents:
-            yield agent, Put(put.key, data, put.encoding)
+            yield agent, own

@@ -261,8 +261,8 @@ class Network:
             elif keys.parse_body(put.key) is not None:
                 _deliver(Body, put, store.on_body, world.guard)
             elif keys.parse_crew_measures(put.key) is not None:
-                for agent, piece in measures_in(put, world.shown):
-                    _deliver(AgentMeasures, piece, partial(store.on_measures, agent), world.guard)
+                for agent, data in measures_in(put.data, put.encoding, world.shown):
+                    _deliver(AgentMeasures, put._replace(data=data), partial(store.on_measures, agent), world.guard)
             elif newest[put.key] != index:
                 continue
             elif put.key == keys.clock:

@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -13,7 +14,7 @@ from tests.server.stage import JSON, NOBODY, Stage
 NAMES = ("c1", "c2", "c3")
 
 
-def crew_at_work(pace: str = "realtime", **more: object) -> Stage:
+def crew_at_work(pace: str = "realtime", **more: Any) -> Stage:
     stage = Stage(pace=pace, **more)
     stage.live_run._service.pacing.paused = True  # so that no barrier opens between the joins
     for crew, names in (("c", NAMES), ("d", ("d1",))):
