@@ -226,9 +226,12 @@ def _from_json(cls: type[_M], data: bytes, strict: bool) -> _M:
     except (msgspec.MsgspecError, ValueError, RecursionError):
         pass
     else:
+        written = _write(message)
+        if written == data:  # as our writer writes it
+            return message
         # The encoded message repeats no name, so equal numbers of colons mean that the data repeats none either.
         # A colon within text counts on both sides, unless it is escaped.
-        if b"null" not in data and b"\\u" not in data and data.count(b":") == _write(message).count(b":"):
+        if b"null" not in data and b"\\u" not in data and data.count(b":") == written.count(b":"):
             return message
     return from_plain(cls, parse_json(data, root_of(cls)), strict=strict)
 

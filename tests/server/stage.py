@@ -73,7 +73,13 @@ class FloorsAtOnce:
 
 
 class Stage:
-    """A live run, its clock, and all that came out."""
+    """A live run, its clock, and all that came out.
+
+    Attributes:
+        reads_state: Whether somebody reads the state.
+    """
+
+    reads_state = True
 
     def __init__(
         self, *, strict: bool | None = None, log: Path | None = None, end: End | None = None, **options: Any
@@ -133,8 +139,13 @@ class Stage:
     def pose(self, agent: str, pose: Pose) -> None:
         self.sent.append((agent, "pose", pose, JSON))
 
-    def state(self, state: WorldState) -> None:
+    def put_state(self, part: int, data: bytes) -> None:
+        state = decode(WorldState, data)
+        assert state.part == part
         self.sent.append(("", "state", state, JSON))
+
+    def is_state_read(self) -> bool:
+        return self.reads_state
 
     def event(self, event: Event) -> None:
         self.sent.append(("", "event", event, JSON))

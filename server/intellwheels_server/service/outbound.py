@@ -6,6 +6,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from typing import Final
 
 import msgspec
+import numpy as np
 
 from intellwheels_schemas.codec import Encoding, encode
 from intellwheels_schemas.crew_messages import crew_messages
@@ -30,9 +31,10 @@ from intellwheels_server.service.roster import Roster
 from intellwheels_server.service.run_state import RunState
 from intellwheels_server.service.sensor_budget import costliest, total_rays
 from intellwheels_server.service.service_state import ServiceState
-from intellwheels_server.service.state_parts import split_state
+from intellwheels_server.service.state_parts import split_state, split_written
 from intellwheels_server.service.truth_filter import nominal
 from intellwheels_server.world import State
+from intellwheels_server.world.state_writer import WrittenState
 
 WHERE_LIMIT: Final = 200
 """Characters of the place in an error."""
@@ -191,30 +193,48 @@ def is_hardware(roster: Roster, agent: str) -> bool:
 
 def publish(service: ServiceState, now: float) -> None:
     """Put the state and the clock."""
-    publisher = service.publisher
-    publisher.schedule.mark_published(now)
-    parts = _state_parts(service)
-    publisher.schedule.mark_state(_shown(service, parts), now)
-    _put_state_and_clock(service, parts, now)
+    service.publisher.schedule.mark_published(now)
+    _put_state(service, now, always=True)
+    service.publisher.outlet.clock(_clock(service, now))
 
 
 def publish_due(service: ServiceState, now: float) -> None:
     """Put the clock if it is due, and the state with it unless it was published and nothing has moved since."""
     publisher = service.publisher
     if publisher.schedule.take_due(now):
+        _put_state(service, now, always=False)
+        publisher.outlet.clock(_clock(service, now))
+
+
+def _put_state(service: ServiceState, now: float, *, always: bool) -> None:
+    """Put the state, unless nobody reads it or, if not `always`, it was published and nothing has moved since."""
+    publisher, state = service.publisher, service.run.state
+    if publisher.hide_truth or not publisher.outlet.is_state_read():
+        return
+    written = _written(service)
+    shown: object
+    if written is None:
         parts = _state_parts(service)
-        due = publisher.schedule.take_state(_shown(service, parts), now)
-        _put_state_and_clock(service, parts if due else [], now)
+        shown, data = [part.entity for part in parts], [encode(part) for part in parts]
+    else:
+        shown, data = written.data, split_written(state.run, state.tick, state.shown_time, written)
+    shown = state.run, shown
+    if always:
+        publisher.schedule.mark_state(shown, now)
+    elif not publisher.schedule.take_state(shown, now):
+        return
+    for part, each in enumerate(data):
+        publisher.outlet.put_state(part, each)
 
 
-def _shown(service: ServiceState, parts: list[WorldState]) -> object:
-    return service.run.state.run, [part.entity for part in parts]
-
-
-def _put_state_and_clock(service: ServiceState, parts: list[WorldState], now: float) -> None:
-    for part in parts:
-        service.publisher.outlet.state(part)
-    service.publisher.outlet.clock(_clock(service, now))
+def _written(service: ServiceState) -> WrittenState | None:
+    """Return all bodies as bytes with what the service counts about them, or None if they cannot be written so."""
+    state = service.run.state
+    if service.playback is not None:
+        return service.publisher.state_writer.write(state, {}, np.full((2, len(state.names)), np.nan))
+    ages, paths = service.command_ages.means(), service.travelled.columns(state.names)
+    # A body that was at no step has not travelled.
+    return service.publisher.state_writer.write(state, ages, np.nan_to_num(paths, nan=0.0))
 
 
 def publish_map(run: RunState, publisher: Publisher) -> None:

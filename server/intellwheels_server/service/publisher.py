@@ -7,11 +7,12 @@ from typing import Protocol
 
 from intellwheels_schemas.codec import Encoding
 from intellwheels_schemas.keys import OutKind
-from intellwheels_schemas.messages import Body, Clock, CrewError, Event, MapInfo, Pose, Record, WorldState
+from intellwheels_schemas.messages import Body, Clock, CrewError, Event, MapInfo, Pose, Record
 from intellwheels_server.service.event_buffer import EventBuffer
 from intellwheels_server.service.publish_schedule import PublishSchedule
 from intellwheels_server.service.truth_filter import without_positions
 from intellwheels_server.world.measures_writer import MeasuresWriter
+from intellwheels_server.world.state_writer import StateWriter
 
 
 class Outlet(Protocol):
@@ -44,8 +45,11 @@ class Outlet(Protocol):
     def pose(self, agent: str, pose: Pose) -> None:
         """Put `in/<agent>/pose`: in a playback, the pose that the bridge reported when the log was written."""
 
-    def state(self, state: WorldState) -> None:
-        """Put `state/<part>`."""
+    def put_state(self, part: int, data: bytes) -> None:
+        """Put the bytes of a part of the state on `state/<part>`."""
+
+    def is_state_read(self) -> bool:
+        """Return whether anybody reads the state."""
 
     def event(self, event: Event) -> None:
         """Put `event`."""
@@ -75,6 +79,7 @@ class Publisher:
         observer: Called with each event before positions are removed, if set.
         power_seq: Number of the last power for a real chair.
         idle_power_at: When real chairs next get power 0 while the run is stopped.
+        state_writer: What writes the state of the world.
         writers: What writes measures in each encoding.
     """
 
@@ -87,6 +92,7 @@ class Publisher:
         self.observer: Callable[[Event], None] | None = None
         self.power_seq = 0
         self.idle_power_at = 0.0
+        self.state_writer = StateWriter()
         self.writers = {encoding: MeasuresWriter(encoding) for encoding in Encoding}
 
     def put_event(self, event: Event) -> None:

@@ -20,7 +20,7 @@ from intellwheels_schemas import link, zenoh_inbox
 from intellwheels_schemas.channels import CHANNELS
 from intellwheels_schemas.codec import Encoding, encode
 from intellwheels_schemas.keys import Keys, OutKind
-from intellwheels_schemas.messages import Body, Clock, CrewError, Event, MapInfo, Pose, Record, WorldState
+from intellwheels_schemas.messages import Body, Clock, CrewError, Event, MapInfo, Pose, Record
 from intellwheels_schemas.own_rights import denied_service
 from intellwheels_schemas.process import SLICE
 from intellwheels_schemas.router_link import open_words
@@ -62,18 +62,17 @@ class ZenohOutlet:
         self._bodies: dict[str, zenoh.Publisher] = {}
         self._poses: dict[str, zenoh.Publisher] = {}
         self._crews: dict[str, tuple[zenoh.Publisher, Encoding]] = {}
+        self._state_readers = link.declare(session, keys.every_state, CHANNELS["state"])
         self._event = link.declare(session, keys.event, CHANNELS["event"])
         self._clock = link.declare(session, keys.clock, CHANNELS["clock"])
         self._map = link.declare(session, keys.map, CHANNELS["map"])
 
     def agent(self, agent: str, kind: OutKind, message: Record, encoding: Encoding) -> None:
         """Put `out/<agent>/<kind>`, also for an agent that has not joined."""
-        publishers = self._agents.get(agent)
-        if publishers is not None:
-            publisher, declared = publishers[kind]
-            if declared is encoding:
-                publisher.put(encode(message, encoding))
-                return
+        publisher, declared = self._agents.get(agent, {}).get(kind, (None, None))
+        if publisher is not None and declared is encoding:
+            publisher.put(encode(message, encoding))
+            return
         once = link.declare(self._session, self._keys.out(agent, kind), CHANNELS[kind], encoding)
         once.put(encode(message, encoding))
         _undeclare(once)
@@ -90,8 +89,8 @@ class ZenohOutlet:
             if kind not in publishers or publishers[kind][1] is not encoding:
                 if kind in publishers:
                     _undeclare(publishers[kind][0])
-                key = self._keys.out(agent, kind)
-                publishers[kind] = (link.declare(self._session, key, CHANNELS[kind], encoding), encoding)
+                publisher = link.declare(self._session, self._keys.out(agent, kind), CHANNELS[kind], encoding)
+                publishers[kind] = publisher, encoding
         self._put_measures[agent] = publishers["measures"][0].put
 
     def undeclare_agent(self, agent: str) -> None:
@@ -135,13 +134,15 @@ class ZenohOutlet:
             self._poses[agent] = link.declare(self._session, self._keys.pose(agent), CHANNELS["pose"])
         self._poses[agent].put(encode(pose))
 
-    def state(self, state: WorldState) -> None:
-        """Put `state/<part>`."""
-        publisher = self._parts.get(state.part)
-        if publisher is None:
-            publisher = link.declare(self._session, self._keys.state(state.part), CHANNELS["state"])
-            self._parts[state.part] = publisher
-        publisher.put(encode(state))
+    def put_state(self, part: int, data: bytes) -> None:
+        """Put the bytes of a part of the state on `state/<part>`."""
+        if part not in self._parts:
+            self._parts[part] = link.declare(self._session, self._keys.state(part), CHANNELS["state"])
+        self._parts[part].put(data)
+
+    def is_state_read(self) -> bool:
+        """Return whether anybody subscribes to a part of the state. Nothing is put with this publisher."""
+        return bool(self._state_readers.matching_status.matching)
 
     def event(self, event: Event) -> None:
         """Put `event`."""

@@ -10,6 +10,7 @@ import time
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from msgspec import structs
 from numba.core import event
 
@@ -22,6 +23,7 @@ from intellwheels_server.kernel_cache import is_cold
 from intellwheels_server.world import Setup, State, advance, apply, begin, digest, entities, measures
 from intellwheels_server.world.measures_writer import MeasuresWriter
 from intellwheels_server.world.sensors.catalogue import example_sensors
+from intellwheels_server.world.state_writer import StateWriter
 
 HELPER_TIMEOUT = 120.0
 """Seconds that the second process may take to compile its half."""
@@ -138,4 +140,5 @@ def _exercise() -> None:
     for name in state.names:
         measures(state, name)
     entities(state)
+    StateWriter().write(state, {}, np.zeros((2, len(state.names))))
     digest(state)

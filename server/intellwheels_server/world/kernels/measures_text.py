@@ -54,7 +54,8 @@ _ZERO, _MINUS, _POINT = 48, 45, 46
 
 
 @njit(cache=True, error_model="numpy", inline="always")
-def _copy(text: Bytes, begin: int, end: int, out: Bytes, at: int) -> int:
+def copy_text(text: Bytes, begin: int, end: int, out: Bytes, at: int) -> int:
+    """Write a fragment and return the place behind it."""
     for k in range(begin, end):
         out[at] = text[k]
         at += 1
@@ -62,7 +63,7 @@ def _copy(text: Bytes, begin: int, end: int, out: Bytes, at: int) -> int:
 
 
 @njit(cache=True, error_model="numpy")
-def _digits(number: int, out: Bytes, at: int) -> int:
+def write_digits(number: int, out: Bytes, at: int) -> int:
     """Write a whole number, not negative, and return the place behind it."""
     size = 1
     rest = number // 10
@@ -84,14 +85,20 @@ def _decimal(value: float, out: Bytes, at: int) -> int:
     scaled = int(np.rint(size * 1e6))
     if scaled / 1e6 != size:
         return -1
-    if value < 0.0:
+    return write_millionths(scaled, value < 0.0, out, at)
+
+
+@njit(cache=True, error_model="numpy")
+def write_millionths(scaled: int, negative: bool, out: Bytes, at: int) -> int:
+    """Write a number of millionths below 1e15 as the codec writes it, and return the place behind it."""
+    if negative and scaled > 0:
         out[at] = _MINUS
         at += 1
     if 0 < scaled < 10:  # the codec writes 0.00001, but 9e-6
         out[at] = _ZERO + scaled
         out[at + 1], out[at + 2], out[at + 3] = 101, 45, 54
         return at + 4
-    at = _digits(scaled // _MILLION, out, at)
+    at = write_digits(scaled // _MILLION, out, at)
     out[at] = _POINT
     at += 1
     rest = scaled % _MILLION
@@ -113,35 +120,41 @@ def _whole(value: float, out: Bytes, at: int) -> int:
     if value < 0.0:
         out[at] = _MINUS
         at += 1
-    return _digits(int(abs(value)), out, at)
+    return write_digits(int(abs(value)), out, at)
 
 
 @njit(cache=True, error_model="numpy")
-def _heading(value: float, out: Bytes, at: int) -> int:
+def write_heading(value: float, out: Bytes, at: int) -> int:
     """Write a heading; one that rounding took out of (-pi, pi] is written as pi, as `angles.written_heading` says."""
     if -math.pi < value <= math.pi:
         return _decimal(value, out, at)
     digits = 3141592653589793
-    after = _digits(digits, out, at + 1)
+    after = write_digits(digits, out, at + 1)
     out[at] = out[at + 1]
     out[at + 1] = _POINT
     return after
 
 
 @njit(cache=True, error_model="numpy", inline="always")
+def motor_state(flags: Ints, body: int) -> int:
+    """Return the state of the motors of a body, an index of `STATES`."""
+    if flags[rows.STALE, body]:
+        return STALE_STATE
+    if flags[rows.HALTED, body]:
+        return HALTED_STATE
+    if flags[rows.TAKEN, body]:
+        return TAKEN_STATE
+    if flags[rows.RESTED, body]:
+        return RESTED_STATE
+    if flags[rows.TIMED_OUT, body]:
+        return TIMED_OUT_STATE
+    return DRIVE_STATE
+
+
+@njit(cache=True, error_model="numpy", inline="always")
 def _mark(flags: Ints, numbers: Floats, body: int) -> int:
     """Return the number of a combination of flags: the collision, the contact, and the state of the motors."""
-    state = DRIVE_STATE
-    if flags[rows.STALE, body]:
-        state = STALE_STATE
-    elif flags[rows.HALTED, body]:
-        state = HALTED_STATE
-    elif flags[rows.TAKEN, body]:
-        state = TAKEN_STATE
-    elif flags[rows.RESTED, body]:
-        state = RESTED_STATE
-    elif flags[rows.TIMED_OUT, body]:
-        state = TIMED_OUT_STATE
+    state = motor_state(flags, body)
     return 4 * state + 2 * int(numbers[rows.TOUCHING, body] != 0.0) + int(flags[rows.COLLISION, body] != 0)
 
 
@@ -152,18 +165,18 @@ def _reading(
 ) -> int:  # fmt: skip
     """Write a reading, and return the place behind it, or -1 if a number cannot be written."""
     for step in range(forms[form], steps.shape[0]):
-        at = _copy(text, steps[step, STEP_BEGIN], steps[step, STEP_END], out, at)
+        at = copy_text(text, steps[step, STEP_BEGIN], steps[step, STEP_END], out, at)
         what = steps[step, WHAT]
         if what == NOTHING:
             return at
         if what == TICK:
-            at = _digits(tick - late, out, at)
+            at = write_digits(tick - late, out, at)
             continue
         value = samples[place + steps[step, NUMBER]]
         if what == DECIMAL:
             at = _decimal(value, out, at)
         elif what == HEADING:
-            at = _heading(value, out, at)
+            at = write_heading(value, out, at)
         else:
             at = _whole(value, out, at)
         if at < 0:
@@ -192,14 +205,14 @@ def _readings(
             if not 0 <= code < sensors[sensor, CODES]:
                 return -1
         if sensors[sensor, LIST] == current:
-            at = _copy(text, frame[SEPARATOR, 0], frame[SEPARATOR, 1], out, at)
+            at = copy_text(text, frame[SEPARATOR, 0], frame[SEPARATOR, 1], out, at)
         else:
             if current < 0:
-                at = _copy(text, frame[OPEN, 0], frame[OPEN, 1], out, at)
+                at = copy_text(text, frame[OPEN, 0], frame[OPEN, 1], out, at)
             else:
-                at = _copy(text, frame[LIST_CLOSE, 0], frame[LIST_CLOSE, 1], out, at)
-                at = _copy(text, frame[LIST_SEPARATOR, 0], frame[LIST_SEPARATOR, 1], out, at)
-            at = _copy(text, sensors[sensor, LIST_BEGIN], sensors[sensor, LIST_END], out, at)
+                at = copy_text(text, frame[LIST_CLOSE, 0], frame[LIST_CLOSE, 1], out, at)
+                at = copy_text(text, frame[LIST_SEPARATOR, 0], frame[LIST_SEPARATOR, 1], out, at)
+            at = copy_text(text, sensors[sensor, LIST_BEGIN], sensors[sensor, LIST_END], out, at)
             current = sensors[sensor, LIST]
         form = sensors[sensor, FORM] + 2 * code + (1 if late > 0 else 0)
         at = _reading(tick, late, place, form, forms, steps, samples, text, out, at)
@@ -207,9 +220,9 @@ def _readings(
             return -1
     ending = EMPTY
     if current >= 0:
-        at = _copy(text, frame[LIST_CLOSE, 0], frame[LIST_CLOSE, 1], out, at)
+        at = copy_text(text, frame[LIST_CLOSE, 0], frame[LIST_CLOSE, 1], out, at)
         ending = CLOSE
-    return _copy(text, frame[ending, 0], frame[ending, 1], out, at)
+    return copy_text(text, frame[ending, 0], frame[ending, 1], out, at)
 
 
 @njit(cache=True, error_model="numpy")
@@ -255,11 +268,11 @@ def write_measures(
     for reader in range(readers.shape[1]):
         body = readers[COLUMN, reader]
         start = at
-        at = _copy(head, 0, head.shape[0], out, at)
+        at = copy_text(head, 0, head.shape[0], out, at)
         mark = MARKS + _mark(flags, numbers, body)
-        at = _copy(text, frame[mark, 0], frame[mark, 1], out, at)
+        at = copy_text(text, frame[mark, 0], frame[mark, 1], out, at)
         if name_first:
-            at = _copy(text, readers[NAME_BEGIN, reader], readers[NAME_END, reader], out, at)
+            at = copy_text(text, readers[NAME_BEGIN, reader], readers[NAME_END, reader], out, at)
         at = _readings(
             tick, readers[BEGIN, reader], readers[JOINED, reader], readers[FIRST_SENSOR, reader],
             readers[END_SENSOR, reader], sensors, forms, steps, frame, samples, text, out, at,
@@ -268,6 +281,6 @@ def write_measures(
             at = start
         else:
             if not name_first:
-                at = _copy(text, readers[NAME_BEGIN, reader], readers[NAME_END, reader], out, at)
-            at = _copy(tail, 0, tail.shape[0], out, at)
+                at = copy_text(text, readers[NAME_BEGIN, reader], readers[NAME_END, reader], out, at)
+            at = copy_text(tail, 0, tail.shape[0], out, at)
         ends[reader + 1] = at
