@@ -13,6 +13,8 @@ from tests.bench.rows import Row
 
 PLAN_PLACES: Final = 1000
 """Chairs for which there is one more plan of the hospital."""
+RAYS: Final = 10_000_000
+"""Rays a second that all sensors may cast: by default a world refuses more than 3,125 of these chairs."""
 GAP: Final = 10.0
 """Distance between two plans, m."""
 
@@ -39,7 +41,14 @@ def bench(*, seconds: float = 60.0, small: bool = False) -> list[Row]:
     for chairs, crews, goal in ((4, 2, ""),) if small else ((1000, 4, "<= 12"), (5000, 20, "<= 45")):
         floor = hospitals(-(-chairs // PLAN_PLACES))
         _, late, cpu, ticks = measure(
-            "intellwheels_server", "realtime", chairs, crews, seconds, host="tests.bench.crew_chairs", floor=floor
+            "intellwheels_server",
+            "realtime",
+            chairs,
+            crews,
+            seconds,
+            host="tests.bench.crew_chairs",
+            floor=floor,
+            more=("--world-rays", str(RAYS)),
         )
         case = f"{chairs} chairs in {crews} crews, 20 Hz"
         rows.append(Row("crews", case, "late ticks", 100.0 * late / ticks, "%", "<= 0.1"))

@@ -9,7 +9,7 @@ import sys
 import tempfile
 import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
 
@@ -75,13 +75,14 @@ def measure(
     *,
     host: str = "tests.bench.chairs",
     floor: Map | None = None,
+    more: Sequence[str] = (),
 ) -> tuple[float, int, float, float]:
     """Return ticks a second, late ticks, CPU share of the simulator and ticks, over so many seconds."""
     address = endpoint()
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "hospital.xml"
         file.write_text(write_file(hospital(1) if floor is None else floor))
-        words = [server, "--map", str(file), "--world", WORLD, "--listen", address, "--pace", pace]
+        words = [server, "--map", str(file), "--world", WORLD, "--listen", address, "--pace", pace, *more]
         if pace == "lockstep":
             words += ["--miss", "elastic"]
         names = ",".join(f"a{k:04d}" for k in range(chairs))
