@@ -220,9 +220,9 @@ def from_plain(cls: type[_M], plain: Any, *, strict: bool = True) -> _M:
         raise WireError("value", f"{root}: {error}", root) from None
 
 
-def _from_json(cls: type[_M], data: bytes, strict: bool) -> _M:
+def _from_json(cls: type[_M], data: bytes, strict: bool, read: Callable[[bytes], _M]) -> _M:
     try:
-        message: _M = decoder_for(cls)(data)
+        message = read(data)
     except (msgspec.MsgspecError, ValueError, RecursionError):
         pass
     else:
@@ -260,9 +260,16 @@ def decode(cls: type[_M], data: bytes, encoding: Encoding = Encoding.JSON, *, st
     Raises:
         WireError: The bytes are wrong. The error has code, place and text. Nothing else is raised.
     """
-    limit = LIMITS.get(cls, MAX_BYTES)
+    limit, read, has_rule = _reading(cls)
     if len(data) > limit:
         raise too_long(root_of(cls), limit, "bytes", len(data))
-    message = (_from_json if encoding is Encoding.JSON else _from_xml)(cls, data, strict)
-    rules.check(message)
+    message: _M = _from_json(cls, data, strict, read) if encoding is Encoding.JSON else _from_xml(cls, data, strict)
+    if has_rule:
+        rules.check(message)
     return message
+
+
+@cache
+def _reading(cls: type[_M]) -> tuple[int, Callable[[bytes], _M], bool]:
+    """Return the longest message of a class, its fast reader, and whether a rule spans several of its fields."""
+    return LIMITS.get(cls, MAX_BYTES), decoder_for(cls), rules.has_rule(cls)

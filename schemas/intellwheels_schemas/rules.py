@@ -361,6 +361,11 @@ _RULES: Final[dict[type[Record], Callable[[Any, str], None]]] = {
 }
 
 
+def has_rule(cls: type[Record]) -> bool:
+    """Return whether a rule spans fields of the messages of a class."""
+    return cls in _RULES
+
+
 def check(message: Record) -> None:
     """Check the rules that span fields of a message.
 

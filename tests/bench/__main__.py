@@ -12,6 +12,7 @@ from tests.bench import (
     drivers,
     imports,
     inputs,
+    joins,
     learning,
     loads,
     network,
@@ -24,7 +25,8 @@ from tests.bench.rows import append, show
 
 ABOUT = f"{__doc__} The default benchmarks take about 6 minutes; `bystanders` also counts late ticks with ten pages."
 DEFAULT = (
-    "tick", "network", "crews", "viewer", "loads", "imports", "inputs", "ros", "record", "ciber", "drivers", "learning",
+    "tick", "network", "crews", "viewer", "loads", "imports", "inputs", "joins", "ros", "record", "ciber", "drivers",
+    "learning",
 )  # fmt: skip
 """The benchmarks that run if none is named."""
 
@@ -38,7 +40,7 @@ def main() -> None:
         metavar="BENCH",
         help="tick: the cost of a tick, part by part; network: whole processes; crews: those of many chairs each; "
         "viewer: a page; loads: loading maps; imports: floors of other programs; inputs: from an input to the motors; "
-        "ros, record and ciber: gateways; drivers: those of real chairs; learning: "
+        "joins: many at once; ros, record and ciber: gateways; drivers: those of real chairs; learning: "
         "steps of learning environments; bystanders: late ticks beside a frozen viewer, 25 minutes (default: all but "
         "bystanders)",
     )
@@ -68,6 +70,8 @@ def main() -> None:
         rows += imports.bench(side=200) if options.quick else imports.bench()
     if "inputs" in wanted:
         rows += inputs.bench(rounds=3) if options.quick else inputs.bench()
+    if "joins" in wanted:
+        rows += joins.bench((3,)) if options.quick else joins.bench()
     if "ros" in wanted:
         rows += ros.bench(rounds=5, seconds=1.0) if options.quick else ros.bench()
     if "record" in wanted:

@@ -111,13 +111,17 @@ def _clock(session: object) -> Clock:
 def bench(*, seconds: float = 60.0, lockstep_seconds: float = 10.0, small: bool = False) -> list[Row]:
     """Return the rows."""
     rows = []
-    for chairs, sessions in ((2, 1),) if small else ((20, 20), (100, 20)):
+    for chairs, sessions in ((2, 1),) if small else ((20, 20), (100, 20), (300, 20), (1000, 20)):
         _, late, cpu, ticks = measure("intellwheels_server", "realtime", chairs, sessions, seconds)
         case = f"{chairs} chairs, {sessions} sessions, 20 Hz"
         rows.append(Row("network", case, "late ticks", 100.0 * late / ticks, "%", "<= 0.1"))
-        rows.append(Row("network", case, "CPU of the simulator", 100.0 * cpu, "% of a core"))
-    for chairs in (1,) if small else (4, 20):
-        goal = {4: ">= 2000", 20: ">= 1000"}.get(chairs, "")
+        goal = {100: "<= 8", 300: "<= 15", 1000: "<= 35"}.get(chairs, "")
+        rows.append(Row("network", case, "CPU of the simulator", 100.0 * cpu, "% of a core", goal))
+        if ticks:
+            per_agent = 1e6 * cpu * seconds / ticks / chairs
+            rows.append(Row("network", case, "CPU of the simulator, each agent and tick", per_agent, "µs"))
+    for chairs in (1,) if small else (1, 4, 20, 100):
+        goal = {4: ">= 2200", 20: ">= 1150", 100: ">= 300"}.get(chairs, "")
         for name, server in (("drop, put again", "intellwheels_server"), ("block", "tests.bench.blocking_server")):
             rate, *_ = measure(server, "lockstep", chairs, chairs, lockstep_seconds)
             rows.append(Row("lockstep", f"{chairs} agents, {name}", "rate", rate, "ticks/s", goal))

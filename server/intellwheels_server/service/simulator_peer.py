@@ -142,7 +142,7 @@ class ZenohOutlet:
 
     def is_state_read(self) -> bool:
         """Return whether anybody subscribes to a part of the state. Nothing is put with this publisher."""
-        return bool(self._state_readers.matching_status.matching)
+        return bool(self._state_readers.matching_status.matching)  # type: ignore[attr-defined]  # Zenoh says bool
 
     def event(self, event: Event) -> None:
         """Put `event`."""

@@ -1,11 +1,14 @@
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import msgspec
 import pytest
 
 from intellwheels_maps import floor, robot
 from intellwheels_schemas import defaults
 from intellwheels_schemas.codec import Encoding
+from intellwheels_schemas.file_records import Change
 from intellwheels_schemas.messages import (
     Actions,
     Joined,
@@ -23,6 +26,7 @@ from intellwheels_schemas.messages import (
 from intellwheels_schemas.metal_codes import is_genuine, power_line
 from intellwheels_server.service.arrival import Topic
 from intellwheels_server.service.joining import MAX_WAITING
+from intellwheels_server.world import Outcome
 from intellwheels_server.world.kernels import rows
 from tests.server.stage import Stage, real
 
@@ -434,7 +438,12 @@ def test_joins_that_wait_change_the_bodies_once_and_as_one_by_one(monkeypatch: p
     single, together = Stage(pace="realtime"), Stage(pace="realtime")
     changes = []
     apply = together.live_run._service.apply_all
-    monkeypatch.setattr(together.live_run._service, "apply_all", lambda some: changes.append(some) or apply(some))
+
+    def counted(some: Sequence[Change]) -> tuple[Outcome, ...]:
+        changes.append(some)
+        return apply(some)
+
+    monkeypatch.setattr(together.live_run._service, "apply_all", counted)
     answers = queued(together, monkeypatch, [(name, chair) for name in names])
     for number, name in enumerate(names):
         single.try_join(name, chair, f"{number:016x}")

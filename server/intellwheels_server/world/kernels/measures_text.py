@@ -13,6 +13,7 @@ import numpy as np
 import numpy.typing as npt
 from numba import njit
 
+from intellwheels_schemas.messages import MotorState
 from intellwheels_server.world.kernels import rows
 from intellwheels_server.world.kernels.arrays import Floats, Ints
 
@@ -42,7 +43,7 @@ OPEN, CLOSE, LIST_CLOSE, SEPARATOR, LIST_SEPARATOR, EMPTY, MARKS = 0, 1, 2, 3, 4
 
 # States of motors, in the order of `observations`.
 STALE_STATE, HALTED_STATE, TAKEN_STATE, RESTED_STATE, TIMED_OUT_STATE, DRIVE_STATE = 0, 1, 2, 3, 4, 5
-STATES = ("stale", "paused", "taken", "rested", "timeout", "drive")
+STATES: tuple[MotorState, ...] = ("stale", "paused", "taken", "rested", "timeout", "drive")
 
 LONGEST_NUMBER = 24
 """More bytes than any number that is written here has."""

@@ -61,7 +61,7 @@ def _output(motors: Floats, numbers: Floats, side: int, body: int) -> float:
     full = motors[MOTOR_TOP_SPEED, body] * motors[MOTOR_LEFT_SCALE + side, body]
     if not full > 0.0:
         return 0.0
-    return min(max(numbers[rows.LEFT_SPEED + side, body] / full, -1.0), 1.0)
+    return float(min(max(numbers[rows.LEFT_SPEED + side, body] / full, -1.0), 1.0))
 
 
 @njit(cache=True, error_model="numpy")
