@@ -26,8 +26,7 @@ Terms:
 - A process joins as the *body* of an agent, as its *mind*, which controls the body, or as *both*.
 - In *lockstep*, a step waits for the answers of all members of the *barrier*. `Barrier` in `Robot` makes an agent a
   member.
-- A *crew* is a group of agents in one process. They share one key for actions and one for measures. The simulator does
-  not support crews yet, and refuses a `Robot` with `Crew`.
+- A *crew* is a group of agents in one process. They share one key for actions and one for measures.
 - An *operator* is a person or a program that controls the run or steers bodies. A *lease* allows an operator to steer a
   body instead of its mind, for a limited time.
 
@@ -62,6 +61,16 @@ NOTES: Final = """
   `field` with the key. `UserInput` for an agent that has no `UserInput` in its `Robot` and is not taken is dropped, and
   `out/<agent>/error` gets an Error `role`; for an agent that is not there, `not-joined`. These errors come at most once
   in 5 s for an agent, after the first two. A program that steers an agent should subscribe to that key.
+- A crew has at most 250 agents, each with a token of its own that ends with the crew's name. By it the agent's owner
+  allows the crew to act for it. `crew/<crew>/join` joins with many agents at once. It waits 1 s for their tokens, and
+  accepts or refuses each agent by itself. While a token of the crew's process exists, the crew is refused to any other
+  process, as `already-here`. Robots of a crew are simulated, with the role `both` or `mind`.
+- `CrewActions` and `CrewMeasures` come in parts of about 48 kB. Each part counts by itself, and has each agent at most
+  once. Puts of a crew should be at least 0.2 ms apart, as the router of a lab drops one that comes sooner. Wrong
+  actions of an agent do not affect the others. Their Error goes to `out/<agent>/error` and to `crew/<crew>/error`. An
+  agent that did not join with this crew, or a whole message that is wrong, has its Error on `crew/<crew>/error` only.
+- What an agent of a crew does by itself has the keys of any agent: `in/<agent>/say`, `leave/<agent>`, `user/<agent>`.
+  Its `Body` names its crew, and nothing is put on `out/<agent>/measures`.
 - To follow `state/*`, subscribe first and then `get` the same keys. Drop each message that is older than the newest one
   you have.
 - To find worlds, query the liveliness tokens `iw/v1/*/alive`.
@@ -110,8 +119,9 @@ ACCESS: Final = """## Who may do what
 
 `iw-router --lab LAB.xml` allows each identity of a [Lab](#lab) what its roles have here, and nothing else. A process
 that queries a key *writes* it, and one that answers the query *reads* it. `<agent>` stands for the `Agents` of the
-identity. An operator, a viewer and a recorder read about every agent. An operator asks for its `Verbs` only, and a
-viewer only for `take`. The router drops what is longer than the [limits](#limits), and what an agent sends beyond 5,000
+identity, and so does `<crew>` in a key without an agent: the name of a crew is one that an agent of the identity could
+have. An operator, a viewer and a recorder read about every agent. An operator asks for its `Verbs` only, and a viewer
+only for `take`. The router drops what is longer than the [limits](#limits), and what an agent sends beyond 5,000
 messages a second on one key. It closes sessions beyond 100 of one certificate, or of one address of another machine
 (`--max-sessions`), and says so; Zenoh does not tell it whose password opened a session. Queries other than `join` and
 `leave` have no rate. The simulator answers them between ticks: up to 2,048 wait for each key, and it reports those that

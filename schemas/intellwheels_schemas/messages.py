@@ -738,6 +738,69 @@ class Leave(Record, frozen=True, kw_only=True):
     session: SentSession | None = None
 
 
+class CrewJoin(Record, frozen=True, kw_only=True):
+    """A request to join with many agents of one process; later requests add agents to the crew, up to 250 in all."""
+
+    crew: Name
+    """Name of the crew, as in the key."""
+    instance: Hex
+    """Id of the joining process, random at each start; the same as in the liveliness tokens of its agents."""
+    robot: Annotated[tuple[Robot, ...], Meta(max_length=250)] = ()
+    """Robots of the agents, each with its Name; simulated, with the role both or mind."""
+
+
+class AgentJoined(Record, frozen=True, kw_only=True):
+    """An agent of a crew that has joined."""
+
+    agent: Name
+    """Name that the agent's Robot has in the request."""
+    session: Hex
+    """Id of this agent's join. Send it with its Actions and Say."""
+    position: Position
+    """Start pose of the body."""
+    robot: Robot
+    """Robot as the simulator accepted it."""
+
+
+class AgentRefused(Refused, frozen=True, kw_only=True):
+    """An agent of a crew that was refused."""
+
+    agent: Name
+    """Name that the agent's Robot has in the request."""
+
+
+class CrewJoined(Record, frozen=True, kw_only=True):
+    """The reply to a request to join with many agents: each is accepted or refused by itself."""
+
+    crew: Name
+    """Name of the crew, as in the key."""
+    run: Run
+    tick: Tick
+    """First tick at which the agents take part."""
+    parameters: Parameters
+    """Settings of the simulation."""
+    joined: Annotated[tuple[AgentJoined, ...], Meta(max_length=250)] = ()
+    """Agents that have joined."""
+    refused: Annotated[tuple[AgentRefused, ...], Meta(max_length=250)] = ()
+    """Agents that were refused."""
+
+
+class AgentLeave(Leave, frozen=True, kw_only=True):
+    """The `Leave` of one agent of a crew."""
+
+    agent: Name
+    """Name of the agent that leaves."""
+
+
+class CrewLeave(Record, frozen=True, kw_only=True):
+    """A request to leave with many agents of a crew; one that is not there does not prevent the others."""
+
+    crew: Name
+    """Name of the crew, as in the key."""
+    leave: Annotated[tuple[AgentLeave, ...], Meta(max_length=250)] = ()
+    """Agents that leave, each with its Session."""
+
+
 # ---------------------------------------------------------------- every tick
 
 
@@ -1068,6 +1131,13 @@ class Error(Record, frozen=True, kw_only=True):
     """Number of errors that the rate limit suppressed since the last Error message."""
     text: ContentText
     """Reason, for people: the place, what was expected and what was received."""
+
+
+class CrewError(Error, frozen=True, kw_only=True):
+    """An error in a message that a crew sent."""
+
+    agent: Name | None = None
+    """Agent that the error is about; absent means the whole message."""
 
 
 # ---------------------------------------------------------------- the world, for viewers
@@ -1749,7 +1819,8 @@ class Lab(Record, frozen=True, kw_only=True):
 
 DOCUMENTS: Final[dict[str, tuple[type[Record], ...]]] = {
     "Robot": (Robot,), "Joined": (Joined,), "Refused": (Refused,), "Leave": (Leave,), "Actions": (Actions,),
-    "CrewActions": (CrewActions,), "CrewMeasures": (CrewMeasures,), "Say": (Say, OperatorSay), "Measures": (Measures,),
+    "CrewJoin": (CrewJoin,), "CrewJoined": (CrewJoined,), "CrewLeave": (CrewLeave,), "CrewActions": (CrewActions,),
+    "CrewMeasures": (CrewMeasures,), "CrewError": (CrewError,), "Say": (Say, OperatorSay), "Measures": (Measures,),
     "Pose": (Pose,), "Power": (PowerInForce,), "UserInput": (UserInput,), "Error": (Error,),
     "WorldState": (WorldState,), "Body": (Body,), "Event": (Event,), "Events": (Events,), "Clock": (Clock,),
     "MapInfo": (MapInfo,), "Map": (Map,), "Scene": (Scene,), "Lab": (Lab,), "Result": (Result,), "Pause": (Pause,),

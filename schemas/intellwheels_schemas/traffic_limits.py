@@ -56,7 +56,7 @@ def rates(given: Iterable[May]) -> list[dict[str, Any]]:
     entries = [may for may in given if may.role != "simulator"]
     wanted = {
         "put": [name for name, channel in CHANNELS.items() if channel.kind == "put" and channel.writer != "simulator"],
-        "query": ["join", "leave"],
+        "query": ["join", "leave", "crew_join", "crew_leave"],
     }
     found = []
     for message, names in wanted.items():

@@ -8,9 +8,11 @@ from pathlib import Path
 from tests.bench import (
     bystanders,
     ciber,
+    crews,
     drivers,
     imports,
     inputs,
+    joins,
     lab,
     learning,
     loads,
@@ -25,8 +27,8 @@ from tests.bench.rows import append, show
 
 ABOUT = f"{__doc__} The default benchmarks take about 6 minutes; `bystanders` also counts late ticks with ten pages."
 DEFAULT = (
-    "tick", "network", "viewer", "loads", "imports", "inputs", "ros", "record", "ciber", "drivers", "learning",
-    "worlds",
+    "tick", "network", "crews", "viewer", "loads", "imports", "inputs", "joins", "ros", "record", "ciber", "drivers",
+    "learning", "worlds",
 )  # fmt: skip
 """The benchmarks that run if none is named."""
 
@@ -38,11 +40,12 @@ def main() -> None:
         "benches",
         nargs="*",
         metavar="BENCH",
-        help="tick: the cost of a tick, part by part; network: whole processes; viewer: a page; loads: loading maps; "
-        "imports: floors of other programs; inputs: from an input to the motors; ros, record and ciber: gateways; "
-        "drivers: those of real chairs; learning: steps of learning environments; worlds: many small worlds at once; "
-        "lab: chairs through routers with and without rules, 15 minutes; bystanders: "
-        "late ticks beside a frozen viewer, 25 minutes (default: all but lab and bystanders)",
+        help="tick: the cost of a tick, part by part; network: whole processes; crews: those of many chairs each; "
+        "viewer: a page; loads: loading maps; imports: floors of other programs; inputs: from an input to the motors; "
+        "joins: many at once; ros, record and ciber: gateways; drivers: those of real chairs; learning: steps of "
+        "learning environments; worlds: many small worlds at once; lab: chairs through routers with and without "
+        "rules, 15 minutes; bystanders: late ticks beside a frozen viewer, 25 minutes (default: all but lab and "
+        "bystanders)",
     )
     parser.add_argument(
         "--quick",
@@ -60,6 +63,8 @@ def main() -> None:
         rows += tick.bench((1, 10), quick=True) if options.quick else tick.bench()
     if "network" in wanted:
         rows += network.bench(seconds=2.0, lockstep_seconds=1.0, small=True) if options.quick else network.bench()
+    if "crews" in wanted:
+        rows += crews.bench(seconds=1.0, small=True) if options.quick else crews.bench()
     if "viewer" in wanted:
         rows += viewer.bench((2,), seconds=1.0, settle=2.0) if options.quick else viewer.bench()
     if "loads" in wanted:
@@ -68,6 +73,8 @@ def main() -> None:
         rows += imports.bench(side=200) if options.quick else imports.bench()
     if "inputs" in wanted:
         rows += inputs.bench(rounds=3) if options.quick else inputs.bench()
+    if "joins" in wanted:
+        rows += joins.bench((3,)) if options.quick else joins.bench()
     if "ros" in wanted:
         rows += ros.bench(rounds=5, seconds=1.0) if options.quick else ros.bench()
     if "record" in wanted:

@@ -27,6 +27,23 @@ from intellwheels_schemas.names import new_hex
 from tests.bench.tick import SENSORS
 
 
+def chair(name: str, instance: str) -> Robot:
+    """Return the robot of a chair with eight cones."""
+    return Robot(
+        name=name,
+        kind="wheelchair",
+        instance=instance,
+        length=1.2,
+        width=0.7,
+        center=0.4,
+        top=1.3,
+        top_speed=1.0,
+        track=0.57,
+        acceleration_curve=0.5,
+        proximity=SENSORS,
+    )
+
+
 class Head(msgspec.Struct, rename="pascal"):
     """All that a chair that drives ahead needs of its measures."""
 
@@ -47,19 +64,7 @@ class Chairs:
             self._held.append(session.declare_subscriber(key, self._arrived.put))
             instance = new_hex()
             self._held.append(link.declare_token(session, keys.token(name, "both", instance)))
-            robot = Robot(
-                name=name,
-                kind="wheelchair",
-                instance=instance,
-                length=1.2,
-                width=0.7,
-                center=0.4,
-                top=1.3,
-                top_speed=1.0,
-                track=0.57,
-                acceleration_curve=0.5,
-                proximity=SENSORS,
-            )
+            robot = chair(name, instance)
             answer = link.query(session, keys.join(name), encode(robot), timeout=20.0)[0]
             if not answer.ok:
                 raise SystemExit(answer.data.decode())

@@ -22,7 +22,8 @@ from intellwheels_schemas.codec import VERSION, Encoding, decode, encode
 from intellwheels_schemas.file_records import Inputs, Join
 from intellwheels_schemas.keys import Keys
 from intellwheels_schemas.messages import Actions, Grid, Map, Place, Proximity, Robot, Wall
-from intellwheels_server.world import Setup, State, advance, apply, begin, measures
+from intellwheels_server.world import Setup, State, advance, apply, begin
+from intellwheels_server.world.measures_writer import MeasuresWriter
 from intellwheels_server.world.sensors import sense
 from intellwheels_server.world.sensors.kind import View
 from intellwheels_server.world.sensors.proximity import FEWEST_SHARED
@@ -156,15 +157,16 @@ def _of(count: int, times: int) -> list[Row]:
         return moving
     packed = [encode(action) for action in powers[0].values()]
     decoding = best(lambda: [decode(Actions, data) for data in packed], times)
-    encoding = best(lambda: [encode(measures(state, name)) for name in state.names], max(2, times // 5))
-    xml = best(lambda: [encode(measures(state, name), Encoding.XML) for name in state.names], max(2, times // 20))
+    json_writer, xml_writer, names = MeasuresWriter(Encoding.JSON), MeasuresWriter(Encoding.XML), state.names
+    encoding = best(lambda: json_writer.write(state, names), max(2, times // 5))
+    xml = best(lambda: xml_writer.write(state, names), max(2, times // 5))
     putting, receiving = _network(state, packed, max(2, times // 5))
     return [
         Row("tick", case, "receive", receiving * share, "µs/body"),
-        Row("tick", case, "decode", decoding * share, "µs/body"),
+        Row("tick", case, "decode", decoding * share, "µs/body", "<= 1"),
         *moving,
-        Row("tick", case, "encode JSON", encoding * share, "µs/body"),
-        Row("tick", case, "encode XML", xml * share, "µs/body"),
+        Row("tick", case, "encode JSON", encoding * share, "µs/body", "<= 2"),
+        Row("tick", case, "encode XML", xml * share, "µs/body", "<= 5"),
         Row("tick", case, "put", putting * share, "µs/body"),
     ]
 
@@ -194,7 +196,7 @@ def _network(state: State, packed: list[bytes], times: int) -> tuple[float, floa
             publishers = [
                 link.declare(session, keys.measures(f"a{k:04d}"), CHANNELS["measures"]) for k in range(len(packed))
             ]
-            payloads = [encode(measures(state, name)) for name in state.names]
+            payloads = MeasuresWriter(Encoding.JSON).write(state, state.names)
 
             def put() -> None:
                 for publisher, payload in zip(publishers, payloads, strict=True):

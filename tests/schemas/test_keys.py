@@ -43,6 +43,7 @@ def test_what_was_made_is_taken_apart_again() -> None:
     assert keys.parse_in(keys.pose("a")) == In("a", "pose")
     assert keys.parse_out(keys.error("a")) == Out("a", "error")
     assert keys.parse_token(keys.token("a", "mind", HEX)) == Token("a", "mind", HEX)
+    assert keys.parse_token(keys.token("a", "both", HEX, "c")) == Token("a", "both", HEX, "c")
     assert keys.parse_join(keys.join("a")) == "a"
     assert keys.parse_leave(keys.leave("a")) == "a"
     assert keys.parse_user(keys.user("a")) == "a"
@@ -87,6 +88,11 @@ def test_other_keys_of_nobody_are_nobodys() -> None:
     assert keys.parse_state("iw/v1/main/state/-1") is None
     assert keys.parse_state("iw/v1/main/state/²") is None
     assert keys.parse_crew("iw/v1/main/crew/c/measures") is None
+    assert keys.parse_crew_measures(keys.crew_measures("c")) == "c"
+    assert keys.parse_crew_query(keys.crew_join("c")) == ("c", "join")
+    assert keys.parse_crew_query(keys.crew_leave("c")) == ("c", "leave")
+    assert keys.parse_crew_query(keys.crew_actions("c")) is None
+    assert keys.parse_token(f"{keys.token('a', 'both', HEX)}/*") is None
     assert parse_alive("iw/v1/*/alive") is None
 
 

@@ -21,11 +21,12 @@ from numba import njit
 from intellwheels_schemas.messages import MAX_INTEGER, Encoders, EncodersReading, Robot
 from intellwheels_server.world.kernels import rows
 from intellwheels_server.world.kernels.arrays import Floats, Ints
+from intellwheels_server.world.kernels.measures_text import WHOLE
 from intellwheels_server.world.kernels.motor_model import wheel_scales
 from intellwheels_server.world.kernels.noise import normal
 from intellwheels_server.world.kernels.sample_schedule import BODY, KEY0, KEY1, due_slot
 from intellwheels_server.world.kernels.sensor_errors import memory_of
-from intellwheels_server.world.sensors.kind import Array, Fitted, Kind, ManyViews, View
+from intellwheels_server.world.sensors.kind import Array, Fitted, Kind, ManyViews, View, Written
 
 # The largest count that a message can carry. A wheel of a nanometre would soon exceed it.
 _MOST = float(MAX_INTEGER)
@@ -137,6 +138,10 @@ class EncodersKind(Kind):
         """Return the block."""
         figures = [encoder_figures(sensor.robot, sensor.declaration.drift) for sensor in fitted]
         return EncodersBlock(np.array(figures, dtype=np.float64), schedule)
+
+    def written(self, _sensor: Fitted, /) -> Written:
+        """Return the counts."""
+        return Written((("left", WHOLE), ("right", WHOLE)))
 
     def reading(self, sensor: Fitted, tick: int | None, sample: Sequence[float]) -> EncodersReading:
         """Return the counts."""

@@ -81,6 +81,22 @@ Array = NDArray[Any]
 """An array of a block, float64 or int64."""
 
 
+class Written(NamedTuple):
+    """How a sample is written as a message without making a reading of it.
+
+    Attributes:
+        fields: The fields of the reading that are numbers of the sample, in its order and behind the code if there is
+            one, each with `DECIMAL`, `HEADING` or `WHOLE` of `kernels.measures_text`.
+        codes: Values that the first number of a sample can have, if all else in a reading follows from it; 0 if the
+            first number is the first field.
+        lowest: The lowest of these values; the others follow it one by one.
+    """
+
+    fields: tuple[tuple[str, int], ...] = ()
+    codes: int = 0
+    lowest: int = 0
+
+
 class Block(Protocol):
     """All sensors of one kind, compiled.
 
@@ -216,6 +232,13 @@ class Kind(ABC):
             _floor: A map with at least one named place.
         """
         return (self.declaration(id=self.field),)
+
+    def written(self, _sensor: Fitted, /) -> Written | None:
+        """Return how its samples are written without making a reading; by default None: a reading is made of each.
+
+        What is written this way must be what the codec writes of `reading`.
+        """
+        return None
 
     @abstractmethod
     def compile(self, fitted: Sequence[Fitted], schedule: Ints, /) -> Block:

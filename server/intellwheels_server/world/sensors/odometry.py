@@ -22,6 +22,7 @@ from intellwheels_schemas.messages import Encoders, Odometry, OdometryReading, R
 from intellwheels_server.world.kernels import rows
 from intellwheels_server.world.kernels.arrays import Floats, Ints
 from intellwheels_server.world.kernels.geometry import arc
+from intellwheels_server.world.kernels.measures_text import DECIMAL, HEADING
 from intellwheels_server.world.kernels.sample_schedule import due_slot
 from intellwheels_server.world.kernels.sensor_errors import memory_of
 from intellwheels_server.world.sensors.angles import written_heading
@@ -32,7 +33,7 @@ from intellwheels_server.world.sensors.encoders import (
     count_rolled,
     encoder_figures,
 )
-from intellwheels_server.world.sensors.kind import Array, Fitted, Kind, ManyViews, View
+from intellwheels_server.world.sensors.kind import Array, Fitted, Kind, ManyViews, View, Written
 
 ODOMETRY_STREAM: Final = "@odometry"
 """The noise stream of odometry without encoders. No sensor can have this id."""
@@ -136,6 +137,10 @@ class OdometryKind(Kind):
         ]
         nominal = [(math.pi * robot.wheel_diameter / robot.encoder_ticks, robot.track) for robot in robots]
         return OdometryBlock(np.array(figures, dtype=np.float64), np.array(nominal, dtype=np.float64), schedule)
+
+    def written(self, _sensor: Fitted, /) -> Written:
+        """Return the pose."""
+        return Written((("x", DECIMAL), ("y", DECIMAL), ("heading", HEADING)))
 
     def reading(self, sensor: Fitted, tick: int | None, sample: Sequence[float]) -> OdometryReading:
         """Return the pose since joining, m and rad."""

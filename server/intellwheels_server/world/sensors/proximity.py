@@ -33,6 +33,7 @@ from intellwheels_schemas.sonar_devices import (
     ticks_for,
 )
 from intellwheels_server.world.kernels.arrays import Floats, Ints
+from intellwheels_server.world.kernels.measures_text import DECIMAL
 from intellwheels_server.world.kernels.noise import normal, uniform
 from intellwheels_server.world.kernels.proximity_wedges import (
     BEAM_COLUMNS,
@@ -48,7 +49,7 @@ from intellwheels_server.world.kernels.sample_schedule import KEY0, KEY1, due_sl
 from intellwheels_server.world.kernels.sonar_beam import FIGURE_COLUMNS
 from intellwheels_server.world.kernels.sonar_echoes import sense_sonars
 from intellwheels_server.world.sensors.angles import unit_vector
-from intellwheels_server.world.sensors.kind import Array, Fitted, Kind, ManyViews, View
+from intellwheels_server.world.sensors.kind import Array, Fitted, Kind, ManyViews, View, Written
 from intellwheels_server.world.shared_work import parts_of, share
 
 WEDGE_RAYS: Final = 2.0
@@ -249,6 +250,10 @@ class ProximityKind(Kind):
             sonar_figures=np.array(sonar_figures, dtype=np.float64).reshape(-1, FIGURE_COLUMNS),
             sonar_schedule=schedule[sonar],
         )
+
+    def written(self, _sensor: Fitted, /) -> Written:
+        """Return the status as the code, and the distance."""
+        return Written((("value", DECIMAL),), codes=len(_STATUS))
 
     def reading(self, sensor: Fitted, tick: int | None, sample: Sequence[float]) -> ProximityReading:
         """Return the distance, or why there is none."""
