@@ -19,11 +19,11 @@ pytestmark = pytest.mark.filterwarnings("ignore::DeprecationWarning")
 
 @pytest.mark.process
 def test_a_layer_that_was_hidden_is_hidden_the_next_time(pages: viser.ViserServer) -> None:
-    stored = replace(Layers(), wedges=False).to_json()
+    stored = replace(Layers(), trails=False).to_json()
     with opened(pages.get_port(), storage=stored) as browser:
         made = Opened(pages, browser)
-        browser.wait(lambda: "/wedges" in browser.scene)
-        assert set(made.page._layers.hidden) == {"wedges"}
+        browser.wait(lambda: "/trails" in browser.scene)
+        assert set(made.page._layers.hidden) == {"trails", "all_wedges"}
         made.page.close()
     until(lambda: not pages.get_clients())
 

@@ -33,6 +33,8 @@ class LayerVisibility:
         self._client = client
         self.layers = layers_panel.from_json(_kept(client))
         self.hidden: dict[str, viser.FrameHandle] = {}
+        # A recording has labels for a camera that is not this browser's, which has its own: see `own_drawings`.
+        client.scene.add_frame("/labels", show_axes=False, visible=False)
         self._walls: Walls | None = None
         self._walls_of: tuple[int, bool] = (-1, False)
         self._hide()
