@@ -68,7 +68,7 @@ class PageWindow:
 
     def _place(self, window: Window) -> None:
         main, side = self._client.gui.main_panel, self._side
-        if window.width >= NARROW:
+        if window.width >= min(NARROW, window.height):
             if not self._is_beside:
                 self._is_beside, self._below = True, None
                 side.dock_left()

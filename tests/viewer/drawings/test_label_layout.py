@@ -18,8 +18,10 @@ from intellwheels_viewer.cameras import FOV, STEEP, corners_of, fit, plan_of
 from intellwheels_viewer.drawings.label_layout import EM, SCALES, Lens, Picture, Placed, Wish, placed, size_of
 
 POSES = Path(__file__).parent / "label_poses.csv"
-"""Where the bodies of figure6, of crossing and of 28 chairs in the ward are at each tenth tick: scene, tick, name, kind, x
-and y. From the traces (`intellwheels_server.log.true_trace`) of logs that `iw-run` wrote."""
+"""Where the bodies of figure6, of crossing and of 28 chairs in the ward are at each tenth tick, in metres.
+
+From the traces (`intellwheels_server.log.true_trace`) of logs that `iw-run` wrote.
+"""
 MAPS = {"figure6": "room", "crossing": "crossing", "ward": "ward"}
 SIZES = ((704.0, 800.0), (1024.0, 900.0), (820.0, 700.0), (390.0, 780.0))
 """What panels leave for the scene in windows of 1280 x 800, 1600 x 900, 820 x 1180 and 390 x 844."""

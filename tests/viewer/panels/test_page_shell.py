@@ -51,7 +51,7 @@ def test_the_bar_says_state_and_time(state: str) -> None:
 def test_a_playback_and_a_page_that_only_looks_have_no_stick() -> None:
     assert 'data-drives=""' in status_html(replace(made_up.snapshot(), last_tick=9), Choices())
     assert 'data-drives=""' in status_html(made_up.snapshot(), Choices(rights=made_up.LOOKS_ONLY))
-    assert 'data-act="No run"' in status_html(made_up.nothing("no-world"), Choices())
+    assert 'data-state="No run"' in status_html(made_up.nothing("no-world"), Choices())
 
 
 def test_a_recording_that_runs_is_seen() -> None:

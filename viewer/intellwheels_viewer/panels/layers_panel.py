@@ -57,7 +57,7 @@ def from_json(text: str | None) -> Layers:
 
 LABELS: Final = {
     "full_walls": "Full walls",
-    "wedges": "Sensors of the selected",
+    "wedges": "Sensors",
     "all_wedges": "Sensors of all",
     "lidar": "Lidar",
     "trails": "Trails",

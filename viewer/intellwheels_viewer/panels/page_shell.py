@@ -26,7 +26,7 @@ ACTS: Final = ("pause", "link", "record")
 PHONE: Final = 576
 """Widest window of a phone in px, where viser has a sheet in place of panels."""
 NARROW: Final = 1000
-"""Widest window in px that has the bar: with two panels beside it, the scene would be a strip."""
+"""Width in px below which an upright window has the bar: with two panels beside it, the scene would be a strip."""
 KEYS: Final = (
     ("W A S D, arrows, I J K L", "drive the selected chair while they are held; with Shift at full power"),
     ("Q, E", "drive in a bend"),
@@ -43,7 +43,8 @@ KEYS: Final = (
 
 _BAR: Final = (
     '<button type="button" data-iw="pause" class="iw-now" aria-label="Pause or resume">'
-    '<i class="iw-dot" id="iw-bar-dot"></i><b id="iw-bar-time">\u2013</b><span id="iw-bar-act">Pause</span></button>'
+    '<i id="iw-bar-act" aria-hidden="true">\u2013</i><b id="iw-bar-time">\u2013</b>'
+    '<span id="iw-bar-state"></span></button>'
     '<button type="button" data-iw="open" data-tab="Agents">List</button>'
     '<button type="button" data-iw="open" data-tab="Drive">Stick</button>'
     '<button type="button" data-iw="open" data-tab="Events">Events</button>'
@@ -127,7 +128,7 @@ const dark = W.matchMedia('(prefers-color-scheme: dark)');
 let told = '', query = W.location.search;
 const covered = () => {
   const box = W.__viserMutable.canvas && W.__viserMutable.canvas.getBoundingClientRect();
-  if (!box || !box.height || W.innerWidth >= %NARROW%) return 0;
+  if (!box || !box.height || getComputedStyle(bar).display === 'none') return 0;
   const tops = [bar, sheet(), ...D.querySelectorAll('[data-floating-window]')]
     .filter(at => at && getComputedStyle(at).visibility !== 'hidden')
     .map(at => at.getBoundingClientRect()).filter(one => one.height && one.bottom > box.bottom - 80);
@@ -137,8 +138,9 @@ const look = () => {
   const now = D.getElementById('iw-status');
   if (now) {
     D.getElementById('iw-bar-time').textContent = now.dataset.time;
-    D.getElementById('iw-bar-dot').className = `iw-dot ${now.dataset.tone}`;
-    D.getElementById('iw-bar-act').textContent = now.dataset.act;
+    D.getElementById('iw-bar-state').textContent = now.dataset.state;
+    const act = D.getElementById('iw-bar-act');
+    act.textContent = now.dataset.act; act.className = now.dataset.tone;
     bar.querySelector('[data-tab=Drive]').hidden = !now.dataset.drives;
   }
   for (const one of bar.querySelectorAll('[data-tab]'))
@@ -191,7 +193,7 @@ def script_html(act: str, window: str) -> str:
         window: The id of that to which it sends what the window is like.
     """
     script = _SCRIPT.replace("%BAR%", json.dumps(_BAR)).replace("%HELP%", json.dumps(_HELP))
-    script = script.replace("%ACT%", act).replace("%WINDOW%", window).replace("%NARROW%", str(NARROW))
+    script = script.replace("%ACT%", act).replace("%WINDOW%", window)
     return f'<img src="x:" alt="" style="display:none" onerror="{html.escape(script)}">'
 
 
@@ -200,13 +202,14 @@ def status_html(snapshot: Snapshot, choices: Choices) -> str:
     clock = snapshot.clock
     live = snapshot.phase == "live" and clock is not None
     state = clock.state if live and clock is not None else ""
-    act = {"running": "Pause", "waiting": "Waiting", "paused": "Paused", "ended": "Ended"}.get(state, "No run")
+    word = {"running": "Running", "waiting": "Waiting", "paused": "Paused", "ended": "Ended"}.get(state, "No run")
+    act = "\u275a\u275a" if state in ("running", "waiting") else "\u25b6" if live else "\u2013"
     tone = "good" if state == "running" else "wait" if live else "bad"
     time, tick = (0.0, 0) if clock is None else (clock.time, clock.tick)
     drives = "1" if snapshot.last_tick is None and not choices.rights.looks_only else ""
     return (
-        f'<i id="iw-status" hidden data-act="{act}" data-tone="{tone}" data-time="{decimal(time, 1)} s" '
-        f'data-tick="{tick}" data-drives="{drives}"></i>'
+        f'<i id="iw-status" hidden data-act="{act}" data-state="{word}" data-tone="{tone}" '
+        f'data-time="{decimal(time, 1)} s" data-tick="{tick}" data-drives="{drives}"></i>'
     )
 
 

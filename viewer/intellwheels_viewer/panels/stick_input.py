@@ -33,7 +33,7 @@ const KEYS = {
 // A tab, a slider or a list that was reached with the Tab key needs the arrows itself.
 const OWN = 'input,[role=tab],[role=slider],[role=listbox],[role=combobox],[role=radio],[role=textbox],dialog';
 const down = new Set();
-let stick = null, pointer = null, shift = false, timer = null, moving = false, n = 0;
+let tabbed = false, stick = null, pointer = null, shift = false, timer = null, moving = false, n = 0;
 const clamp = v => Math.max(-1, Math.min(1, v));
 const command = () => {
   if (D.getElementById('iw-drive-off')) return [0, 0];
@@ -55,12 +55,14 @@ const beat = () => {
 const release = () => { down.clear(); stick = null; pointer = null; beat(); };
 const on = (type, f) => W.addEventListener(type, f, {signal: stop.signal, capture: true});
 stop.signal.addEventListener('abort', release);
+on('pointerdown', () => { tabbed = false; });
 on('keydown', e => {
+  if (e.key === 'Tab') tabbed = true;
   if (!(e.code in KEYS) || e.ctrlKey || e.metaKey || e.altKey) return;
   const at = e.target;
   if (at.closest && at.closest('textarea,select,[contenteditable=true],input:not([type=checkbox]):not([type=range])'))
     return;
-  if (e.code.startsWith('Arrow') && at.closest && at.matches(':focus-visible') && at.closest(OWN)) return;
+  if (e.code.startsWith('Arrow') && at.closest && tabbed && at.closest(OWN)) return;
   // These keys would move viser's camera too, or scroll. The camera has the mouse.
   e.preventDefault(); e.stopPropagation();
   if (e.repeat) return;

@@ -110,14 +110,16 @@ vertical-align:top;white-space:nowrap}#iw-keys td{padding:3px 0}#iw-keys p{color
 #iw-keys form button{font:inherit;min-height:36px;padding:0 16px;border-radius:6px;border:1px solid var(--iw-edge);
 background:var(--iw-ink);color:var(--iw-ground);cursor:pointer}
 #iw-keys form button:focus-visible,#iw-bar button:focus-visible{outline:3px solid var(--iw-focus);outline-offset:-3px}
-@media (max-width:999.98px){
+@media (max-width:999.98px) and (orientation:portrait),(max-width:575.98px){
 #iw-bar{display:flex;position:fixed;z-index:300;left:0;right:0;bottom:0;height:56px;background:var(--iw-ground);
 border-top:1px solid var(--iw-edge);padding:0 env(safe-area-inset-right) 0 env(safe-area-inset-left)}
 #iw-bar button{flex:1 1 0;min-width:48px;border:0;border-left:1px solid var(--iw-line);background:none;
 color:var(--iw-ink);font-size:14px;line-height:18px;font-family:inherit;padding:4px 6px;cursor:pointer}
 #iw-bar .iw-now{flex:2 1 0;display:grid;grid-template-columns:auto 1fr;column-gap:8px;align-content:center;
 text-align:left;padding-left:14px;border-left:0;font-variant-numeric:tabular-nums}
-#iw-bar .iw-now i{grid-row:1/3;align-self:center}#iw-bar .iw-now b{font-size:16px;font-weight:600}
+#iw-bar .iw-now i{grid-row:1/3;align-self:center;font-style:normal;font-size:18px;width:24px;text-align:center;
+color:var(--iw-amber)}#iw-bar .iw-now i.good{color:var(--iw-green)}#iw-bar .iw-now i.bad{color:var(--iw-red)}
+#iw-bar .iw-now b{font-size:16px;font-weight:600}
 #iw-bar .iw-now span{font-size:12px;line-height:14px;color:var(--iw-soft)}
 #iw-bar button[aria-pressed=true]{background:var(--iw-tint);box-shadow:inset 0 3px var(--iw-focus);font-weight:600}
 .iw-stick{width:148px;height:148px}.iw-stick .iw-knob{left:53px;top:53px}.iw-stick u[style]{display:none}
