@@ -47,6 +47,7 @@ from intellwheels_viewer.run_control import RunControl, step_hint
 from intellwheels_viewer.snapshot import Snapshot
 from intellwheels_viewer.steering import Driving, RequestQueue
 from intellwheels_viewer.undo import UndoStack
+from intellwheels_viewer.video_recording import VideoRecording
 
 if TYPE_CHECKING:
     from intellwheels_viewer.html_recording import HtmlRecording
@@ -106,6 +107,7 @@ class Page:
         self.camera = Camera(client)
         self._own = OwnDrawings(client, lambda: self.camera.picture)
         self._recording = PageRecording(client, recorder, self._notify)
+        self._video = VideoRecording(client, self._notify)
         self._arrival = PageArrival(self._notify)
         self._side = client.gui.add_panel()
         self._window = PageWindow(client, self.camera, self._side, dark=dark, theme=theme)
@@ -113,6 +115,7 @@ class Page:
 
     def close(self) -> None:
         """The browser has left."""
+        self._video.close()
         self._driving.close()
         self._requests.close()
 
@@ -138,6 +141,7 @@ class Page:
     def drawn(self, snapshot: Snapshot) -> None:
         """Record the snapshot that was just drawn, if this browser records."""
         self._recording.drawn(snapshot)
+        self._video.drawn(snapshot)
 
     # ------------------------------------------------------------ output, on the drawing thread
 
@@ -181,7 +185,7 @@ class Page:
             self._controls.show(snapshot, choices)
             self._title.show(snapshot)
             self._shell.show(snapshot, choices)
-            self._tools.content = tools_html(recording=self._recording.runs)
+            self._tools.content = tools_html(recording=self._recording.runs, video=self._video.runs)
             self._theme.show(self._window.theme)
             assign(self._views, LABELS[self.camera.mode])
             # While the run stands, the camera may move.
@@ -364,6 +368,8 @@ class Page:
             self._toggle()
         elif act == "record":
             self._recording.toggle(dark=self._window.is_dark)
+        elif act == "video":
+            self._video.toggle()
         elif act == "link":
             picture = self.camera.picture
             eye, to = (None, None) if picture is None else (picture.position, picture.look_at)

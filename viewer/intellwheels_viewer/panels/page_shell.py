@@ -21,7 +21,7 @@ from intellwheels_viewer.panels.number_format import decimal
 from intellwheels_viewer.panels.style_sheet import STYLE_SHEET
 from intellwheels_viewer.snapshot import Snapshot
 
-ACTS: Final = ("pause", "link", "record")
+ACTS: Final = ("pause", "link", "record", "video")
 """What the page asks this process for; it does all else itself."""
 PHONE: Final = 576
 """Widest window of a phone in px, where viser has a sheet in place of panels."""
@@ -213,7 +213,7 @@ def status_html(snapshot: Snapshot, choices: Choices) -> str:
     )
 
 
-def tools_html(*, recording: bool) -> str:
+def tools_html(*, recording: bool, video: bool = False) -> str:
     """Return the buttons for keys, commands, pictures, recordings and links."""
     record = "Save" if recording else "Record"
     buttons = (
@@ -221,9 +221,10 @@ def tools_html(*, recording: bool) -> str:
         ("commands", "Find", "Find a command by its name (Ctrl K)"),
         ("picture", "Picture", "Save the scene as a PNG file"),
         ("record", record, "Record the run as a page that plays without a server; press again to save it"),
+        ("video", "Save" if video else "Video", "Record this view as an MP4 file; press again to save it"),
         ("link", "Link", "Copy a link to this view: camera, selection and tick"),
     )
-    pressed = {"record": ' aria-pressed="true"'} if recording else {}
+    pressed = {act: ' aria-pressed="true"' for act, runs in (("record", recording), ("video", video)) if runs}
     row = "".join(
         f'<button type="button" data-iw="{act}" title="{html.escape(title)}"{pressed.get(act, "")}>{word}</button>'
         for act, word, title in buttons
