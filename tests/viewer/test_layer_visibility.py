@@ -61,7 +61,7 @@ def test_walls_between_the_camera_and_the_followed_are_cut_away(here: Opened) ->
     cut = layering.hiding(SNAPSHOT, (middle, south - 1.5, 2.0), entity("a", middle, south + 0.6))
     assert cut
     layering.draw_walls(SNAPSHOT, inside=False)
-    assert layering._walls is None
+    assert vars(layering)["_walls"] is None
     layering.draw_walls(SNAPSHOT, inside=False, cut=cut)
     assert layering._walls is not None
     drawn: list[object] = []

@@ -158,9 +158,9 @@ class Page:
             if snapshot.floor is not None and snapshot.revision != self._framed:
                 self._framed = snapshot.revision
                 self.camera.frame(snapshot.floor)
-            picture = self.camera.picture
-            follows = self.camera.mode == "follow" and entity is not None and picture is not None
-            cut = self._layers.hiding(snapshot, picture.position, entity) if follows else frozenset()
+            cut: frozenset[int] = frozenset()
+            if self.camera.mode == "follow" and entity is not None and (picture := self.camera.picture) is not None:
+                cut = self._layers.hiding(snapshot, picture.position, entity)
             self._layers.draw_walls(snapshot, inside=self.camera.mode == "first", cut=cut)
             self._own.draw(snapshot, selected, self._layers.layers)
 

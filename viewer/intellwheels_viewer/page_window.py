@@ -38,7 +38,7 @@ class PageWindow:
     """
 
     def __init__(
-        self, client: viser.ClientHandle, camera: Camera, side: viser.GuiPanelHandle, *, dark: bool, theme: str | None
+        self, client: viser.ClientHandle, camera: Camera, side: viser.PanelHandle, *, dark: bool, theme: str | None
     ) -> None:
         self._client, self._camera, self._side, self._always = client, camera, side, dark
         self.theme = theme if theme in THEMES else "Dark" if dark else SYSTEM

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from intellwheels_schemas.messages import EVENT_CODES, Event
 from intellwheels_viewer.panels.event_lines import event_lines, kind_of
 from tests.viewer.wire import OTHER, event
@@ -9,7 +11,7 @@ from tests.viewer.wire import OTHER, event
 PERIOD = 0.05
 
 
-def hit(number: int, tick: int, agent: str = "a", other: str = "b", **more: object) -> Event:
+def hit(number: int, tick: int, agent: str = "a", other: str = "b", **more: Any) -> Event:
     return event(number, "contact", tick=tick, agent=agent, other=other, **more)
 
 

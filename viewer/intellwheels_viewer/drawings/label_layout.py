@@ -53,6 +53,7 @@ class Wish:
         name: Its body.
         text: Its lines.
         x, y, z: Where the middle of its lower edge should be, in metres.
+        aside: Metres by which it moves towards the upper edge of a picture from above, where it would cover its body.
         kind: The kind of body, see `NOUNS`.
         alone: Whether it must not join another.
     """
@@ -64,6 +65,7 @@ class Wish:
     z: float
     kind: str = ""
     alone: bool = False
+    aside: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -208,7 +210,8 @@ def _arranged(wishes: Sequence[Wish], lens: Lens, picture: Picture) -> list[_Gro
 
 def _group(members: list[Wish], lens: Lens, picture: Picture) -> _Group | None:
     """Return labels as one, or None outside the picture."""
-    at = np.mean([(wish.x, wish.y, wish.z) for wish in members], axis=0)
+    above = lens.up * (1.0, 1.0, 0.0)
+    at = np.mean([np.array((wish.x, wish.y, wish.z)) + wish.aside * above for wish in members], axis=0)
     depth = lens.depth(at)
     if depth < _NEAR:
         return None

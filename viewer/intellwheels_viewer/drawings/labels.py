@@ -30,7 +30,7 @@ STILL: Final = 0.005
 ABOVE: Final = 0.12
 """Metres between a body's top and its label."""
 ASIDE: Final = 0.6
-"""Offset of a label to the north in body widths, so that it does not cover the body in the plan."""
+"""Offset of a label in body widths, see `Wish.aside`."""
 
 
 def cut(text: str) -> str:
@@ -90,8 +90,16 @@ def tags(
 def _tag(body: Body, entity: Entity, bubbles: Sequence[str], *, wanted: bool) -> Wish:
     hull = extent(parts_of(body.robot))
     text = "\n".join([*bubbles, name_of(entity, with_speed=wanted)])
-    x, y, z = entity.x, entity.y + ASIDE * hull.width, hull.top + ABOVE
-    return Wish(entity.name, text, x, y, z, body.robot.kind, alone=wanted or bool(bubbles))
+    return Wish(
+        entity.name,
+        text,
+        entity.x,
+        entity.y,
+        hull.top + ABOVE,
+        body.robot.kind,
+        alone=wanted or bool(bubbles),
+        aside=ASIDE * hull.width,
+    )
 
 
 class Labels:
@@ -111,7 +119,9 @@ class Labels:
         """Show the labels by agent, see `tags`, as they fit a picture; without a picture each above its body."""
         if picture is None:
             found = [
-                Placed((wish.name,), wish.text, (wish.x, wish.y, wish.z), SCALES[-1][1], (0.0, 0.0, 0.0, 0.0))
+                Placed(
+                    (wish.name,), wish.text, (wish.x, wish.y + wish.aside, wish.z), SCALES[-1][1], (0.0, 0.0, 0.0, 0.0)
+                )
                 for wish in wishes.values()
             ]
         else:
