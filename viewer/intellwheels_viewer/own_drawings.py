@@ -57,8 +57,8 @@ class OwnDrawings:
     def label(self, snapshot: Snapshot, selected: str | None, layers: Layers) -> None:
         """Draw the labels, if it is time: with the bodies, and while the camera of a paused run moves."""
         self._frames[LABELS].visible = layers.labels
-        now, picture = self._now(), self._picture()
-        if not layers.labels or picture is None or now < self._next:
+        now = self._now()
+        if not layers.labels or now < self._next or (picture := self._picture()) is None:
             return
         self._next = now + (OFTEN if len(snapshot.entities) <= FEW else SELDOM)
         wanted = () if selected is None else (selected,)

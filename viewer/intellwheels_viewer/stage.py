@@ -72,6 +72,7 @@ class Stage:
         self._trails, self._goals = Trails(scene), Goals(scene)
         self._contacts, self._labels = Contacts(scene), Labels(scene)
         self._reported = Ghosts(scene, "/reported")
+        self._has_wedges = False
         self._revision = -1
         self._slow_at: tuple[str, float] = ("", -1.0)
 
@@ -94,9 +95,11 @@ class Stage:
             self._reported.show(reported(snapshot, self.colours))
             agents = watched(snapshot, wanted)
             many = len(snapshot.entities) > MANY
-            shown = agents if wedges else frozenset()
-            # The arc is three quarters of a wedge's data.
-            self._wedges.show(snapshot.bodies, snapshot.entities, snapshot.measures, shown, wanted if many else None)
+            if wedges or self._has_wedges:
+                shown = agents if wedges else frozenset()
+                arcs = wanted if many else None  # an arc is three quarters of a wedge's data
+                self._wedges.show(snapshot.bodies, snapshot.entities, snapshot.measures, shown, arcs)
+                self._has_wedges = wedges
             self._lidars.show(snapshot.bodies, snapshot.entities, snapshot.measures, agents)
             self._contacts.show(snapshot.events, snapshot.tick, snapshot.period or PERIOD)
             self._goals.show(snapshot.entities, self.colours)

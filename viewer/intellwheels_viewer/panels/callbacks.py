@@ -85,8 +85,8 @@ class Pick:
     def attribute(self) -> str:
         """The HTML attribute for an element around these elements.
 
-        A table reacts to pointer down, because one that is rewritten between down and up would lose a click. The key
-        Enter on a row, which a page can reach with the Tab key, does the same.
+        A table reacts to pointer down, because one that is rewritten between down and up would lose a click. With keys
+        an agent is selected from the list or by its digit: a row that is rewritten would lose the focus too.
         """
         send = (
             "window.__viserMutable.sendMessage({type:'GuiUpdateMessage',"
@@ -95,8 +95,7 @@ class Pick:
         found = f"const r=event.target.closest('[data-{self._data}]');"
         if self._data != "agent":
             return f'onclick="{html.escape(f"{found}if(r&&!r.disabled){send}")}"'
-        down, key = f"{found}if(r&&event.button===0){send}", f"{found}if(r&&event.key==='Enter'){send}"
-        return f'onpointerdown="{html.escape(down)}" onkeydown="{html.escape(key)}"'
+        return f'onpointerdown="{html.escape(f"{found}if(r&&event.button===0){send}")}"'
 
     def _picked(self, name: str) -> None:
         # Emptied, so that the same name is a change next time.

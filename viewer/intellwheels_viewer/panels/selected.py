@@ -106,7 +106,7 @@ def _group(group: Group, charts: Mapping[str, str]) -> str:
     rows = "".join(cell(row) for row in group.rows)
     # Short readings leave more room for the ids.
     share = 34 if max(len(row.text) for row in group.rows) > 12 else 55
-    columns = f'<col><col style="width:{WIDTH + 8}px"><col style="width:70px">'
+    columns = f'<col><col style="width:{WIDTH + 8}px"><col style="width:76px">'
     if not charts:
         columns = f'<col style="width:{share}%"><col>'
     caption = html.escape(group.caption) + (", with the last 30 s" if charts else "")

@@ -78,7 +78,7 @@ border:0;padding:5px 3px;cursor:pointer;flex:1 1 auto}
 .iw-segments button:hover,.iw-tools button:hover{background:var(--iw-tint)}
 .iw-segments button[aria-pressed=true]{background:var(--iw-ink);color:var(--iw-floor);font-weight:600}
 .iw-segments button:disabled{color:var(--iw-soft);cursor:not-allowed;opacity:.6}
-.iw-segments button:focus-visible,.iw-tools button:focus-visible,.iw tr:focus-visible{outline:2px solid var(--iw-focus);
+.iw-segments button:focus-visible,.iw-tools button:focus-visible{outline:2px solid var(--iw-focus);
 outline-offset:-2px}
 .iw-tools{display:flex;gap:5px}
 .iw-tools button{border:1px solid var(--iw-edge);border-radius:6px;padding:5px 2px}
@@ -117,7 +117,7 @@ border-top:1px solid var(--iw-edge);padding:0 env(safe-area-inset-right) 0 env(s
 color:var(--iw-ink);font-size:14px;line-height:18px;font-family:inherit;padding:4px 6px;cursor:pointer}
 #iw-bar .iw-now{flex:2 1 0;display:grid;grid-template-columns:auto 1fr;column-gap:8px;align-content:center;
 text-align:left;padding-left:14px;border-left:0;font-variant-numeric:tabular-nums}
-#iw-bar .iw-now i{grid-row:1/3;align-self:center;font-style:normal;font-size:18px;width:24px;text-align:center;
+#iw-bar .iw-now i{grid-row:1/3;align-self:center;font-style:normal;font-size:18px;letter-spacing:-3px;width:24px;
 color:var(--iw-amber)}#iw-bar .iw-now i.good{color:var(--iw-green)}#iw-bar .iw-now i.bad{color:var(--iw-red)}
 #iw-bar .iw-now b{font-size:16px;font-weight:600}
 #iw-bar .iw-now span{font-size:12px;line-height:14px;color:var(--iw-soft)}
