@@ -112,6 +112,7 @@ def _run(arguments: Sequence[str] | None, floor_folder: Path) -> int:
         log=options.log,
         timeout=options.timeout or (math.inf if options.view else wall_limit(chosen, options.speed)),
         view=options.view_port if options.view else None,
+        dark=options.dark,
         laboratory=free_endpoint() if chosen.bridge else "",
     )
     link = Link(spec.world, (), spec.meeting, spec.config, spec.identity)
@@ -240,9 +241,9 @@ def _meeting(options: argparse.Namespace) -> list[str] | None:
 
 _BATCH_ONLY: Final = ("jobs", "row", "out", "part", "merge", "cluster")
 _BRANCH_ONLY: Final = ("at",)
-_PAGE_ONLY: Final = ("view_port",)
+_PAGE_ONLY: Final = ("view_port", "dark")
 _SINGLE_ONLY: Final = (
-    "floor", "view", "view_port", "pace", "speed", "seed", "encoding", "json", "log", "logs", "world", "listen",
+    "floor", "view", "view_port", "dark", "pace", "speed", "seed", "encoding", "json", "log", "logs", "world", "listen",
     "connect", "config", "identity",
 )  # fmt: skip
 

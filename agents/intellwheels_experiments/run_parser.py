@@ -66,6 +66,10 @@ def parser() -> argparse.ArgumentParser:
         help="with --view: port of the page; 0 picks a free one (default: 8080)",
     )  # fmt: skip
     found.add_argument(
+        "--dark", action="store_true",
+        help="with --view: show the page in the dark theme; without it, the page is as the system of its user wishes",
+    )  # fmt: skip
+    found.add_argument(
         "--pace", choices=get_args(Pace), help="pace of the run (default: the scene's; realtime with --view)"
     )
     found.add_argument(

@@ -9,6 +9,7 @@ MODULES: Final = {
     "foxglove": ("foxglove",),
     "server": ("numpy", "numba", "shapely"),
     "viewer": ("numpy", "viser", "PIL", "mapbox_earcut"),
+    "video": ("av",),
     "joystick": ("pygame",),
     "lsl": ("pylsl",),
     "voice": ("pocketsphinx", "sounddevice"),

@@ -42,6 +42,7 @@ def test_unknown_scene_is_wrong_usage_and_the_known_are_named(capsys: pytest.Cap
         (["--branch", "/dev/null", "--seeds", "2"], "--seeds: expected without --branch"),
         (["--branch", "/dev/null", "--row", "a", "--row", "b"], "--row: expected one row with --branch"),
         (["--view-port", "9000"], "--view-port: expected with --view, got none"),
+        (["--dark"], "--dark: expected with --view, got none"),
         (["--speed", "5"], "--speed: expected with --pace realtime, got pace lockstep"),
         (
             ["--view", "--view-port", "0", "--pace", "free", "--speed", "5"],

@@ -84,6 +84,33 @@ def test_the_first_view_shows_a_floor_whole_whatever_the_panels_leave(name: str,
         assert np.abs(projected(corners * (1, 1, view.fov != PLAN_FOV), view, aspect)).max() < 1.0
 
 
+@pytest.mark.parametrize("name", ["room", "ward", "crossing", "corridor15m", "lounge", "square", "corner", "door"])
+@pytest.mark.parametrize(
+    ("width", "height", "covered"),
+    [(1024, 900, 0.0), (704, 800, 0.0), (820, 1180, 0.43), (390, 844, 0.07), (390, 844, 0.63)],
+)
+def test_the_floor_fills_what_panels_leave(name: str, width: int, height: int, covered: float) -> None:
+    corners = corners_of(library.floor(name))
+    ground = corners[corners[:, 2] == 0.0]
+    for view in (
+        fit(corners, STEEP, FOV, width / height, covered),
+        plan_of(corners, width / height, covered),
+    ):
+        spots = projected(corners * (1, 1, view.fov != PLAN_FOV), view, width / height)
+        # Nothing is behind a panel, and the floor is large.
+        assert spots[:, 1].min() >= -1.0 + 2.0 * covered
+        assert np.abs(spots).max() < 1.0
+        across, up = np.ptp(projected(ground, view, width / height), axis=0)
+        assert max(across / 2.0, up / 2.0 / (1.0 - covered)) >= 0.7
+
+
+def test_a_long_map_is_upright_in_an_upright_picture_and_north_is_up_in_all_others() -> None:
+    corners = corners_of(library.floor("ward"))
+    for aspect, upright in ((0.46, True), (0.88, False), (1.6, False)):
+        view = fit(corners, STEEP, FOV, aspect)
+        assert bool(abs(view.look_at[0] - view.position[0]) > 1.0) == upright
+
+
 def test_the_corners_are_those_of_walls_and_all_else_from_the_floor_to_the_tallest_name() -> None:
     floor = library.floor("room")
     corners = corners_of(floor)

@@ -22,6 +22,7 @@ from intellwheels_viewer.panels.drive_panel import DrivePanel
 from intellwheels_viewer.panels.events import EventsPanel
 from intellwheels_viewer.panels.layers_panel import Layers, LayersPanel
 from intellwheels_viewer.panels.page_keys import PageKeys
+from intellwheels_viewer.panels.page_shell import PageShell
 from intellwheels_viewer.panels.place import PlacePanel
 from intellwheels_viewer.panels.plan_panel import PlanPanel
 from intellwheels_viewer.panels.playback import PlaybackPanel
@@ -76,6 +77,7 @@ class Board:
             on_speed=self.note("speed"),
         )  # fmt: skip
         self.keys = PageKeys(gui)
+        self.shell = PageShell(gui, self.note("act"), self.note("window"))
         stick = StickInput(gui)
         tabs = gui.add_tab_group()
         with tabs.add_tab("Agents"):
@@ -112,6 +114,7 @@ class Board:
         self.agents.show(snapshot, choices)
         self.selected.show(snapshot, choices)
         self.events.show(snapshot)
+        self.shell.show(snapshot, choices)
         self.plan.show(snapshot, choices)
         self.drive.show(snapshot, choices)
         self.scan.show(snapshot, choices)

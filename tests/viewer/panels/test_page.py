@@ -90,6 +90,68 @@ def test_a_key_drives_ten_times_a_second_until_it_is_released(page: Page, board:
     assert counts == list(range(counts[0], counts[0] + len(counts)))
 
 
+@pytest.mark.parametrize(
+    ("key", "forward", "turn"),
+    [
+        ("w", GENTLE, 0.0),
+        ("ArrowDown", -GENTLE, 0.0),
+        ("a", 0.0, GENTLE),
+        ("ArrowRight", 0.0, -GENTLE),
+        ("e", GENTLE, -GENTLE),
+    ],
+)
+def test_other_keys_drive_too_and_leave_the_camera_alone(
+    page: Page, board: Board, key: str, forward: float, turn: float
+) -> None:
+    where = "window.__viserMutable.camera.position.toArray()"
+    before = page.evaluate(where)
+    page.keyboard.down(key)
+    board.wait(lambda calls: held(calls, forward, turn) >= 2)
+    page.keyboard.up(key)
+    board.wait(released)
+    assert page.evaluate(where) == before
+
+
+def test_arrows_move_along_tabs_that_were_reached_with_the_tab_key(page: Page, board: Board) -> None:
+    page.get_by_role("tab", name="Agents").focus()
+    page.keyboard.press("Shift+Tab")
+    page.keyboard.press("Tab")
+    if page.evaluate("document.activeElement.getAttribute('role') === 'tab'"):
+        page.keyboard.press("ArrowRight")
+        assert not [call for call in board.calls if call[0] == "stick"]
+
+
+def test_a_question_mark_shows_the_keys_and_escape_hides_them(page: Page, board: Board) -> None:
+    page.keyboard.press("?")
+    page.wait_for_selector("#iw-keys[open]")
+    assert "drive the selected chair" in page.inner_text("#iw-keys")
+    page.keyboard.press("Escape")
+    page.wait_for_selector("#iw-keys[open]", state="detached")
+    assert not [call for call in board.calls if call[0] == "stick"]
+
+
+def test_a_filter_is_reached_and_pressed_with_keys(page: Page, board: Board) -> None:
+    page.get_by_role("tab", name="Events").click()
+    button = page.locator("[data-choice=Contacts]")
+    button.focus()
+    page.keyboard.press("Enter")
+    page.wait_for_selector("[data-choice=Contacts][aria-pressed=true]")
+    assert set(page.locator("[data-testid=events] li").evaluate_all("all => all.map(one => one.dataset.code)")) == {
+        "contact",
+        "parted",
+    }
+    # The page is that of all tests here.
+    page.locator("[data-choice=All]").first.press("Enter")
+    page.evaluate("document.activeElement.blur()")
+
+
+def test_a_page_says_what_its_window_is_like(board: Board, shown: tuple[Page, Board]) -> None:
+    window = shown[1].shell
+    until(lambda: window._window.value)
+    assert '"width":1280' in window._window.value
+    shown[0].wait_for_selector("#iw-bar", state="hidden")
+
+
 def test_nothing_is_sent_after_the_release(page: Page, board: Board) -> None:
     page.keyboard.press("k")
     board.wait(released)

@@ -69,3 +69,15 @@ def test_no_text_is_under_the_scrollbar_of_a_long_panel(selector: str) -> None:
     assert rule is not None
     sides = [int(size.removesuffix("px")) for size in rule[1].split()]
     assert sides[1] > SCROLLBAR
+
+
+@pytest.mark.parametrize("theme", GROUNDS)
+def test_buttons_and_their_focus_are_seen(theme: str) -> None:
+    colours = variables(theme)
+    assert colours["ground"] == GROUNDS[theme]
+    # The text of an active choice, and of a recording that runs.
+    assert contrast(colours["floor"], colours["ink"]) >= 4.5
+    assert contrast(colours["floor"], colours["red"]) >= 4.5
+    # WCAG 2, level AA for what shows where a control is and that it has the focus.
+    assert contrast(colours["edge"], GROUNDS[theme]) >= 3.0
+    assert contrast(colours["focus"], GROUNDS[theme]) >= 3.0
