@@ -286,11 +286,12 @@ class CrewHarness:
         self._failed = self._failed or code != 0
 
     def _counts(self) -> Log:
-        every = self._harnesses.values()
-        missed, repeated, errors = (
-            sum(getattr(one, name) for one in every) for name in ("missed", "repeated", "errors")
-        )
-        return Log(f"{_COUNTED}agents={len(every)} missed={missed} repeated={repeated} errors={errors}")
+        missed = repeated = errors = 0
+        for one in self._harnesses.values():
+            missed += one.missed
+            repeated += one.repeated
+            errors += one.errors
+        return Log(f"{_COUNTED}agents={len(self._harnesses)} missed={missed} repeated={repeated} errors={errors}")
 
     def _sharing_map(self, make: Make) -> Make:
         """Return a maker of minds that get the same map in the same run."""

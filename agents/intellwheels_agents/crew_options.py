@@ -51,7 +51,7 @@ def check_crew_options(options: argparse.Namespace) -> None:
     """
     if options.count is None:
         if options.crew is not None:
-            raise OptionError("--crew: expected with --count only")
+            raise OptionError(f"--crew: expected with --count only, got {options.crew!r} without it")
         return
     for name, given in (("--numbered", options.numbered), ("--position", options.position is not None)):
         if given:

@@ -13,7 +13,7 @@ import pytest
 from intellwheels_experiments.run.endpoints import free_endpoint
 from intellwheels_schemas.codec import Encoding, decode, encode
 from intellwheels_schemas.keys import Keys
-from intellwheels_schemas.messages import Actions, Joined, Measures, Record, Refused, Robot
+from intellwheels_schemas.messages import Actions, CrewActions, CrewJoin, Joined, Measures, Record, Refused, Robot
 from intellwheels_schemas.vectors import CHAIR
 
 DEADLINE = 120.0
@@ -27,14 +27,16 @@ ELEMENTS = [line for line in LINES if re.match(r"<[A-Z]", line)]
 CLASSES: dict[str, type[Record]] = {"Robot": Robot, "Measures": Measures, "Actions": Actions}
 
 
-def test_page_has_the_four_messages() -> None:
-    robot, joined, measures, actions = OBJECTS
+def test_page_has_the_four_messages_and_those_of_a_crew() -> None:
+    robot, joined, measures, actions, crew_join, crew_actions = OBJECTS
     accepted = encode(CHAIR).decode()
     for cls, text in (
         (Robot, robot),
         (Joined, joined.replace("{...as accepted...}", accepted)),
         (Measures, measures),
         (Actions, actions),
+        (CrewJoin, crew_join),
+        (CrewActions, crew_actions),
     ):
         assert encode(decode(cls, text.encode())).decode() == text
 
