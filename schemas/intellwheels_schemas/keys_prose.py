@@ -111,10 +111,14 @@ ACCESS: Final = """## Who may do what
 `iw-router --lab LAB.xml` allows each identity of a [Lab](#lab) what its roles have here, and nothing else. Who queries
 a key *writes* it, and who answers the query *reads* it. `<agent>` stands for the `Agents` of the identity. An operator,
 a viewer and a recorder read about every agent. An operator asks for its `Verbs` only, and a viewer only for `take`.
-The router drops what is longer than the [limits](#limits), and what an agent sends beyond 5,000 messages a second on
-one key. It closes sessions beyond 100 of one certificate, or of one address of another machine (`--max-sessions`), and
-says so; Zenoh does not tell it whose password opened a session. Queries other than `join` and `leave` have no rate. The
-simulator answers them between ticks: up to 2,048 wait for each key, and it reports those that find no room.
+The router drops what is longer than the [limits](#limits). It limits no rate: Zenoh's way to do so would drop honest
+messages that arrive together. It closes sessions beyond 100 of one certificate, or of one address of another machine
+(`--max-sessions`), and says so; Zenoh does not tell it whose password opened a session.
+
+The simulator limits floods. It reads 64 messages of an agent in a row, then 400 a second and 4 more for each tick;
+user input of an agent counts apart. Further ones are dropped with the Error `too-many`. Of each key it keeps 128
+messages a tick at most, and of all keys whose agents are not there 256. It answers queries between ticks: up to 2,048
+wait for each key. It reports what finds no room.
 
 """
 
