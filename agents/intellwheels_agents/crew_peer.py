@@ -52,10 +52,6 @@ REST_WAIT = 0.005
 """Seconds to wait for the other parts of the measures of a tick, so that they are answered with one message."""
 
 
-PART_PAUSE = 0.0004
-"""Seconds between two parts of the actions: the router of a lab drops a second message within 0.2 ms."""
-
-
 class _Answered(NamedTuple):
     """What the simulator answered to a query about some agents, and why nobody did if that is known."""
 
@@ -231,13 +227,10 @@ class _CrewPeer:
         return None
 
     def _do(self, outputs: list[CrewOutput]) -> None:
-        keys, several = self._keys, False
+        keys = self._keys
         for output in outputs:
             if isinstance(output, Publish):
-                if several:
-                    time.sleep(PART_PAUSE)
                 self._publisher.put(output.payload)
-                several = True
             elif isinstance(output, RequestCrewJoin):
                 self._ask("join", keys.crew_join(self._crew), output.payload, JOIN_TIMEOUT, output.agents)
             elif isinstance(output, AskClock):

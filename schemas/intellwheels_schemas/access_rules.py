@@ -125,12 +125,6 @@ def rules_for(may: May) -> list[Rule]:
     return [Rule(messages, flow, tuple(keys)) for (messages, flow), keys in found.items()]
 
 
-def written_keys(name: str, may: May) -> list[str]:
-    """Return the key expressions of a channel on which an entry of an identity may put, or send queries."""
-    allowed = ACCESS[name].get(may.role, "") in ("writes", "both")
-    return _keys(name, CHANNELS[name], may, writes=True) if allowed else []
-
-
 def _declared(name: str, may: May) -> list[str]:
     """Return what a reader declares beyond the keys that it gets: an agent subscribes to all of its own."""
     if name == "alive":

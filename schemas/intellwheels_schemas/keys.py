@@ -172,6 +172,10 @@ class Keys:
         """Return the key of `UserInput` for an agent."""
         return f"{self.prefix}user/{check_name(agent, 'agent')}"
 
+    def read_of(self, agent: str) -> tuple[str, ...]:
+        """Return the keys of an agent that the simulator reads: those that it writes, and that of its user."""
+        return (*(self.in_(agent, kind) for kind in IN_KINDS), self.user(agent))
+
     def out(self, agent: str, kind: OutKind) -> str:
         """Return a key that the simulator writes for an agent."""
         return f"{self.prefix}out/{check_name(agent, 'agent')}/{kind}"

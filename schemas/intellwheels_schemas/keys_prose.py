@@ -66,9 +66,9 @@ NOTES: Final = """
   accepts or refuses each agent by itself. While a token of the crew's process exists, the crew is refused to any other
   process, as `already-here`. Robots of a crew are simulated, with the role `both` or `mind`.
 - `CrewActions` and `CrewMeasures` come in parts of about 48 kB. Each part counts by itself, and has each agent at most
-  once. Puts of a crew should be at least 0.2 ms apart, as the router of a lab drops one that comes sooner. Wrong
-  actions of an agent do not affect the others. Their Error goes to `out/<agent>/error` and to `crew/<crew>/error`. An
-  agent that did not join with this crew, or a whole message that is wrong, has its Error on `crew/<crew>/error` only.
+  once. Wrong actions of an agent do not affect the others. Their Error goes to `out/<agent>/error` and to
+  `crew/<crew>/error`. An agent that did not join with this crew, or a whole message that is wrong, has its Error on
+  `crew/<crew>/error` only.
 - What an agent of a crew does by itself has the keys of any agent: `in/<agent>/say`, `leave/<agent>`, `user/<agent>`.
   Its `Body` names its crew, and nothing is put on `out/<agent>/measures`.
 - To follow `state/*`, subscribe first and then `get` the same keys. Drop each message that is older than the newest one
@@ -121,11 +121,14 @@ ACCESS: Final = """## Who may do what
 that queries a key *writes* it, and one that answers the query *reads* it. `<agent>` stands for the `Agents` of the
 identity, and so does `<crew>` in a key without an agent: the name of a crew is one that an agent of the identity could
 have. An operator, a viewer and a recorder read about every agent. An operator asks for its `Verbs` only, and a viewer
-only for `take`. The router drops what is longer than the [limits](#limits), and what an agent sends beyond 5,000
-messages a second on one key. It closes sessions beyond 100 of one certificate, or of one address of another machine
-(`--max-sessions`), and says so; Zenoh does not tell it whose password opened a session. Queries other than `join` and
-`leave` have no rate. The simulator answers them between ticks: up to 2,048 wait for each key, and it reports those that
-find no room.
+only for `take`. The router drops what is longer than the [limits](#limits). It limits no rate: Zenoh's way to do so
+would drop honest messages that arrive together. It closes sessions beyond 100 of one certificate, or of one address of
+another machine (`--max-sessions`), and says so; Zenoh does not tell it whose password opened a session.
+
+The simulator limits floods. It reads 64 messages of an agent in a row, then 400 a second and 4 more for each tick;
+user input of an agent counts apart. Further ones are dropped with the Error `too-many`. Of each key it keeps 128
+messages a tick at most, and of all keys whose agents are not there 256. It answers queries between ticks: up to 2,048
+wait for each key. It reports what finds no room.
 
 """
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 import contextlib
 import threading
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from functools import partial
 from typing import Final, NamedTuple
 
@@ -19,6 +19,10 @@ from intellwheels_schemas.codec import MAX_BYTES, Encoding
 
 QUEUE_ROOM: Final = 2_048
 """Queries of one queryable that wait."""
+KEY_SHARE: Final = 128
+"""Samples on one known key that are kept between two renewals."""
+OTHERS_SHARE: Final = 256
+"""Samples on all other keys, together, that are kept between two renewals."""
 
 
 class Put(NamedTuple):
@@ -85,19 +89,29 @@ class Inbox:
     Queries of the callbacks that `queries_of` returns wait apart, in a queue for each key: they take no room from
     samples, and many queries of one key keep none of another waiting for long.
 
+    With `known` keys, a flood of samples takes no room from others: each known key has a share, and all other keys have
+    one together. Whatever is beyond a share is dropped, until `renew_shares`.
+
     Attributes:
         dropped: Number of samples and queries dropped because the inbox was full; tokens are never dropped.
         deleted: Number of samples dropped because they were not puts.
         unanswered: Number of queries dropped because the queue of their key was full, by key.
     """
 
-    def __init__(self, room: int = 16_384, max_bytes: int = MAX_BYTES, total_bytes: int = 16 * MAX_BYTES) -> None:
+    def __init__(
+        self,
+        room: int = 16_384,
+        max_bytes: int = MAX_BYTES,
+        total_bytes: int = 16 * MAX_BYTES,
+        known: Collection[str] | None = None,
+    ) -> None:
         """Make an empty inbox.
 
         Args:
             room: Largest number of arrivals that it keeps.
             max_bytes: Longest payload that it keeps.
             total_bytes: Largest total number of bytes that it keeps.
+            known: Keys of samples that have a share of their own; they may change meanwhile. None: no shares.
         """
         self.dropped = 0
         self.deleted = 0
@@ -106,6 +120,8 @@ class Inbox:
         self._max_bytes = max_bytes
         self._total_bytes = total_bytes
         self._bytes = 0
+        self._known = known
+        self._shares: dict[str, int] = {}  # samples kept of each known key, and of all others ("")
         self._kept: deque[Arrival] = deque()
         self._queues: dict[str, deque[Ask]] = {}
         self._turns: deque[str] = deque()  # the keys whose queues are not empty
@@ -126,13 +142,29 @@ class Inbox:
         if sample.kind != zenoh.SampleKind.PUT:
             self.deleted += 1
             return
-        length = len(sample.payload)
         key = str(sample.key_expr)
+        # Before the bytes are copied: to drop a flood must cost little.
+        if self._known is not None and not self._has_share(key):
+            self.dropped += 1
+            return
+        length = len(sample.payload)
         if length > self._max_bytes:
             self._keep(TooLong(key, length), 1)
         else:
             put = Put(key, sample.payload.to_bytes(), str(sample.encoding))
             self._keep(put, _size(put))
+
+    def _has_share(self, key: str) -> bool:
+        share, most = (key, KEY_SHARE) if self._known and key in self._known else ("", OTHERS_SHARE)
+        used = self._shares.get(share, 0)
+        if used >= most:
+            return False
+        self._shares[share] = used + 1
+        return True
+
+    def renew_shares(self) -> None:
+        """Let each share be used again."""
+        self._shares = {}
 
     def on_query(self, query: zenoh.Query) -> None:
         """Keep a query. This is the callback for `declare_queryable`."""

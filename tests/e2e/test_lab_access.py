@@ -209,6 +209,24 @@ def test_role_queries_what_it_may_and_nothing_else(network: Network, role: str) 
                 assert network.answers(network.sessions[role], key) is (may and oversees), key
 
 
+def test_everything_that_one_session_sends_in_a_burst_arrives(network: Network) -> None:
+    session, heard = network.sessions["agent"], []
+    store: Any = zenoh.handlers.Callback(lambda sample: heard.append(str(sample.key_expr)), indirect=False)
+    subscriber: Any = network.simulator.declare_subscriber("iw/v1/main/in/**", store)
+    chairs = [f"a1-{number}" for number in range(15)]
+    burst = [f"iw/v1/main/in/{chair}/actions" for chair in chairs] + [f"iw/v1/main/in/{OWN}/say"] * 2
+    try:
+        network.settle("agent")
+        for key in burst * 3:
+            session.put(key, b"{}")
+        network.settle("agent")
+    finally:
+        subscriber.undeclare()
+    assert heard == burst * 3
+    joins = [session.get(f"iw/v1/main/join/{chair}", timeout=DEADLINE) for chair in chairs]
+    assert all(any(reply.ok is not None for reply in replies) for replies in joins)
+
+
 @pytest.mark.parametrize("role", [*ROLES, STRANGER])
 def test_role_declares_the_tokens_of_its_agents_only(network: Network, role: LabRole) -> None:
     session = network.sessions[role]

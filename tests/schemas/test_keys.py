@@ -19,6 +19,7 @@ def test_every_key_is_as_the_contract_says() -> None:
     assert keys.pose("a") == "iw/v1/lab/in/a/pose"
     assert keys.token("a", "both", HEX) == f"iw/v1/lab/in/a/alive/both/{HEX}"
     assert keys.user("a") == "iw/v1/lab/user/a"
+    assert set(keys.read_of("a")) == {keys.actions("a"), keys.say("a"), keys.pose("a"), keys.user("a")}
     assert keys.measures("a") == "iw/v1/lab/out/a/measures"
     assert keys.power("a") == "iw/v1/lab/out/a/power"
     assert keys.error("a") == "iw/v1/lab/out/a/error"

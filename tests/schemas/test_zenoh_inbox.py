@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import zenoh
 
-from intellwheels_schemas.zenoh_inbox import QUEUE_ROOM, Ask, Inbox, Presence, Put, TooLong
+from intellwheels_schemas.zenoh_inbox import KEY_SHARE, OTHERS_SHARE, QUEUE_ROOM, Ask, Inbox, Presence, Put, TooLong
 
 
 class Payload(bytes):
@@ -75,6 +75,28 @@ def test_a_delete_is_counted_and_not_kept_and_a_token_is_never_dropped() -> None
     inbox.on_token(Sample(Payload(b"")))  # type: ignore[arg-type]
     assert (inbox.deleted, inbox.dropped) == (1, 1)
     assert inbox.take() == [Presence("iw/v1/main/in/a/actions", True)]
+
+
+def test_flood_on_one_key_uses_up_its_own_share_only() -> None:
+    known = {"a", "b"}
+    inbox = Inbox(known=known)
+    for key, count in (("a", KEY_SHARE + 5), ("x", OTHERS_SHARE), ("y", 7), ("b", 1)):
+        keep(inbox, *[Sample(Payload(b"{}"), key)] * count)
+    found = [put.key for put in inbox.take() if isinstance(put, Put)]
+    assert found == ["a"] * KEY_SHARE + ["x"] * OTHERS_SHARE + ["b"]
+    assert inbox.dropped == 5 + 7
+    keep(inbox, Sample(Payload(b"{}"), "a"))
+    assert inbox.take() == [], "taking gives no share back"
+    inbox.renew_shares()
+    known.add("y")
+    keep(inbox, *[Sample(Payload(b"{}"), key) for key in ("a", "x", "y")])
+    assert len(inbox.take()) == 3
+
+
+def test_inbox_without_known_keys_has_no_shares() -> None:
+    inbox = Inbox()
+    keep(inbox, *[Sample(Payload(b"{}"))] * (KEY_SHARE + OTHERS_SHARE))
+    assert len(inbox.take()) == KEY_SHARE + OTHERS_SHARE
 
 
 def test_wait_ends_in_time() -> None:

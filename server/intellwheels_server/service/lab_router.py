@@ -1,4 +1,4 @@
-"""The configuration of a lab's router: who may connect, what each identity may do, and how much it may send."""
+"""The configuration of a lab's router: who may connect, what each identity may do, and how long its messages may be."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from intellwheels_schemas.errors import WireError
 from intellwheels_schemas.lab_rules import has_expired
 from intellwheels_schemas.messages import Identity, Lab
 from intellwheels_schemas.rights import rights_key
-from intellwheels_schemas.traffic_limits import rates, size_limits
+from intellwheels_schemas.traffic_limits import size_limits
 from intellwheels_server.service.lab_files import LabFiles, read_lab, read_users, router_until
 
 
@@ -71,7 +71,6 @@ def lab_settings(lab: Lab, files: LabFiles, today: datetime.date) -> dict[str, A
             "policies": policies,
         },
         "low_pass_filter": size_limits(),
-        "downsampling": rates(may for identity in identities for may in identity.may),
         "transport/auth/usrpwd": {"dictionary_file": str(files.users)},
         "adminspace/enabled": False,
         **_tls(lab, files),

@@ -1,7 +1,7 @@
 """The loop of the simulator: it waits, takes what arrived, and lets the service do what is due.
 
-A flood makes no tick late for long. Messages are taken in pieces, and queries come after them: few at a time between
-ticks, and those of one key wait only for their like.
+A flood makes no tick late for long. Of each key only so many messages are kept for each tick. Messages are taken in
+pieces, and queries come after them: few at a time between ticks, and those of one key wait only for their like.
 """
 
 from __future__ import annotations
@@ -22,6 +22,9 @@ QUERY_TIME: Final = 0.01
 """Seconds of work for queries between two looks at messages and ticks."""
 AT_A_TIME: Final = 2_000
 """Messages, at about 10 µs each, between two looks at queries and ticks. A tick of many agents brings fewer."""
+RENEW_EVERY: Final = 0.1
+"""Seconds between two renewals of the shares of keys, if no tick comes between. An agent may send 64 messages at once,
+400 a second, and 4 more for each tick (`error_replies`), so nothing is dropped that would be read."""
 REPORT_EVERY: Final = 1.0
 """Seconds between two reports of what was dropped."""
 
@@ -73,13 +76,14 @@ def run_service(
     Args:
         service: The service.
         reader: Reads what arrived.
-        inbox: What arrived. Its queries are those of `Inbox.queries_of`.
+        inbox: What arrived. Its queries are those of `Inbox.queries_of`. Its shares are renewed at each tick.
         stop: Ends the loop.
         check_claim: Called at least once a second.
         flush_if_due: Called after each piece of work, with the time.
         clock: Returns the time, s.
     """
     report = DropReport()
+    renewed, tick = clock(), service.state.tick
     while service.exit is None and not stop.is_set():
         now = clock()
         # A long wait in the main thread could delay a signal, so no wait is longer than a slice.
@@ -88,6 +92,9 @@ def run_service(
             inbox.wait(left)
             now = clock()
         check_claim()
+        if service.state.tick != tick or now - renewed >= RENEW_EVERY:
+            renewed, tick = now, service.state.tick
+            inbox.renew_shares()
         for delivered in inbox.take(AT_A_TIME):
             arrival = reader.read(delivered)
             if arrival is not None:

@@ -9,7 +9,7 @@ from __future__ import annotations
 import contextlib
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from contextlib import closing
 from pathlib import Path
 from typing import Any, Final
@@ -46,12 +46,16 @@ SHUTDOWN_TIME: Final = 0.1
 class ZenohOutlet:
     """Puts messages with publishers that are declared once; a put never waits.
 
+    Attributes:
+        read_keys: The keys on which agents that are here, and users of bodies, may write.
+
     Args:
         session: The Zenoh session.
         keys: The keys of this world.
     """
 
     def __init__(self, session: zenoh.Session, keys: Keys) -> None:
+        self.read_keys: set[str] = set()
         self._session = session
         self._keys = keys
         self._agents: dict[str, dict[str, tuple[zenoh.Publisher, Encoding]]] = {}
@@ -82,6 +86,7 @@ class ZenohOutlet:
     def declare_agent(self, agent: str, mind: Encoding, body: Encoding) -> None:
         """Declare the publishers of an agent, except those that are declared already."""
         wanted: dict[OutKind, Encoding] = {"measures": mind, "power": body, "error": mind}
+        self.read_keys.update(self._keys.read_of(agent))
         publishers = self._agents.setdefault(agent, {})
         for kind, encoding in wanted.items():
             if kind not in publishers or publishers[kind][1] is not encoding:
@@ -94,6 +99,7 @@ class ZenohOutlet:
     def undeclare_agent(self, agent: str) -> None:
         """Undeclare the publishers of an agent."""
         self._put_measures.pop(agent, None)
+        self.read_keys.difference_update(self._keys.read_of(agent))
         for publisher, _ in self._agents.pop(agent, {}).values():
             _undeclare(publisher)
         if agent in self._bodies:
@@ -107,6 +113,7 @@ class ZenohOutlet:
             key = self._keys.crew_measures(crew)
             known = (link.declare(self._session, key, CHANNELS["crew_measures"], encoding), encoding)
             self._crews[crew] = known
+            self.read_keys.add(self._keys.crew_actions(crew))
         known[0].put(data)
 
     def crew_error(self, crew: str, error: CrewError, encoding: Encoding) -> None:
@@ -118,11 +125,13 @@ class ZenohOutlet:
     def undeclare_crew(self, crew: str) -> None:
         """Undeclare the publisher of a crew, if there is one."""
         if crew in self._crews:
+            self.read_keys.discard(self._keys.crew_actions(crew))
             _undeclare(self._crews.pop(crew)[0])
 
     def body(self, agent: str, body: Body) -> None:
         """Put `body/<agent>`."""
         if agent not in self._bodies:
+            self.read_keys.update(self._keys.read_of(agent))
             self._bodies[agent] = link.declare(self._session, self._keys.body(agent), CHANNELS["body"])
         self._bodies[agent].put(encode(body))
 
@@ -206,7 +215,7 @@ def serve(
         if recording is not None:
             poses = None if reported is None else ReportedPoses(recording.runs, reported)
             playback = Playback(options, outlet, unix_time, recording, poses)
-            return _serve(options, route, session, keys, stop, playback, claim)
+            return _serve(options, route, session, keys, stop, playback, claim, outlet.read_keys)
         run = new_hex()
         log = Log(log_file, options.setup, run, options.world) if log_file is not None else None
         files = None if runs is None else RunFiles(runs, options.world, lambda: live_run.state)
@@ -215,7 +224,7 @@ def serve(
             live_run = LiveRun(options, outlet, floors, unix_time, record=write, run=run)
             if files is not None:
                 live_run.observe_events(files.add_event)
-            return _serve(options, route, session, keys, stop, live_run, claim, recorder.flush_if_due)
+            return _serve(options, route, session, keys, stop, live_run, claim, outlet.read_keys, recorder.flush_if_due)
 
 
 def _check_free(session: zenoh.Session, keys: Keys, route: link.Link) -> None:
@@ -245,9 +254,10 @@ def _serve(
     stop: threading.Event,
     service: Service,
     claim: ClaimWatch,
+    known: Collection[str],
     flush_if_due: Callable[[float], None] = lambda _now: None,
 ) -> int:
-    inbox = zenoh_inbox.Inbox()
+    inbox = zenoh_inbox.Inbox(known=known)
     with contextlib.ExitStack() as stack:
         service.begin()
         for key in keys.every_put:

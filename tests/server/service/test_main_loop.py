@@ -8,12 +8,20 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import pytest
+import zenoh
 
 from intellwheels_schemas.keys import Keys
-from intellwheels_schemas.zenoh_inbox import Inbox
+from intellwheels_schemas.zenoh_inbox import KEY_SHARE, Inbox
 from intellwheels_server.service.arrival import Arrival, Put, Query
 from intellwheels_server.service.arrival_reader import ArrivalReader
-from intellwheels_server.service.main_loop import AT_A_TIME, QUERY_TIME, REPORT_EVERY, DropReport, run_service
+from intellwheels_server.service.main_loop import (
+    AT_A_TIME,
+    QUERY_TIME,
+    RENEW_EVERY,
+    REPORT_EVERY,
+    DropReport,
+    run_service,
+)
 
 KEYS = Keys("main")
 PERIOD = 0.05
@@ -30,6 +38,15 @@ class Service:
     done: list[float] = field(default_factory=list)
     taken: list[str] = field(default_factory=list)
     on_tick: Callable[[], None] = lambda: None
+    counts: bool = True
+
+    @property
+    def state(self) -> Service:
+        return self
+
+    @property
+    def tick(self) -> int:
+        return len(self.done) if self.counts else 0
 
     def take(self, arrival: Arrival, _now: float) -> None:
         self.now += self.cost
@@ -141,6 +158,29 @@ def test_flood_of_messages_delays_a_tick_and_a_query_by_some_of_them_only(monkey
     assert max(late) <= (AT_A_TIME + 1) * service.cost + 1e-9
     assert service.taken.index("clock") == AT_A_TIME
     assert service.taken.count("Put") == 16_000
+
+
+@pytest.mark.usefixtures("reads")
+@pytest.mark.parametrize("counts", [True, False], ids=["ticks go on", "no tick is counted"])
+def test_agent_gets_its_share_again_at_each_tick_and_while_there_is_none(
+    monkeypatch: pytest.MonkeyPatch, counts: bool
+) -> None:
+    inbox, service = Inbox(known={KEYS.actions("a")}), Service(cost=0.0, ticks=20, counts=counts)
+    message: Any = Message(KEYS.actions("a"))
+    message.kind = zenoh.SampleKind.PUT
+
+    def flood() -> None:
+        for _ in range(3 * KEY_SHARE):
+            inbox.on_sample(message)
+
+    service.on_tick = flood
+    run(service, inbox, monkeypatch)
+    shares, time = len(service.taken) / KEY_SHARE, 19 * PERIOD
+    if counts:
+        assert shares == 19
+    else:
+        # A renewal may wait for the next look, a period later.
+        assert time / (RENEW_EVERY + PERIOD) - 1 <= shares <= time / RENEW_EVERY + 1
 
 
 def test_drops_are_reported_at_most_once_a_second_with_their_keys() -> None:
