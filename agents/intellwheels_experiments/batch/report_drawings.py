@@ -9,16 +9,18 @@ from __future__ import annotations
 import io
 import re
 from collections.abc import Sequence
+from contextlib import AbstractContextManager
 from dataclasses import dataclass
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
-import matplotlib as mpl
 import numpy as np
-from matplotlib.figure import Figure
 
 from intellwheels_experiments.batch.metrics import Floats, drift_band
 from intellwheels_maps.check import wall_pieces
 from intellwheels_schemas.messages import Map
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 TRUE, REPORTED, CONTACT, WALL = "#0072B2", "#D55E00", "#CC0033", "#9a9a94"
 WIDTH: Final = 9.6
@@ -71,11 +73,13 @@ def paths(floor: Map, runs: Sequence[PlottedRun], goal: tuple[float, float, floa
     corners = np.array([(c.x, c.y) for wall in floor.wall for c in wall.corner])
     (left, low), (right, high) = corners.min(axis=0) - 0.15, corners.max(axis=0) + 0.15
     height = min(6.0, (WIDTH - 0.7) * (high - low) / (right - left)) + 0.55
-    with mpl.rc_context(STYLE):
+    with _style():
         figure, axes = _plot(height)
         _draw_floor(axes, floor)
         if goal is not None:
-            axes.add_patch(mpl.patches.Circle(goal[:2], goal[2], fill=False, ec="#009E73", lw=1.2))
+            from matplotlib.patches import Circle  # noqa: PLC0415
+
+            axes.add_patch(Circle(goal[:2], goal[2], fill=False, ec="#009E73", lw=1.2))
         for run in runs:
             axes.plot(*run.true[::EVERY, 1:3].T, color=colour, lw=0.8, alpha=_opacity(runs))
             if run.reported is not None:
@@ -91,9 +95,8 @@ def along(runs: Sequence[PlottedRun]) -> str:
     """Return clearance and speed over the distance driven: the median of the runs and the middle 80 % of them."""
     longest = max(0.1, *(float(run.distance[-1]) for run in runs))
     grid = np.linspace(0.0, longest, GRID)
-    with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(WIDTH, 2.6), layout="constrained")
-        upper, lower = figure.subplots(2, 1, sharex=True)
+    with _style():
+        figure, (upper, lower) = _plot(2.6, 2)
         for axes, name, colour in ((upper, "clearance", "#009E73"), (lower, "speed", TRUE)):
             values = np.array([_resampled(grid, run.distance, getattr(run, name)) for run in runs])
             present = ~np.isnan(values).all(axis=0)
@@ -120,7 +123,7 @@ def drift(runs: Sequence[PlottedRun], variance: float, track: float) -> str | No
     plotted = [run for run in runs if run.reported is not None]
     if not plotted:
         return None
-    with mpl.rc_context(STYLE):
+    with _style():
         figure, axes = _plot(2.3)
         for run in plotted:
             assert run.reported is not None  # noqa: S101 - selected above
@@ -141,7 +144,7 @@ def drift(runs: Sequence[PlottedRun], variance: float, track: float) -> str | No
 
 def intervals(rows: Sequence[tuple[str, float, float, float]]) -> str:
     """Return the success rates of rows with their intervals. A row is its title, rate, low and high, in [0, 1]."""
-    with mpl.rc_context(STYLE):
+    with _style():
         figure, axes = _plot(0.55 + 0.3 * len(rows))
         for line, (_, rate, low, high) in enumerate(rows):
             axes.plot([100 * low, 100 * high], [line, line], color=TRUE, lw=2.2, solid_capstyle="butt")
@@ -155,7 +158,7 @@ def intervals(rows: Sequence[tuple[str, float, float, float]]) -> str:
 
 def timeline(series: Sequence[tuple[str, Floats, Floats]], unit: str) -> str:
     """Return values over time. A series is its name, its times in s and its values, which all are in `unit`."""
-    with mpl.rc_context(STYLE):
+    with _style():
         figure, axes = _plot(1.9)
         for (name, times, values), colour in zip(series, (TRUE, REPORTED, "#009E73", "#CC79A7") * 4, strict=False):
             axes.plot(times, values, color=colour, lw=1.2, label=name)
@@ -164,18 +167,29 @@ def timeline(series: Sequence[tuple[str, Floats, Floats]], unit: str) -> str:
         return _svg(figure)
 
 
-def _plot(height: float) -> tuple[Figure, Any]:
+def _style() -> AbstractContextManager[None]:
+    """Let figures have the style of the report. Matplotlib takes half a second to load, and many runs draw nothing."""
+    import matplotlib as mpl  # noqa: PLC0415
+
+    return mpl.rc_context(STYLE)
+
+
+def _plot(height: float, rows: int = 1) -> tuple[Figure, Any]:
+    from matplotlib.figure import Figure  # noqa: PLC0415
+
     figure = Figure(figsize=(WIDTH, height), layout="constrained")
-    return figure, figure.subplots()
+    return figure, figure.subplots(rows, 1, sharex=True)
 
 
 def _draw_floor(axes: Any, floor: Map) -> None:
+    from matplotlib.patches import Polygon  # noqa: PLC0415
+
     for wall in floor.wall:
         for piece in wall_pieces(wall):
-            axes.add_patch(mpl.patches.Polygon(piece, fc=WALL, ec="none"))
+            axes.add_patch(Polygon(piece, fc=WALL, ec="none"))
     for obstacle in floor.obstacle:
         shape = [(corner.x, corner.y) for corner in obstacle.corner]
-        axes.add_patch(mpl.patches.Polygon(shape, fc="#d9d4c7", ec=WALL, lw=0.8))
+        axes.add_patch(Polygon(shape, fc="#d9d4c7", ec=WALL, lw=0.8))
         middle = np.mean(shape, axis=0)
         axes.text(*middle, obstacle.name.upper(), ha="center", va="center", color="#666", fontsize=8)
 

@@ -16,8 +16,6 @@ from intellwheels_server.world.kernels.arrays import (
     PIECE_X1,
     PIECE_Y0,
     PIECE_Y1,
-    Floats,
-    Ints,
     Walls,
 )
 
@@ -69,17 +67,15 @@ def _encloses(walls: Walls, across: int, along: int) -> bool:
     here, there = walls.edges, walls.edges[following]
     low, high = walls.edges[:, across].min(), walls.edges[:, across].max()
     lines = low + (high - low) * (np.arange(LINES) + 0.5) / LINES
-    return sum(_has_gap(here, there, starts, across, along, line) for line in lines) >= SHARE * LINES
-
-
-def _has_gap(here: Floats, there: Floats, starts: Ints, across: int, along: int, line: float) -> bool:
-    """Return whether free space lies between the pieces that a line meets."""
-    a, b = here[:, across], there[:, across]
+    # A row is a line, a column an edge of a wall.
+    line, a, b = lines[:, None], here[:, across], there[:, across]
     crossed = (np.minimum(a, b) <= line) & (line < np.maximum(a, b))
     share = (line - a) / np.where(crossed, b - a, 1.0)
     at = here[:, along] + share * (there[:, along] - here[:, along])
-    low = np.minimum.reduceat(np.where(crossed, at, np.inf), starts)
-    high = np.maximum.reduceat(np.where(crossed, at, -np.inf), starts)
-    order = np.argsort(low)
-    order = order[np.isfinite(low[order])]
-    return bool(np.any(low[order][1:] > np.maximum.accumulate(high[order])[:-1] + 1e-6))
+    # The extent of each piece along each line, in the order in which the line meets them; infinite where it does not.
+    first = np.minimum.reduceat(np.where(crossed, at, np.inf), starts, axis=1)
+    last = np.maximum.reduceat(np.where(crossed, at, -np.inf), starts, axis=1)
+    order = np.argsort(first, axis=1)
+    first, last = np.take_along_axis(first, order, axis=1), np.take_along_axis(last, order, axis=1)
+    gap = np.isfinite(first[:, 1:]) & (first[:, 1:] > np.maximum.accumulate(last, axis=1)[:, :-1] + 1e-6)
+    return bool(np.count_nonzero(gap.any(axis=1)) >= SHARE * LINES)

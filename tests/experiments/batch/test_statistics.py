@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 import pytest
-from scipy import optimize
+from scipy import optimize, stats
 
 from intellwheels_experiments.batch.statistics import compare, difference_interval, mcnemar, mean_difference, wilson
 
@@ -25,6 +25,18 @@ def test_mcnemar_is_the_binomial_of_the_discordant_pairs() -> None:
     assert mcnemar(0, 0) == 1.0
     assert mcnemar(6, 0) == pytest.approx(2.0 / 2**6)
     assert mcnemar(1, 5) == pytest.approx(2.0 * (1 + 6) / 2**6)
+
+
+def test_intervals_and_p_values_are_those_of_scipy() -> None:
+    for trials in (1, 2, 7, 40, 263, 2000):
+        for successes in {0, 1, trials // 3, trials // 2, trials - 1, trials}:
+            found = stats.binomtest(successes, trials)
+            assert wilson(successes, trials) == tuple(found.proportion_ci(0.95, method="wilson"))
+            assert mcnemar(successes, trials - successes) == pytest.approx(found.pvalue, rel=1e-12)
+    values = np.random.default_rng(3).normal(size=9)
+    width = stats.sem(values) * stats.t.ppf(0.975, 8)
+    mean = float(values.mean())
+    assert mean_difference(list(values), [0.0] * 9) == (mean, (mean - width, mean + width))
 
 
 def test_difference_without_discordant_pairs_still_has_a_width() -> None:
