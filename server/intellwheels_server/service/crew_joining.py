@@ -189,6 +189,10 @@ def handle_crew_leave(service: ServiceState, query: Query) -> None:
     except WireError as error:
         query.refuse(service.result("failed", error.text))
         return
+    if crew_leave.crew != query.name:
+        text = f"CrewLeave.Crew: expected '{query.name}' as in the key, got '{crew_leave.crew}'"
+        query.refuse(service.result("failed", text))
+        return
     crew = service.agents.crews.named.get(query.name)
     members = crew.members if crew is not None else {}
     leaving = [

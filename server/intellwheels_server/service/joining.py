@@ -291,6 +291,7 @@ def _give_body(service: ServiceState, member: Member, current: Member | None) ->
 def _joined_reply(service: ServiceState, member: Member, position: Position, *, shows_key: bool) -> Joined:
     state, options = service.run.state, service.options
     model = state.body_set.models[member.agent]
+    robot = msgspec.structs.replace(model.robot, crew=member.crew or None)
     return Joined(
         run=state.run,
         tick=state.tick,
@@ -298,7 +299,7 @@ def _joined_reply(service: ServiceState, member: Member, position: Position, *, 
         parameters=service.parameters(),
         # An agent that returns to a laboratory gets the start pose of its chair, not the true pose.
         position=model.start if options.hide_truth else position,
-        robot=nominal(model.robot) if options.hide_truth else model.robot,
+        robot=nominal(robot) if options.hide_truth else robot,
         # Once only: anybody can read the instance of a process in its token, and join in its name.
         key=member.key if member.key and shows_key else None,
     )

@@ -92,9 +92,12 @@ class Playback:
                 return  # a key that nobody reads, with no name that could get an error
             if arrival.kind == "pose" and self._reported is not None:
                 return  # the playback puts these poses itself, and receives them too
-            fault = Fault("not-joined", f"{arrival.kind}: {READ_ONLY}")
-            if service.message_limit.admit(arrival.agent, service.run.state.tick, now):
-                outbound.send_error(service, arrival.agent, fault, now)
+            is_crew = arrival.kind == "crew"
+            fault = Fault("not-joined", f"{'CrewActions' if is_crew else arrival.kind}: {READ_ONLY}")
+            # A crew may have the name of an agent. No agent's name has a slash.
+            sender = f"crew/{arrival.agent}" if is_crew else arrival.agent
+            if service.message_limit.admit(sender, service.run.state.tick, now):
+                (outbound.send_crew_error if is_crew else outbound.send_error)(service, arrival.agent, fault, now)
         elif not isinstance(arrival, Token):
             self._take_query(arrival, now)
 
@@ -212,12 +215,12 @@ class Playback:
     def _take_query(self, query: Query, now: float) -> None:
         service = self._service
         match query.topic:
-            case "join":
+            case "join" | "crew-join":
                 if query.name or not query.has_wildcards:
                     query.refuse(Refused(code="full", text=f"{READ_ONLY}: agents cannot join it"))
                 else:
                     query.close()
-            case "leave":
+            case "leave" | "crew-leave":
                 query.reply(service.result("unsupported", READ_ONLY))
             case "ctl":
                 message = control.read_message(service, query)

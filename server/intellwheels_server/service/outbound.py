@@ -105,7 +105,7 @@ def _send_error(service: ServiceState, agent: str, fault: Fault, suppressed: int
     service.publisher.outlet.agent(agent, "error", error, member.encoding if member else Encoding.JSON)
     crew = service.agents.crews.of(agent)
     if crew is not None:
-        _put_crew_error(service, crew.name, error, agent)
+        put_crew_error(service, crew.name, error, agent)
 
 
 def send_crew_error(service: ServiceState, crew: str, fault: Fault, now: float, agent: str | None = None) -> None:
@@ -121,10 +121,11 @@ def send_crew_error(service: ServiceState, crew: str, fault: Fault, now: float, 
     # No agent's name has a slash.
     suppressed = service.error_limit.admit(f"crew/{crew}", crew in service.agents.crews.named, now)
     if suppressed is not None:
-        _put_crew_error(service, crew, _error_of(service, fault, suppressed), agent)
+        put_crew_error(service, crew, _error_of(service, fault, suppressed), agent)
 
 
-def _put_crew_error(service: ServiceState, crew: str, error: Error, agent: str | None) -> None:
+def put_crew_error(service: ServiceState, crew: str, error: Error, agent: str | None) -> None:
+    """Send a crew an error, whatever it got recently; `agent` is the one that it is about, if it is about one."""
     known = service.agents.crews.named.get(crew)
     fields = {name: getattr(error, name) for name in Error.__struct_fields__}
     encoding = known.encoding if known is not None else Encoding.JSON
@@ -256,7 +257,9 @@ def body_of(service: ServiceState, agent: str) -> Body:
     roles: tuple[Role, ...] = tuple(member.role for member in roster.members(agent))
     model = state.body_set.models[agent]
     # Sensors mounted on `start` stay at that pose, so viewers need it, even for a body that joined at a Place.
-    robot = msgspec.structs.replace(model.robot, position=model.start)
+    # The robot may have come with another crew than the one that has the agent now.
+    crew = service.agents.crews.of(agent)
+    robot = msgspec.structs.replace(model.robot, position=model.start, crew=crew.name if crew is not None else None)
     if model.mind_input:  # a mind in another process takes this input too
         inputs = dict.fromkeys((*robot.user_input, *model.mind_input))
         robot = msgspec.structs.replace(robot, user_input=tuple(inputs))

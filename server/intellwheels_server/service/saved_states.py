@@ -11,7 +11,7 @@ import msgspec
 
 from intellwheels_schemas.file_records import RestoreState, SaveState, TakeBody
 from intellwheels_schemas.messages import Error, Restore
-from intellwheels_server.service import body_places, joining
+from intellwheels_server.service import body_places, joining, outbound
 from intellwheels_server.service.arrival import Query
 from intellwheels_server.service.new_run import begin_new_run
 from intellwheels_server.service.roster import Member, new_hex, same_body
@@ -66,6 +66,8 @@ def _send_not_joined(service: ServiceState, member: Member) -> None:
         text=f"the run was restored to a tick at which agent '{member.agent}' had another body or none; join again",
     )
     service.publisher.outlet.agent(member.agent, "error", error, member.encoding)
+    if (crew := service.agents.crews.of(member.agent)) is not None:
+        outbound.put_crew_error(service, crew.name, error, member.agent)
 
 
 def _fits(member: Member, model: BodyModel) -> bool:

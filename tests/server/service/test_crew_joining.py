@@ -2,6 +2,7 @@ from __future__ import annotations
 
 from typing import Any
 
+import msgspec
 import pytest
 
 from intellwheels_schemas.codec import Encoding, encode
@@ -233,3 +234,30 @@ def test_run_ends_while_a_crew_waits() -> None:
     assert stage.live_run._service.agents.waiting_crews
     stage.live_run.finish(stage.now)
     assert not stage.live_run._service.agents.waiting_crews
+
+
+def test_leave_names_the_crew_of_its_key() -> None:
+    stage = Stage(pace="realtime")
+    (joined,) = accepted(stage.join_crew("c", "c1")).joined
+    leave = AgentLeave(agent="c1", session=joined.session)
+    ((reply, ok),) = stage.ask("crew-leave", "c", CrewLeave(crew="d", leave=(leave,)))
+    assert isinstance(reply, Result)
+    assert (ok, reply.text) == (False, "CrewLeave.Crew: expected 'c' as in the key, got 'd'")
+    assert stage.live_run.state.names == ("c1",)
+
+
+def test_body_names_the_crew_that_has_the_agent_now() -> None:
+    stage = Stage(pace="realtime")
+    chair = accepted(stage.join_crew("c", "c1", "c2")).joined[0].robot
+    stage.token("c1", "both", presence_of(INSTANCE, "c"), present=False)
+    # Another process takes the body, alone.
+    alone = msgspec.structs.replace(chair, crew=None)
+    assert stage.join("c1", alone, instance="d" * 16).robot.crew is None
+    assert stage.of("body", "c1")[-1].robot.crew is None
+    # A mind may be in a crew though its body joined alone.
+    stage.join("b1", role="body", instance="d" * 16)
+    stage.token("b1", "mind", presence_of(INSTANCE, "c"))
+    mind = Robot(name="b1", role="mind")
+    ((reply, _),) = stage.ask("crew-join", "c", CrewJoin(crew="c", instance=INSTANCE, robot=(mind,)))
+    assert [each.robot.crew for each in accepted(reply).joined] == ["c"]
+    assert stage.of("body", "b1")[-1].robot.crew == "c"

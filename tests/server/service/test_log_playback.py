@@ -6,7 +6,20 @@ from pathlib import Path
 import pytest
 
 from intellwheels_maps import robot
-from intellwheels_schemas.messages import Actions, Clock, Events, Map, Pose, Refused, Result, Robot, Seek, Speed, Step
+from intellwheels_schemas.messages import (
+    Actions,
+    Clock,
+    CrewLeave,
+    Events,
+    Map,
+    Pose,
+    Refused,
+    Result,
+    Robot,
+    Seek,
+    Speed,
+    Step,
+)
 from intellwheels_server.service.arrival import Put
 from tests.server.plays import PlayStage, Seen, record
 from tests.server.stage import RUN, Stage, real
@@ -251,3 +264,32 @@ def test_a_playback_waits_until_it_is_resumed_unless_it_quits_at_its_end(log: Pa
     alone.work(1.0)
     assert alone.tick > 0
     alone.close()
+
+
+def test_no_crew_joins_leaves_or_drives(stage: PlayStage) -> None:
+    reply = stage.join_crew("chair1", "c1")
+    assert isinstance(reply, Refused)
+    assert (reply.code, reply.text) == ("full", "a played log cannot be steered: agents cannot join it")
+    (left,) = stage.ask("crew-leave", "c", CrewLeave(crew="c"))
+    assert isinstance(left[0], Result)
+    assert left[0].code == "unsupported"
+    stage.crew_act("chair1", "c1")
+    # The crew is told so, not the agent that has the same name.
+    assert stage.errors("chair1") == []
+    assert [(error.code, error.text) for error in stage.of("crew-error", "chair1")] == [
+        ("not-joined", "CrewActions: a played log cannot be steered")
+    ]
+
+
+def test_bodies_of_crews_are_in_no_crew_as_their_measures_come_one_by_one(tmp_path: Path) -> None:
+    live = Stage(pace="realtime", log=tmp_path / "log")
+    live.join_crew("c", "c1", "c2")
+    live.work(0.5)
+    live.live_run.finish(live.now)
+    assert live.log is not None
+    live.log.close()
+    stage = PlayStage(tmp_path / "log", quit_at_end=True)
+    stage.work(1.0)
+    assert [body.robot.crew for name in ("c1", "c2") for body in stage.of("body", name)[-1:]] == [None, None]
+    assert stage.measures("c1") != []
+    stage.close()

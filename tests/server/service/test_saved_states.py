@@ -270,3 +270,17 @@ def test_log_repeats_a_teleport_and_a_save_in_one_tick(tmp_path: Path) -> None:
     assert stage.log is not None
     stage.log.close()
     assert resimulate(tmp_path / "log").differs is None
+
+
+def test_crew_is_told_which_of_its_agents_a_restore_removed() -> None:
+    stage = Stage(pace="realtime")
+    stage.join_crew("c", "c1")
+    stage.result("save")
+    stage.join_crew("c", "c2")
+    assert stage.result("restore", Restore(slot="s1")).code == "ok"
+    # A crew does not hear what is sent to its agents.
+    assert [(error.code, error.agent) for error in stage.of("crew-error", "c")] == [("not-joined", "c2")]
+    assert "join again" in stage.of("crew-error", "c")[0].text
+    stage.join_crew("c", "c2")
+    stage.work(0.1)
+    assert [each.agent for each in stage.of("crew-measures", "c")[-1].measures] == ["c1", "c2"]
