@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 import threading
 from collections.abc import Iterator
@@ -17,10 +18,10 @@ from hypothesis import strategies as st
 from intellwheels_maps import library
 from intellwheels_schemas.messages import Map
 from intellwheels_viewer.cameras import (
-    FIRST_FOV,
     FOV,
     MARGIN,
     PLAN_FOV,
+    SEATED,
     SMALLEST,
     STEEP,
     TALLEST,
@@ -35,6 +36,7 @@ from intellwheels_viewer.cameras import (
     plan_of,
     ray,
 )
+from intellwheels_viewer.head_turn import DOWN, REACH, Eye
 from tests.viewer.wire import entity
 
 EMPTY = Map(format="iw.v1", name="empty")
@@ -118,8 +120,37 @@ def test_the_plan_is_from_above_and_north_is_up() -> None:
 def test_who_sits_looks_ahead_from_the_height_of_the_head() -> None:
     view = first_person(entity("a", 2.0, 3.0, heading=math.pi / 2))
     assert view.position == pytest.approx((2.0, 3.05, 1.2))
-    assert view.look_at[1] > 5.0
-    assert view.fov == FIRST_FOV
+    assert view.look_at[1] > view.position[1]
+    assert view.fov == SEATED.fov
+
+
+@pytest.mark.parametrize("turned", [0.0, 0.6])
+def test_the_view_from_the_chair_is_the_place_that_the_plan_shows(turned: float) -> None:
+    # The corners of the room and the jambs of its door, at the floor and at the top.
+    plan_points = np.array([(0.0, 0.0), (8.95, 0.0), (8.95, 8.0), (9.0, 3.45), (9.0, 4.55), (13.0, 5.0)])
+    chair = entity("a", 1.2, 3.0, heading=0.1)
+    eye = Eye(0.12, 1.2, math.radians(88.0))
+    first = first_person(chair, eye, yaw=turned)
+    plan = plan_of(corners_of(library.floor("room")), 1.6)
+    on_plan = projected(np.column_stack([plan_points, np.zeros(6)]), plan, 1.6)
+    (here,) = projected(np.array([(*first.position[:2], 0.0)]), plan, 1.6)
+    (ahead,) = projected(np.array([(first.position[0] + 1.0, first.position[1], 0.0)]), plan, 1.6)
+    metre = (ahead[0] - here[0]) * 1.6  # in half heights of the picture
+    seen = 0
+    for height, (point, there) in itertools.product((0.0, 2.5), zip(plan_points, on_plan, strict=True)):
+        east, north = (there[0] - here[0]) * 1.6 / metre, (there[1] - here[1]) / metre
+        bearing, far = math.atan2(north, east) - chair.heading - turned, math.hypot(north, east)
+        if abs(bearing) < 0.9:  # before the eye
+            seen += 1
+            (spot,) = projected(np.array([(*point, height)]), first, 1.6)
+            # What a lens that looks down by DOWN makes of a point at this bearing, distance and height.
+            ahead_of, aside, above = far * math.cos(bearing), -far * math.sin(bearing), height - eye.height
+            depth = ahead_of * math.cos(DOWN) - above * math.sin(DOWN)
+            up = ahead_of * math.sin(DOWN) + above * math.cos(DOWN)
+            tall = math.tan(eye.fov / 2)
+            assert spot[0] == pytest.approx(aside / depth / tall / 1.6, abs=0.01)
+            assert spot[1] == pytest.approx(up / depth / tall, abs=0.01)
+    assert seen >= 6
 
 
 def test_following_begins_behind_and_above() -> None:
@@ -264,7 +295,23 @@ def test_first_person_sits_in_the_chair(client: Fake, camera: Camera) -> None:
     camera.choose("first", entity("a", 2.0, heading=0.0))
     camera.follow(entity("a", 4.0, heading=0.0))
     assert client.camera.position[0] == pytest.approx(4.05)
-    assert client.camera.fov == FIRST_FOV
+    assert client.camera.fov == SEATED.fov
+
+
+def test_the_mouse_turns_the_head_and_the_chair_goes_on(client: Fake, camera: Camera) -> None:
+    camera.choose("first", entity("a", 2.0))
+    client.report()
+    assert camera.turning == 0.0
+    eye, look = np.array(client.camera.position), np.array(client.camera.look_at)
+    # The page turns the view about a point just ahead: half a turn to the left.
+    client.report(position=tuple(look + np.array([0.0, -REACH, 0.0])), look_at=tuple(look))
+    assert camera.turning > 0.0
+    camera.follow(entity("a", 3.0))
+    moved, ahead = np.array(client.camera.position), np.array(client.camera.look_at)
+    assert moved == pytest.approx(eye + np.array([1.0, 0.0, 0.0]))
+    assert (ahead - moved)[1] == pytest.approx(REACH, abs=1e-3)
+    camera.choose("first", entity("a", 3.0))
+    assert camera.turning == 0.0
 
 
 def test_nobody_can_be_followed_but_somebody(camera: Camera) -> None:

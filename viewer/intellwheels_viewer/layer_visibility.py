@@ -15,6 +15,8 @@ from intellwheels_viewer.stage import LAYERS
 if TYPE_CHECKING:
     from intellwheels_viewer.snapshot import Snapshot
 
+SENSES: Final = frozenset({"wedges", "lidar", "trails"})
+"""The layers that a view from the chair does not show unless the user wants them there."""
 LAYERS_KEY: Final = "intellwheels.layers"
 
 
@@ -23,14 +25,16 @@ class LayerVisibility:
 
     Args:
         client: The browser.
+        dark: Whether it has the colours of the dark theme.
 
     Attributes:
         layers: The layers that are shown.
         hidden: The browser's own nodes by layer, for layers that were ever hidden.
     """
 
-    def __init__(self, client: viser.ClientHandle) -> None:
-        self._client = client
+    def __init__(self, client: viser.ClientHandle, *, dark: bool = False) -> None:
+        self._client, self._dark = client, dark
+        self._inside = False
         self.layers = layers_panel.from_json(_kept(client))
         self.hidden: dict[str, viser.FrameHandle] = {}
         self._walls: Walls | None = None
@@ -44,20 +48,28 @@ class LayerVisibility:
         self._hide()
 
     def draw_walls(self, snapshot: Snapshot, *, inside: bool) -> None:
-        """Draw walls at full height if this browser wants them or its camera is inside a room."""
+        """Draw walls at full height if this browser wants them or its camera is inside a room.
+
+        From inside, names are left to `InsideView`, and sensors and trails are hidden unless the user wants them.
+        """
+        if inside != self._inside:
+            self._inside = inside
+            self._hide()
         whole = self.layers.full_walls or inside
         wanted = (snapshot.revision, whole)
         if snapshot.floor is None or wanted == self._walls_of or (self._walls is None and not whole):
             return
         self._walls_of = wanted
         if self._walls is None:
-            self._walls = Walls(self._client.scene)
+            self._walls = Walls(self._client.scene, dark=self._dark)
         # These nodes hide the shared ones, so they stay and must be redrawn at half height and for a new map too.
         self._walls.show(snapshot.floor, None if whole else HALF_HEIGHT)
 
     def _hide(self) -> None:
         for layer, node in LAYERS.items():
             shown = bool(getattr(self.layers, layer))
+            if self._inside:
+                shown = shown and layer != "labels" and (self.layers.senses or layer not in SENSES)
             if not shown and layer not in self.hidden:
                 self.hidden[layer] = self._client.scene.add_frame(node, show_axes=False, visible=False)
             elif layer in self.hidden:

@@ -13,11 +13,13 @@ from intellwheels_schemas.messages import OperatorSay, Result
 from intellwheels_viewer.cameras import Camera, Mode
 from intellwheels_viewer.control_tabs import ControlCalls, ControlTabs
 from intellwheels_viewer.drag_move import DragMove
-from intellwheels_viewer.drawings import wedges
+from intellwheels_viewer.drawings import real_badge, wedges
 from intellwheels_viewer.drawings.notice import Notice
 from intellwheels_viewer.drawings.selection import Selection
 from intellwheels_viewer.goal_click import GoalClick
+from intellwheels_viewer.head_turn import eye_of
 from intellwheels_viewer.held_ghost import HeldGhost
+from intellwheels_viewer.inside_view import InsideView
 from intellwheels_viewer.layer_visibility import LayerVisibility
 from intellwheels_viewer.limited_worlds import LimitedWorlds, Worlds
 from intellwheels_viewer.page_rights import EVERYTHING, PageRights
@@ -62,16 +64,23 @@ class Page:
         network: Takes requests and inputs.
         colours: The colour of each agent.
         visit: How the browser has come, and what its user may do.
+        dark: Whether the building has the colours of the dark theme.
     """
 
     def __init__(
-        self, client: viser.ClientHandle, network: Worlds, colours: Colours, visit: PageRights = EVERYTHING
+        self,
+        client: viser.ClientHandle,
+        network: Worlds,
+        colours: Colours,
+        visit: PageRights = EVERYTHING,
+        *,
+        dark: bool = False,
     ) -> None:
         self._client, self._colours = client, colours
         self._visit = self._rights = visit
         self._network = network = LimitedWorlds(network, lambda: self._visit)
         # First, because it waits for the browser.
-        self._layers = LayerVisibility(client)
+        self._layers = LayerVisibility(client, dark=dark)
         self._requests = RequestQueue(network, self._refused)
         self._driving = Driving(network, self._requests)
         self._snapshot = Snapshot()
@@ -84,6 +93,7 @@ class Page:
         self._drag_move = DragMove(client, self._requests, self._held_ghost, colours, self._undo)
         self._goal_click = GoalClick(client, self._driving, self._notify)
         self._ring = Selection(client.scene, "/selected")
+        self._inside = InsideView(client.scene, dark=dark)
         self._notice = Notice(client.scene)
         self._framed = -1
         self.camera = Camera(client)
@@ -101,7 +111,7 @@ class Page:
     @property
     def view_state(self) -> tuple[object, ...]:
         """The choices of this browser that affect the drawing; a change redraws even a paused run."""
-        return self.selected, self.camera.mode, self._layers.layers
+        return self.selected, self.camera.mode, self._layers.layers, self.camera.turning
 
     # ------------------------------------------------------------ output, on the drawing thread
 
@@ -112,13 +122,24 @@ class Page:
         entity = None if selected is None else snapshot.entity(selected)
         body = None if selected is None else snapshot.bodies.get(selected)
         with self._client.atomic():
-            self._ring.show(None if body is None else body.robot, entity)
+            layers, is_inside = self._layers.layers, self.camera.mode == "first"
+            # The own ring would be in the way of who looks down.
+            self._ring.show(None if body is None or is_inside else body.robot, entity)
+            if body is not None:
+                self.camera.eye = eye_of(body.robot, layers.eye_height, layers.field_of_view)
             if entity is not None:
                 self.camera.follow(entity)
             if snapshot.floor is not None and snapshot.revision != self._framed:
                 self._framed = snapshot.revision
                 self.camera.frame(snapshot.floor)
-            self._layers.draw_walls(snapshot, inside=self.camera.mode == "first")
+            self._layers.draw_walls(snapshot, inside=is_inside)
+            self._inside.show(
+                snapshot,
+                entity if is_inside else None,
+                self.camera.eye,
+                full_walls=layers.full_walls,
+                labels=layers.labels,
+            )
 
     def panels(self, snapshot: Snapshot) -> None:
         """Update the panels. Four or five times a second."""
@@ -188,7 +209,7 @@ class Page:
                 gui,
                 self._layers.layers,
                 self._layers.choose,
-                legend=f'<div style="padding:4px 10px">{wedges.legend()}</div>',
+                legend=f'<div style="padding:4px 10px">{wedges.legend()}{real_badge.legend()}</div>',
             )
         self._controls = ControlTabs(
             gui,

@@ -82,6 +82,7 @@ class Viewer:
 
     def __init__(self, options: Options, link: Link, stop: threading.Event) -> None:
         self._stop, self._link, self._door = stop, link, options.door
+        self._dark = options.dark
         self.server = open_server(options.host, options.port, options.allowed)
         self.server.gui.configure_theme(
             show_logo=False,
@@ -178,7 +179,7 @@ class Viewer:
             rights = self._door.rights(admit(client, self.server))
         except KeyError:
             return  # it has left already
-        page = Page(client, self._network, self._stage.colours, rights)
+        page = Page(client, self._network, self._stage.colours, rights, dark=self._dark)
         with self._lock:
             self._pages[client.client_id] = page
         if client.client_id not in self.server.get_clients():

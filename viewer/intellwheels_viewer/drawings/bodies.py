@@ -100,7 +100,9 @@ class _Look:
         self._stale: list[InstanceBatch] = []
         self._legs = None if model.leg is None else WalkingLegs(scene, f"{name}/legs", model.leg, made)
         dashed = document.is_mobile and document.robot.type != "real"
-        self._outline = InstanceBatch(scene, f"{name}/outline", footprint_outlines.outline(document.hull, dashed=dashed))
+        self._outline = InstanceBatch(
+            scene, f"{name}/outline", footprint_outlines.outline(document.hull, dashed=dashed)
+        )
 
     def show(self, fresh: PoseArrays, stale: PoseArrays, lines: PoseArrays, walkers: Sequence[Entity]) -> None:
         _assign(self._fresh, fresh)

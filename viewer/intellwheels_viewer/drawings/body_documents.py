@@ -43,9 +43,7 @@ class BodyDocuments:
         for name, body in bodies.items():
             key = (name, crowd)
             before = self._known.get(key)
-            known[key] = (
-                before if before is not None and before[0] is body else (body, self._document(body, crowd))
-            )
+            known[key] = before if before is not None and before[0] is body else (body, self._document(body, crowd))
         self._known = known
         return {name: document for (name, _), (_, document) in known.items()}
 

@@ -62,16 +62,16 @@ DAY: Final = BuildingColours(
         "asphalt": (124, 127, 133), "paving": (212, 208, 200),
     },
     outside=(176, 186, 178), wall=(248, 247, 243), dado=(206, 218, 216), rail=(164, 132, 98), skirting=(112, 104, 98),
-    masonry=(196, 168, 146), cap=(70, 82, 100), frame=(146, 106, 72), glass=(150, 196, 226), letters=(96, 104, 116),
+    masonry=(196, 168, 146), cap=(70, 82, 100), frame=(146, 106, 72), glass=(150, 196, 226), letters=(74, 82, 94),
     plate=(30, 62, 96), sign_letters=(255, 255, 255), ceiling=(240, 241, 242), lamp=(255, 253, 244),
     kerb=(232, 230, 224), road_line=(246, 246, 242), shade=84, furniture=1.0,
 )  # fmt: skip
 NIGHT: Final = BuildingColours(
     floors={
-        "tiles": (84, 90, 99), "small-tiles": (72, 92, 98), "wood": (98, 80, 62), "carpet": (80, 83, 74),
-        "asphalt": (52, 54, 58), "paving": (78, 77, 74),
+        "tiles": (104, 111, 121), "small-tiles": (88, 113, 120), "wood": (124, 103, 82), "carpet": (100, 104, 93),
+        "asphalt": (62, 64, 69), "paving": (96, 95, 91),
     },
-    outside=(30, 33, 36), wall=(120, 126, 136), dado=(92, 104, 108), rail=(92, 74, 56), skirting=(48, 46, 46),
+    outside=(21, 23, 26), wall=(120, 126, 136), dado=(92, 104, 108), rail=(92, 74, 56), skirting=(48, 46, 46),
     masonry=(100, 86, 76), cap=(164, 174, 190), frame=(108, 80, 56), glass=(58, 92, 124), letters=(170, 178, 190),
     plate=(24, 50, 80), sign_letters=(226, 232, 240), ceiling=(108, 112, 118), lamp=(255, 246, 220),
     kerb=(140, 140, 136), road_line=(176, 176, 170), shade=110, furniture=0.62,

@@ -41,7 +41,7 @@ def fittings(floor: Map, height: float | None, colours: BuildingColours) -> Pain
         turned = [each.turned(math.radians(doorway.heading_deg)).moved(doorway.x, doorway.y) for each in (parts, over)]
         frames.append(turned[0])
         lintels.append(turned[1])
-    made: dict[palette.RGB, Solid] = {colours.frame: join(frames), dimmed(colours.wall, 0.94): join(lintels)}
+    made: dict[palette.RGB, Solid] = {colours.frame: join(frames), dimmed(colours.wall, 0.9): join(lintels)}
     return {rgb: thing for rgb, thing in made.items() if len(thing.faces)}
 
 

@@ -78,9 +78,7 @@ def shaded(floor: Map, height: float | None, colours: BuildingColours) -> Surfac
     ends = painted({colours.cap: join(caps), colours.wall: join(lids)})
     assert ends.colours is not None  # noqa: S101  # painted
     sides = solid(corners, faces)
-    return Surface(
-        sides + ends.solid, colours=np.concatenate([np.array(tints, np.uint8).reshape(-1, 3), ends.colours])
-    )
+    return Surface(sides + ends.solid, colours=np.concatenate([np.array(tints, np.uint8).reshape(-1, 3), ends.colours]))
 
 
 def bands(bottom: float, top: float, colours: BuildingColours, *, outdoors: bool) -> list[_Band]:

@@ -20,7 +20,7 @@ from intellwheels_viewer.drawings import floor_heights, street, textures
 from intellwheels_viewer.drawings.building_colours import BuildingColours, Material, colours_of
 from intellwheels_viewer.drawings.glb import Surface, glb, painted
 from intellwheels_viewer.drawings.lettering import atlas
-from intellwheels_viewer.drawings.polygons import Point, anticlockwise, area, bounds
+from intellwheels_viewer.drawings.polygons import anticlockwise, area, bounds
 from intellwheels_viewer.drawings.rooms import corners_of, extent, grounds, is_outdoors, material_of, passage
 from intellwheels_viewer.drawings.solids import Solid, box, join, sheet, solid
 

@@ -74,7 +74,9 @@ def normals(solid: Solid) -> Array:
     for corner in range(3):
         np.add.at(summed, solid.faces[:, corner], across)
     length = np.linalg.norm(summed, axis=1, keepdims=True)
-    return np.where(length > 0.0, summed / np.maximum(length, 1e-12), np.array([0, 0, 1], np.float32)).astype(np.float32)
+    return np.where(length > 0.0, summed / np.maximum(length, 1e-12), np.array([0, 0, 1], np.float32)).astype(
+        np.float32
+    )
 
 
 class _Maker:
@@ -108,10 +110,8 @@ class _Maker:
         text += b" " * (-len(text) % 4)
         size = 12 + 8 + len(text) + 8 + len(self._data)
         head = struct.pack("<4sII", b"glTF", 2, size)
-        return b"".join(
-            [head, struct.pack("<I4s", len(text), b"JSON"), text]
-            + [struct.pack("<I4s", len(self._data), b"BIN\0"), self._data]
-        )
+        chunks = ((b"JSON", text), (b"BIN\0", bytes(self._data)))
+        return head + b"".join(struct.pack("<I4s", len(data), kind) + data for kind, data in chunks)
 
     def _view(self, data: bytes) -> int:
         self._tree["bufferViews"].append({"buffer": 0, "byteOffset": len(self._data), "byteLength": len(data)})

@@ -1,9 +1,12 @@
-"""A node of many equal solids, or of equal surfaces with their own colours. It is made once; each tick assigns arrays, and unchanged arrays are not sent."""
+"""A node of many equal solids, or of equal surfaces with their own colours.
+
+It is made once; each tick assigns arrays, and unchanged arrays are not sent.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Any, Literal, TypeAlias
+from typing import Any, Literal, TypeAlias, cast
 
 import numpy as np
 import numpy.typing as npt
@@ -43,7 +46,7 @@ class InstanceBatch:
         shadow: bool = False,
         made: Callable[[InstanceBatch], None] | None = None,
     ) -> None:
-        self.handle: viser.BatchedMeshHandle | viser.BatchedGlbHandle | None = None
+        self.handle: viser.BatchedMeshHandle | None = None
         self.names: tuple[str, ...] = ()
         self._scene, self._name = scene, name
         self._shape = shape if isinstance(shape, Solid) else shape.solid
@@ -104,7 +107,7 @@ class InstanceBatch:
 
     def _make(self, places: Array, turns: Array, tints: Bytes, sizes: Array | None, shares: Array | None) -> None:
         if self._glb:
-            self.handle = self._scene.add_batched_glb(
+            made = self._scene.add_batched_glb(
                 self._name,
                 self._glb,
                 turns,
@@ -114,6 +117,8 @@ class InstanceBatch:
                 cast_shadow=self._shadow,
                 receive_shadow=self._shadow,
             )
+            # Both handles have the same events, and the same arrays but for the colours.
+            self.handle = cast("viser.BatchedMeshHandle", made)
         else:
             self.handle = self._simple(places, turns, tints, sizes, shares)
         if self._made is not None:

@@ -26,6 +26,8 @@ SPOKEN: Final = 3.0
 STILL: Final = 0.005
 """Metres per second below which a speed is not shown."""
 
+REAL: Final = "\u25cf real"
+"""What stands behind the name of a real chair."""
 ABOVE: Final = 0.12
 """Metres between a body's top and its label."""
 ASIDE: Final = 0.6
@@ -95,7 +97,8 @@ def tags(
 
 def _tag(body: Body, entity: Entity, bubbles: Sequence[str]) -> Tag:
     hull = extent(parts_of(body.robot))
-    return Tag("\n".join([*bubbles, name_of(entity)]), entity.x, entity.y + ASIDE * hull.width, hull.top + ABOVE)
+    name = f"{name_of(entity)}  {REAL}" if body.robot.type == "real" else name_of(entity)
+    return Tag("\n".join([*bubbles, name]), entity.x, entity.y + ASIDE * hull.width, hull.top + ABOVE)
 
 
 class Labels:

@@ -35,9 +35,7 @@ def shape_of(robot: Robot, *, crowd: bool = False, occupied: bool = False) -> Sh
     return (robot.kind, parts_of(robot), *wheels, has_motors(robot), robot.anchored, real, crowd, occupied)
 
 
-def model_of(
-    robot: Robot, *, crowd: bool = False, cut: float | None = None, occupied: bool = False
-) -> BodyLook:
+def model_of(robot: Robot, *, crowd: bool = False, cut: float | None = None, occupied: bool = False) -> BodyLook:
     """Return the look of a body.
 
     Args:

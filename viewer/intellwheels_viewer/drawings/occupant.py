@@ -27,8 +27,10 @@ def occupant(frame: Frame, *, crowd: bool = False) -> tuple[Solid, Painted]:
     """
     sides = 5 if crowd else 10
     legs = _legs(frame, 4 if crowd else 8, joints=not crowd)
-    torso, head, hair = _torso(frame, sides), _head(frame, sides), _hair(frame, sides)
+    torso, head, hair = (part(frame, sides, 2 if crowd else 1) for part in (_torso, _head, _hair))
     arms, hands = _arms(frame, 3 if crowd else 7, joints=not crowd)
+    if crowd:
+        return torso + arms, {SKIN: head, HAIR: hair, TROUSERS: legs}
     return torso + arms, {SKIN: head + hands, HAIR: hair, TROUSERS: legs, SHOES: _shoes(frame, sides)}
 
 
@@ -52,7 +54,7 @@ def hand(frame: Frame) -> Point:
     return arm_ends(frame)[1] + 0.02, -(frame.wide / 2 - 0.035), arm_height(frame) + 0.105
 
 
-def _torso(frame: Frame, sides: int) -> Solid:
+def _torso(frame: Frame, sides: int, every: int) -> Solid:
     k, x, seat = size(frame), frame.rear + 0.29, frame.seat
     return ellipses(
         [
@@ -61,12 +63,12 @@ def _torso(frame: Frame, sides: int) -> Solid:
             (seat + 0.40 * k, x - 0.01, 0.0, 0.115, 0.18 * k),
             (seat + 0.53 * k, x - 0.01, 0.0, 0.09, 0.19 * k),
             (seat + 0.58 * k, x - 0.005, 0.0, 0.045, 0.07 * k),
-        ],
+        ][::every],
         sides,
     )
 
 
-def _head(frame: Frame, sides: int) -> Solid:
+def _head(frame: Frame, sides: int, every: int) -> Solid:
     k, x, seat = size(frame), frame.rear + 0.29, frame.seat
     return ellipses(
         [
@@ -75,20 +77,21 @@ def _head(frame: Frame, sides: int) -> Solid:
             (seat + 0.64 * k, x + 0.02, 0.0, 0.085, 0.065),
             (seat + 0.71 * k, x + 0.015, 0.0, 0.095, 0.075),
             (seat + 0.76 * k, x + 0.01, 0.0, 0.08, 0.068),
-        ],
+        ][::every],
         sides,
     )
 
 
-def _hair(frame: Frame, sides: int) -> Solid:
+def _hair(frame: Frame, sides: int, every: int) -> Solid:
     k, x, seat = size(frame), frame.rear + 0.29, frame.seat
     return ellipses(
         [
+            (seat + 0.63 * k, x - 0.035, 0.0, 0.055, 0.06),
             (seat + 0.655 * k, x - 0.025, 0.0, 0.07, 0.07),
             (seat + 0.72 * k, x - 0.012, 0.0, 0.088, 0.083),
             (seat + 0.775 * k, x, 0.0, 0.08, 0.07),
             (seat + 0.80 * k, x, 0.0, 0.03, 0.03),
-        ],
+        ][::every],
         sides,
     )
 
@@ -108,7 +111,11 @@ def _shoes(frame: Frame, sides: int) -> Solid:
     middle, half = front - 0.105, 0.10
     return both(
         ellipses(
-            [(0.126, middle, 0.115, half, 0.045), (0.165, middle, 0.115, half, 0.045), (0.21, middle - 0.03, 0.115, 0.05, 0.04)],
+            [
+                (0.126, middle, 0.115, half, 0.045),
+                (0.165, middle, 0.115, half, 0.045),
+                (0.21, middle - 0.03, 0.115, 0.05, 0.04),
+            ],
             max(4, sides - 2),
         )
     )

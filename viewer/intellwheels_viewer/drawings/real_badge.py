@@ -69,7 +69,32 @@ def upright(x: float, z: float, width: float) -> Painted:
     made = {}
     for depth, (rgb, flat) in enumerate(plate().items()):
         vertices = np.column_stack(
-            [np.full(len(flat.vertices), x - 0.002 * depth), -flat.vertices[:, 0] * width, z + flat.vertices[:, 1] * width]
+            [
+                np.full(len(flat.vertices), x - 0.002 * depth),
+                -flat.vertices[:, 0] * width,
+                z + flat.vertices[:, 1] * width,
+            ]
         )
         made[rgb] = Solid(vertices.astype(np.float32), flat.faces)
     return made
+
+
+def legend() -> str:
+    """Return HTML that says how real, virtual and stale chairs are told apart."""
+    frame = '<rect x="2" y="3" width="40" height="16" fill="none" stroke="currentColor" stroke-width="2.5"'
+    plate = (
+        '<rect x="7" y="6" width="30" height="10" fill="#141820"/>'
+        '<text x="22" y="14" font-size="8" font-weight="700" text-anchor="middle" fill="#fff">REAL</text>'
+    )
+    rows = (
+        ("real", f"{frame}/>{plate}", "real: solid frame, plate, white band"),
+        ("virtual", f'{frame} stroke-dasharray="5 4"/>', "virtual: dashed frame"),
+        ("stale", f'{frame} opacity="0.35"/>', "faded: no news of a real one"),
+    )
+    cells = "".join(
+        f'<tr data-reality="{name}"><td style="width:46px;padding:1px 8px 1px 0">'
+        f'<svg width="44" height="22" viewBox="0 0 44 22" style="display:block">{shape}</svg></td>'
+        f'<td style="padding:1px 0">{words}</td></tr>'
+        for name, shape, words in rows
+    )
+    return f'<table style="border-collapse:collapse;font-size:13px;line-height:1.4">{cells}</table>'

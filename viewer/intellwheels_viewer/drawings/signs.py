@@ -70,7 +70,10 @@ def signs(floor: Map, colours: BuildingColours) -> list[Surface]:
         half = min(_WIDEST, tall * line.aspect + 0.06) / 2
         plate = box(0.0, _THICK, -half, half, HEIGHT - _TALL / 2, HEIGHT + _TALL / 2)
         plates.append(plate.turned(sign.heading).moved(sign.x, sign.y))
-        ahead, left = (math.cos(sign.heading), math.sin(sign.heading)), (-math.sin(sign.heading), math.cos(sign.heading))
+        ahead, left = (
+            (math.cos(sign.heading), math.sin(sign.heading)),
+            (-math.sin(sign.heading), math.cos(sign.heading)),
+        )
         for right, above in ((-1, -1), (1, -1), (1, 1), (-1, 1)):
             # Who looks at the sign has its left at his right.
             across, along = right * tall * line.aspect / 2, _THICK + 0.003

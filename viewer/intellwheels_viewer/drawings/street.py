@@ -79,9 +79,7 @@ def _heading_at(floor: Map, crossing: Zone) -> float:
     return 0.0
 
 
-def _clear(
-    floor: Map, street: Zone, heading: float, middle: Point, length: float
-) -> list[tuple[float, float]]:
+def _clear(floor: Map, street: Zone, heading: float, middle: Point, length: float) -> list[tuple[float, float]]:
     """Return the parts of a street that no crossing covers, along it from its middle, in metres."""
     offset = middle[0] * math.cos(heading) + middle[1] * math.sin(heading)
     holes = sorted(_span(corners_of(zone), heading)[0] for zone in floor.zone if is_crossing(zone))
@@ -104,6 +102,4 @@ def _span(corners: Sequence[Point], heading: float) -> tuple[tuple[float, float]
 
 def _strip(start: float, end: float, y: float, width: float) -> Solid:
     half = width / 2
-    return sheet(
-        [(start, y - half), (end, y - half), (end, y + half), (start, y + half)], floor_heights.PAINT
-    )
+    return sheet([(start, y - half), (end, y - half), (end, y + half), (start, y + half)], floor_heights.PAINT)

@@ -43,7 +43,8 @@ def _smooth(random: np.random.Generator, waves: int) -> Grey:
     where = np.arange(-waves, waves + 1)
     spectrum[np.ix_(where, where)] = drawn
     noise = np.fft.ifft2(spectrum).real
-    return noise / np.abs(noise).max()
+    scaled: Grey = noise / np.abs(noise).max()
+    return scaled
 
 
 def _joints(count: int, wide: int, depth: float, random: np.random.Generator, spread: float) -> Grey:
@@ -79,7 +80,8 @@ def _wood(random: np.random.Generator) -> Grey:
         lines = slice(row * each, (row + 1) * each)
         start = int(random.integers(SIZE))
         first = ((x - start) % SIZE) < SIZE // 2
-        grey[lines] += np.where(first, *random.uniform(-0.09, 0.05, 2))[None, :]
+        one, other = random.uniform(-0.09, 0.05, 2)
+        grey[lines] += np.where(first, one, other)
         # Grain is long in the direction of the plank.
         stripe = np.repeat(grain[lines, ::8], 8, axis=1)
         grey[lines] += 0.045 * np.roll(stripe, start, axis=1)
@@ -92,7 +94,9 @@ def _wood(random: np.random.Generator) -> Grey:
 def _carpet(random: np.random.Generator) -> Grey:
     y, x = np.mgrid[0:SIZE, 0:SIZE]
     weave = 0.03 * (((x // 4) + (y // 4)) % 2)
-    return 0.92 + weave + 0.035 * random.normal(size=(SIZE, SIZE)) + 0.035 * _smooth(random, 6)
+    noise: Grey = 0.035 * random.normal(size=(SIZE, SIZE)) + 0.035 * _smooth(random, 6)
+    grey: Grey = 0.92 + weave + noise
+    return grey
 
 
 def _asphalt(random: np.random.Generator) -> Grey:

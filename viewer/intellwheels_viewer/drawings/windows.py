@@ -39,16 +39,17 @@ def windows(floor: Map, height: float | None, colours: BuildingColours) -> Paint
         height: Where walls are cut, in metres; None for full height. In a cut wall a window is seen as a light strip.
         colours: Of the building.
     """
-    frames, panes = [], []
+    frames: list[Solid] = []
+    panes: list[Solid] = []
     for x, y, heading, thick in places(floor):
         top = HEAD if height is None else min(HEAD, height + 0.002)
         for side in (0.0, thick):
             face = _PROUD if side == 0.0 else -_PROUD
-            for near, far, made in ((0.0, face, frames), (face, 1.15 * face, panes)):
-                inset = _BAR if made is panes else 0.0
+            for near, far, inset in ((0.0, face, 0.0), (face, 1.15 * face, _BAR)):
                 front, back = -side + near, -side + far
                 low, high = sorted((front, back))
-                made += _halves(low, high, inset, top - (inset if height is None else 0.0), heading, x, y)
+                upper = top - (inset if height is None else 0.0)
+                (panes if inset else frames).extend(_halves(low, high, inset, upper, heading, x, y))
         if height is not None:
             strip = box(-thick + 0.01, -0.01, -WIDTH / 2, WIDTH / 2, top - 0.01, top + 0.002)
             panes.append(strip.turned(heading).moved(x, y))
@@ -58,7 +59,9 @@ def windows(floor: Map, height: float | None, colours: BuildingColours) -> Paint
 
 def _halves(low: float, high: float, inset: float, top: float, heading: float, x: float, y: float) -> list[Solid]:
     """Return a frame as one board, or, inset, its two panes with a bar between."""
-    spans = [(-WIDTH / 2, WIDTH / 2)] if not inset else [(-WIDTH / 2 + inset, -inset / 2), (inset / 2, WIDTH / 2 - inset)]
+    spans = (
+        [(-WIDTH / 2, WIDTH / 2)] if not inset else [(-WIDTH / 2 + inset, -inset / 2), (inset / 2, WIDTH / 2 - inset)]
+    )
     return [box(low, high, y0, y1, SILL + inset, top).turned(heading).moved(x, y) for y0, y1 in spans]
 
 
