@@ -20,10 +20,10 @@ Vector = npt.NDArray[np.float64]
 EYES: Final = 1.2
 """Eye height of a person in a chair, in metres."""
 EYE_RANGE: Final = (0.8, 1.7)
-FIELD: Final = 88.0
+FIELD: Final = 90.0
 """The vertical field of view, in degrees: with it the own knees and the ceiling are seen."""
 FIELD_RANGE: Final = (40.0, 100.0)
-DOWN: Final = math.radians(19.0)
+DOWN: Final = math.radians(21.0)
 """How far below the horizon a driver looks."""
 REACH: Final = 0.1
 """Metres from the eye to the point about which the page turns the view: so near that a turn moves the head only."""

@@ -48,13 +48,13 @@ def test_every_obstacle_of_the_ward_is_drawn_at_its_own_height() -> None:
 
 
 def test_a_wall_has_a_skirting_board_a_dado_and_a_rail_and_is_darker_at_the_floor() -> None:
-    made = bands(0.0, 2.475, DAY, outdoors=False)
+    made = bands(0.0, 2.475, DAY, plain=False)
     assert (made[0][0], made[-1][1]) == (0.0, 2.475)
     assert [upper for _, upper, *_ in made[:-1]] == [lower for lower, *_ in made[1:]]
     assert {DAY.skirting, DAY.dado, DAY.rail, DAY.wall} <= {rgb for band in made for rgb in band[2:]}
     assert all(sum(low) <= sum(high) for _, upper, low, high in made if upper < 0.5)
-    assert bands(0.0, 0.3, DAY, outdoors=False)[-1][1] == 0.3
-    assert len(bands(2.1, 2.5, DAY, outdoors=False)) == len(bands(0.0, 2.5, DAY, outdoors=True)) == 1
+    assert bands(0.0, 0.3, DAY, plain=False)[-1][1] == 0.3
+    assert len(bands(2.1, 2.5, DAY, plain=False)) == len(bands(0.0, 2.5, DAY, plain=True)) == 1
 
 
 @pytest.mark.parametrize("height", [None, HALF_HEIGHT])
@@ -95,3 +95,9 @@ def test_by_night_they_have_other_colours(scene: viser.SceneApi) -> None:
     by_day = node(scene, "/walls/sides").glb_data
     Walls(scene, dark=True).show(ROOM)
     assert node(scene, "/walls/sides").glb_data != by_day
+
+
+def test_a_huge_map_has_plain_walls_few_triangles_and_no_windows() -> None:
+    teeth = tuple(Corner(x=0.01 * index, y=3.0 + 0.2 * (index % 2)) for index in range(5000))
+    huge = floor(Wall(corner=(*teeth, Corner(x=50.0, y=0.0), Corner(x=0.0, y=0.0))))
+    assert len(shaded(huge, None, DAY).solid.faces) < 8 * 5000

@@ -24,7 +24,7 @@ from intellwheels_viewer.drawings.floor_heights import HALF_HEIGHT
 from intellwheels_viewer.drawings.furniture import Painted, furniture, merged
 from intellwheels_viewer.drawings.glb import Surface, glb, painted
 from intellwheels_viewer.drawings.polygons import Point, anticlockwise
-from intellwheels_viewer.drawings.rooms import is_outdoors
+from intellwheels_viewer.drawings.rooms import DETAILED, is_outdoors
 from intellwheels_viewer.drawings.signs import signs
 from intellwheels_viewer.drawings.solids import Solid, join, prism, solid
 from intellwheels_viewer.drawings.windows import windows
@@ -59,7 +59,7 @@ def extruded(floor: Map, height: float | None) -> tuple[Solid, Solid]:
 
 def shaded(floor: Map, height: float | None, colours: BuildingColours) -> Surface:
     """Return all walls as one surface; the arguments are those of `extruded`."""
-    outdoors = is_outdoors(floor)
+    plain = is_outdoors(floor) or sum(len(wall.corner) for wall in floor.wall) > DETAILED
     corners: list[tuple[float, float, float]] = []
     tints: list[palette.RGB] = []
     caps, lids = [], []
@@ -69,7 +69,7 @@ def shaded(floor: Map, height: float | None, colours: BuildingColours) -> Surfac
         if bottom > 0.0:
             lids.append(prism(piece, bottom, bottom + 0.01))
         ring = anticlockwise(piece)
-        for z0, z1, low, high in bands(bottom, top - cap, colours, outdoors=outdoors):
+        for z0, z1, low, high in bands(bottom, top - cap, colours, plain=plain):
             for (ax, ay), (bx, by) in zip(ring, [*ring[1:], ring[0]], strict=True):
                 corners += [(ax, ay, z0), (bx, by, z0), (bx, by, z1), (ax, ay, z1)]
                 tints += [low, low, high, high]
@@ -81,12 +81,12 @@ def shaded(floor: Map, height: float | None, colours: BuildingColours) -> Surfac
     return Surface(sides + ends.solid, colours=np.concatenate([np.array(tints, np.uint8).reshape(-1, 3), ends.colours]))
 
 
-def bands(bottom: float, top: float, colours: BuildingColours, *, outdoors: bool) -> list[_Band]:
+def bands(bottom: float, top: float, colours: BuildingColours, *, plain: bool) -> list[_Band]:
     """Return the strips of a wall's side from bottom to top, with the colours at the edges of each.
 
-    The shade at the floor and under the ceiling is baked in.
+    The shade at the floor and under the ceiling is baked in. A plain wall, as outdoors and on huge maps, is masonry.
     """
-    if outdoors:
+    if plain:
         return [(bottom, top, dimmed(colours.masonry, 0.78), colours.masonry)]
     dado, wall = colours.dado, colours.wall
     whole: list[_Band] = [

@@ -96,6 +96,8 @@ def passage(floor: Map, doorway: Doorway) -> list[Point]:
 
 _FAR: Final = 60
 """Centimetres up to which a wall beside a doorway is looked for along its heading."""
+DETAILED: Final = 4000
+"""Corners of walls up to which a map is drawn in detail: more would take seconds, and megabytes of a page."""
 _USUAL: Final = 0.05
 """Half the thickness of a wall, in metres, where the map has none beside a doorway."""
 
@@ -105,6 +107,8 @@ def depth_of(floor: Map, doorway: Doorway) -> tuple[float, float]:
     heading = math.radians(doorway.heading_deg)
     ahead, left = (math.cos(heading), math.sin(heading)), (-math.sin(heading), math.cos(heading))
     pieces = pieces_near(floor, (doorway.x, doorway.y), doorway.width)
+    if sum(len(piece) for piece in pieces) > DETAILED:
+        return -_USUAL, _USUAL
     for side in (1, -1):
         across = side * (doorway.width / 2 + 0.04)
         x, y = doorway.x + across * left[0], doorway.y + across * left[1]

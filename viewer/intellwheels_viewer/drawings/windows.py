@@ -27,8 +27,8 @@ _PITCH: Final = 2.9
 """Metres between two windows of one wall, from middle to middle."""
 _PROUD: Final = 0.02
 _BAR: Final = 0.06
-_MOST: Final = 400
-"""Maps of more walls than this have no windows: their looking for takes too long."""
+_MOST: Final = 1600
+"""Maps with more corners of walls than this have no windows: looking for them takes too long."""
 
 
 def windows(floor: Map, height: float | None, colours: BuildingColours) -> Painted:
@@ -68,7 +68,7 @@ def _halves(low: float, high: float, inset: float, top: float, heading: float, x
 def places(floor: Map) -> Iterator[tuple[float, float, float, float]]:
     """Yield the middle of each window on the inner face of its wall, the heading into the room, and the thickness."""
     pieces = [anticlockwise(piece) for wall in floor.wall if wall.height >= HEAD for piece in wall_pieces(wall)]
-    if is_outdoors(floor) or not floor.zone or len(pieces) > _MOST:
+    if is_outdoors(floor) or not floor.zone or sum(len(piece) for piece in pieces) > _MOST:
         return
     rooms = rooms_of(floor)
     tall = [[(c.x, c.y) for c in thing.corner] for thing in floor.obstacle if thing.top > SILL]
