@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
@@ -24,8 +25,9 @@ ROOM = Snapshot(
 )  # fmt: skip
 
 
-def nodes(here: Opened) -> dict[str, Any]:
-    return here.client.scene._handle_from_node_name
+def nodes(here: Opened) -> Mapping[str, Any]:
+    found: Mapping[str, Any] = here.client.scene._handle_from_node_name
+    return found
 
 
 def visible(here: Opened, name: str) -> bool:
